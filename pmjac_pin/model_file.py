@@ -1,0 +1,49 @@
+"""Reading a model file: TOML to MechanismSpec, each error with the file and the key at fault."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+
+import msgspec
+
+from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.spec import DistanceLoop, MechanismSpec, Move, Parameter, PointLoop, Tool
+from pmjac_pin.text_file import read_text
+
+MAXIMAL_SIZE = 1 << 20  # bytes; the largest of our own model files has a few thousand
+
+_TABLES = (MechanismSpec, PointLoop, DistanceLoop, Tool, Move, Parameter)
+_KEYS = sorted({key.encode_name for table in _TABLES for key in msgspec.structs.fields(table)})
+_KINDS = ("point", "distance")
+
+
+def read_model_file(path: Path) -> MechanismSpec:
+    """Read and check a model file; without a name of its own it gets the file's stem.
+
+    Raises
+    ------
+    ModelFileError
+        The message starts with the file's path and names the key at fault.
+    """
+    text = read_text(path, MAXIMAL_SIZE)
+    try:
+        spec = msgspec.convert(tomllib.loads(text), MechanismSpec)
+    except msgspec.ValidationError as error:
+        raise ModelFileError(f"{path}: {_explained(error)}", path=str(path)) from None
+    except (ValueError, RecursionError, OverflowError) as error:
+        raise ModelFileError(f"{path}: not valid TOML: {error}", path=str(path)) from None
+    return spec if spec.name else msgspec.structs.replace(spec, name=path.stem)
+
+
+def _explained(error: msgspec.ValidationError) -> str:
+    """Turn msgspec's message into ours: TOML's words for things, and the near match."""
+    message = str(error).replace("Object contains unknown field", "unknown key")
+    message = message.replace("Object missing required field", "missing key")
+    message = message.replace("$.", "").replace("`$`", "the file")
+    if unknown := re.search(r"unknown key `([^`]*)`", message):
+        return message + did_you_mean(unknown[1], _KEYS)
+    if kind := re.search(r"Invalid value '([^']*)' - at `loop\[\d+\]\.kind`", message):
+        return message + did_you_mean(kind[1], _KINDS)
+    return message

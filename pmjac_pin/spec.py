@@ -1,0 +1,274 @@
+"""MechanismSpec: what a model file says, checked. It knows nothing of Pinocchio.
+
+A model file is data: which URDF, which loops, which motors, which tool, which poses, and how
+the parameters move the origins of that URDF. Nothing in it is evaluated.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from types import MappingProxyType
+from typing import Annotated, Any, Literal
+
+import msgspec
+from msgspec.structs import asdict, force_setattr
+
+from pmjac_pin.errors import (
+    ArgumentError,
+    did_you_mean,
+    unknown_name,
+)
+
+Vector = tuple[float, float, float]
+Name = Annotated[str, msgspec.Meta(min_length=1)]
+ZERO: Vector = (0.0, 0.0, 0.0)
+
+
+class _Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A TOML table: immutable, every key known."""
+
+    def __post_init__(self) -> None:
+        for key, value in asdict(self).items():
+            _refuse_non_finite(key, value)
+            if isinstance(value, dict):
+                force_setattr(self, key, _frozen(value))
+
+
+class PointLoop(_Table, frozen=True, tag_field="kind", tag="point"):
+    """A loop closed where two points coincide: η = p_first − p_second, world axes, 3 rows."""
+
+    frames: tuple[Name, Name]
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _refuse_equal_frames(self.frames)
+
+
+class DistanceLoop(_Table, frozen=True, tag_field="kind", tag="distance"):
+    """A loop closed by a rod between two points: η = |p_first − p_second|² − length², 1 row.
+
+    `length` is a number in m, or a table ``{parameter = coefficient}``: the sum of the
+    coefficients times the parameters' values.
+    """
+
+    frames: tuple[Name, Name]
+    length: float | dict[str, float]
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _refuse_equal_frames(self.frames)
+
+    def resolved_length(self, values: Mapping[str, float]) -> float:
+        """Return the length in m at these values of the parameters."""
+        if isinstance(self.length, float | int):
+            return float(self.length)
+        return sum(coefficient * values[name] for name, coefficient in self.length.items())
+
+
+Loop = PointLoop | DistanceLoop
+
+
+class Tool(_Table, frozen=True, kw_only=True):
+    """The tool: a frame of the URDF, or the frame that three points span.
+
+    Three points p₁, p₂, p₃ give the origin (p₁ + p₂ + p₃)/3, x along p₂ − p₁, z along
+    (p₂ − p₁) × (p₃ − p₁) and y = z × x.
+    """
+
+    frame: str | None = None
+    points: tuple[Name, Name, Name] | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if (self.frame is None) == (self.points is None):
+            raise ValueError("a tool is either `frame = NAME` or `points = [NAME, NAME, NAME]`")
+        if self.points is not None and len(set(self.points)) < 3:
+            raise ValueError(f"the three points of a tool must differ, got {list(self.points)}")
+
+
+class Move(_Table, frozen=True, kw_only=True):
+    """How one parameter moves one thing of the URDF: the change per unit of the parameter.
+
+    The URDF is written at the parameters' defaults; a component becomes
+    ``component + coefficient * (value - default)``.
+    """
+
+    joint: str | None = None
+    visual: str | None = None
+    xyz: Vector = ZERO
+    rpy: Vector = ZERO
+    size: Vector = ZERO
+    length: float = 0.0
+    radius: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if (self.joint is None) == (self.visual is None):
+            raise ValueError("a move names either a `joint` or a `visual`")
+        shape = any(self.size) or self.length != 0.0 or self.radius != 0.0
+        if self.joint is not None and shape:
+            raise ValueError("a joint has an origin (`xyz`, `rpy`) only; sizes belong to a visual")
+        if not (shape or any(self.xyz) or any(self.rpy)):
+            raise ValueError("a move without a coefficient moves nothing")
+
+
+class Parameter(_Table, frozen=True, kw_only=True):
+    """A length or an angle that a user may vary."""
+
+    default: float
+    unit: Literal["m", "rad"]
+    meaning: Name
+    minimum: float | None = None
+    maximum: float | None = None
+    moves: tuple[Move, ...] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.check("default", self.default)
+
+    def check(self, name: str, value: float) -> float:
+        """Return `value` as a float, or say why this parameter cannot have it."""
+        if isinstance(value, bool) or not isinstance(value, float | int):
+            message = f"parameter {name!r} must be a number in {self.unit}, got {value!r}"
+            raise ArgumentError(message)
+        lower = -math.inf if self.minimum is None else self.minimum
+        upper = math.inf if self.maximum is None else self.maximum
+        if not (lower <= value <= upper and math.isfinite(value)):
+            got = f"parameter {name!r} = {value:g} {self.unit}"
+            message = f"{got} is not within [{lower:g}, {upper:g}]"
+            raise ArgumentError(message)
+        return float(value)
+
+
+JointValue = float | tuple[float, ...]
+
+
+class MechanismSpec(_Table, frozen=True, kw_only=True):
+    """What a model file says.
+
+    Attributes
+    ----------
+    name : str
+        The mechanism's name; the file's stem when the file gives none.
+    description : str
+        One sentence.
+    urdf : str
+        The cut tree: a path relative to the model file or to the ``urdf`` folder beside its
+        folder, or ``"example-robot-data:PATH"``.
+    actuated, passive : tuple of str
+        Joints in the order of the columns of K, J and K*, J*. Without `passive`: every other
+        joint that moves, in Pinocchio's order.
+    tool : Tool
+    loops : tuple of PointLoop or DistanceLoop
+        ``[[loop]]`` in the file.
+    poses : mapping of str to mapping of str to float
+        Joint values, m or rad, near which the loops are assembled; "home" is one of them.
+    parameters : mapping of str to Parameter
+    """
+
+    name: str = ""
+    description: str = ""
+    urdf: str = ""
+    actuated: tuple[Name, ...]
+    passive: tuple[Name, ...] | None = None
+    tool: Tool
+    loops: tuple[Loop, ...] = msgspec.field(default=(), name="loop")
+    poses: dict[str, dict[str, JointValue]]
+    parameters: dict[str, Parameter] = msgspec.field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _refuse_repeated("actuated", self.actuated)
+        _refuse_repeated("passive", self.passive or ())
+        if not self.actuated:
+            raise ValueError("`actuated` is empty: name at least one motor joint")
+        if both := sorted(set(self.actuated) & set(self.passive or ())):
+            raise ValueError(f"joint {both[0]!r} is listed as actuated and as passive")
+        if "home" not in self.poses:
+            named = ", ".join(self.poses) or "none"
+            raise ValueError(f"`poses.home` is missing; there are: {named}")
+        for loop in self.loops:
+            _check_length(loop, self.parameters)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (decode_spec, (encode_spec(self),))
+
+    def parameter_values(self, given: Mapping[str, float] | None = None) -> Mapping[str, float]:
+        """Return every parameter's value: the given ones checked, the others at their default.
+
+        Raises
+        ------
+        UnknownNameError
+            A parameter that the model does not declare.
+        ArgumentError
+            Not a number, or outside the parameter's range.
+        """
+        values = {name: parameter.default for name, parameter in self.parameters.items()}
+        for name, value in (given or {}).items():
+            if name not in self.parameters:
+                raise unknown_name("parameter", name, tuple(self.parameters))
+            values[name] = self.parameters[name].check(name, value)
+        return MappingProxyType(values)
+
+    def moves(self, values: Mapping[str, float]) -> Iterator[tuple[Move, float]]:
+        """Yield each move with the parameter's distance from its default."""
+        for name, parameter in self.parameters.items():
+            for move in parameter.moves:
+                yield move, values[name] - parameter.default
+
+
+def encode_spec(spec: MechanismSpec) -> bytes:
+    """Encode a spec as JSON."""
+    return msgspec.json.encode(spec, enc_hook=dict)
+
+
+def decode_spec(encoded: bytes) -> MechanismSpec:
+    """Decode what `encode_spec` made."""
+    return msgspec.json.decode(encoded, type=MechanismSpec)
+
+
+def _frozen(value: dict[str, Any]) -> Mapping[str, Any]:
+    return MappingProxyType(
+        {key: _frozen(item) if isinstance(item, dict) else item for key, item in value.items()}
+    )
+
+
+def _numbers(value: Any) -> Iterator[float]:
+    if isinstance(value, float):
+        yield value
+    elif isinstance(value, dict | tuple):
+        for item in value.values() if isinstance(value, dict) else value:
+            yield from _numbers(item)
+
+
+def _refuse_non_finite(key: str, value: Any) -> None:
+    for number in _numbers(value):
+        if not math.isfinite(number):
+            raise ValueError(f"`{key}` holds {number}; a finite number is wanted")
+
+
+def _refuse_equal_frames(frames: tuple[str, str]) -> None:
+    if frames[0] == frames[1]:
+        raise ValueError(f"a loop joins two different frames, got {frames[0]!r} twice")
+
+
+def _refuse_repeated(key: str, names: Iterable[str]) -> None:
+    seen: set[str] = set()
+    for name in names:
+        if name in seen:
+            raise ValueError(f"joint {name!r} is listed twice in `{key}`")
+        seen.add(name)
+
+
+def _check_length(loop: Loop, parameters: Mapping[str, Parameter]) -> None:
+    if not isinstance(loop, DistanceLoop):
+        return
+    for name in () if isinstance(loop.length, float | int) else loop.length:
+        if name not in parameters:
+            hint = did_you_mean(name, parameters)
+            raise ValueError(f"unknown parameter {name!r} in the length of a loop{hint}")
+    length = loop.resolved_length({name: item.default for name, item in parameters.items()})
+    if not length > 0.0:
+        frames = " and ".join(map(repr, loop.frames))
+        raise ValueError(f"the length between {frames} must be positive, got {length:g} m")
