@@ -1,0 +1,89 @@
+"""The catalogue: where model files and URDFs are, in a checkout and in an installed wheel."""
+
+from __future__ import annotations
+
+import importlib.metadata
+from pathlib import Path
+
+from pmjac_pin.errors import ModelFileError, UnknownNameError, did_you_mean
+
+_EXAMPLE_ROBOTS = "example-robot-data:"
+
+
+def list_mechanisms() -> tuple[str, ...]:
+    """Return the names of the mechanisms that come with the library.
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> "three_rps" in pj.list_mechanisms()
+    True
+    """
+    return tuple(sorted(path.stem for path in (_data() / "models").glob("*.toml")))
+
+
+def find_model_file(name_or_path: str | Path) -> Path:
+    """Return the model file that a name of the catalogue or a path stands for.
+
+    Anything with a folder or the suffix ``.toml`` is a path.
+
+    Raises
+    ------
+    UnknownNameError
+        A name that is not in the catalogue.
+    """
+    path = Path(name_or_path)
+    if isinstance(name_or_path, Path) or path.suffix == ".toml" or len(path.parts) > 1:
+        return path
+    names = list_mechanisms()
+    if path.name in names:
+        return _data() / "models" / f"{path.name}.toml"
+    hint = did_you_mean(path.name, names)
+    if path.exists():
+        hint = f"; for the file of this name write './{path.name}'"
+    raise UnknownNameError(
+        f"unknown mechanism {str(name_or_path)!r}{hint}", name=str(name_or_path), candidates=names
+    )
+
+
+def find_urdf(urdf: str, model_file: Path) -> Path:
+    """Return the URDF that a model file names.
+
+    It is looked for beside the model file, then in the folder ``urdf`` beside the model
+    file's folder; ``example-robot-data:PATH`` is inside that package's ``robots`` folder.
+
+    Raises
+    ------
+    ModelFileError
+        No such file; the message lists where it was looked for.
+    """
+    if urdf.startswith(_EXAMPLE_ROBOTS):
+        places = [_example_robots(model_file) / urdf.removeprefix(_EXAMPLE_ROBOTS)]
+    else:
+        folder = model_file.parent
+        places = [folder / urdf, folder.absolute().parent / "urdf" / urdf]
+    for place in places:
+        if place.is_file():
+            return place
+    looked = " nor ".join(map(str, places))
+    raise ModelFileError(
+        f"{model_file}: the URDF {urdf!r} does not exist: neither {looked}"
+        if len(places) > 1
+        else f"{model_file}: the URDF {urdf!r} does not exist: no {looked}",
+        path=str(model_file),
+    )
+
+
+def _data() -> Path:
+    """Return the folder that holds ``models`` and ``urdf``: the wheel's, or the checkout's."""
+    package = Path(__file__).resolve().parent
+    return package / "data" if (package / "data").is_dir() else package.parent
+
+
+def _example_robots(model_file: Path) -> Path:
+    try:
+        package = importlib.metadata.distribution("example-robot-data")
+    except importlib.metadata.PackageNotFoundError:
+        message = f"{model_file}: its URDF needs: pip install example-robot-data"
+        raise ModelFileError(message, path=str(model_file)) from None
+    return Path(str(package.locate_file("cmeel.prefix/share/example-robot-data/robots")))

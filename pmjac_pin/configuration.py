@@ -1,0 +1,203 @@
+"""Configuration: a value that certifies "kinematics computed, loops closed"."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from pmjac_pin.assembly import Parts
+from pmjac_pin.closure import Closed, closed_point
+from pmjac_pin.errors import ArgumentError
+from pmjac_pin.jacobian import (
+    EquivalentJacobian,
+    FrameName,
+    change_frame,
+    equivalent_jacobian,
+)
+from pmjac_pin.kinematics import Snapshot
+from pmjac_pin.singularity import Singularity, analyse_singularity
+
+if TYPE_CHECKING:
+    from pmjac_pin.mechanism import Mechanism
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Configuration:
+    """A pose of a mechanism whose loops are closed.
+
+    Made by `Mechanism.close`, `Mechanism.home`, `Mechanism.pose` and `Mechanism.configuration`
+    only; holding one is proof that the loops are closed to the tolerance.
+
+    Attributes
+    ----------
+    mechanism : Mechanism
+    q : ndarray, shape (nq,)
+        Pinocchio's configuration vector, read-only.
+    iterations : int
+        Newton iterations that it took to close the loops, 0 for a given q.
+    residual_norm : float
+        The largest gap of all loop rows, in m.
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> configuration = pj.load("four_bar").close([1.0])
+    >>> configuration
+    Configuration(four_bar, theta1=1, residual_norm=...)
+    >>> bool(configuration.residual_norm < 1e-12)
+    True
+    """
+
+    mechanism: Mechanism
+    q: Array
+    iterations: int
+    residual_norm: float
+
+    def __post_init__(self) -> None:
+        self.q.setflags(write=False)
+
+    @classmethod
+    def _of_point(cls, mechanism: Mechanism, point: Closed, iterations: int) -> Configuration:
+        """Make the configuration where a path ended; what is known there is kept."""
+        configuration = cls(mechanism, point.q, iterations, point.gap)
+        configuration.__dict__["_point"] = point
+        return configuration
+
+    @classmethod
+    def _of_snapshot(cls, mechanism: Mechanism, q: Array, snapshot: Snapshot) -> Configuration:
+        """Make the configuration of a given q; what is known there is kept."""
+        gap = mechanism._parts.problem.gap(snapshot.residual)
+        configuration = cls(mechanism, q, 0, gap)
+        configuration.__dict__["_snapshot"] = snapshot
+        return configuration
+
+    @property
+    def actuated(self) -> Array:
+        """Motor values θ, shape (n,), m or rad, in the order of `Mechanism.actuated`."""
+        return self._values(self._parts.problem.partition.actuated)
+
+    @property
+    def passive(self) -> Array:
+        """Passive values φ, shape (m_p,), m or rad, in the order of `Mechanism.passive`."""
+        return self._values(self._parts.problem.partition.passive)
+
+    @property
+    def joint_values(self) -> Mapping[str, float]:
+        """Every degree of freedom's value by its name, m or rad, motors first."""
+        names = self.mechanism.actuated + self.mechanism.passive
+        values = np.concatenate([self.actuated, self.passive])
+        return MappingProxyType(dict(zip(names, map(float, values), strict=True)))
+
+    @property
+    def residual(self) -> Array:
+        """η(q), shape (p,): m for a point loop, m² for a distance loop; world axes."""
+        return self._snapshot.residual
+
+    @property
+    def tool_pose(self) -> pin.SE3:
+        """The tool's pose in the world; a copy."""
+        return pin.SE3(self._snapshot.rotation, self._snapshot.position)
+
+    def jacobian(
+        self, frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED"
+    ) -> EquivalentJacobian:
+        """Return J_eq = J − J* K*⁻¹ K and the matrices that it is made of.
+
+        Parameters
+        ----------
+        frame : {"LOCAL_WORLD_ALIGNED", "LOCAL", "WORLD"} or pin.ReferenceFrame
+            Frame of the tool's twist, with Pinocchio's meaning.
+
+        Raises
+        ------
+        SingularError
+            At a singularity, where no J_eq exists; `singularity` still answers there.
+        ForbiddenRatesError
+            The loops forbid some motor rates.
+        IdleMotionError
+            The tool feels a passive motion that no motor commands.
+
+        References
+        ----------
+        Ghosal, *Parallel Manipulator Jacobian Matrix*, equations (26) to (32).
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> pj.load("serial_2r").home.jacobian().Jw_eq[2].tolist()
+        [1.0, 1.0]
+        """
+        snapshot = self._snapshot
+        name = _frame_name(frame)
+        tool_jacobian = change_frame(
+            snapshot.tool_jacobian, name, snapshot.rotation, snapshot.position
+        )
+        return equivalent_jacobian(
+            snapshot.constraint_jacobian, tool_jacobian, self._parts.problem.partition, name
+        )
+
+    def singularity(self) -> Singularity:
+        """Return the ranks here, the kind of singularity and what moves freely.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> pj.load("four_bar").home.singularity().kind
+        'regular'
+        """
+        return analyse_singularity(
+            self._snapshot.constraint_jacobian,
+            self._snapshot.tool_jacobian,
+            self._parts.problem.partition,
+        )
+
+    @cached_property
+    def _point(self) -> Closed:
+        return closed_point(self._parts.problem, self.q)
+
+    @cached_property
+    def _snapshot(self) -> Snapshot:
+        return self._parts.kinematics.snapshot(self.q)
+
+    @property
+    def _parts(self) -> Parts:
+        return self.mechanism._parts
+
+    def _values(self, columns: NDArray[np.intp]) -> Array:
+        values = self._parts.coordinates.values(self.q)[columns]
+        values.setflags(write=False)
+        return values
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (_restore, (self.mechanism, self.q, self.iterations))
+
+    def __repr__(self) -> str:
+        motors = ", ".join(
+            f"{name}={value:.6g}"
+            for name, value in zip(self.mechanism.actuated, self.actuated, strict=True)
+        )
+        gap = f"residual_norm={self.residual_norm:.1e}"
+        return f"Configuration({self.mechanism.name}, {motors}, {gap})"
+
+
+def _frame_name(frame: str | pin.ReferenceFrame) -> FrameName:
+    name = frame.name if isinstance(frame, pin.ReferenceFrame) else frame
+    match name:
+        case "LOCAL_WORLD_ALIGNED" | "LOCAL" | "WORLD":
+            return name
+    names = "LOCAL, WORLD or LOCAL_WORLD_ALIGNED"
+    raise ArgumentError(f"frame must be {names}, got {frame!r}")
+
+
+def _restore(mechanism: Mechanism, q: Array, iterations: int) -> Configuration:
+    """Unpickle: the loops are checked again."""
+    return replace(mechanism.configuration(q), iterations=iterations)

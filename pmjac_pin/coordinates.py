@@ -1,0 +1,211 @@
+"""JointCoordinates: joint names and values on one side, Pinocchio's q and columns on the other.
+
+Each degree of freedom has one value, in m or rad, whatever Pinocchio stores for it: a
+``continuous`` joint is (cos, sin) in q and an angle in (−π, π] here; a ``floating`` joint is
+translation and quaternion in q, translation and rotation vector here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from pmjac_pin.errors import ArgumentError, unknown_name
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+# (nq, nv) of a joint with a translation that q shows as it is, and how many entries that has.
+_TRANSLATIONS = {"JointModelFreeFlyer": 3, "JointModelPlanar": 2}
+_DOF_NAMES = {
+    "JointModelFreeFlyer": ("x", "y", "z", "rx", "ry", "rz"),
+    "JointModelSpherical": ("rx", "ry", "rz"),
+    "JointModelPlanar": ("x", "y", "rz"),
+    "JointModelTranslation": ("x", "y", "z"),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class _Joint:
+    name: str
+    kind: str
+    idx_q: int
+    nq: int
+    idx_v: int
+    nv: int
+
+    @property
+    def dof_names(self) -> tuple[str, ...]:
+        if self.nv == 1:
+            return (self.name,)
+        letters = _DOF_NAMES.get(self.kind, tuple(map(str, range(self.nv))))
+        return tuple(f"{self.name}.{letter}" for letter in letters)
+
+
+class JointCoordinates:
+    """Names, columns, values and limits of the joints of a Pinocchio model.
+
+    Parameters
+    ----------
+    model : pin.Model
+        Kept, not copied: it must not be changed afterwards.
+    """
+
+    __slots__ = (
+        "_entries_of",
+        "_joints",
+        "_model",
+        "_neutral",
+        "_translating",
+        "lower",
+        "names",
+        "rotational",
+        "upper",
+        "wraps",
+    )
+
+    def __init__(self, model: pin.Model) -> None:
+        joints = [
+            _Joint(name, kind.shortname(), kind.idx_q, kind.nq, kind.idx_v, kind.nv)
+            for name, kind in zip(model.names[1:], list(model.joints)[1:], strict=True)
+        ]
+        self._model = model
+        self._neutral: Array = pin.neutral(model)
+        self._joints = {joint.name: joint for joint in joints}
+        self.names: tuple[str, ...] = tuple(self._joints)
+        self.rotational = _rotational(model)
+        self.wraps = np.zeros(model.nv, dtype=bool)
+        self.lower, self.upper = np.full(model.nv, -np.inf), np.full(model.nv, np.inf)
+        self._entries_of = np.zeros(model.nv, dtype=np.intp)
+        self._translating = [joint for joint in joints if joint.kind in _TRANSLATIONS]
+        for joint in joints:
+            self.wraps[joint.idx_v] = (joint.nq, joint.nv) == (2, 1)
+            self._entries_of[joint.idx_v] = joint.idx_q
+            if joint.nq == 1:
+                self.lower[joint.idx_v] = model.lowerPositionLimit[joint.idx_q]
+                self.upper[joint.idx_v] = model.upperPositionLimit[joint.idx_q]
+
+    def columns(self, names: Iterable[str]) -> Index:
+        """Return the velocity columns of these joints, in this order."""
+        joints = [self._joint(name) for name in names]
+        return np.array(
+            [joint.idx_v + k for joint in joints for k in range(joint.nv)], dtype=np.intp
+        )
+
+    def dof_names(self, names: Iterable[str]) -> tuple[str, ...]:
+        """Return one name for each velocity column of these joints."""
+        return tuple(dof for name in names for dof in self._joint(name).dof_names)
+
+    def degrees_of_freedom(self, name: str) -> int:
+        """Return the number of degrees of freedom of a joint."""
+        return self._joint(name).nv
+
+    def values(self, q: Array) -> Array:
+        """Return the value of every degree of freedom, shape (nv,), in the columns' order."""
+        values: Array = pin.difference(self._model, self._neutral, q)
+        for joint in self._translating:
+            # SE(2) and SE(3) logarithms mix the rotation into the translation.
+            size = _TRANSLATIONS[joint.kind]
+            values[joint.idx_v : joint.idx_v + size] = q[joint.idx_q : joint.idx_q + size]
+        return values
+
+    def with_values(self, q: Array, columns: Index, values: Array) -> Array:
+        """Return q with the values of these columns, of joints with one degree of freedom."""
+        q = q.copy()
+        entries, wraps = self._entries_of[columns], self.wraps[columns]
+        if wraps.any():
+            q[entries[wraps] + 1] = np.sin(values[wraps])
+            values = np.where(wraps, np.cos(values), values)
+        q[entries] = values
+        return q
+
+    def q(self, poses: Mapping[str, float | Sequence[float]], base: Array | None = None) -> Array:
+        """Return q with these joints' values, the others as in `base` (neutral when None).
+
+        A joint takes its nv values as `values` shows them, or Pinocchio's own nq entries.
+
+        Raises
+        ------
+        UnknownNameError, ArgumentError
+        """
+        q: Array = (self._neutral if base is None else base).copy()
+        for name, given in poses.items():
+            joint = self._joint(name)
+            q[joint.idx_q : joint.idx_q + joint.nq] = self._entries(joint, given)
+        return q
+
+    def pose(self, q: Array) -> dict[str, float | tuple[float, ...]]:
+        """Return what `q` takes to give this configuration back, bit by bit."""
+        entries = {
+            joint.name: tuple(map(float, q[joint.idx_q : joint.idx_q + joint.nq]))
+            for joint in self._joints.values()
+        }
+        return {name: item[0] if len(item) == 1 else item for name, item in entries.items()}
+
+    def limits(self, name: str) -> tuple[float, float]:
+        """Return the lower and upper limit of a joint with one degree of freedom."""
+        column = self._joint(name).idx_v
+        return float(self.lower[column]), float(self.upper[column])
+
+    def _joint(self, name: str) -> _Joint:
+        try:
+            return self._joints[name]
+        except KeyError:
+            raise unknown_name("joint", name, self.names) from None
+
+    def _entries(self, joint: _Joint, given: float | Sequence[float]) -> Array:
+        values = np.atleast_1d(as_numbers(given, f"the value of joint {joint.name!r}"))
+        if values.shape == (joint.nq,):
+            return self._normalised(joint, values)
+        if values.shape != (joint.nv,):
+            wanted = f"{joint.nv}" if joint.nv == joint.nq else f"{joint.nv} or {joint.nq}"
+            message = f"joint {joint.name!r} takes {wanted} values, got {values.size}"
+            raise ArgumentError(message)
+        tangent = np.zeros(self._model.nv)
+        tangent[joint.idx_v : joint.idx_v + joint.nv] = values
+        size = _TRANSLATIONS.get(joint.kind, 0)
+        tangent[joint.idx_v : joint.idx_v + size] = 0.0
+        entries: Array = pin.integrate(self._model, self._neutral, tangent)
+        entries = entries[joint.idx_q : joint.idx_q + joint.nq]
+        entries[:size] = values[:size]
+        return entries
+
+    def _normalised(self, joint: _Joint, entries: Array) -> Array:
+        q = self._neutral.copy()
+        q[joint.idx_q : joint.idx_q + joint.nq] = entries
+        if not pin.isNormalized(self._model, q, 1e-6):
+            message = f"the quaternion or (cos, sin) of joint {joint.name!r} is not of unit length"
+            raise ArgumentError(message)
+        if not pin.isNormalized(self._model, q, 1e-15):
+            q = pin.normalize(self._model, q)
+        return q[joint.idx_q : joint.idx_q + joint.nq]
+
+
+def as_numbers(given: object, what: str) -> Array:
+    """Return a float array of what the caller gave, or say what is wrong with it.
+
+    Raises
+    ------
+    ArgumentError
+        Strings, complex numbers, ragged lists, NaN and infinities.
+    """
+    try:
+        raw = np.asarray(given)
+        if raw.dtype.kind not in "iuf":
+            raise TypeError
+    except (TypeError, ValueError):
+        raise ArgumentError(f"{what} must be real numbers, got {given!r}") from None
+    array = raw.astype(np.float64)
+    if not np.isfinite(array).all():
+        raise ArgumentError(f"{what} must be finite, got {given!r}")
+    return array
+
+
+def _rotational(model: pin.Model) -> NDArray[np.bool_]:
+    """Return which columns are rotations: those whose motion has an angular part."""
+    motions = pin.computeJointJacobians(model, model.createData(), pin.neutral(model))
+    return np.asarray(np.abs(motions[3:]).max(axis=0, initial=0.0) > 0.0)

@@ -1,0 +1,161 @@
+"""Direct kinematics: from motor values and a guess to the closed pose on the guess's mode."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.assembly import Parts
+from pmjac_pin.closure import Followed, assemble, follow
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.coordinates import as_numbers
+from pmjac_pin.errors import ArgumentError, ClosureError, LimitError
+
+if TYPE_CHECKING:
+    from pmjac_pin.mechanism import Mechanism
+
+Array = NDArray[np.float64]
+Guess: TypeAlias = "str | Configuration | Mapping[str, float | Sequence[float]]"
+
+_LIMIT_SLACK = 1e-9  # m or rad: rounding on the way to a limit is no violation
+
+
+def close(mechanism: Mechanism, actuated: Any, guess: Guess, enforce_limits: bool) -> Configuration:
+    """Close the loops at these motor values; see `Mechanism.close`."""
+    parts = mechanism._parts
+    values = motor_values(parts, actuated)
+    if enforce_limits:
+        _check_limits(parts, values)
+    start = _start(mechanism, guess, values)
+
+    columns = parts.problem.partition.actuated
+
+    def at_target(q: Array) -> Array:
+        return parts.coordinates.with_values(q, columns, values)
+
+    path = follow(parts.problem, start._point, _displacement(parts, start, values), at_target)
+    if path.share < 1.0:
+        raise _stopped(mechanism, values, start, path)
+    return Configuration._of_point(mechanism, path.point, path.iterations)
+
+
+def motor_values(parts: Parts, actuated: Any) -> Array:
+    """Return the motor values as an array (n,), or say what was expected."""
+    names = parts.spec.actuated
+    values = np.atleast_1d(as_numbers(actuated, "motor values"))
+    if values.shape != (len(names),):
+        got = str(values.size) if values.ndim == 1 else f"shape {values.shape}"
+        plural = "s" * (len(names) != 1)
+        wanted = f"{len(names)} motor value{plural} ({', '.join(names)})"
+        raise ArgumentError(f"{wanted} expected, got {got}")
+    return values
+
+
+def _check_limits(parts: Parts, values: Array) -> None:
+    actuated = parts.problem.partition.actuated
+    below = values < parts.coordinates.lower[actuated] - _LIMIT_SLACK
+    above = values > parts.coordinates.upper[actuated] + _LIMIT_SLACK
+    for k in np.flatnonzero(below | above):
+        name, value = parts.spec.actuated[k], float(values[k])
+        lower, upper = parts.coordinates.limits(name)
+        raise LimitError(
+            f"motor {name!r} = {value:g} is outside its limits [{lower:g}, {upper:g}]; "
+            "enforce_limits=False turns this check off",
+            joint=name,
+            value=value,
+            lower=lower,
+            upper=upper,
+        )
+
+
+def _start(mechanism: Mechanism, guess: Guess, values: Array) -> Configuration:
+    if isinstance(guess, Configuration):
+        if guess.mechanism is mechanism:
+            return guess
+        if guess.q.shape != (mechanism.nq,):
+            message = f"the guess is a pose of {guess.mechanism.name!r}, not of {mechanism.name!r}"
+            raise ArgumentError(message)
+        return mechanism.configuration(guess.q)
+    if isinstance(guess, str):
+        return mechanism.pose(guess)
+    if not isinstance(guess, Mapping):
+        message = (
+            "guess must be the name of a pose, a Configuration or a mapping of joint values, "
+            f"got {guess!r}"
+        )
+        raise ArgumentError(message)
+    return _assembled(mechanism, guess, values)
+
+
+def _assembled(
+    mechanism: Mechanism, guess: Mapping[str, float | Sequence[float]], values: Array
+) -> Configuration:
+    """Assemble at the guessed joint values; motors it does not name start at their target."""
+    parts = mechanism._parts
+    motors = dict(zip(parts.spec.actuated, map(float, values), strict=True))
+    q = parts.coordinates.q({**motors, **guess}, parts.home_q)
+    weights = np.zeros(mechanism.nv)
+    weights[parts.problem.partition.passive] = 1.0
+    pose = assemble(parts.problem, q, weights)
+    if pose.gap > parts.problem.tolerance:
+        message = (
+            f"the guess does not assemble: the loops of {mechanism.name!r} stay open by "
+            f"{pose.gap:.3g} m at best; give joint values nearer to a closed pose"
+        )
+        raise ClosureError(message, residual_norm=pose.gap, q=pose.q, actuated=values, reached=None)
+    return mechanism._certified(pose.q)
+
+
+def _displacement(parts: Parts, start: Configuration, values: Array) -> Array:
+    """Return target minus start; a joint that turns endlessly goes the shorter way."""
+    displacement: Array = values - start.actuated
+    wraps = parts.coordinates.wraps[parts.problem.partition.actuated]
+    if wraps.any():
+        turns = np.round(displacement[wraps] / (2.0 * np.pi))
+        displacement[wraps] -= 2.0 * np.pi * turns
+    return displacement
+
+
+def _stopped(
+    mechanism: Mechanism, values: Array, start: Configuration, path: Followed
+) -> ClosureError:
+    """Build the error of a path that ended early, with the best pose at the target itself."""
+    parts = mechanism._parts
+    partition = parts.problem.partition
+    reached = Configuration._of_point(mechanism, path.point, path.iterations)
+    weights = np.zeros(mechanism.nv)
+    weights[partition.passive] = 1.0
+    at_target = parts.coordinates.with_values(path.point.q, partition.actuated, values)
+    best = assemble(parts.problem, at_target, weights)
+    sigma = reached.singularity().smallest
+    motors = ", ".join(
+        f"{name}={value:.6g}"
+        for name, value in zip(mechanism.actuated, reached.actuated, strict=True)
+    )
+    if best.gap <= parts.problem.tolerance:
+        advice = (
+            "the loops do close at the target, on another assembly mode: "
+            "start from a pose of that mode (guess=...)"
+        )
+    else:
+        advice = (
+            f"at the target the loops stay open by {best.gap:.3g} m at best: it is out of reach "
+            "from here; try a nearer target, or another pose as guess"
+        )
+    message = (
+        f"{mechanism.name}: the straight path to the target meets a singularity after "
+        f"{100.0 * path.share:.4g} % of the way, at {motors} (relative singular value of K* "
+        f"{sigma:.2g}), where this assembly mode ends; {advice}"
+    )
+    return ClosureError(
+        message,
+        residual_norm=best.gap,
+        q=best.q,
+        actuated=values,
+        reached=reached,
+        share=path.share,
+        singular_value=sigma,
+    )

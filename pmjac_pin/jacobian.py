@@ -1,0 +1,279 @@
+"""EquivalentJacobian: K, K*, J, J* and J_eq = J − J* K*⁻¹ K (Ghosal, equations 26 to 33).
+
+Linear algebra on plain arrays: it imports no Pinocchio and works on matrices from elsewhere.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.ellipsoid import Ellipsoid, force_ellipsoid, velocity_ellipsoid
+from pmjac_pin.errors import ArgumentError, ForbiddenRatesError, IdleMotionError, SingularError
+from pmjac_pin.factorisation import RANK_TOLERANCE, Factorisation, factorise, norm
+from pmjac_pin.partition import Partition
+from pmjac_pin.singularity import Singularity, analyse_singularity, forbidden_rates
+
+Array = NDArray[np.float64]
+FrameName = Literal["LOCAL", "WORLD", "LOCAL_WORLD_ALIGNED"]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class EquivalentJacobian:
+    """The map from motor rates to the tool twist, and the matrices that it is made of.
+
+    All arrays are read-only. n motors, m_p passive degrees of freedom, m independent rows of
+    the loop equations.
+
+    Attributes
+    ----------
+    constraint_jacobian : ndarray, shape (p, nv)
+        ∂η/∂v on all rows, world axes, Pinocchio's columns.
+    tool_jacobian : ndarray, shape (6, nv)
+        Of the cut tree, in `frame`, Pinocchio's columns.
+    passive_rates : ndarray, shape (m_p, n)
+        Φ = −K*⁻¹ K, so that φ̇ = Φ θ̇ (29).
+    J_eq : ndarray, shape (6, n)
+        J − J* K*⁻¹ K (30)–(32), linear rows first, in `frame`.
+    frame : str
+        "LOCAL", "WORLD" or "LOCAL_WORLD_ALIGNED", as in Pinocchio.
+    partition : Partition
+    """
+
+    constraint_jacobian: Array
+    tool_jacobian: Array
+    passive_rates: Array
+    J_eq: Array
+    frame: FrameName
+    partition: Partition
+
+    @cached_property
+    def rows(self) -> NDArray[np.intp]:
+        """Which rows of η are those of K and K*, shape (m,)."""
+        return self.partition.shown_rows(self.partition.scaled(self.constraint_jacobian))
+
+    @cached_property
+    def K(self) -> Array:
+        """∂η/∂θ on the independent rows, shape (m, n)."""
+        return _read_only(self.constraint_jacobian[np.ix_(self.rows, self.partition.actuated)])
+
+    @cached_property
+    def K_star(self) -> Array:
+        """∂η/∂φ on the independent rows, shape (m, m_p)."""
+        return _read_only(self.constraint_jacobian[np.ix_(self.rows, self.partition.passive)])
+
+    @cached_property
+    def Jv(self) -> Array:
+        """Linear rows of J, shape (3, n)."""
+        return _read_only(self.tool_jacobian[:3, self.partition.actuated])
+
+    @cached_property
+    def Jv_star(self) -> Array:
+        """Linear rows of J*, shape (3, m_p)."""
+        return _read_only(self.tool_jacobian[:3, self.partition.passive])
+
+    @cached_property
+    def Jw(self) -> Array:
+        """Angular rows of J, shape (3, n)."""
+        return _read_only(self.tool_jacobian[3:, self.partition.actuated])
+
+    @cached_property
+    def Jw_star(self) -> Array:
+        """Angular rows of J*, shape (3, m_p)."""
+        return _read_only(self.tool_jacobian[3:, self.partition.passive])
+
+    @property
+    def Jv_eq(self) -> Array:
+        """Linear rows of J_eq, shape (3, n): m/s per unit motor rate."""
+        return self.J_eq[:3]
+
+    @property
+    def Jw_eq(self) -> Array:
+        """Angular rows of J_eq, shape (3, n): rad/s per unit motor rate."""
+        return self.J_eq[3:]
+
+    @cached_property
+    def motion_map(self) -> Array:
+        """G with q̇ = G θ̇, shape (nv, n): J_eq = J G and the constraint Jacobian times G is 0."""
+        motion = np.zeros((self.tool_jacobian.shape[1], self.partition.actuated.size))
+        motion[self.partition.actuated] = np.eye(self.partition.actuated.size)
+        motion[self.partition.passive] = self.passive_rates
+        return _read_only(motion)
+
+    @cached_property
+    def gv_eq(self) -> Array:
+        """[J_v]eqᵀ [J_v]eq, shape (n, n) (33). For display: its rank is not decided on it."""
+        return _read_only(self.Jv_eq.T @ self.Jv_eq)
+
+    @cached_property
+    def gw_eq(self) -> Array:
+        """[J_ω]eqᵀ [J_ω]eq, shape (n, n) (33)."""
+        return _read_only(self.Jw_eq.T @ self.Jw_eq)
+
+    @property
+    def det_K_star(self) -> float | None:
+        """det K*, None where K* is not square. It decides nothing."""
+        rows, columns = self.K_star.shape
+        return float(np.linalg.det(self.K_star)) if rows == columns else None
+
+    def velocity_ellipsoid(self) -> Ellipsoid:
+        """Return the tool velocities of all |θ̇| = 1: the principal velocities, in m/s."""
+        return velocity_ellipsoid(self.Jv_eq, unit="m/s")
+
+    def angular_ellipsoid(self) -> Ellipsoid:
+        """Return the tool's angular velocities of all |θ̇| = 1, in rad/s."""
+        return velocity_ellipsoid(self.Jw_eq, unit="rad/s")
+
+    def force_ellipsoid(self) -> Ellipsoid:
+        """Return the tool forces, without moment, that motor efforts |τ| = 1 balance, in N."""
+        return force_ellipsoid(self.Jv_eq, unit="N")
+
+    def __repr__(self) -> str:
+        actuated = ", ".join(self.partition.actuated_names)
+        m, n = self.rows.size, self.partition.actuated.size
+        return (
+            f"EquivalentJacobian(actuated=({actuated}), J_eq=6×{n}, "
+            f"K={m}×{n}, K_star={m}×{self.partition.passive.size}, frame={self.frame!r})"
+        )
+
+
+def equivalent_jacobian(
+    constraint_jacobian: Array,
+    tool_jacobian: Array,
+    partition: Partition,
+    frame: FrameName = "LOCAL_WORLD_ALIGNED",
+) -> EquivalentJacobian:
+    """Eliminate the passive rates: J_eq = J − J* K*⁻¹ K on all rows, by singular values.
+
+    Parameters
+    ----------
+    constraint_jacobian : ndarray, shape (p, nv)
+        ∂η/∂v at a closed pose.
+    tool_jacobian : ndarray, shape (6, nv)
+        Linear rows first, in `frame`.
+    partition : Partition
+    frame : str
+        What `tool_jacobian` is expressed in; it is only noted.
+
+    Raises
+    ------
+    SingularError
+        K* is below its generic rank.
+    ForbiddenRatesError
+        The loops do not allow all motor rates.
+    IdleMotionError
+        A passive motion that no motor commands moves the tool.
+    """
+    actuated, passive = partition.actuated, partition.passive
+    scaled = partition.scaled(constraint_jacobian)
+    factors = factorise(scaled.take(passive, axis=1), norm(scaled))
+    if factors.rank < partition.passive_rank:
+        raise _singular(analyse_singularity(constraint_jacobian, tool_jacobian, partition))
+    if factors.rank < scaled.shape[0]:
+        _refuse_forbidden(factors, scaled, partition)
+    if factors.rank < passive.size:
+        _refuse_felt_idle_motion(factors, tool_jacobian, partition)
+    rates = factors.solve(scaled.take(actuated, axis=1))
+    rates *= partition.rate_scale
+    J_eq = tool_jacobian.take(actuated, axis=1) + tool_jacobian.take(passive, axis=1) @ rates
+    return EquivalentJacobian(
+        _read_only(constraint_jacobian),
+        _read_only(tool_jacobian),
+        _read_only(rates),
+        _read_only(J_eq),
+        frame,
+        partition,
+    )
+
+
+def change_frame(tool_jacobian: Array, frame: FrameName, rotation: Array, position: Array) -> Array:
+    """Express a LOCAL_WORLD_ALIGNED Jacobian in another of Pinocchio's frames.
+
+    LOCAL: both blocks times Rᵀ. WORLD: v at the world's origin, v + p × ω.
+
+    Parameters
+    ----------
+    tool_jacobian : ndarray, shape (6, k)
+    frame : {"LOCAL", "WORLD", "LOCAL_WORLD_ALIGNED"}
+    rotation, position : ndarray, shapes (3, 3) and (3,)
+        The tool's pose in the world.
+    """
+    linear, angular = tool_jacobian[:3], tool_jacobian[3:]
+    match frame:
+        case "LOCAL_WORLD_ALIGNED":
+            return tool_jacobian
+        case "LOCAL":
+            return np.vstack([rotation.T @ linear, rotation.T @ angular])
+        case "WORLD":
+            return np.vstack([linear + np.cross(position, angular, axisb=0).T, angular])
+    names = "LOCAL, WORLD or LOCAL_WORLD_ALIGNED"
+    raise ArgumentError(f"frame must be {names}, got {frame!r}")
+
+
+def _singular(singularity: Singularity) -> SingularError:
+    free = singularity.free_motion()
+    moving = ", ".join(f"{name} {rate:+.3g}" for name, rate in free.items() if abs(rate) > 1e-3)
+    message = (
+        f"K* has rank {singularity.rank} here and {singularity.generic_rank} in general "
+        f"(relative singular value {singularity.smallest:.3g}, tolerance "
+        f"{singularity.tolerance:g}): with all motors locked, the passive motion "
+        f"({moving}) is free and no J_eq exists"
+    )
+    return SingularError(
+        message,
+        singular_value=singularity.smallest,
+        tolerance=singularity.tolerance,
+        free_motion=free,
+    )
+
+
+def _refuse_forbidden(factors: Factorisation, scaled: Array, partition: Partition) -> None:
+    forbidden = forbidden_rates(factors.left_null_space, scaled, partition)
+    if not forbidden.shape[1]:
+        return
+    forbidden.setflags(write=False)
+    directions = "; ".join(
+        ", ".join(f"{name} {rate:+.3g}" for name, rate in zip(names, column, strict=True))
+        for names in [partition.actuated_names]
+        for column in forbidden.T
+    )
+    raise ForbiddenRatesError(
+        f"the loops forbid the motor rates ({directions}): {partition.actuated.size} motors are "
+        f"too many for these loops; make {forbidden.shape[1]} of them passive",
+        singular_value=0.0,
+        tolerance=RANK_TOLERANCE,
+        free_motion={},
+        forbidden_rates=forbidden,
+    )
+
+
+def _refuse_felt_idle_motion(
+    factors: Factorisation, tool_jacobian: Array, partition: Partition
+) -> None:
+    scaled_tool = partition.scaled_tool(tool_jacobian)
+    felt = scaled_tool[:, partition.passive] @ factors.null_space
+    motions = factorise(felt, norm(scaled_tool))
+    if motions.rank == 0:
+        return
+    idle = partition.column_scale[partition.passive] * (factors.null_space @ motions.right[0])
+    idle /= idle[np.argmax(np.abs(idle))]
+    moving = ", ".join(
+        name for name, rate in zip(partition.passive_names, idle, strict=True) if abs(rate) > 1e-6
+    )
+    raise IdleMotionError(
+        f"the tool is moved by a passive motion that no motor commands: {moving} "
+        f"turn freely with all motors locked; make one of them actuated, or put the tool on a "
+        f"body that stays at rest",
+        singular_value=0.0,
+        tolerance=RANK_TOLERANCE,
+        free_motion=dict(zip(partition.passive_names, map(float, idle), strict=True)),
+    )
+
+
+def _read_only(array: Array) -> Array:
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,85 @@
+"""Kinematics: where Pinocchio is called, in the one order that gives right numbers.
+
+Model, loops and tool never change; Pinocchio's scratch data is one set for each thread.
+"""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from pmjac_pin.loops import LoopSystem
+from pmjac_pin.tool import ToolKinematics
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """Everything about one q that later steps need, as plain arrays.
+
+    Attributes
+    ----------
+    residual : ndarray, shape (p,)
+        η(q).
+    constraint_jacobian : ndarray, shape (p, nv)
+        ∂η/∂v, all rows, world axes.
+    tool_jacobian : ndarray, shape (6, nv)
+        In LOCAL_WORLD_ALIGNED.
+    rotation, position : ndarray, shapes (3, 3) and (3,)
+        The tool's pose in the world.
+    """
+
+    residual: Array
+    constraint_jacobian: Array
+    tool_jacobian: Array
+    rotation: Array
+    position: Array
+
+    def __post_init__(self) -> None:
+        for array in (self.residual, self.constraint_jacobian, self.tool_jacobian):
+            array.setflags(write=False)
+
+
+class _Scratch(threading.local):
+    data: pin.Data
+    loops: list[Any]
+
+
+class Kinematics:
+    """The loops and the tool as functions of q; safe to use from many threads."""
+
+    __slots__ = ("_scratch", "loops", "model", "tool")
+
+    def __init__(self, model: pin.Model, loops: LoopSystem, tool: ToolKinematics) -> None:
+        self.model = model
+        self.loops = loops
+        self.tool = tool
+        self._scratch = _Scratch()
+
+    def evaluate(self, q: Array) -> tuple[Array, Array]:
+        """Return the residual η (p,) and its Jacobian ∂η/∂v (p, nv), in the anchors' axes."""
+        scratch = self._thread_scratch()
+        pin.computeJointJacobians(self.model, scratch.data, q)
+        return self.loops.evaluate(self.model, scratch.data, scratch.loops)
+
+    def snapshot(self, q: Array) -> Snapshot:
+        """Return loops and tool at q."""
+        residual, constraint_jacobian = self.evaluate(q)
+        self.loops.to_world(self._scratch.loops, residual, constraint_jacobian)
+        data = self._scratch.data
+        rotation, position = self.tool.pose(self.model, data)
+        jacobian = self.tool.jacobian(self.model, data)
+        return Snapshot(residual, constraint_jacobian, jacobian, rotation, position)
+
+    def _thread_scratch(self) -> _Scratch:
+        scratch = self._scratch
+        if not hasattr(scratch, "data"):
+            scratch.data = self.model.createData()
+            scratch.loops = self.loops.create_data()
+        return scratch

@@ -1,0 +1,379 @@
+"""Mechanism: Pinocchio model, loops, actuated/passive split and tool, as one immutable value."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from pmjac_pin.assembly import Parts, assemble_pose, build_parts
+from pmjac_pin.catalog import find_model_file, find_urdf
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.coordinates import JointCoordinates, as_numbers
+from pmjac_pin.direct_kinematics import Guess, close
+from pmjac_pin.errors import (
+    ArgumentError,
+    ClosureError,
+    ModelFileError,
+    PmjacError,
+    unknown_name,
+)
+from pmjac_pin.model_file import read_model_file
+from pmjac_pin.spec import JointValue, Loop, MechanismSpec, Tool
+from pmjac_pin.urdf import read_urdf
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Mechanism:
+    """A mechanism with closed loops: made by `load` or `Mechanism.from_pinocchio`.
+
+    A value: it can be shared between threads, copied, and pickled to other processes.
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> mechanism = pj.load("three_rps")
+    >>> mechanism
+    Mechanism(three_rps, actuated=(l1, l2, l3), 9 passive, 3 loops, mobility 3)
+    """
+
+    _parts: Parts
+    _poses: dict[str, Configuration] = field(default_factory=dict)
+
+    @classmethod
+    def from_pinocchio(
+        cls,
+        model: pin.Model,
+        loops: Iterable[Loop],
+        actuated: Iterable[str],
+        tool: str | Sequence[str],
+        *,
+        passive: Iterable[str] | None = None,
+        home: ArrayLike | Mapping[str, JointValue] | None = None,
+        name: str = "",
+    ) -> Mechanism:
+        """Make a mechanism of a Pinocchio model that you already hold.
+
+        Parameters
+        ----------
+        model : pin.Model
+            The cut tree; copied.
+        loops : iterable of PointLoop or DistanceLoop
+        actuated : iterable of str
+            Motor joints, in the order of the columns of K and J.
+        tool : str or three str
+            A frame, or the three frames whose origins span the tool.
+        passive : iterable of str, optional
+            The other joints in the order of the columns of K* and J*; Pinocchio's when None.
+        home : array_like (nq,) or mapping of str to float, optional
+            Joint values near which the loops are assembled; neutral when None.
+        name : str, optional
+            The model's own when empty.
+
+        Raises
+        ------
+        UnknownNameError, ArgumentError, ModelFileError, ClosureError
+
+        Examples
+        --------
+        >>> import pinocchio as pin, pmjac_pin as pj
+        >>> arm = pin.buildSampleModelManipulator()
+        >>> pj.Mechanism.from_pinocchio(arm, [], arm.names[1:], "effector_body")
+        Mechanism(manipulator, actuated=(shoulder1_joint, ...), 0 passive, 0 loops, mobility 6)
+        """
+        if not isinstance(model, pin.Model):
+            raise ArgumentError(f"model must be a pinocchio.Model, got {type(model).__name__}")
+        own = model.copy()
+        try:
+            spec = MechanismSpec(
+                name=name or own.name,
+                actuated=tuple(actuated),
+                passive=None if passive is None else tuple(passive),
+                tool=_tool(tool),
+                loops=tuple(loops),
+                poses={"home": _home_pose(own, home)},
+            )
+        except (TypeError, ValueError) as error:
+            raise ArgumentError(str(error)) from None
+        return cls(build_parts(own, spec, {}))
+
+    @property
+    def name(self) -> str:
+        """The mechanism's name."""
+        return self._parts.spec.name
+
+    @property
+    def spec(self) -> MechanismSpec:
+        """What the model file says."""
+        return self._parts.spec
+
+    @property
+    def model(self) -> pin.Model:
+        """The Pinocchio model of the cut tree: a copy, to change as you like."""
+        return self._parts.model.copy()
+
+    @property
+    def parameters(self) -> Mapping[str, float]:
+        """The parameters' values, m or rad."""
+        return self._parts.values
+
+    @property
+    def actuated(self) -> tuple[str, ...]:
+        """Names of the n actuated degrees of freedom: the columns of K and J."""
+        return self._parts.problem.partition.actuated_names
+
+    @property
+    def passive(self) -> tuple[str, ...]:
+        """Names of the m_p passive degrees of freedom: the columns of K* and J*."""
+        return self._parts.problem.partition.passive_names
+
+    @property
+    def rows(self) -> tuple[str, ...]:
+        """Names of the p rows of the loop equations."""
+        return self._parts.kinematics.loops.row_names
+
+    @property
+    def nq(self) -> int:
+        """Pinocchio's number of configuration variables."""
+        return int(self._parts.model.nq)
+
+    @property
+    def nv(self) -> int:
+        """Pinocchio's number of velocity variables."""
+        return int(self._parts.model.nv)
+
+    @property
+    def mobility(self) -> int:
+        """nv − rank [K K*], the rank being the largest of home and three poses near it."""
+        return self.nv - self._parts.problem.partition.constraint_rank
+
+    @property
+    def characteristic_length(self) -> float:
+        """The length in m that makes radians and metres comparable where ranks are judged."""
+        return self._parts.problem.partition.length
+
+    @property
+    def poses(self) -> tuple[str, ...]:
+        """Names of the poses, each a start for `close`."""
+        return tuple(self.spec.poses)
+
+    @property
+    def home(self) -> Configuration:
+        """The pose "home", its loops closed."""
+        return self.pose("home")
+
+    def limits(self, name: str) -> tuple[float, float]:
+        """Return the lower and upper limit of a joint, m or rad; infinite where it has none."""
+        return self._parts.coordinates.limits(name)
+
+    def pose(self, name: str) -> Configuration:
+        """Return a named pose, its loops closed.
+
+        The motors keep the pose's values where the loops close there, and move as little as
+        it takes where they do not (after a change of parameters, for instance).
+
+        Raises
+        ------
+        UnknownNameError
+            No such pose.
+        ClosureError
+            The loops do not close near it.
+        """
+        if name not in self._poses:
+            if name not in self.spec.poses:
+                raise unknown_name("pose", name, self.poses)
+            parts = self._parts
+            q = parts.home_q
+            if name != "home":
+                start = parts.coordinates.q(self.spec.poses[name], parts.home_q)
+                what = f"{self.name}: the pose {name!r}"
+                q = assemble_pose(parts.problem, parts.kinematics.loops, start, what)
+            self._poses[name] = self._certified(q)
+        return self._poses[name]
+
+    def close(
+        self, actuated: ArrayLike, guess: Guess = "home", *, enforce_limits: bool = True
+    ) -> Configuration:
+        """Close the loops at these motor values: direct kinematics by continuation.
+
+        Walks from the guess to the target along a straight line in the motor values, with
+        Newton's method on the passive joints at every step, and stays on the guess's assembly
+        mode; it never jumps to another one.
+
+        Parameters
+        ----------
+        actuated : array_like, shape (n,)
+            Motor values, m or rad, in the order of `actuated`.
+        guess : str, Configuration or mapping of str to float
+            Where to start: a pose's name, a configuration, or joint values; joints that a
+            mapping does not name are taken from the target (motors) and from home.
+        enforce_limits : bool
+            Refuse motor values outside the joints' limits.
+
+        Returns
+        -------
+        Configuration
+            Closed to 1e-12 m.
+
+        Raises
+        ------
+        ClosureError
+            The path meets a singularity, or the target is out of reach. Attributes: the
+            smallest gap found at the target (`residual_norm`, `q`), the last closed pose on
+            the path (`reached`, a Configuration), the `share` of the path up to there.
+        LimitError, ArgumentError, UnknownNameError
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> mechanism = pj.load("three_rps")
+        >>> configuration = mechanism.close([1.0, 1.1, 0.9])
+        >>> nearby = mechanism.close([1.0, 1.1, 0.95], guess=configuration)
+        """
+        return close(self, actuated, guess, enforce_limits)
+
+    def configuration(self, q: ArrayLike) -> Configuration:
+        """Return the configuration at this q.
+
+        Parameters
+        ----------
+        q : array_like, shape (nq,)
+            Pinocchio's configuration vector.
+
+        Raises
+        ------
+        ClosureError
+            The loops are open there.
+        ArgumentError
+            Not nq finite numbers, or a quaternion or (cos, sin) that is not of unit length.
+        """
+        values = as_numbers(q, "q")
+        if values.shape != (self.nq,):
+            raise ArgumentError(f"q has nq = {self.nq} entries, got shape {values.shape}")
+        if not pin.isNormalized(self._parts.model, values, 1e-6):
+            raise ArgumentError("a quaternion or (cos, sin) in q is not of unit length")
+        return self._certified(values)
+
+    def _certified(self, q: Array) -> Configuration:
+        """Refuse open loops."""
+        snapshot = self._parts.kinematics.snapshot(q)
+        configuration = Configuration._of_snapshot(self, q, snapshot)
+        gap, tolerance = configuration.residual_norm, self._parts.problem.tolerance
+        if not gap <= tolerance:
+            message = (
+                f"the loops of {self.name!r} are open by {gap:.3g} m at this q (tolerance "
+                f"{tolerance:g} m); use close() to close them"
+            )
+            raise ClosureError(message, residual_norm=gap, q=q, actuated=None, reached=None)
+        return configuration
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Mechanism):
+            return NotImplemented
+        mine, theirs = self._parts, other._parts
+        return (
+            mine.spec == theirs.spec
+            and dict(mine.values) == dict(theirs.values)
+            and bool(mine.model == theirs.model)
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.actuated, tuple(self.parameters.items())))
+
+    def __copy__(self) -> Mechanism:
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Mechanism:
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        parts = self._parts
+        return (_rebuild, (parts.model, parts.spec, dict(parts.values)))
+
+    def __repr__(self) -> str:
+        motors = ", ".join(self.actuated[:3]) + ", ..." * (len(self.actuated) > 3)
+        return (
+            f"Mechanism({self.name}, actuated=({motors}), {len(self.passive)} passive, "
+            f"{len(self.spec.loops)} loop{'s' * (len(self.spec.loops) != 1)}, "
+            f"mobility {self.mobility})"
+        )
+
+
+def load(name_or_path: str | Path, parameters: Mapping[str, float] | None = None) -> Mechanism:
+    """Load a mechanism of the catalogue, or a model file of your own.
+
+    Parameters
+    ----------
+    name_or_path : str or Path
+        A name from `list_mechanisms`, or the path of a model file.
+    parameters : mapping of str to float, optional
+        Values for parameters that the model file declares, m or rad.
+
+    Raises
+    ------
+    UnknownNameError
+        No such mechanism or parameter.
+    ModelFileError
+        The model file or its URDF cannot be read, or contradicts itself.
+    ArgumentError
+        A parameter outside its range.
+    ClosureError
+        The home pose does not assemble.
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> pj.load("four_bar", parameters={"l1": 1.2}).parameters["l1"]
+    1.2
+    """
+    path = find_model_file(name_or_path)
+    spec = read_model_file(path)
+    values = spec.parameter_values(parameters)
+    try:
+        urdf = read_urdf(find_urdf(spec.urdf, path)).moved(spec.moves(values))
+        return Mechanism(build_parts(_pinocchio_model(urdf.kinematic_xml()), spec, values))
+    except (ClosureError, ModelFileError):
+        raise
+    except PmjacError as error:
+        raise ModelFileError(f"{path}: {error}", path=str(path)) from error
+
+
+def _pinocchio_model(xml: str) -> pin.Model:
+    try:
+        return pin.buildModelFromXML(xml)
+    except (RuntimeError, ValueError) as error:
+        message = f"Pinocchio cannot build the tree: {str(error).splitlines()[0]}"
+        raise ModelFileError(message) from None
+
+
+def _tool(tool: str | Sequence[str]) -> Tool:
+    if isinstance(tool, str):
+        return Tool(frame=tool)
+    if len(tool) != 3:
+        raise ArgumentError(f"a tool is one frame or three, got {list(tool)}")
+    return Tool(points=(tool[0], tool[1], tool[2]))
+
+
+def _home_pose(
+    model: pin.Model, home: ArrayLike | Mapping[str, JointValue] | None
+) -> dict[str, JointValue]:
+    if isinstance(home, Mapping):
+        return dict(home)
+    if home is None:
+        return {}
+    q = as_numbers(home, "home")
+    if q.shape != (model.nq,):
+        raise ArgumentError(f"home has nq = {model.nq} entries, got shape {q.shape}")
+    return JointCoordinates(model).pose(q)
+
+
+def _rebuild(model: pin.Model, spec: MechanismSpec, values: Mapping[str, float]) -> Mechanism:
+    return Mechanism(build_parts(model, spec, values))

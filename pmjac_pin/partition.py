@@ -1,0 +1,124 @@
+"""Partition: what does not change from pose to pose when rates are split into θ̇ and φ̇.
+
+Which columns are actuated and which passive, the scales that make K and K* dimensionless,
+the generic ranks, and the rows of η that are shown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from pmjac_pin.factorisation import factorise, norm
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Partition:
+    """The split of the nv rates into n actuated and m_p passive ones.
+
+    Attributes
+    ----------
+    actuated, passive : ndarray of int, shapes (n,) and (m_p,)
+        Columns, in the order of K and K*.
+    actuated_names, passive_names : tuple of str
+    length : float
+        The mechanism's characteristic length, m: it makes a rad and a m comparable.
+    row_scale : ndarray, shape (p,)
+        Turns the rows of η into m.
+    column_scale : ndarray, shape (nv,)
+        A unit rate of a column, in the scaled problem: 1/length rad or 1 m.
+    passive_rank, constraint_rank, tool_rank : int
+        Generic ranks of K*, of [K K*] and of the tool's motion: the largest seen.
+    kept_rows : ndarray of int, shape (m,)
+        Independent rows of η, chosen at the home pose.
+    """
+
+    actuated: Index
+    passive: Index
+    actuated_names: tuple[str, ...]
+    passive_names: tuple[str, ...]
+    length: float
+    row_scale: Array
+    column_scale: Array
+    passive_rank: int = 0
+    constraint_rank: int = 0
+    tool_rank: int = 0
+    kept_rows: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
+
+    def __post_init__(self) -> None:
+        arrays = (self.actuated, self.passive, self.row_scale, self.column_scale, self.kept_rows)
+        for array in arrays:
+            array.setflags(write=False)
+
+    @cached_property
+    def _scale(self) -> Array:
+        return np.outer(self.row_scale, self.column_scale)
+
+    @cached_property
+    def rate_scale(self) -> Array:
+        """Turns −(scaled solution of K* X = K) into φ̇ per θ̇, shape (m_p, n)."""
+        return -np.outer(self.column_scale[self.passive], 1.0 / self.column_scale[self.actuated])
+
+    def scaled(self, constraint_jacobian: Array) -> Array:
+        """Return [K K*], shape (p, nv), without dimension: rows in m, a rotation by 1/length."""
+        scaled: Array = constraint_jacobian * self._scale
+        return scaled
+
+    def scaled_tool(self, tool_jacobian: Array) -> Array:
+        """Return the tool Jacobian (6, nv) on the scaled columns, angular rows times length."""
+        scaled: Array = tool_jacobian * self.column_scale
+        scaled[3:] *= self.length
+        return scaled
+
+    def shown_rows(self, scaled: Array) -> Index:
+        """Return the rows of η to show: those kept since home, while they are independent."""
+        if self.kept_rows.size == scaled.shape[0]:
+            return self.kept_rows
+        size = norm(scaled)
+        if factorise(scaled[self.kept_rows], size).rank == self.kept_rows.size:
+            return self.kept_rows
+        return independent_rows(scaled, factorise(scaled, size).rank)
+
+    def with_ranks_of(self, poses: Sequence[tuple[Array, Array]]) -> Partition:
+        """Return the partition with the generic ranks and kept rows of these closed poses.
+
+        Parameters
+        ----------
+        poses : sequence of (constraint Jacobian (p, nv), tool Jacobian (6, nv))
+            Home first, then others near it: home itself may be singular.
+        """
+        ranks = [self._ranks(constraint, tool) for constraint, tool in poses]
+        passive, constraint, tool = (max(column) for column in zip(*ranks, strict=True))
+        kept = independent_rows(self.scaled(poses[0][0]), constraint)
+        return replace(
+            self,
+            passive_rank=passive,
+            constraint_rank=constraint,
+            tool_rank=tool,
+            kept_rows=kept,
+        )
+
+    def _ranks(self, constraint_jacobian: Array, tool_jacobian: Array) -> tuple[int, int, int]:
+        scaled = self.scaled(constraint_jacobian)
+        size = norm(scaled)
+        whole = factorise(scaled, size)
+        passive = factorise(scaled[:, self.passive], size)
+        scaled_tool = self.scaled_tool(tool_jacobian)
+        tool = factorise(scaled_tool @ whole.null_space, norm(scaled_tool))
+        return passive.rank, whole.rank, tool.rank
+
+
+def independent_rows(scaled: Array, rank: int) -> Index:
+    """Return `rank` independent rows, in their own order: QR with pivoting finds them."""
+    if rank == scaled.shape[0]:
+        return np.arange(rank)
+    pivots = scipy.linalg.qr(scaled.T, mode="r", pivoting=True)[1]
+    return np.sort(pivots[:rank])

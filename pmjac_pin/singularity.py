@@ -1,0 +1,181 @@
+"""Singularity: the ranks at one pose, what kind of singularity it is, what moves freely there.
+
+A singularity is a drop below the generic rank, never an absolute rank: a mechanism with
+redundant loop equations or with an idle rod has a rank-deficient [K K*] or K* at every pose.
+Judged on singular values of the dimensionless matrices (see `Partition.scaled`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.factorisation import RANK_TOLERANCE, factorise, norm
+from pmjac_pin.partition import Partition
+
+Array = NDArray[np.float64]
+Kind = Literal["regular", "gain", "loss", "gain and loss", "configuration space"]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Singularity:
+    """What the ranks say at one closed pose.
+
+    Attributes
+    ----------
+    singular_values : ndarray, shape (min(p, m_p),)
+        Of the dimensionless K* (all rows), divided by the Frobenius norm of the dimensionless
+        [K K*], descending.
+    tolerance : float
+        Singular values up to this count as zero.
+    rank, generic_rank : int
+        Of K*, here and in general.
+    constraint_rank, generic_constraint_rank : int
+        Of [K K*].
+    tool_rank, generic_tool_rank : int
+        Dimension of the tool twists that the loops allow.
+    free_motions : ndarray, shape (m_p, m_p − rank)
+        Columns span null(K*): the passive rates, in m/s or rad/s, that are possible with all
+        motors locked. Idle motions, free at every pose, are among them.
+    idle : int
+        How many of them are free at every pose: m_p minus the generic rank.
+    forbidden_rates : ndarray, shape (n, k)
+        Orthonormal columns: directions of θ̇ outside what the loops allow here.
+    det_K_star : float or None
+        det K* of the shown rows where that is square; the lecture prints it, nothing rests
+        on it.
+    actuated_names, passive_names : tuple of str
+    """
+
+    singular_values: Array
+    tolerance: float
+    rank: int
+    generic_rank: int
+    constraint_rank: int
+    generic_constraint_rank: int
+    tool_rank: int
+    generic_tool_rank: int
+    free_motions: Array
+    forbidden_rates: Array
+    det_K_star: float | None
+    actuated_names: tuple[str, ...]
+    passive_names: tuple[str, ...]
+
+    @property
+    def idle(self) -> int:
+        """Number of passive motions that are free at every pose."""
+        return len(self.passive_names) - self.generic_rank
+
+    @property
+    def gained(self) -> int:
+        """Number of passive motions that come free here with all motors locked."""
+        return self.generic_rank - self.rank
+
+    @property
+    def lost(self) -> int:
+        """Number of independent tool twists that are lost here."""
+        return self.generic_tool_rank - self.tool_rank
+
+    @property
+    def smallest(self) -> float:
+        """The singular value of K* that decides, σ at the generic rank; infinite without loops."""
+        return float(self.singular_values[self.generic_rank - 1]) if self.generic_rank else np.inf
+
+    @property
+    def condition(self) -> float:
+        """σ_max over the σ that decides; 1 without loops."""
+        if not self.generic_rank:
+            return 1.0
+        return float(self.singular_values[0]) / self.smallest if self.smallest else np.inf
+
+    @property
+    def kind(self) -> Kind:
+        """What kind of singularity this is.
+
+        "gain": K* drops, motions come free with the motors locked (second kind, parallel);
+        "loss": the tool loses a motion (first kind, serial); "configuration space": [K K*]
+        itself drops, where branches of the configuration space meet; "regular": none.
+        """
+        if self.constraint_rank < self.generic_constraint_rank:
+            return "configuration space"
+        if self.gained > 0:
+            return "gain and loss" if self.lost > 0 else "gain"
+        return "loss" if self.lost > 0 else "regular"
+
+    @property
+    def is_singular(self) -> bool:
+        """Whether J_eq does not exist here: K* is below its generic rank."""
+        return self.gained > 0
+
+    def free_motion(self) -> dict[str, float]:
+        """Return one motion that is free with the motors locked, largest rate 1, by name."""
+        if not self.free_motions.size:
+            return {}
+        rates = self.free_motions[:, 0]
+        rates = rates / rates[np.argmax(np.abs(rates))]
+        return dict(zip(self.passive_names, map(float, rates), strict=True))
+
+    def __repr__(self) -> str:
+        return (
+            f"Singularity(kind={self.kind!r}, rank={self.rank} of {self.generic_rank}, "
+            f"smallest={self.smallest:.3g}, tolerance={self.tolerance:g})"
+        )
+
+
+def analyse_singularity(
+    constraint_jacobian: Array, tool_jacobian: Array, partition: Partition
+) -> Singularity:
+    """Read the ranks off the constraint and tool Jacobians of one closed pose.
+
+    Parameters
+    ----------
+    constraint_jacobian : ndarray, shape (p, nv)
+    tool_jacobian : ndarray, shape (6, nv)
+        Linear rows first.
+    partition : Partition
+    """
+    scaled = partition.scaled(constraint_jacobian)
+    size = norm(scaled)
+    passive = factorise(scaled[:, partition.passive], size)
+    whole = factorise(scaled, size)
+    scaled_tool = partition.scaled_tool(tool_jacobian)
+    tool = factorise(scaled_tool @ whole.null_space, norm(scaled_tool))
+    forbidden = forbidden_rates(passive.left_null_space, scaled, partition)
+    shown = constraint_jacobian[np.ix_(partition.shown_rows(scaled), partition.passive)]
+    free = partition.column_scale[partition.passive, None] * passive.null_space
+    for array in (free, forbidden, values := passive.singular_values / (size or 1.0)):
+        array.setflags(write=False)
+    return Singularity(
+        singular_values=values,
+        tolerance=RANK_TOLERANCE,
+        rank=passive.rank,
+        generic_rank=partition.passive_rank,
+        constraint_rank=whole.rank,
+        generic_constraint_rank=partition.constraint_rank,
+        tool_rank=tool.rank,
+        generic_tool_rank=partition.tool_rank,
+        free_motions=free,
+        forbidden_rates=forbidden,
+        det_K_star=float(np.linalg.det(shown)) if shown.shape[0] == shown.shape[1] else None,
+        actuated_names=partition.actuated_names,
+        passive_names=partition.passive_names,
+    )
+
+
+def forbidden_rates(left_null_space: Array, scaled: Array, partition: Partition) -> Array:
+    """Return orthonormal directions of θ̇ (n, k) for which no φ̇ satisfies K θ̇ + K* φ̇ = 0.
+
+    With Wᵀ K* = 0, these are the θ̇ with Wᵀ K θ̇ ≠ 0.
+    """
+    actuated = partition.actuated
+    defect = left_null_space.T @ scaled[:, actuated]
+    size = norm(scaled)
+    if norm(defect) <= RANK_TOLERANCE * size:
+        return np.zeros((actuated.size, 0))
+    row_space = factorise(defect, size)
+    directions = row_space.right[: row_space.rank].T / partition.column_scale[actuated, None]
+    orthonormal: Array = np.linalg.qr(directions)[0]
+    return orthonormal

@@ -1,0 +1,104 @@
+"""The tool: its pose and the Jacobian of the cut tree, J = [J_v; J_ω], in LOCAL_WORLD_ALIGNED."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from pmjac_pin.frames import find_frame
+from pmjac_pin.spec import Tool
+
+Array = NDArray[np.float64]
+_ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+
+
+class ToolKinematics(Protocol):
+    """Pose and Jacobian of the tool, once ``pin.computeJointJacobians`` has filled `data`."""
+
+    def pose(self, model: pin.Model, data: pin.Data) -> tuple[Array, Array]:
+        """Return the rotation (3, 3) and the position (3,) of the tool in the world."""
+        ...
+
+    def jacobian(self, model: pin.Model, data: pin.Data) -> Array:
+        """Return J (6, nv), linear rows first, world axes, at the tool's origin."""
+        ...
+
+
+def tool_kinematics(model: pin.Model, tool: Tool) -> ToolKinematics:
+    """Return the tool that a model file describes."""
+    return FrameTool(model, tool.frame) if tool.frame else PointsTool(model, tool.points or ())
+
+
+class FrameTool:
+    """A frame of the tree."""
+
+    __slots__ = ("_index",)
+
+    def __init__(self, model: pin.Model, name: str) -> None:
+        self._index = find_frame(model, name).index
+
+    def pose(self, model: pin.Model, data: pin.Data) -> tuple[Array, Array]:
+        """Return the frame's rotation and position."""
+        placement = pin.updateFramePlacement(model, data, self._index)
+        return placement.rotation.copy(), placement.translation.copy()
+
+    def jacobian(self, model: pin.Model, data: pin.Data) -> Array:
+        """Return Pinocchio's frame Jacobian."""
+        jacobian: Array = pin.getFrameJacobian(model, data, self._index, _ALIGNED)
+        return jacobian
+
+
+class PointsTool:
+    """The frame spanned by three points: origin their centroid, x along p₂ − p₁, z their normal.
+
+    The points may belong to bodies that only the loops hold together, as in the lecture's cut
+    of the 3-RPS; J_ω is then the derivative of the spanned frame, ω̂ = Ṙ Rᵀ, for each joint
+    rate alone, though the triangle deforms.
+    """
+
+    __slots__ = ("_indices",)
+
+    def __init__(self, model: pin.Model, names: tuple[str, ...]) -> None:
+        self._indices = [find_frame(model, name).index for name in names]
+
+    def pose(self, model: pin.Model, data: pin.Data) -> tuple[Array, Array]:
+        """Return the spanned frame's rotation and the centroid."""
+        points = self._points(model, data)
+        return _spanned_rotation(points), points.mean(axis=0)
+
+    def jacobian(self, model: pin.Model, data: pin.Data) -> Array:
+        """Return the rates of the centroid and of the spanned frame.
+
+        With x, y, z the frame's axes, d = p₂ − p₁, e = p₃ − p₁, d = |d|, e_x = x·e, e_y = y·e,
+        ω_z = y·ḋ/d and ω_y = −z·ḋ/d follow from ẋ = ω × x, and
+        ω_x = (z·ė − (e_x/d) z·ḋ)/e_y from the normal of d and e staying z.
+        """
+        points = self._points(model, data)
+        rates = np.stack(
+            [pin.getFrameJacobian(model, data, index, _ALIGNED)[:3] for index in self._indices]
+        )
+        rotation = _spanned_rotation(points)
+        x, y, z = rotation.T
+        side, apex = points[1] - points[0], points[2] - points[0]
+        side_rate, apex_rate = rates[1] - rates[0], rates[2] - rates[0]
+        length = x @ side
+        roll = (z @ apex_rate - (x @ apex / length) * (z @ side_rate)) / (y @ apex)
+        turn = np.stack([roll, -(z @ side_rate) / length, (y @ side_rate) / length])
+        return np.vstack([rates.mean(axis=0), rotation @ turn])
+
+    def _points(self, model: pin.Model, data: pin.Data) -> Array:
+        return np.stack(
+            [pin.updateFramePlacement(model, data, index).translation for index in self._indices]
+        )
+
+
+def _spanned_rotation(points: Array) -> Array:
+    side, apex = points[1] - points[0], points[2] - points[0]
+    normal = np.cross(side, apex)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        x = side / np.linalg.norm(side)
+        z = normal / np.linalg.norm(normal)
+    return np.column_stack([x, np.cross(z, x), z])
