@@ -15,7 +15,7 @@ from pmjac_pin.errors import (
     SingularError,
     UnknownNameError,
 )
-from pmjac_pin.jacobian import EquivalentJacobian, equivalent_jacobian
+from pmjac_pin.jacobian import EquivalentJacobian, SplitJacobian, equivalent_jacobian
 from pmjac_pin.mechanism import Mechanism, load
 from pmjac_pin.partition import Partition
 from pmjac_pin.singularity import Singularity
@@ -41,6 +41,7 @@ __all__ = [
     "PointLoop",
     "SingularError",
     "Singularity",
+    "SplitJacobian",
     "UnknownNameError",
     "equivalent_jacobian",
     "list_mechanisms",

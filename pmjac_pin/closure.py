@@ -31,6 +31,7 @@ _LARGEST_STEP = 0.25  # motion in one step, a rad counted as one length
 _SMALLEST_STEP = 1e-13  # of the whole path
 _LARGEST_CORRECTION = 0.25  # first Newton correction, as a share of the predicted motion
 _SLOWEST_CONTRACTION = 0.25  # of one Newton correction by the next
+_NOTHING_LEFT = 1e-11  # of a path's motor motion: at a fold, no farther from it than rounding
 _MOST_CORRECTIONS = 50  # at a fold, polishing halves the error each time
 
 
@@ -57,8 +58,8 @@ class ClosureProblem:
         return max(CLOSURE_TOLERANCE, 1e-14 * self.partition.length)
 
     def gap(self, residual: Array) -> float:
-        """Return the largest entry of a residual, in m."""
-        return float(np.abs(residual * self.partition.row_scale).max()) if residual.size else 0.0
+        """Return the Euclidean norm of a residual, in m."""
+        return norm(residual * self.partition.row_scale)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,7 +125,7 @@ def assemble(problem: ClosureProblem, q: Array, weights: Array, limit: int = 200
         trial = problem.integrate(q, step)
         trial_residual, trial_jacobian = problem.evaluate(trial)
         trial_gap = problem.gap(trial_residual)
-        if _decreases(trial_residual, residual, partition.row_scale):
+        if trial_gap < gap:
             q, residual, jacobian, gap = trial, trial_residual, trial_jacobian, trial_gap
             damping = max(damping / 8.0, 1e-12)
         elif gap <= problem.tolerance or damping > 1e16:
@@ -152,7 +153,8 @@ def follow(
     point, share, step, iterations = start, 0.0, 1.0, 0
     while share < 1.0:
         if _is_singular(point, partition):
-            break
+            left = (1.0 - share) * norm(displacement / partition.column_scale[partition.actuated])
+            return _arrived(problem, point, target, left) or Followed(point, share, iterations)
         velocity = _path_velocity(point, displacement, partition)
         pace = norm(velocity / partition.column_scale)
         step = min(step, _LARGEST_STEP * partition.length / pace if pace else 1.0)
@@ -169,6 +171,20 @@ def follow(
         point, share = candidate, 1.0 if last else share + step
         step *= 2.0
     return Followed(point, share, iterations)
+
+
+def _arrived(
+    problem: ClosureProblem, point: Closed, target: Callable[[Array], Array], left: float
+) -> Followed | None:
+    """Return the target itself if it cannot be told from a singular point just before it."""
+    if left > _NOTHING_LEFT * problem.partition.length:
+        return None
+    weights = np.zeros(problem.partition.column_scale.size)
+    weights[problem.partition.passive] = 1.0
+    found = assemble(problem, target(point.q), weights)
+    if found.gap > problem.tolerance:
+        return None
+    return Followed(closed_point(problem, found.q), 1.0, found.iterations)
 
 
 def closed_point(problem: ClosureProblem, q: Array) -> Closed:
@@ -255,7 +271,3 @@ def _newton_step(residual: Array, jacobian: Array, partition: Partition) -> Arra
         error, partition.passive_rank
     )
     return velocity
-
-
-def _decreases(trial: Array, residual: Array, row_scale: Array) -> bool:
-    return norm(trial * row_scale) < norm(residual * row_scale)

@@ -18,6 +18,7 @@ from pmjac_pin.errors import ArgumentError
 from pmjac_pin.jacobian import (
     EquivalentJacobian,
     FrameName,
+    SplitJacobian,
     change_frame,
     equivalent_jacobian,
 )
@@ -45,7 +46,7 @@ class Configuration:
     iterations : int
         Newton iterations that it took to close the loops, 0 for a given q.
     residual_norm : float
-        The largest gap of all loop rows, in m.
+        Euclidean norm of the gaps of all loops, in m.
 
     Examples
     --------
@@ -136,14 +137,31 @@ class Configuration:
         >>> pj.load("serial_2r").home.jacobian().Jw_eq[2].tolist()
         [1.0, 1.0]
         """
+        return equivalent_jacobian(self.split_jacobian(frame))
+
+    def split_jacobian(
+        self, frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED"
+    ) -> SplitJacobian:
+        """Return K, K*, J and J*, which exist at singular poses too.
+
+        Parameters
+        ----------
+        frame : {"LOCAL_WORLD_ALIGNED", "LOCAL", "WORLD"} or pin.ReferenceFrame
+            Frame of the tool's twist, with Pinocchio's meaning.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> pj.load("four_bar").home.split_jacobian().K_star.shape
+        (2, 2)
+        """
         snapshot = self._snapshot
         name = _frame_name(frame)
         tool_jacobian = change_frame(
             snapshot.tool_jacobian, name, snapshot.rotation, snapshot.position
         )
-        return equivalent_jacobian(
-            snapshot.constraint_jacobian, tool_jacobian, self._parts.problem.partition, name
-        )
+        partition = self._parts.problem.partition
+        return SplitJacobian(snapshot.constraint_jacobian, tool_jacobian, name, partition)
 
     def singularity(self) -> Singularity:
         """Return the ranks here, the kind of singularity and what moves freely.

@@ -16,6 +16,7 @@ from pmjac_pin.ellipsoid import Ellipsoid, force_ellipsoid, velocity_ellipsoid
 from pmjac_pin.errors import ArgumentError, ForbiddenRatesError, IdleMotionError, SingularError
 from pmjac_pin.factorisation import RANK_TOLERANCE, Factorisation, factorise, norm
 from pmjac_pin.partition import Partition
+from pmjac_pin.read_only import ReadOnlyArrays, read_only
 from pmjac_pin.singularity import Singularity, analyse_singularity, forbidden_rates
 
 Array = NDArray[np.float64]
@@ -23,8 +24,8 @@ FrameName = Literal["LOCAL", "WORLD", "LOCAL_WORLD_ALIGNED"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class EquivalentJacobian:
-    """The map from motor rates to the tool twist, and the matrices that it is made of.
+class SplitJacobian(ReadOnlyArrays):
+    """The matrices before the passive rates are eliminated: they exist at singular poses too.
 
     All arrays are read-only. n motors, m_p passive degrees of freedom, m independent rows of
     the loop equations.
@@ -34,57 +35,82 @@ class EquivalentJacobian:
     constraint_jacobian : ndarray, shape (p, nv)
         ∂η/∂v on all rows, world axes, Pinocchio's columns.
     tool_jacobian : ndarray, shape (6, nv)
-        Of the cut tree, in `frame`, Pinocchio's columns.
-    passive_rates : ndarray, shape (m_p, n)
-        Φ = −K*⁻¹ K, so that φ̇ = Φ θ̇ (29).
-    J_eq : ndarray, shape (6, n)
-        J − J* K*⁻¹ K (30)–(32), linear rows first, in `frame`.
+        Of the cut tree, linear rows first, in `frame`, Pinocchio's columns.
     frame : str
         "LOCAL", "WORLD" or "LOCAL_WORLD_ALIGNED", as in Pinocchio.
     partition : Partition
+        Which columns are actuated and which passive.
     """
 
     constraint_jacobian: Array
     tool_jacobian: Array
-    passive_rates: Array
-    J_eq: Array
     frame: FrameName
     partition: Partition
 
     @cached_property
     def rows(self) -> NDArray[np.intp]:
         """Which rows of η are those of K and K*, shape (m,)."""
-        return self.partition.shown_rows(self.partition.scaled(self.constraint_jacobian))
+        scaled = self.partition.scaled(self.constraint_jacobian)
+        return read_only(self.partition.shown_rows(scaled))
 
     @cached_property
     def K(self) -> Array:
         """∂η/∂θ on the independent rows, shape (m, n)."""
-        return _read_only(self.constraint_jacobian[np.ix_(self.rows, self.partition.actuated)])
+        return read_only(self.constraint_jacobian[np.ix_(self.rows, self.partition.actuated)])
 
     @cached_property
     def K_star(self) -> Array:
         """∂η/∂φ on the independent rows, shape (m, m_p)."""
-        return _read_only(self.constraint_jacobian[np.ix_(self.rows, self.partition.passive)])
+        return read_only(self.constraint_jacobian[np.ix_(self.rows, self.partition.passive)])
 
     @cached_property
     def Jv(self) -> Array:
         """Linear rows of J, shape (3, n)."""
-        return _read_only(self.tool_jacobian[:3, self.partition.actuated])
+        return read_only(self.tool_jacobian[:3, self.partition.actuated])
 
     @cached_property
     def Jv_star(self) -> Array:
         """Linear rows of J*, shape (3, m_p)."""
-        return _read_only(self.tool_jacobian[:3, self.partition.passive])
+        return read_only(self.tool_jacobian[:3, self.partition.passive])
 
     @cached_property
     def Jw(self) -> Array:
         """Angular rows of J, shape (3, n)."""
-        return _read_only(self.tool_jacobian[3:, self.partition.actuated])
+        return read_only(self.tool_jacobian[3:, self.partition.actuated])
 
     @cached_property
     def Jw_star(self) -> Array:
         """Angular rows of J*, shape (3, m_p)."""
-        return _read_only(self.tool_jacobian[3:, self.partition.passive])
+        return read_only(self.tool_jacobian[3:, self.partition.passive])
+
+    @property
+    def det_K_star(self) -> float | None:
+        """Determinant of K*, None where K* is not square. It decides nothing."""
+        rows, columns = self.K_star.shape
+        return float(np.linalg.det(self.K_star)) if rows == columns else None
+
+    def __repr__(self) -> str:
+        return f"SplitJacobian({self._sizes()})"
+
+    def _sizes(self) -> str:
+        m, n, m_p = self.rows.size, self.partition.actuated.size, self.partition.passive.size
+        return f"K={m}×{n}, K_star={m}×{m_p}, J=6×{n}, J_star=6×{m_p}, frame={self.frame!r}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class EquivalentJacobian(SplitJacobian):
+    """The map from motor rates to the tool twist, and the matrices that it is made of.
+
+    Attributes
+    ----------
+    passive_rates : ndarray, shape (m_p, n)
+        Φ = −K*⁻¹ K, so that φ̇ = Φ θ̇ (29).
+    J_eq : ndarray, shape (6, n)
+        J − J* K*⁻¹ K (30)–(32), linear rows first, in `frame`.
+    """
+
+    passive_rates: Array
+    J_eq: Array
 
     @property
     def Jv_eq(self) -> Array:
@@ -102,23 +128,17 @@ class EquivalentJacobian:
         motion = np.zeros((self.tool_jacobian.shape[1], self.partition.actuated.size))
         motion[self.partition.actuated] = np.eye(self.partition.actuated.size)
         motion[self.partition.passive] = self.passive_rates
-        return _read_only(motion)
+        return read_only(motion)
 
     @cached_property
     def gv_eq(self) -> Array:
         """[J_v]eqᵀ [J_v]eq, shape (n, n) (33). For display: its rank is not decided on it."""
-        return _read_only(self.Jv_eq.T @ self.Jv_eq)
+        return read_only(self.Jv_eq.T @ self.Jv_eq)
 
     @cached_property
     def gw_eq(self) -> Array:
         """[J_ω]eqᵀ [J_ω]eq, shape (n, n) (33)."""
-        return _read_only(self.Jw_eq.T @ self.Jw_eq)
-
-    @property
-    def det_K_star(self) -> float | None:
-        """det K*, None where K* is not square. It decides nothing."""
-        rows, columns = self.K_star.shape
-        return float(np.linalg.det(self.K_star)) if rows == columns else None
+        return read_only(self.Jw_eq.T @ self.Jw_eq)
 
     def velocity_ellipsoid(self) -> Ellipsoid:
         """Return the tool velocities of all |θ̇| = 1: the principal velocities, in m/s."""
@@ -133,31 +153,16 @@ class EquivalentJacobian:
         return force_ellipsoid(self.Jv_eq, unit="N")
 
     def __repr__(self) -> str:
-        actuated = ", ".join(self.partition.actuated_names)
-        m, n = self.rows.size, self.partition.actuated.size
-        return (
-            f"EquivalentJacobian(actuated=({actuated}), J_eq=6×{n}, "
-            f"K={m}×{n}, K_star={m}×{self.partition.passive.size}, frame={self.frame!r})"
-        )
+        return f"EquivalentJacobian({self._sizes()})"
 
 
-def equivalent_jacobian(
-    constraint_jacobian: Array,
-    tool_jacobian: Array,
-    partition: Partition,
-    frame: FrameName = "LOCAL_WORLD_ALIGNED",
-) -> EquivalentJacobian:
+def equivalent_jacobian(split: SplitJacobian) -> EquivalentJacobian:
     """Eliminate the passive rates: J_eq = J − J* K*⁻¹ K on all rows, by singular values.
 
     Parameters
     ----------
-    constraint_jacobian : ndarray, shape (p, nv)
-        ∂η/∂v at a closed pose.
-    tool_jacobian : ndarray, shape (6, nv)
-        Linear rows first, in `frame`.
-    partition : Partition
-    frame : str
-        What `tool_jacobian` is expressed in; it is only noted.
+    split : SplitJacobian
+        At a closed pose.
 
     Raises
     ------
@@ -168,26 +173,20 @@ def equivalent_jacobian(
     IdleMotionError
         A passive motion that no motor commands moves the tool.
     """
+    partition, J = split.partition, split.tool_jacobian
     actuated, passive = partition.actuated, partition.passive
-    scaled = partition.scaled(constraint_jacobian)
+    scaled = partition.scaled(split.constraint_jacobian)
     factors = factorise(scaled.take(passive, axis=1), norm(scaled))
     if factors.rank < partition.passive_rank:
-        raise _singular(analyse_singularity(constraint_jacobian, tool_jacobian, partition))
+        raise _singular(analyse_singularity(split.constraint_jacobian, J, partition))
     if factors.rank < scaled.shape[0]:
         _refuse_forbidden(factors, scaled, partition)
     if factors.rank < passive.size:
-        _refuse_felt_idle_motion(factors, tool_jacobian, partition)
+        _refuse_felt_idle_motion(factors, J, partition)
     rates = factors.solve(scaled.take(actuated, axis=1))
     rates *= partition.rate_scale
-    J_eq = tool_jacobian.take(actuated, axis=1) + tool_jacobian.take(passive, axis=1) @ rates
-    return EquivalentJacobian(
-        _read_only(constraint_jacobian),
-        _read_only(tool_jacobian),
-        _read_only(rates),
-        _read_only(J_eq),
-        frame,
-        partition,
-    )
+    J_eq = J.take(actuated, axis=1) + J.take(passive, axis=1) @ rates
+    return EquivalentJacobian(split.constraint_jacobian, J, split.frame, partition, rates, J_eq)
 
 
 def change_frame(tool_jacobian: Array, frame: FrameName, rotation: Array, position: Array) -> Array:
@@ -272,8 +271,3 @@ def _refuse_felt_idle_motion(
         tolerance=RANK_TOLERANCE,
         free_motion=dict(zip(partition.passive_names, map(float, idle), strict=True)),
     )
-
-
-def _read_only(array: Array) -> Array:
-    array.setflags(write=False)
-    return array

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import msgspec
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
@@ -152,7 +151,7 @@ class Mechanism:
 
     @property
     def mobility(self) -> int:
-        """nv − rank [K K*], the rank being the largest of home and three poses near it."""
+        """Degrees of freedom: nv − rank [K K*], the largest rank of home and poses near it."""
         return self.nv - self._parts.problem.partition.constraint_rank
 
     @property

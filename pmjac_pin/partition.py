@@ -15,13 +15,14 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from pmjac_pin.factorisation import factorise, norm
+from pmjac_pin.read_only import ReadOnlyArrays
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
-class Partition:
+class Partition(ReadOnlyArrays):
     """The split of the nv rates into n actuated and m_p passive ones.
 
     Attributes
@@ -52,11 +53,6 @@ class Partition:
     constraint_rank: int = 0
     tool_rank: int = 0
     kept_rows: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
-
-    def __post_init__(self) -> None:
-        arrays = (self.actuated, self.passive, self.row_scale, self.column_scale, self.kept_rows)
-        for array in arrays:
-            array.setflags(write=False)
 
     @cached_property
     def _scale(self) -> Array:

@@ -51,9 +51,9 @@ def plot_ellipsoid(
 ) -> Figure:
     """Draw an ellipsoid in space and its sections and shadows in the coordinate planes.
 
-    The figure of Ghosal, *Parallel Manipulator Jacobian Matrix*: the surface with its three
-    principal axes, and the Z-Y, Z-X and X-Y planes (horizontal axis first). All four panels
-    have the same limits.
+    The figure of Ghosal, *Parallel Manipulator Jacobian Matrix*, to equation (33): the surface
+    with its three principal axes, and the Z-Y, Z-X and X-Y planes (horizontal axis first). All
+    four panels have the same limits.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def plot_ellipsoid(
     subtitle : str
         A second, smaller line, such as the motor values.
     quantity : str, optional
-        Heading of the view in space. By default read off the ellipsoid's unit: "linear
+        Heading of the view in space. By default read off the ellipsoid's unit: "Linear
         velocity of the tool" for "m/s".
     symbol : str, optional
         Letter of the axis labels, which get x, y and z as an index. By default read off the
@@ -192,7 +192,7 @@ def _rescaled(ellipsoid: Ellipsoid) -> Ellipsoid:
     largest = float(ellipsoid.radii[0])
     if largest == 0 or 1e-2 <= largest < 1e3:
         return ellipsoid
-    exponent = max(3 * math.floor(math.log10(largest) / 3), -300)
+    exponent = max(3 * math.floor(math.log10(largest) / 3), -306)
     unit = f"$10^{{{exponent}}}$ {ellipsoid.unit}".rstrip()
     return Ellipsoid(ellipsoid.radii / 10.0**exponent, ellipsoid.axes, unit)
 

@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 
 from pmjac_pin.factorisation import RANK_TOLERANCE, factorise, norm
 from pmjac_pin.partition import Partition
+from pmjac_pin.read_only import ReadOnlyArrays
 
 Array = NDArray[np.float64]
 Kind = Literal["regular", "gain", "loss", "gain and loss", "configuration space"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Singularity:
+class Singularity(ReadOnlyArrays):
     """What the ranks say at one closed pose.
 
     Attributes
@@ -40,13 +41,8 @@ class Singularity:
     free_motions : ndarray, shape (m_p, m_p − rank)
         Columns span null(K*): the passive rates, in m/s or rad/s, that are possible with all
         motors locked. Idle motions, free at every pose, are among them.
-    idle : int
-        How many of them are free at every pose: m_p minus the generic rank.
     forbidden_rates : ndarray, shape (n, k)
         Orthonormal columns: directions of θ̇ outside what the loops allow here.
-    det_K_star : float or None
-        det K* of the shown rows where that is square; the lecture prints it, nothing rests
-        on it.
     actuated_names, passive_names : tuple of str
     """
 
@@ -60,7 +56,6 @@ class Singularity:
     generic_tool_rank: int
     free_motions: Array
     forbidden_rates: Array
-    det_K_star: float | None
     actuated_names: tuple[str, ...]
     passive_names: tuple[str, ...]
 
@@ -119,8 +114,9 @@ class Singularity:
         return dict(zip(self.passive_names, map(float, rates), strict=True))
 
     def __repr__(self) -> str:
+        idle = f", {self.idle} idle" if self.idle else ""
         return (
-            f"Singularity(kind={self.kind!r}, rank={self.rank} of {self.generic_rank}, "
+            f"Singularity(kind={self.kind!r}, rank={self.rank} of {self.generic_rank}{idle}, "
             f"smallest={self.smallest:.3g}, tolerance={self.tolerance:g})"
         )
 
@@ -144,12 +140,9 @@ def analyse_singularity(
     scaled_tool = partition.scaled_tool(tool_jacobian)
     tool = factorise(scaled_tool @ whole.null_space, norm(scaled_tool))
     forbidden = forbidden_rates(passive.left_null_space, scaled, partition)
-    shown = constraint_jacobian[np.ix_(partition.shown_rows(scaled), partition.passive)]
     free = partition.column_scale[partition.passive, None] * passive.null_space
-    for array in (free, forbidden, values := passive.singular_values / (size or 1.0)):
-        array.setflags(write=False)
     return Singularity(
-        singular_values=values,
+        singular_values=passive.singular_values / (size or 1.0),
         tolerance=RANK_TOLERANCE,
         rank=passive.rank,
         generic_rank=partition.passive_rank,
@@ -159,7 +152,6 @@ def analyse_singularity(
         generic_tool_rank=partition.tool_rank,
         free_motions=free,
         forbidden_rates=forbidden,
-        det_K_star=float(np.linalg.det(shown)) if shown.shape[0] == shown.shape[1] else None,
         actuated_names=partition.actuated_names,
         passive_names=partition.passive_names,
     )
@@ -178,4 +170,5 @@ def forbidden_rates(left_null_space: Array, scaled: Array, partition: Partition)
     row_space = factorise(defect, size)
     directions = row_space.right[: row_space.rank].T / partition.column_scale[actuated, None]
     orthonormal: Array = np.linalg.qr(directions)[0]
-    return orthonormal
+    largest = np.argmax(np.abs(orthonormal), axis=0)
+    return orthonormal * np.sign(orthonormal[largest, np.arange(largest.size)])

@@ -1,0 +1,218 @@
+"""Report: everything that is known at one pose, as plain data with names and units.
+
+The structs say what there is, and are what ``pmjac report --json`` writes: their attributes
+are its keys. `make_report` in `report_maker` fills them.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+from pmjac_pin.labelled import LabelledMatrix
+
+Vector = tuple[float, ...]
+
+
+class Quantity(msgspec.Struct, frozen=True):
+    """A number with its unit."""
+
+    name: str
+    value: float
+    unit: str
+
+
+class ParameterValue(msgspec.Struct, frozen=True):
+    """A parameter of the mechanism."""
+
+    name: str
+    value: float
+    unit: str
+    meaning: str
+    default: float
+
+
+class JointValue(msgspec.Struct, frozen=True):
+    """The value of one degree of freedom; its role is "actuated" or "passive"."""
+
+    name: str
+    role: str
+    value: float
+    unit: str
+
+
+class Dimensions(msgspec.Struct, frozen=True):
+    """The sizes in the lecture's letters.
+
+    Attributes
+    ----------
+    n, m_p : int
+        Actuated and passive degrees of freedom.
+    p, m : int
+        Loop equations, and the independent ones that K and K* show.
+    mobility, nq, nv : int
+    """
+
+    n: int
+    m_p: int
+    p: int
+    m: int
+    mobility: int
+    nq: int
+    nv: int
+
+
+class ToolPose(msgspec.Struct, frozen=True):
+    """The tool in the world: position in m, rotation matrix row by row."""
+
+    position: Vector
+    rotation: tuple[Vector, ...]
+
+
+class Matrices(msgspec.Struct, frozen=True, kw_only=True):
+    """The lecture's matrices; None from `passive_rates` on where J_eq does not exist."""
+
+    K: LabelledMatrix
+    K_star: LabelledMatrix
+    Jv: LabelledMatrix
+    Jv_star: LabelledMatrix
+    Jw: LabelledMatrix
+    Jw_star: LabelledMatrix
+    passive_rates: LabelledMatrix | None = None
+    Jv_eq: LabelledMatrix | None = None
+    Jw_eq: LabelledMatrix | None = None
+    gv_eq: LabelledMatrix | None = None
+    gw_eq: LabelledMatrix | None = None
+
+
+class SingularValues(msgspec.Struct, frozen=True):
+    """Singular values, descending; `unit` is None where rows or columns mix units."""
+
+    values: Vector
+    unit: str | None
+
+
+class SingularityReport(msgspec.Struct, frozen=True, kw_only=True):
+    """What `Singularity` says, motions by the joints' names.
+
+    Attributes
+    ----------
+    kind : str
+    singular_values : tuple of float
+        Of the dimensionless K* on all rows, relative to the size of [K K*].
+    smallest : float
+        The one of them that decides; infinite without loops.
+    condition, tolerance : float
+    characteristic_length : float
+        In m: what makes radians and metres comparable.
+    rank, generic_rank : int
+        Of K*, here and in general.
+    constraint_rank, generic_constraint_rank : int
+        Of [K K*].
+    tool_rank, generic_tool_rank : int
+        Dimension of the tool twists that the loops allow.
+    idle, gained, lost : int
+    free_motions : tuple of dict
+        Passive rates that are possible with the motors locked; they span all of these.
+    forbidden_rates : tuple of dict
+        Orthonormal motor rates that the loops do not allow here.
+    """
+
+    kind: str
+    singular_values: Vector
+    smallest: float
+    condition: float
+    tolerance: float
+    characteristic_length: float
+    rank: int
+    generic_rank: int
+    constraint_rank: int
+    generic_constraint_rank: int
+    tool_rank: int
+    generic_tool_rank: int
+    idle: int
+    gained: int
+    lost: int
+    free_motions: tuple[dict[str, float], ...]
+    forbidden_rates: tuple[dict[str, float], ...]
+
+
+class EllipsoidReport(msgspec.Struct, frozen=True):
+    """Principal values, descending, and the unit direction of each, in the report's frame."""
+
+    unit: str
+    rank: int
+    radii: Vector
+    directions: tuple[Vector, ...]
+
+
+class Report(msgspec.Struct, frozen=True, kw_only=True):
+    """What is known of a mechanism at one pose.
+
+    Attributes
+    ----------
+    mechanism, description : str
+    parameters : tuple of ParameterValue
+    dimensions : Dimensions
+    pose : str or None
+        The named pose; None where motor values were asked for.
+    start : str or None
+        The named pose from which the motors were walked to those values.
+    frame : str
+        Of the tool's twist, with Pinocchio's meaning.
+    joints : tuple of JointValue
+        Motors first.
+    iterations : int
+        Newton iterations that closed the loops.
+    residual : tuple of Quantity
+        The p loop equations.
+    residual_norm : float
+        The largest gap, m.
+    tool : ToolPose
+    matrices : Matrices
+    det_K_star : Quantity or None
+        None where K* is not square.
+    singular_values : dict of str to SingularValues
+        Of "K_star" as shown, of "Jv_eq" and "Jw_eq"; None where J_eq does not exist.
+    singularity : SingularityReport
+    ellipsoids : dict of str to EllipsoidReport
+        "velocity", "angular", "force"; None where J_eq does not exist.
+    refusal : str or None
+        Why J_eq does not exist here.
+    """
+
+    mechanism: str
+    description: str
+    parameters: tuple[ParameterValue, ...]
+    dimensions: Dimensions
+    pose: str | None
+    start: str | None
+    frame: str
+    joints: tuple[JointValue, ...]
+    iterations: int
+    residual: tuple[Quantity, ...]
+    residual_norm: float
+    tool: ToolPose
+    matrices: Matrices
+    det_K_star: Quantity | None
+    singular_values: dict[str, SingularValues | None]
+    singularity: SingularityReport
+    ellipsoids: dict[str, EllipsoidReport | None]
+    refusal: str | None
+
+
+def to_json(report: Report) -> str:
+    """Write a report as strict JSON, one line for each of its attributes.
+
+    JSON knows no infinity: infinite numbers become null. There are three: the radii of the
+    force ellipsoid in directions that the structure bears by itself, and the singularity's
+    `smallest` (no loops) and `condition` (singular).
+    """
+    lines = (
+        f"{_json(field.encode_name)}: {_json(getattr(report, field.name))}"
+        for field in msgspec.structs.fields(report)
+    )
+    return "{\n" + ",\n".join(lines) + "\n}"
+
+
+def _json(value: object) -> str:
+    return msgspec.json.encode(value).decode()

@@ -1,0 +1,282 @@
+"""From a Configuration to its Report: the numbers are the Python interface's, unchanged."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.ellipsoid import Ellipsoid
+from pmjac_pin.errors import SingularError
+from pmjac_pin.jacobian import EquivalentJacobian, SplitJacobian
+from pmjac_pin.labelled import (
+    ANGULAR,
+    LINEAR,
+    METRE,
+    RADIAN,
+    LabelledMatrix,
+    Powers,
+    common_unit,
+    joint_powers,
+    labelled,
+    metric_unit,
+    quotient,
+    rate_unit,
+    row_powers,
+    unit,
+)
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.report import (
+    Dimensions,
+    EllipsoidReport,
+    JointValue,
+    Matrices,
+    ParameterValue,
+    Quantity,
+    Report,
+    SingularityReport,
+    SingularValues,
+    ToolPose,
+)
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class _Labels:
+    """Names and units of one mechanism's motors, passive joints and loop equations."""
+
+    actuated: tuple[str, ...]
+    passive: tuple[str, ...]
+    equations: tuple[str, ...]
+    actuated_powers: tuple[Powers, ...]
+    passive_powers: tuple[Powers, ...]
+    equation_powers: tuple[Powers, ...]
+
+    @classmethod
+    def of(cls, mechanism: Mechanism) -> _Labels:
+        names = (mechanism.actuated, mechanism.passive, mechanism.rows)
+        return cls(*names, *joint_powers(mechanism), row_powers(mechanism.spec.loops))
+
+
+def make_report(
+    configuration: Configuration,
+    frame: str = "LOCAL_WORLD_ALIGNED",
+    *,
+    pose: str | None = None,
+    start: str | None = None,
+) -> Report:
+    """Collect what is known at a configuration.
+
+    Complete at singular poses too: what does not exist there is None, and `refusal` says why.
+
+    Parameters
+    ----------
+    configuration : Configuration
+    frame : {"LOCAL_WORLD_ALIGNED", "LOCAL", "WORLD"}
+        Frame of the tool's twist, with Pinocchio's meaning.
+    pose : str, optional
+        The pose's name, if it has one.
+    start : str, optional
+        The named pose from which the configuration was reached.
+
+    Raises
+    ------
+    ArgumentError
+        No such frame.
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> report = make_report(pj.load("four_bar").home, pose="home")
+    >>> report.dimensions.m, report.matrices.K_star.columns, report.det_K_star.unit
+    (2, ('phi1', 'phi2'), 'm²/rad²')
+    """
+    mechanism = configuration.mechanism
+    labels = _Labels.of(mechanism)
+    split = configuration.split_jacobian(frame)
+    jacobian, refusal = _equivalent(configuration, frame)
+    return Report(
+        mechanism=mechanism.name,
+        description=mechanism.spec.description,
+        parameters=_parameters(mechanism),
+        dimensions=_dimensions(mechanism, split),
+        pose=pose,
+        start=start,
+        frame=split.frame,
+        joints=_joints(configuration, labels),
+        iterations=configuration.iterations,
+        residual=_residual(configuration, labels),
+        residual_norm=configuration.residual_norm,
+        tool=_tool_pose(configuration),
+        matrices=_matrices(split, jacobian, labels),
+        det_K_star=_determinant(split, labels),
+        singular_values=_singular_values(split, jacobian, labels),
+        singularity=_singularity(configuration),
+        ellipsoids=_ellipsoids(jacobian),
+        refusal=refusal,
+    )
+
+
+def _equivalent(
+    configuration: Configuration, frame: str
+) -> tuple[EquivalentJacobian | None, str | None]:
+    try:
+        return configuration.jacobian(frame), None
+    except SingularError as error:
+        return None, str(error)
+
+
+def _parameters(mechanism: Mechanism) -> tuple[ParameterValue, ...]:
+    declared = mechanism.spec.parameters
+    return tuple(
+        ParameterValue(
+            name, value, declared[name].unit, declared[name].meaning, declared[name].default
+        )
+        for name, value in mechanism.parameters.items()
+    )
+
+
+def _dimensions(mechanism: Mechanism, split: SplitJacobian) -> Dimensions:
+    return Dimensions(
+        n=len(mechanism.actuated),
+        m_p=len(mechanism.passive),
+        p=len(mechanism.rows),
+        m=int(split.rows.size),
+        mobility=mechanism.mobility,
+        nq=mechanism.nq,
+        nv=mechanism.nv,
+    )
+
+
+def _joints(configuration: Configuration, labels: _Labels) -> tuple[JointValue, ...]:
+    roles = ["actuated"] * len(labels.actuated) + ["passive"] * len(labels.passive)
+    powers = labels.actuated_powers + labels.passive_powers
+    values = configuration.joint_values.items()
+    return tuple(
+        JointValue(name, role, value, unit(power))
+        for (name, value), role, power in zip(values, roles, powers, strict=True)
+    )
+
+
+def _residual(configuration: Configuration, labels: _Labels) -> tuple[Quantity, ...]:
+    rows = zip(labels.equations, configuration.residual, labels.equation_powers, strict=True)
+    return tuple(Quantity(name, float(value), unit(power)) for name, value, power in rows)
+
+
+def _tool_pose(configuration: Configuration) -> ToolPose:
+    pose = configuration.tool_pose
+    return ToolPose(_vector(pose.translation), tuple(map(_vector, pose.rotation)))
+
+
+def _matrices(
+    split: SplitJacobian, jacobian: EquivalentJacobian | None, labels: _Labels
+) -> Matrices:
+    equations = tuple(labels.equations[k] for k in split.rows)
+    equation_units = tuple(unit(labels.equation_powers[k]) for k in split.rows)
+    motors = (labels.actuated, tuple(map(unit, labels.actuated_powers)))
+    passive = (labels.passive, tuple(map(unit, labels.passive_powers)))
+    motor_rates = (labels.actuated, tuple(map(rate_unit, labels.actuated_powers)))
+    passive_rates = (labels.passive, tuple(map(rate_unit, labels.passive_powers)))
+    linear = (LINEAR, (rate_unit(METRE),) * 3)
+    angular = (ANGULAR, (rate_unit(RADIAN),) * 3)
+    known = {
+        "K": labelled(split.K, equations, equation_units, *motors),
+        "K_star": labelled(split.K_star, equations, equation_units, *passive),
+        "Jv": labelled(split.Jv, *linear, *motor_rates),
+        "Jv_star": labelled(split.Jv_star, *linear, *passive_rates),
+        "Jw": labelled(split.Jw, *angular, *motor_rates),
+        "Jw_star": labelled(split.Jw_star, *angular, *passive_rates),
+    }
+    if jacobian is not None:
+        known |= {
+            "passive_rates": labelled(jacobian.passive_rates, *passive_rates, *motor_rates),
+            "Jv_eq": labelled(jacobian.Jv_eq, *linear, *motor_rates),
+            "Jw_eq": labelled(jacobian.Jw_eq, *angular, *motor_rates),
+            "gv_eq": _metric(jacobian.gv_eq, METRE, labels),
+            "gw_eq": _metric(jacobian.gw_eq, RADIAN, labels),
+        }
+    return Matrices(**known)
+
+
+def _metric(values: Array, twist: Powers, labels: _Labels) -> LabelledMatrix:
+    rows = tuple(metric_unit(twist, joint) for joint in labels.actuated_powers)
+    columns = tuple(map(rate_unit, labels.actuated_powers))
+    return labelled(values, labels.actuated, rows, labels.actuated, columns)
+
+
+def _determinant(split: SplitJacobian, labels: _Labels) -> Quantity | None:
+    value = split.det_K_star
+    if value is None:
+        return None
+    rows = (labels.equation_powers[k] for k in split.rows)
+    return Quantity("det K*", value, unit(quotient(rows, labels.passive_powers)))
+
+
+def _singular_values(
+    split: SplitJacobian, jacobian: EquivalentJacobian | None, labels: _Labels
+) -> dict[str, SingularValues | None]:
+    rows = [labels.equation_powers[k] for k in split.rows]
+    K_star_unit = common_unit(rows, labels.passive_powers)
+    found: dict[str, SingularValues | None] = {
+        "K_star": SingularValues(_spectrum(split.K_star), K_star_unit),
+        "Jv_eq": None,
+        "Jw_eq": None,
+    }
+    if jacobian is not None:
+        found["Jv_eq"] = SingularValues(_spectrum(jacobian.Jv_eq), "m/s")
+        found["Jw_eq"] = SingularValues(_spectrum(jacobian.Jw_eq), "rad/s")
+    return found
+
+
+def _singularity(configuration: Configuration) -> SingularityReport:
+    singularity = configuration.singularity()
+    actuated, passive = singularity.actuated_names, singularity.passive_names
+    return SingularityReport(
+        kind=singularity.kind,
+        singular_values=_vector(singularity.singular_values),
+        smallest=singularity.smallest,
+        condition=singularity.condition,
+        tolerance=singularity.tolerance,
+        characteristic_length=configuration.mechanism.characteristic_length,
+        rank=singularity.rank,
+        generic_rank=singularity.generic_rank,
+        constraint_rank=singularity.constraint_rank,
+        generic_constraint_rank=singularity.generic_constraint_rank,
+        tool_rank=singularity.tool_rank,
+        generic_tool_rank=singularity.generic_tool_rank,
+        idle=singularity.idle,
+        gained=singularity.gained,
+        lost=singularity.lost,
+        free_motions=_by_name(passive, singularity.free_motions),
+        forbidden_rates=_by_name(actuated, singularity.forbidden_rates),
+    )
+
+
+def _ellipsoids(jacobian: EquivalentJacobian | None) -> dict[str, EllipsoidReport | None]:
+    if jacobian is None:
+        return {"velocity": None, "angular": None, "force": None}
+    return {
+        "velocity": _ellipsoid(jacobian.velocity_ellipsoid()),
+        "angular": _ellipsoid(jacobian.angular_ellipsoid()),
+        "force": _ellipsoid(jacobian.force_ellipsoid()),
+    }
+
+
+def _ellipsoid(ellipsoid: Ellipsoid) -> EllipsoidReport:
+    directions = tuple(map(_vector, ellipsoid.axes.T))
+    return EllipsoidReport(ellipsoid.unit, ellipsoid.rank, _vector(ellipsoid.radii), directions)
+
+
+def _spectrum(matrix: Array) -> tuple[float, ...]:
+    return _vector(np.linalg.svd(matrix, compute_uv=False)) if matrix.size else ()
+
+
+def _by_name(names: tuple[str, ...], columns: Array) -> tuple[dict[str, float], ...]:
+    return tuple(dict(zip(names, _vector(column), strict=True)) for column in columns.T)
+
+
+def _vector(values: Array) -> tuple[float, ...]:
+    return tuple(map(float, values))

@@ -1,0 +1,230 @@
+"""Urdf: a URDF that was read and checked, and that parameters may move.
+
+It knows nothing of Pinocchio, and holds no more than text and names: it can be shared, compared
+and pickled. What Pinocchio gets is `Urdf.kinematic_xml`, never the text itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from xml.etree.ElementTree import Element, tostring
+
+from pmjac_pin.errors import ModelFileError, unknown_name
+from pmjac_pin.spec import Move
+from pmjac_pin.text_file import read_text
+from pmjac_pin.urdf_checks import UrdfJoint, checked_robot, joints_of
+from pmjac_pin.urdf_xml import label, numbers, only, parse_xml, written
+
+__all__ = ["Urdf", "UrdfJoint", "parse_urdf", "read_urdf"]
+
+MAXIMAL_SIZE = 20_000_000  # bytes
+
+_SIZES: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "box": ("size",),
+        "cylinder": ("radius", "length"),
+        "capsule": ("radius", "length"),
+        "sphere": ("radius",),
+    }
+)
+
+
+@dataclass(frozen=True)
+class Urdf:
+    """A URDF whose links and joints form one tree that Pinocchio can build.
+
+    Attributes
+    ----------
+    path : str
+        Where it came from; only for messages.
+    text : str
+        The whole XML, visuals included, without comments.
+    joints : tuple of UrdfJoint
+        In file order.
+    links : tuple of str
+        In file order.
+    visuals : tuple of str
+        The names of the <visual> elements that have one, in file order.
+    """
+
+    path: str
+    text: str
+    joints: tuple[UrdfJoint, ...]
+    links: tuple[str, ...]
+    visuals: tuple[str, ...]
+
+    def kinematic_xml(self) -> str:
+        """Return the least URDF that gives Pinocchio the same model.
+
+        Its links have inertials and nothing else; its joints have their origin, axis, limit
+        and dynamics. Every number was read and written anew.
+
+        Examples
+        --------
+        >>> urdf = parse_urdf('<robot name="r"><link name="a"><visual/></link></robot>', "r.urdf")
+        >>> urdf.kinematic_xml()
+        '<robot name="r"><link name="a" /></robot>'
+        """
+        with _at(self.path):
+            return tostring(checked_robot(parse_xml(self.text)), encoding="unicode")
+
+    def moved(self, moves: Iterable[tuple[Move, float]]) -> Urdf:
+        """Return the URDF with ``coefficient * delta`` added to the numbers that each move names.
+
+        Parameters
+        ----------
+        moves : iterable of (Move, float)
+            Each with its parameter's distance from the default, in m or rad. Moves of the same
+            number add up.
+
+        Raises
+        ------
+        UnknownNameError
+            A joint or a visual that does not exist.
+        ModelFileError
+            A visual name that is not unique, a shape without the attribute, or a size that
+            would not be positive.
+        """
+        with _at(self.path):
+            robot = parse_xml(self.text)
+            steps = [(self._target(robot, move), move, delta) for move, delta in moves]
+            steps = [step for step in steps if step[-1] != 0.0]
+            for element, move, delta in steps:
+                _move_origin(element, move, delta)
+                _move_shape(element, move, delta)
+            for element, move, _ in steps:
+                _check_positive(element, move)
+        return parse_urdf(tostring(robot, encoding="unicode"), self.path) if steps else self
+
+    def _target(self, robot: Element, move: Move) -> Element:
+        """Return the element that a move names, once it is certain that it can be moved so."""
+        kind, path, name = "joint", "joint", move.joint
+        if name is None:
+            kind, path, name = "visual", "link/visual", move.visual or ""
+        found = [element for element in robot.iterfind(path) if element.get("name") == name]
+        if not found:
+            joints = tuple(joint.name for joint in self.joints)
+            raise unknown_name(kind, name, joints if kind == "joint" else self.visuals)
+        if len(found) > 1:
+            many = f"{len(found)} visuals are named {name!r}"
+            raise ModelFileError(f"{many}; one that a parameter moves needs its own name")
+        _shape(found[0], move)
+        return found[0]
+
+
+def read_urdf(path: Path) -> Urdf:
+    """Read and check a URDF file of at most 20 MB.
+
+    Raises
+    ------
+    ModelFileError
+        The message starts with the file's path and names the element at fault.
+    """
+    return parse_urdf(read_text(path, MAXIMAL_SIZE), str(path))
+
+
+def parse_urdf(text: str, path: str) -> Urdf:
+    """Check a URDF.
+
+    Parameters
+    ----------
+    text : str
+        The XML. Meshes that it names are not opened.
+    path : str
+        Where it came from; messages start with it.
+
+    Raises
+    ------
+    ModelFileError
+        Not XML, not a URDF, not one tree, or something that Pinocchio would crash on, misread
+        or ignore in silence.
+
+    Examples
+    --------
+    >>> urdf = parse_urdf('<robot name="r"><link name="base"/></robot>', "r.urdf")
+    >>> urdf.links
+    ('base',)
+    """
+    with _at(path):
+        robot = parse_xml(text)
+        kinematic = checked_robot(robot)
+    return Urdf(
+        path=path,
+        text=tostring(robot, encoding="unicode"),
+        joints=joints_of(kinematic),
+        links=tuple(link.get("name", "") for link in kinematic.iterfind("link")),
+        visuals=tuple(
+            name for visual in robot.iterfind("link/visual") if (name := visual.get("name"))
+        ),
+    )
+
+
+@contextmanager
+def _at(path: str) -> Iterator[None]:
+    """Put the file's path before the message of an error."""
+    try:
+        yield
+    except ModelFileError as error:
+        raise ModelFileError(f"{path}: {error}", path=path) from None
+
+
+def _add(
+    where: str, element: Element, attribute: str, coefficients: tuple[float, ...], delta: float
+) -> None:
+    default = "0 0 0" if element.tag == "origin" else None
+    before = numbers(where, element, attribute, default=default, count=len(coefficients))
+    pairs = zip(before, coefficients, strict=True)
+    element.set(attribute, written(old + coefficient * delta for old, coefficient in pairs))
+
+
+def _move_origin(element: Element, move: Move, delta: float) -> None:
+    where = label(element)
+    for attribute, coefficients in (("xyz", move.xyz), ("rpy", move.rpy)):
+        if any(coefficients):
+            if (origin := only(where, element, "origin")) is None:
+                origin = Element("origin")
+                element.append(origin)
+            _add(f"{where}, <origin>", origin, attribute, coefficients, delta)
+
+
+def _size_coefficients(move: Move) -> dict[str, tuple[float, ...]]:
+    given = {"size": move.size, "length": (move.length,), "radius": (move.radius,)}
+    return {attribute: numbers for attribute, numbers in given.items() if any(numbers)}
+
+
+def _shape(element: Element, move: Move) -> Element | None:
+    """Return the shape whose size the move changes; nothing if it changes none."""
+    where, wanted = label(element), _size_coefficients(move)
+    if not wanted:
+        return None
+    geometry = only(where, element, "geometry")
+    if geometry is None or len(geometry) != 1:
+        raise ModelFileError(f"{where} needs a <geometry> with one shape")
+    sizes = _SIZES.get(geometry[0].tag, ())
+    for attribute in wanted:
+        if attribute not in sizes:
+            got = f"{where} is a <{geometry[0].tag}> and has no `{attribute}` to move"
+            raise ModelFileError(f"{got}; it has: {', '.join(sizes) or 'none'}")
+    return geometry[0]
+
+
+def _move_shape(element: Element, move: Move, delta: float) -> None:
+    if (shape := _shape(element, move)) is not None:
+        where = f"{label(element)}, <{shape.tag}>"
+        for attribute, coefficients in _size_coefficients(move).items():
+            _add(where, shape, attribute, coefficients, delta)
+
+
+def _check_positive(element: Element, move: Move) -> None:
+    # Only once all moves are done: one may shrink a shape and another make up for it.
+    if (shape := _shape(element, move)) is not None:
+        where = f"{label(element)}, <{shape.tag}>"
+        for attribute, coefficients in _size_coefficients(move).items():
+            values = numbers(where, shape, attribute, count=len(coefficients))
+            if min(values) <= 0.0:
+                got = f"`{attribute}` would become {written(values)}"
+                raise ModelFileError(f"{where}: {got}; it must be positive")

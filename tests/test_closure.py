@@ -1,0 +1,209 @@
+"""Direct kinematics: it closes, it stays on its mode, and says why when it cannot."""
+
+from __future__ import annotations
+
+import hand_derived as hand
+import mechanisms
+import numpy as np
+import pytest
+
+import pmjac_pin as pj
+
+
+def follow_by_hand(start, theta, target, steps=3000):
+    """Tiny Newton steps with the closed formulas; None where det K* changes sign."""
+    sign = np.sign(np.linalg.det(hand.rps_K_star(start, theta)))
+    for share in np.linspace(0, 1, steps + 1)[1:]:
+        lengths = start + share * (target - start)
+        for _ in range(3):
+            step = np.linalg.solve(
+                hand.rps_K_star(lengths, theta), hand.rps_residual(lengths, theta, 0.5)
+            )
+            theta = theta - step
+        if np.sign(np.linalg.det(hand.rps_K_star(lengths, theta))) != sign:
+            return None
+        if np.abs(hand.rps_residual(lengths, theta, 0.5)).max() > 1e-10:
+            return None
+    return theta
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("start", ["home", "lecture_a", "lecture_b"])
+def test_it_never_jumps_to_another_mode(start, rng):
+    mechanism = pj.load("three_rps_ss")
+    pose = mechanism.pose(start)
+    outcomes = {"closed": 0, "stopped": 0}
+    for _ in range(40):
+        target = rng.uniform(0.3, 2.0, 3)
+        expected = follow_by_hand(pose.actuated, pose.passive, target)
+        try:
+            configuration = mechanism.close(target, guess=pose)
+        except pj.ClosureError as error:
+            assert expected is None
+            assert error.reached.residual_norm < 1e-12
+            outcomes["stopped"] += 1
+        else:
+            np.testing.assert_allclose(configuration.passive, expected, atol=1e-9)
+            outcomes["closed"] += 1
+    assert min(outcomes.values()) > 3
+
+
+def test_the_lectures_poses_are_not_joined_by_a_straight_path():
+    """The path from A's printed mode ends at a fold just before B; large Newton steps jump it."""
+    mechanism = pj.load("three_rps_ss")
+    with pytest.raises(pj.ClosureError, match="on another assembly mode") as caught:
+        mechanism.close(hand.POSE_B_L, guess="lecture_a")
+    assert caught.value.share == pytest.approx(0.9893, abs=1e-4)
+    assert caught.value.residual_norm < 1e-12
+    with pytest.raises(pj.ClosureError) as caught:
+        mechanism.close(hand.POSE_B_L)
+    assert caught.value.share == pytest.approx(0.286, abs=1e-3)
+
+
+def test_the_symmetric_mode_of_pose_a():
+    configuration = pj.load("three_rps").close(hand.POSE_A_L)
+    np.testing.assert_allclose(configuration.passive[:3], hand.POSE_A_MODES[1], atol=1e-8)
+
+
+def test_steps_are_those_of_a_path_not_of_a_search():
+    """There and back again, by many small closures or by one, gives the same pose."""
+    mechanism = pj.load("three_rps")
+    target = np.array([0.9, 1.1, 1.2])
+    at_once = mechanism.close(target)
+    in_steps = mechanism.home
+    for share in np.linspace(0, 1, 40)[1:]:
+        in_steps = mechanism.close(1 + share * (target - 1), guess=in_steps)
+    np.testing.assert_allclose(at_once.q, in_steps.q, atol=1e-11)
+    back = mechanism.close([1, 1, 1], guess=at_once)
+    np.testing.assert_allclose(back.q, mechanism.home.q, atol=1e-11)
+
+
+def test_it_says_iterations_and_residual():
+    configuration = pj.load("three_rps").close([1.0, 1.03, 1.0])
+    assert 1 <= configuration.iterations <= 6
+    assert configuration.residual_norm < 1e-12
+    assert configuration.residual_norm == pytest.approx(
+        np.linalg.norm(configuration.residual), abs=1e-15
+    )
+    assert configuration.residual.shape == (9,)
+
+
+@pytest.mark.parametrize(
+    "guess",
+    ["home", {"theta1": 0.9, "phi1": 2.0, "phi2": 0.1}, {"phi1": 2.0, "phi2": 0.1}, {}],
+)
+def test_guesses(guess):
+    configuration = pj.load("four_bar").close([1.0], guess=guess)
+    np.testing.assert_allclose(
+        configuration.passive, hand.four_bar_closure(1.0, mechanisms.CRANK_ROCKER, 1), atol=1e-12
+    )
+
+
+def test_the_other_mode_by_its_guess():
+    phi = hand.four_bar_closure(1.0, mechanisms.CRANK_ROCKER, -1)
+    guess = {"phi1": phi[0] + 0.1, "phi2": phi[1] - 0.1}
+    configuration = pj.load("four_bar").close([1.0], guess=guess)
+    np.testing.assert_allclose(configuration.passive, phi, atol=1e-12)
+
+
+def test_an_endless_joint_goes_the_shorter_way():
+    joints = [
+        ("theta1", "continuous", "ground", "crank", (0, 0, 0), (0, 0, 1)),
+        ("phi2", "continuous", "crank", "coupler", (1.0, 0, 0), (0, 0, 1)),
+        ("phi1", "continuous", "ground", "rocker", (4.0, 0, 0), (0, 0, 1)),
+        ("ce", "fixed", "coupler", "C1", (3.0, 0, 0)),
+        ("re", "fixed", "rocker", "C2", (3.5, 0, 0)),
+    ]
+    home = {"theta1": 3.0, "phi1": 2.0, "phi2": -2.0}
+    mechanism = mechanisms.build(joints, [("C1", "C2")], ["theta1"], "coupler", home)
+    assert (mechanism.nq, mechanism.nv) == (6, 3)
+    start = mechanism.close([3.0])
+    beyond = mechanism.close([3.3], guess=start)
+    assert beyond.actuated[0] == pytest.approx(3.3 - 2 * np.pi, abs=1e-12)
+    assert beyond.iterations <= 16
+    around = mechanism.close([3.3 + 4 * np.pi], guess=beyond)
+    np.testing.assert_allclose(around.q, beyond.q, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("actuated", "message"),
+    [
+        ([1.0, 2.0], "3 motor values (l1, l2, l3) expected, got 2"),
+        ([[1.0, 1.0, 1.0]], "3 motor values (l1, l2, l3) expected, got shape (1, 3)"),
+        (["a", "b", "c"], "motor values must be real numbers, got ['a', 'b', 'c']"),
+        ("home", "motor values must be real numbers, got 'home'"),
+        ([1.0, np.nan, 1.0], "motor values must be finite, got [1.0, nan, 1.0]"),
+        ([1.0, None, 1.0], "motor values must be real numbers, got [1.0, None, 1.0]"),
+        ([1.0, 1j, 1.0], "motor values must be real numbers, got [1.0, 1j, 1.0]"),
+        ([True, True, False], "motor values must be real numbers, got [True, True, False]"),
+        ([[1.0], [1.0, 2.0]], "motor values must be real numbers, got [[1.0], [1.0, 2.0]]"),
+    ],
+)
+def test_bad_motor_values(actuated, message):
+    with pytest.raises(pj.ArgumentError) as caught:
+        pj.load("three_rps").close(actuated)
+    assert str(caught.value) == message
+
+
+def test_limits():
+    mechanism = pj.load("three_rps")
+    with pytest.raises(pj.LimitError) as caught:
+        mechanism.close([1.0, 0.05, 1.0])
+    assert str(caught.value) == (
+        "motor 'l2' = 0.05 is outside its limits [0.1, 3]; enforce_limits=False turns this check off"
+    )
+    error = caught.value
+    assert (error.joint, error.value, error.lower, error.upper) == ("l2", 0.05, 0.1, 3.0)
+    beyond = pj.load("three_rps", parameters={"a": 3.0, "b": 3.0}).close(
+        [3.5, 3.5, 3.5], enforce_limits=False
+    )
+    np.testing.assert_allclose(beyond.actuated, 3.5)
+
+
+@pytest.mark.parametrize(
+    ("guess", "kind", "message"),
+    [
+        ("lecture_c", pj.UnknownNameError, "unknown pose 'lecture_c'; did you mean"),
+        ({"theta9": 1.0}, pj.UnknownNameError, "unknown joint 'theta9'; did you mean"),
+        ({"theta1": "x"}, pj.ArgumentError, "the value of joint 'theta1' must be real numbers"),
+        (3, pj.ArgumentError, "guess must be the name of a pose, a Configuration or a mapping"),
+        (None, pj.ArgumentError, "guess must be the name of a pose, a Configuration or a mapping"),
+    ],
+)
+def test_bad_guesses(guess, kind, message):
+    with pytest.raises(kind) as caught:
+        pj.load("three_rps").close([1, 1, 1], guess=guess)
+    assert str(caught.value).startswith(message)
+
+
+def test_a_guess_from_another_mechanism():
+    with pytest.raises(pj.ArgumentError, match="is a pose of 'four_bar', not of 'three_rps'"):
+        pj.load("three_rps").close([1, 1, 1], guess=pj.load("four_bar").home)
+
+
+def test_out_of_reach():
+    mechanism = pj.load("four_bar", parameters={"l0": 7.0})
+    with pytest.raises(pj.ClosureError, match="out of reach") as caught:
+        mechanism.close([np.pi])
+    # Stretched out, coupler and rocker are 8 − 6.5 m short.
+    assert caught.value.residual_norm == pytest.approx(1.5, abs=1e-6)
+    assert caught.value.reached.residual_norm < 1e-12
+
+
+def test_an_open_q_is_refused():
+    mechanism = pj.load("four_bar")
+    q = mechanism.home.q + 1e-3
+    with pytest.raises(pj.ClosureError, match="are open by") as caught:
+        mechanism.configuration(q)
+    assert 1e-4 < caught.value.residual_norm < 1e-2
+
+
+def test_errors_survive_pickling():
+    import pickle
+
+    with pytest.raises(pj.ClosureError) as caught:
+        pj.load("three_rps_ss").close(hand.POSE_B_L)
+    error = pickle.loads(pickle.dumps(caught.value))
+    assert str(error) == str(caught.value)
+    assert error.share == caught.value.share
+    np.testing.assert_array_equal(error.reached.q, caught.value.reached.q)

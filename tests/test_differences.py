@@ -1,0 +1,149 @@
+"""Analytic Jacobians against central differences through the closure, and the laws of J_eq."""
+
+from __future__ import annotations
+
+import mechanisms
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import pmjac_pin as pj
+
+MECHANISMS = {
+    **{name: (lambda name=name: pj.load(name)) for name in mechanisms.CATALOGUE},
+    "rocker_rocker": mechanisms.rocker_rocker,
+    "yawing_four_bar": mechanisms.yawing_four_bar,
+    "rssr": mechanisms.rssr,
+    "three_crank_parallelogram": mechanisms.three_crank_parallelogram,
+}
+
+
+def generic(mechanism, rng):
+    return mechanisms.random_closed(mechanism, rng, 8, 0.2)
+
+
+def near_singular(mechanism, rng):
+    """Poses close to where a path from home meets its first singularity; none if it never does."""
+    poses = []
+    for _ in range(6):
+        direction = rng.normal(size=len(mechanism.actuated))
+        try:
+            mechanism.close(mechanism.home.actuated + 6 * direction, enforce_limits=False)
+        except pj.ClosureError as error:
+            path = error.reached.actuated - mechanism.home.actuated
+            poses.append(mechanism.close(mechanism.home.actuated + 0.999 * path))
+        except pj.LimitError:
+            continue
+    return poses
+
+
+@pytest.fixture(params=MECHANISMS)
+def mechanism(request):
+    return MECHANISMS[request.param]()
+
+
+@pytest.fixture(params=[generic, near_singular])
+def poses(request, mechanism, rng):
+    found = request.param(mechanism, rng)
+    if not found:
+        pytest.skip("no singularity is met on a path from home")
+    return found
+
+
+def difference_quotient(configuration, h):
+    """∂(tool twist)/∂θ by closing the loops at θ ± h, to fourth order."""
+    mechanism, theta = configuration.mechanism, configuration.actuated
+
+    def pose(step):
+        closed = mechanism.close(theta + step, guess=configuration, enforce_limits=False)
+        return closed.tool_pose
+
+    columns = []
+    for k in range(theta.size):
+        step = h * np.eye(theta.size)[k]
+        twist = np.zeros(6)
+        for weight, factor in ((8, 1), (-1, 2)):
+            ahead, behind = pose(factor * step), pose(-factor * step)
+            twist[:3] += weight * (ahead.translation - behind.translation)
+            twist[3:] += weight * pin.log3(ahead.rotation @ behind.rotation.T)
+        columns.append(twist / (12 * h))
+    return np.column_stack(columns)
+
+
+def test_j_eq_is_the_derivative_through_the_closure(poses):
+    for configuration in poses:
+        J_eq = configuration.jacobian().J_eq
+        smallest = min(1.0, configuration.singularity().smallest)
+        quotient = difference_quotient(configuration, 1e-3 * smallest**2 + 1e-7)
+        assert np.abs(quotient - J_eq).max() <= 1e-6 * np.abs(J_eq).max()
+
+
+def test_the_loops_stay_closed_to_first_order(poses):
+    for configuration in poses:
+        jacobian = configuration.jacobian()
+        scale = 1e-10 * (1 + np.abs(jacobian.passive_rates).max(initial=0))
+        closing = jacobian.K + jacobian.K_star @ jacobian.passive_rates
+        assert np.abs(closing).max(initial=0) <= scale
+        whole = jacobian.constraint_jacobian @ jacobian.motion_map
+        assert np.abs(whole).max(initial=0) <= scale
+
+
+def test_j_eq_is_the_tool_jacobian_on_the_motion_map(poses):
+    for configuration in poses:
+        jacobian = configuration.jacobian()
+        J_eq = jacobian.tool_jacobian @ jacobian.motion_map
+        np.testing.assert_allclose(jacobian.J_eq, J_eq, atol=1e-12 * (1 + np.abs(J_eq).max()))
+        np.testing.assert_array_equal(jacobian.J_eq, np.vstack([jacobian.Jv_eq, jacobian.Jw_eq]))
+        np.testing.assert_allclose(jacobian.gv_eq, jacobian.Jv_eq.T @ jacobian.Jv_eq)
+        np.testing.assert_allclose(jacobian.gw_eq, jacobian.Jw_eq.T @ jacobian.Jw_eq)
+
+
+def test_frames_change_by_the_adjoint(poses):
+    for configuration in poses:
+        local = configuration.jacobian("LOCAL").J_eq
+        pose = configuration.tool_pose
+        aligned = pin.SE3(pose.rotation, np.zeros(3))
+        scale = 1e-12 * (1 + np.abs(local).max())
+        for frame, action in (
+            ("LOCAL_WORLD_ALIGNED", aligned.action),
+            (pin.ReferenceFrame.LOCAL_WORLD_ALIGNED, aligned.action),
+            ("WORLD", pose.action),
+            (pin.WORLD, pose.action),
+        ):
+            J_eq = configuration.jacobian(frame).J_eq
+            np.testing.assert_allclose(J_eq, action @ local, atol=scale)
+
+
+def test_power_is_the_same_at_the_motors_and_at_the_tool(poses, rng):
+    """τ = J_eqᵀ w balances the tool wrench w, and the loop forces do no work."""
+    for configuration in poses:
+        jacobian = configuration.jacobian()
+        wrench, rates = rng.normal(size=6), rng.normal(size=len(configuration.actuated))
+        effort = jacobian.J_eq.T @ wrench
+        q_dot = jacobian.motion_map @ rates
+        multipliers = rng.normal(size=jacobian.constraint_jacobian.shape[0])
+        loop_power = q_dot @ (jacobian.constraint_jacobian.T @ multipliers)
+        tool_power = wrench @ (jacobian.tool_jacobian @ q_dot)
+        scale = 1e-10 * (1 + np.abs(q_dot).max() ** 2)
+        assert abs(loop_power) <= scale
+        assert effort @ rates == pytest.approx(tool_power, abs=scale)
+
+
+def test_linear_rows_come_first():
+    """A unit test on row order: the 2R arm turns about z at 1 rad/s for each motor."""
+    J_eq = pj.load("serial_2r").close([0.0, 0.0]).jacobian().J_eq
+    np.testing.assert_allclose(J_eq, [[0, 0], [1.8, 0.8], [0, 0], [0, 0], [0, 0], [1, 1]], atol=1e-15)
+
+
+@pytest.mark.parametrize("name", ["serial_2r", "ur5"])
+def test_open_chains_are_the_trivial_case(name):
+    mechanism = pj.load(name)
+    jacobian = mechanism.home.jacobian()
+    assert jacobian.K.shape == (0, len(mechanism.actuated))
+    assert jacobian.K_star.shape == (0, 0)
+    model = mechanism.model
+    data = model.createData()
+    frame = model.getFrameId(mechanism.spec.tool.frame)
+    pin.computeJointJacobians(model, data, mechanism.home.q)
+    expected = pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)
+    np.testing.assert_allclose(jacobian.J_eq, expected, atol=1e-14)
