@@ -77,7 +77,9 @@ class Hand:
         return np.array([by_column[column] for column in self.actuated])
 
 
-def microseconds(*functions: Callable[[], object], rounds: int = 40, number: int = 50) -> list[float]:
+def microseconds(
+    *functions: Callable[[], object], rounds: int = 40, number: int = 50
+) -> list[float]:
     """Return the best time of each, taken in turn so that a slow machine is slow for all."""
     best = [np.inf] * len(functions)
     for _ in range(rounds):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.closure import ClosureProblem, assemble
 from pmjac_pin.coordinates import JointCoordinates
-from pmjac_pin.errors import ClosureError, ModelFileError, unknown_name
+from pmjac_pin.errors import ArgumentError, ClosureError, unknown_name
 from pmjac_pin.factorisation import factorise
 from pmjac_pin.kinematics import Kinematics
 from pmjac_pin.loops import LoopSystem
@@ -21,7 +21,9 @@ from pmjac_pin.tool import tool_kinematics
 
 Array = NDArray[np.float64]
 
-_RELUCTANCE = 0.01  # how little the motors move, beside the passive joints, to assemble a pose
+# How easily the motors move, beside the passive joints, to assemble a pose: not at all, then
+# reluctantly, then like the others.
+_MOTOR_WEIGHTS = (0.0, 0.1, 1.0)
 _PROBES = 3  # closed poses near home at which the generic ranks are looked for
 _PROBE_DISTANCE = 0.05  # rad, or share of the characteristic length
 
@@ -46,7 +48,7 @@ def build_parts(model: pin.Model, spec: MechanismSpec, values: Mapping[str, floa
     ------
     UnknownNameError
         A joint or frame that the model does not have.
-    ModelFileError
+    ArgumentError
         The actuated and passive joints are not a partition of the joints that move.
     ClosureError
         The home pose does not assemble.
@@ -76,9 +78,9 @@ def assemble_pose(problem: ClosureProblem, loops: LoopSystem, q: Array, what: st
         With the smallest gap found and the loop that stays open.
     """
     found = []
-    for reluctance in (0.0, _RELUCTANCE):
+    for motor_weight in _MOTOR_WEIGHTS:
         weights = np.ones(problem.partition.column_scale.size)
-        weights[problem.partition.actuated] = reluctance
+        weights[problem.partition.actuated] = motor_weight
         found.append(assemble(problem, q, weights))
         if found[-1].gap <= problem.tolerance:
             return found[-1].q
@@ -103,7 +105,7 @@ def _partition(
     for name in spec.actuated:
         if (count := coordinates.degrees_of_freedom(name)) != 1:
             message = f"a motor moves one degree of freedom; joint {name!r} has {count}"
-            raise ModelFileError(message)
+            raise ArgumentError(message)
     others = tuple(name for name in coordinates.names if name not in spec.actuated)
     passive = others if spec.passive is None else spec.passive
     for name in passive:
@@ -111,7 +113,7 @@ def _partition(
             raise unknown_name("joint", name, coordinates.names)
     if forgotten := [name for name in others if name not in passive]:
         message = f"joint {forgotten[0]!r} moves and is neither actuated nor passive"
-        raise ModelFileError(message)
+        raise ArgumentError(message)
     return Partition(
         actuated=coordinates.columns(spec.actuated),
         passive=coordinates.columns(passive),

@@ -39,7 +39,7 @@ def find_model_file(name_or_path: str | Path) -> Path:
     if path.name in names:
         return _data() / "models" / f"{path.name}.toml"
     hint = did_you_mean(path.name, names)
-    if path.exists():
+    if path.is_file():
         hint = f"; for the file of this name write './{path.name}'"
     raise UnknownNameError(
         f"unknown mechanism {str(name_or_path)!r}{hint}", name=str(name_or_path), candidates=names

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
@@ -24,7 +25,7 @@ from pmjac_pin.errors import (
     unknown_name,
 )
 from pmjac_pin.model_file import read_model_file
-from pmjac_pin.spec import JointValue, Loop, MechanismSpec, Tool
+from pmjac_pin.spec import JointValue, Loop, MechanismSpec, Tool, decode_spec, encode_spec
 from pmjac_pin.urdf import read_urdf
 
 Array = NDArray[np.float64]
@@ -79,7 +80,7 @@ class Mechanism:
 
         Raises
         ------
-        UnknownNameError, ArgumentError, ModelFileError, ClosureError
+        UnknownNameError, ArgumentError, ClosureError
 
         Examples
         --------
@@ -94,13 +95,14 @@ class Mechanism:
         try:
             spec = MechanismSpec(
                 name=name or own.name,
-                actuated=tuple(actuated),
-                passive=None if passive is None else tuple(passive),
+                actuated=_names("actuated", actuated),
+                passive=None if passive is None else _names("passive", passive),
                 tool=_tool(tool),
                 loops=tuple(loops),
                 poses={"home": _home_pose(own, home)},
             )
-        except (TypeError, ValueError) as error:
+            spec = decode_spec(encode_spec(spec))  # checks the types, as in a model file
+        except (TypeError, ValueError, msgspec.MsgspecError) as error:
             raise ArgumentError(str(error)) from None
         return cls(build_parts(own, spec, {}))
 
@@ -353,6 +355,12 @@ def _pinocchio_model(xml: str) -> pin.Model:
         raise ModelFileError(message) from None
 
 
+def _names(what: str, names: Iterable[str]) -> tuple[str, ...]:
+    if isinstance(names, str):
+        raise ArgumentError(f"{what} is a list of joint names, got the string {names!r}")
+    return tuple(names)
+
+
 def _tool(tool: str | Sequence[str]) -> Tool:
     if isinstance(tool, str):
         return Tool(frame=tool)
@@ -365,7 +373,10 @@ def _home_pose(
     model: pin.Model, home: ArrayLike | Mapping[str, JointValue] | None
 ) -> dict[str, JointValue]:
     if isinstance(home, Mapping):
-        return dict(home)
+        return {
+            name: tuple(np.atleast_1d(as_numbers(value, f"the value of joint {name!r}")).tolist())
+            for name, value in home.items()
+        }
     if home is None:
         return {}
     q = as_numbers(home, "home")

@@ -34,6 +34,8 @@ def read_model_file(path: Path) -> MechanismSpec:
         raise ModelFileError(f"{path}: {_explained(error)}", path=str(path)) from None
     except (ValueError, RecursionError, OverflowError) as error:
         raise ModelFileError(f"{path}: not valid TOML: {error}", path=str(path)) from None
+    if not spec.urdf:
+        raise ModelFileError(f"{path}: missing key `urdf`", path=str(path))
     return spec if spec.name else msgspec.structs.replace(spec, name=path.stem)
 
 

@@ -12,10 +12,10 @@ from functools import cached_property
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from pmjac_pin.factorisation import factorise, norm
-from pmjac_pin.read_only import ReadOnlyArrays
+from pmjac_pin.read_only import ReadOnlyArrays, read_only
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -56,12 +56,62 @@ class Partition(ReadOnlyArrays):
 
     @cached_property
     def _scale(self) -> Array:
-        return np.outer(self.row_scale, self.column_scale)
+        return read_only(np.outer(self.row_scale, self.column_scale))
 
     @cached_property
     def rate_scale(self) -> Array:
         """Turns −(scaled solution of K* X = K) into φ̇ per θ̇, shape (m_p, n)."""
-        return -np.outer(self.column_scale[self.passive], 1.0 / self.column_scale[self.actuated])
+        passive, actuated = self.column_scale[self.passive], self.column_scale[self.actuated]
+        return read_only(-np.outer(passive, 1.0 / actuated))
+
+    @classmethod
+    def from_matrices(
+        cls,
+        constraint_jacobian: ArrayLike,
+        tool_jacobian: ArrayLike,
+        actuated: Sequence[int],
+        passive: Sequence[int],
+        *,
+        length: float = 1.0,
+    ) -> Partition:
+        """Return the partition for matrices from elsewhere, its ranks those of this one pose.
+
+        Parameters
+        ----------
+        constraint_jacobian : array_like, shape (p, nv)
+            ∂η/∂v, rows in m.
+        tool_jacobian : array_like, shape (6, nv)
+            Linear rows first.
+        actuated, passive : sequence of int
+            Columns.
+        length : float
+            A length in m that is large for this mechanism's linear, and one rad for its
+            angular motion; 1 m where all columns are comparable already.
+
+        Examples
+        --------
+        The lecture's four-bar, its loop equations and tool written by hand:
+
+        >>> import numpy as np, pmjac_pin as pj
+        >>> C = np.array([[-2.0, 1.0, -1.0], [1.0, 0.5, 2.0]])
+        >>> J = np.vstack([np.eye(3), np.zeros((2, 3)), np.ones((1, 3))])
+        >>> partition = pj.Partition.from_matrices(C, J, [0], [1, 2])
+        >>> split = pj.SplitJacobian(C, J, "LOCAL_WORLD_ALIGNED", partition)
+        >>> pj.equivalent_jacobian(split).passive_rates.round(3).tolist()
+        [[1.2], [-0.8]]
+        """
+        constraint, tool = np.asarray(constraint_jacobian), np.asarray(tool_jacobian)
+        rows, columns = constraint.shape
+        partition = cls(
+            actuated=np.array(actuated, dtype=np.intp),
+            passive=np.array(passive, dtype=np.intp),
+            actuated_names=tuple(f"theta{k}" for k in range(len(actuated))),
+            passive_names=tuple(f"phi{k}" for k in range(len(passive))),
+            length=length,
+            row_scale=np.ones(rows),
+            column_scale=np.full(columns, 1.0 / length),
+        )
+        return partition.with_ranks_of([(constraint, tool)])
 
     def scaled(self, constraint_jacobian: Array) -> Array:
         """Return [K K*], shape (p, nv), without dimension: rows in m, a rotation by 1/length."""

@@ -6,6 +6,9 @@ are its keys. `make_report` in `report_maker` fills them.
 
 from __future__ import annotations
 
+import json
+import re
+
 import msgspec
 
 from pmjac_pin.labelled import LabelledMatrix
@@ -201,7 +204,7 @@ class Report(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def to_json(report: Report) -> str:
-    """Write a report as strict JSON, one line for each of its attributes.
+    """Write a report as strict JSON in ASCII, one line for each of its attributes.
 
     JSON knows no infinity: infinite numbers become null. There are three: the radii of the
     force ellipsoid in directions that the structure bears by itself, and the singularity's
@@ -215,4 +218,7 @@ def to_json(report: Report) -> str:
 
 
 def _json(value: object) -> str:
-    return msgspec.json.encode(value).decode()
+    # Units have superscripts, and a pipe may be unable to carry them. In JSON they can only
+    # stand in strings, where an escape means the same.
+    encoded = msgspec.json.encode(value).decode()
+    return re.sub("[^\x00-\x7f]", lambda match: json.dumps(match[0])[1:-1], encoded)

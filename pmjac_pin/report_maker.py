@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -278,5 +279,5 @@ def _by_name(names: tuple[str, ...], columns: Array) -> tuple[dict[str, float], 
     return tuple(dict(zip(names, _vector(column), strict=True)) for column in columns.T)
 
 
-def _vector(values: Array) -> tuple[float, ...]:
+def _vector(values: NDArray[np.floating[Any]]) -> tuple[float, ...]:
     return tuple(map(float, values))

@@ -171,4 +171,5 @@ def forbidden_rates(left_null_space: Array, scaled: Array, partition: Partition)
     directions = row_space.right[: row_space.rank].T / partition.column_scale[actuated, None]
     orthonormal: Array = np.linalg.qr(directions)[0]
     largest = np.argmax(np.abs(orthonormal), axis=0)
-    return orthonormal * np.sign(orthonormal[largest, np.arange(largest.size)])
+    orthonormal *= np.sign(orthonormal[largest, np.arange(largest.size)])
+    return orthonormal

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from numbers import Real
 from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
@@ -129,16 +130,20 @@ class Parameter(_Table, frozen=True, kw_only=True):
 
     def check(self, name: str, value: float) -> float:
         """Return `value` as a float, or say why this parameter cannot have it."""
-        if isinstance(value, bool) or not isinstance(value, float | int):
+        if isinstance(value, bool) or not isinstance(value, Real):
             message = f"parameter {name!r} must be a number in {self.unit}, got {value!r}"
             raise ArgumentError(message)
+        try:
+            value = float(value)
+        except OverflowError:
+            value = math.inf
         lower = -math.inf if self.minimum is None else self.minimum
         upper = math.inf if self.maximum is None else self.maximum
         if not (lower <= value <= upper and math.isfinite(value)):
             got = f"parameter {name!r} = {value:g} {self.unit}"
             message = f"{got} is not within [{lower:g}, {upper:g}]"
             raise ArgumentError(message)
-        return float(value)
+        return value
 
 
 JointValue = float | tuple[float, ...]
@@ -220,12 +225,17 @@ class MechanismSpec(_Table, frozen=True, kw_only=True):
 
 def encode_spec(spec: MechanismSpec) -> bytes:
     """Encode a spec as JSON."""
-    return msgspec.json.encode(spec, enc_hook=dict)
+    return msgspec.json.encode(spec, enc_hook=_builtin)
 
 
 def decode_spec(encoded: bytes) -> MechanismSpec:
     """Decode what `encode_spec` made."""
     return msgspec.json.decode(encoded, type=MechanismSpec)
+
+
+def _builtin(value: Any) -> dict[str, Any] | float:
+    """Return what JSON knows for a read-only mapping or one of NumPy's numbers."""
+    return float(value) if isinstance(value, Real) else dict(value)
 
 
 def _frozen(value: dict[str, Any]) -> Mapping[str, Any]:

@@ -8,10 +8,13 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from pmjac_pin.errors import SingularError
+from pmjac_pin.factorisation import norm
 from pmjac_pin.frames import find_frame
 from pmjac_pin.spec import Tool
 
 Array = NDArray[np.float64]
+_SMALLEST_AREA = 1e-9  # of three points, relative to the product of two of their distances
 _ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
 
@@ -97,8 +100,16 @@ class PointsTool:
 
 def _spanned_rotation(points: Array) -> Array:
     side, apex = points[1] - points[0], points[2] - points[0]
-    normal = np.cross(side, apex)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        x = side / np.linalg.norm(side)
-        z = normal / np.linalg.norm(normal)
-    return np.column_stack([x, np.cross(z, x), z])
+    normal = _cross(side, apex)
+    area = norm(normal)
+    if area <= _SMALLEST_AREA * norm(side) * norm(apex):
+        message = "the three points of the tool lie in one line here and span no frame"
+        raise SingularError(message, singular_value=area, tolerance=_SMALLEST_AREA, free_motion={})
+    x, z = side / norm(side), normal / area
+    return np.array([x, _cross(z, x), z]).T
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """Return a × b: on single vectors NumPy's own costs ten times as much."""
+    (a1, a2, a3), (b1, b2, b3) = a.tolist(), b.tolist()
+    return np.array([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1])

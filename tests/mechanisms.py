@@ -169,9 +169,7 @@ def three_crank_parallelogram():
         ("p3", "fixed", "coupler", "point3", (2.5, 0, 0)),
     ]
     home = {"theta1": 1.0, "theta2": 1.0, "theta3": 1.0, "beta": -1.0}
-    return build(
-        joints, [("point2", "tip2"), ("point3", "tip3")], ["theta1"], "point3", home
-    )
+    return build(joints, [("point2", "tip2"), ("point3", "tip3")], ["theta1"], "point3", home)
 
 
 def over_actuated_four_bar():

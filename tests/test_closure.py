@@ -150,7 +150,8 @@ def test_limits():
     with pytest.raises(pj.LimitError) as caught:
         mechanism.close([1.0, 0.05, 1.0])
     assert str(caught.value) == (
-        "motor 'l2' = 0.05 is outside its limits [0.1, 3]; enforce_limits=False turns this check off"
+        "motor 'l2' = 0.05 is outside its limits [0.1, 3]; "
+        "enforce_limits=False turns this check off"
     )
     error = caught.value
     assert (error.joint, error.value, error.lower, error.upper) == ("l2", 0.05, 0.1, 3.0)

@@ -28,9 +28,7 @@ def test_a_redundant_direction_that_turns_with_the_mechanism():
         rows.append(tuple(jacobian.rows))
         # Yawing turns the four-bar's own column and leaves the yaw's one a rotation.
         turn = pin.SE3(pin.AngleAxis(yaw, np.array([0.0, 0.0, 1.0])).matrix(), np.zeros(3))
-        np.testing.assert_allclose(
-            jacobian.J_eq, turn.action @ flat.jacobian().J_eq, atol=1e-10
-        )
+        np.testing.assert_allclose(jacobian.J_eq, turn.action @ flat.jacobian().J_eq, atol=1e-10)
         assert jacobian.K_star.shape == (2, 2)
         assert configuration.singularity().kind == "regular"
         assert abs(jacobian.det_K_star) > 1e-12
@@ -58,7 +56,8 @@ def test_geometrically_redundant_loops():
     for theta in np.linspace(0.2, 2.9, 10):
         configuration = mechanism.close([theta])
         # All cranks turn alike, the coupler does not turn.
-        rates = dict(zip(mechanism.passive, configuration.jacobian().passive_rates[:, 0]))
+        rates = configuration.jacobian().passive_rates[:, 0]
+        rates = dict(zip(mechanism.passive, rates, strict=True))
         assert rates == pytest.approx({"theta2": 1.0, "theta3": 1.0, "beta": -1.0}, abs=1e-9)
 
 
@@ -101,4 +100,4 @@ def test_forbidden_motor_rates_are_named():
 def test_forbidden_targets_are_not_closed():
     mechanism = mechanisms.over_actuated_four_bar()
     with pytest.raises(pj.ClosureError):
-        mechanism.close(mechanism.home.actuated + [0.0, 0.1])
+        mechanism.close(mechanism.home.actuated + np.array([0.0, 0.1]))

@@ -132,7 +132,9 @@ def test_power_is_the_same_at_the_motors_and_at_the_tool(poses, rng):
 def test_linear_rows_come_first():
     """A unit test on row order: the 2R arm turns about z at 1 rad/s for each motor."""
     J_eq = pj.load("serial_2r").close([0.0, 0.0]).jacobian().J_eq
-    np.testing.assert_allclose(J_eq, [[0, 0], [1.8, 0.8], [0, 0], [0, 0], [0, 0], [1, 1]], atol=1e-15)
+    np.testing.assert_allclose(
+        J_eq, [[0, 0], [1.8, 0.8], [0, 0], [0, 0], [0, 0], [1, 1]], atol=1e-15
+    )
 
 
 @pytest.mark.parametrize("name", ["serial_2r", "ur5"])

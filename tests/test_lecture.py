@@ -75,7 +75,9 @@ def test_three_rps_ss_against_the_closed_formulas_at_200_poses():
 
 @pytest.mark.parametrize("lengths", [mechanisms.CRANK_ROCKER, (4.0, 3.0, 2.5, 2.0)])
 def test_four_bar_against_the_closed_formulas_at_200_poses(lengths):
-    mechanism = pj.load("four_bar", parameters=dict(zip(("l0", "l1", "l2", "l3"), lengths)))
+    mechanism = pj.load(
+        "four_bar", parameters=dict(zip(("l0", "l1", "l2", "l3"), lengths, strict=True))
+    )
     rng = np.random.default_rng(2)
     for configuration in mechanisms.random_closed(mechanism, rng, 200):
         theta1, phi = float(configuration.actuated[0]), configuration.passive

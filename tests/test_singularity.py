@@ -76,9 +76,7 @@ def test_close_reaches_four_bar_poses_near_the_limit(lengths, distance):
 def test_close_at_the_limit_itself_and_beyond():
     mechanism, limit, values = four_bar_at_limit(STRETCHED)
     configuration = mechanism.close([limit])
-    np.testing.assert_allclose(
-        configuration.passive, [values["phi1"], values["phi2"]], atol=1e-6
-    )
+    np.testing.assert_allclose(configuration.passive, [values["phi1"], values["phi2"]], atol=1e-6)
     assert configuration.singularity().kind == "gain"
     with pytest.raises(pj.SingularError):
         configuration.jacobian()
@@ -138,7 +136,9 @@ def test_three_rps_is_singular_where_three_rps_ss_is(singular_rps):
     for lengths, theta in singular_rps:
         values = dict(zip(legs.actuated + legs.passive, (*lengths, *theta), strict=True))
         tool = legs.configuration(as_q(legs, values)).tool_pose
-        turn = pin.SE3(pin.AngleAxis(-5 * np.pi / 6, np.array([0.0, 0.0, 1.0])).matrix(), np.zeros(3))
+        turn = pin.SE3(
+            pin.AngleAxis(-5 * np.pi / 6, np.array([0.0, 0.0, 1.0])).matrix(), np.zeros(3)
+        )
         q = pin.neutral(platform.model)
         q[:7] = pin.SE3ToXYZQUAT(tool * turn)
         model = platform.model

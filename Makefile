@@ -1,0 +1,27 @@
+# Everything runs in .venv, which `make` sets up by itself.
+PYTHON ?= python3
+BIN := .venv/bin
+
+.PHONY: demo test bench lint clean
+
+demo: .venv/ready
+	$(BIN)/pmjac demo
+
+test: .venv/ready
+	$(BIN)/python -m pytest -n 2
+
+bench: .venv/ready
+	$(BIN)/python benchmarks/bench_jacobian.py
+
+lint: .venv/ready
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+clean:
+	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+
+.venv/ready: pyproject.toml
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	touch $@

@@ -1,0 +1,239 @@
+"""The command line: ``pmjac list``, ``report``, ``plot`` and ``demo``.
+
+Exit status 0; 2 with one line on stderr when something is wrong; 130 on Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import importlib.metadata
+import re
+import sys
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Annotated, TypeAlias
+
+from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
+
+from pmjac_pin.blocks import Block, Table, Verbatim
+from pmjac_pin.catalog import list_mechanisms
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import ArgumentError, LimitError, PmjacError
+from pmjac_pin.mechanism import Mechanism, load
+from pmjac_pin.report import to_json
+from pmjac_pin.report_maker import make_report
+from pmjac_pin.tables import report_blocks
+from pmjac_pin.terminal import draw, new_console, one_line, write
+
+#: What a command returns: text as it is, or blocks to be drawn.
+Output: TypeAlias = "str | Iterable[Block] | None"
+
+_EXAMPLE = "Example: pmjac report four_bar --at 1.2 --set l1=1.1,l2=2.9"
+
+
+def _version() -> str:
+    try:
+        return f"pmjac {importlib.metadata.version('pmjac_pin')}"
+    except importlib.metadata.PackageNotFoundError:
+        return "pmjac (not installed: run from its source folder)"
+
+
+app = App(
+    name="pmjac",
+    help="Closed-chain mechanisms on Pinocchio: the equivalent Jacobian, with names and units.",
+    help_epilogue=_EXAMPLE,
+    version=_version,
+    group_parameters="Options",
+    result_action="return_value",
+    suppress_keyboard_interrupt=False,
+    default_parameter=Parameter(negative=(), show_default=False),
+)
+
+Name: TypeAlias = Annotated[
+    str, Parameter(help="A name that pmjac list shows, or the path of a model file.")
+]
+At: TypeAlias = Annotated[str | None, Parameter(help="Motor values, m or rad, such as 0.5,1,2.")]
+From: TypeAlias = Annotated[
+    str | None,
+    Parameter(name="--from", help="The pose to show or, with --at, to walk from (default: home)."),
+]
+Frame: TypeAlias = Annotated[
+    str, Parameter(help="Of the twist: LOCAL, WORLD or LOCAL_WORLD_ALIGNED (default).")
+]
+Settings: TypeAlias = Annotated[
+    list[str] | None,
+    Parameter(name="--set", help="Parameters, such as l1=1.2,l2=3; may be repeated."),
+]
+
+
+@app.command(name="list")
+def list_command() -> Output:
+    """Show the mechanisms that come with the library."""
+    mechanisms = [load(name) for name in list_mechanisms()]
+    sizes = ("name", "motors\nn", "passive\nm_p", "loops", "mobility", "poses")
+    return [
+        Table(
+            "",
+            ("name", "description"),
+            tuple((m.name, m.spec.description) for m in mechanisms),
+            "<<",
+        ),
+        Table("", sizes, tuple(map(_sizes, mechanisms)), "<>>>><"),
+    ]
+
+
+@app.command(name="report")
+def report_command(
+    mechanism: Name,
+    /,
+    *,
+    at: At = None,
+    from_: From = None,
+    frame: Frame = "LOCAL_WORLD_ALIGNED",
+    set_: Settings = None,
+    json: Annotated[bool, Parameter(help="Write JSON: all digits, SI units.")] = False,
+) -> Output:
+    """Show all that is known at one pose, as tables or as JSON."""
+    configuration, names = _configuration(mechanism, at, from_, set_)
+    report = make_report(configuration, frame.upper(), **names)
+    return f"{to_json(report)}\n" if json else report_blocks(report)
+
+
+@app.command(name="plot")
+def plot_command(
+    mechanism: Name,
+    /,
+    *,
+    output: Annotated[
+        Path, Parameter(name=["--output", "-o"], help="The file: .png, .pdf or .svg.")
+    ],
+    at: At = None,
+    from_: From = None,
+    frame: Frame = "LOCAL_WORLD_ALIGNED",
+    set_: Settings = None,
+) -> Output:
+    """Draw the velocity ellipsoid at one pose and its sections; print the file's path."""
+    from pmjac_pin.pose_figure import save_pose_figure  # noqa: PLC0415 - matplotlib is slow
+
+    configuration, names = _configuration(mechanism, at, from_, set_)
+    report = make_report(configuration, frame.upper(), **names)
+    ellipsoid = configuration.jacobian(frame.upper()).velocity_ellipsoid()
+    save_pose_figure(report, ellipsoid, output)
+    return [Verbatim(str(output))]
+
+
+@app.command(name="demo")
+def demo_command(
+    *,
+    output: Annotated[
+        Path | None,
+        Parameter(name=["--output", "-o"], help="The figure (default: three_rps_lecture_b.png)."),
+    ] = None,
+) -> Output:
+    """Work through the lecture's pose B of the 3-RPS and draw its figure."""
+    from pmjac_pin.demo import FIGURE, demo_blocks, run_demo  # noqa: PLC0415 - matplotlib is slow
+
+    return demo_blocks(run_demo(output or FIGURE))
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        The arguments; the process's own when None.
+
+    Returns
+    -------
+    int
+        The exit status.
+    """
+    try:
+        _run(sys.argv[1:] if argv is None else argv)
+    except BrokenPipeError:  # the reader, such as `head`, has seen enough
+        return 0
+    except KeyboardInterrupt:
+        return 130
+    except (PmjacError, CycloptsError, OSError) as error:
+        if sys.stderr is not None:
+            print(f"pmjac: {one_line(_message(error))}", file=sys.stderr)  # noqa: T201
+        return 2
+    return 0
+
+
+def _run(argv: Sequence[str]) -> None:
+    """Write nothing before all is computed, so that an error stands alone."""
+    console = new_console()
+    with console.capture() as capture:
+        output = app(_joined(argv), console=console, exit_on_error=False, print_error=False)
+        if output is not None and not isinstance(output, str):
+            draw(console, output)
+    write(output if isinstance(output, str) else capture.get())
+
+
+def _joined(argv: Sequence[str]) -> list[str]:
+    """Write ``--at -0.5,1`` as ``--at=-0.5,1``, which cannot be taken for an option."""
+    tokens: list[str] = []
+    for token in argv:
+        if tokens and tokens[-1] == "--at" and re.match(r"-[\d.]", token):
+            tokens[-1] = f"--at={token}"
+        else:
+            tokens.append(token)
+    return tokens
+
+
+def _message(error: Exception) -> str:
+    if isinstance(error, UnusedCliTokensError):
+        tokens = error.unused_tokens or []
+        lists = any(re.search(r"\d", token) for token in tokens)
+        hint = "; numbers are joined by commas, without blanks: --at 0.5,1,2" if lists else ""
+        return f"unexpected argument {' '.join(map(repr, tokens))}{hint}"
+    if isinstance(error, LimitError):
+        limits = f"[{error.lower:g}, {error.upper:g}]"
+        return f"motor {error.joint!r} = {error.value:g} is outside its limits {limits}"
+    if isinstance(error, OSError) and not isinstance(error, PmjacError) and error.strerror:
+        return ": ".join(map(str, filter(None, (error.filename, error.strerror))))
+    return str(error)
+
+
+def _configuration(
+    name: str, at: str | None, pose: str | None, settings: Iterable[str] | None
+) -> tuple[Configuration, dict[str, str | None]]:
+    """Return the configuration asked for, and which pose it is or was reached from."""
+    mechanism = load(name, parameters=_parameters(settings or ()))
+    start = "home" if pose is None else pose
+    if at is None:
+        return mechanism.pose(start), {"pose": start, "start": None}
+    return mechanism.close(_numbers(at), guess=start), {"pose": None, "start": start}
+
+
+def _numbers(text: str) -> list[float]:
+    try:
+        return [float(item) for item in text.split(",")]
+    except ValueError:
+        message = f"--at takes numbers joined by commas, such as 0.5,1,2; got {text!r}"
+        raise ArgumentError(message) from None
+
+
+def _parameters(settings: Iterable[str]) -> dict[str, float]:
+    parameters: dict[str, float] = {}
+    for item in (item for setting in settings for item in setting.split(",")):
+        name, _, value = map(str.strip, item.partition("="))
+        if name in parameters:
+            raise ArgumentError(f"--set gives {name!r} twice")
+        try:
+            parameters[name] = float(value)
+        except ValueError:
+            message = f"--set takes NAME=NUMBER, such as l1=1.2; got {item!r}"
+            raise ArgumentError(message) from None
+    return parameters
+
+
+def _sizes(mechanism: Mechanism) -> tuple[str, ...]:
+    counts = (
+        len(mechanism.actuated),
+        len(mechanism.passive),
+        len(mechanism.spec.loops),
+        mechanism.mobility,
+    )
+    return (mechanism.name, *map(str, counts), ", ".join(mechanism.poses))

@@ -1,0 +1,277 @@
+"""Mechanism and Configuration as values: shared, copied, pickled, never changed."""
+
+from __future__ import annotations
+
+import concurrent.futures
+import copy
+import dataclasses
+import multiprocessing
+import pickle
+
+import mechanisms
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import pmjac_pin as pj
+
+
+@pytest.fixture(scope="module")
+def three_rps():
+    return pj.load("three_rps")
+
+
+TARGETS = np.random.default_rng(11).uniform(0.85, 1.15, (200, 3))
+
+
+def solve(mechanism, target):
+    configuration = mechanism.close(target)
+    return configuration.q, configuration.jacobian().J_eq
+
+
+def solve_many(mechanism, targets):
+    return [solve(mechanism, target) for target in targets]
+
+
+def same(results, expected):
+    for (q, J_eq), (q_expected, J_expected) in zip(results, expected, strict=True):
+        np.testing.assert_array_equal(q, q_expected)
+        np.testing.assert_array_equal(J_eq, J_expected)
+
+
+def test_eight_threads_give_the_numbers_of_one(three_rps):
+    expected = solve_many(three_rps, TARGETS)
+    with concurrent.futures.ThreadPoolExecutor(8) as pool:
+        futures = [pool.submit(solve_many, three_rps, TARGETS) for _ in range(8)]
+        for future in futures:
+            same(future.result(), expected)
+
+
+def test_worker_processes_give_the_same_numbers(three_rps):
+    expected = solve_many(three_rps, TARGETS[:20])
+    context = multiprocessing.get_context("spawn")
+    with concurrent.futures.ProcessPoolExecutor(2, mp_context=context) as pool:
+        halves = [pool.submit(solve_many, three_rps, part) for part in np.split(TARGETS[:20], 2)]
+        same([result for half in halves for result in half.result()], expected)
+
+
+@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+def test_pickling(name):
+    mechanism = pj.load(name)
+    again = pickle.loads(pickle.dumps(mechanism))
+    assert again == mechanism
+    assert hash(again) == hash(mechanism)
+    assert repr(again) == repr(mechanism)
+    np.testing.assert_array_equal(again.home.q, mechanism.home.q)
+    assert copy.deepcopy(mechanism) is copy.copy(mechanism) is mechanism
+
+
+def test_a_mechanism_with_parameters_survives_pickling():
+    mechanism = pj.load("four_bar", parameters={"l1": 1.2})
+    again = pickle.loads(pickle.dumps(mechanism))
+    assert again == mechanism != pj.load("four_bar")
+    assert again.parameters == mechanism.parameters
+    assert again.spec == mechanism.spec
+
+
+def test_a_configuration_survives_pickling_and_stays_closed(three_rps):
+    configuration = three_rps.close([1.0, 1.1, 0.9])
+    again = pickle.loads(pickle.dumps(configuration))
+    np.testing.assert_array_equal(again.q, configuration.q)
+    assert again.residual_norm < 1e-12
+    assert again.iterations == configuration.iterations
+    # Pickled apart from its mechanism, it is still a start for the first one.
+    onward = three_rps.close([1.0, 1.1, 0.95], guess=again)
+    np.testing.assert_allclose(onward.q, three_rps.close([1.0, 1.1, 0.95]).q, atol=1e-12)
+
+
+@pytest.mark.parametrize("make", ["jacobian", "singularity", "split_jacobian"])
+def test_results_survive_pickling_read_only(three_rps, make):
+    result = getattr(three_rps.home, make)()
+    again = pickle.loads(pickle.dumps(result))
+    for field in dataclasses.fields(result):
+        one, other = getattr(result, field.name), getattr(again, field.name)
+        if isinstance(one, np.ndarray):
+            np.testing.assert_array_equal(one, other)
+            assert not one.flags.writeable
+            assert not other.flags.writeable
+
+
+def arrays_within(value, seen):
+    """Every array that public attributes lead to."""
+    if id(value) in seen or isinstance(value, type | str | int | float | pin.SE3 | pin.Model):
+        return
+    seen[id(value)] = value
+    if isinstance(value, np.ndarray):
+        yield value
+        return
+    for name in dir(value):
+        if not name.startswith("_"):
+            attribute = getattr(value, name)
+            if not callable(attribute):
+                yield from arrays_within(attribute, seen)
+
+
+@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+def test_nothing_that_a_user_reaches_is_mutable(name):
+    configuration = pj.load(name).home
+    jacobian = configuration.jacobian()
+    values = [configuration, jacobian, configuration.singularity(), jacobian.velocity_ellipsoid()]
+    values += [configuration.mechanism, configuration.mechanism.spec]
+    for value in values:
+        found = list(arrays_within(value, {}))
+        for array in found:
+            assert not array.flags.writeable
+            with pytest.raises(ValueError, match=r"read-only|assignment destination"):
+                array[...] = 0.0
+        for attribute in ("name", "q", "J_eq", "radii", "anything"):
+            with pytest.raises((AttributeError, TypeError)):
+                setattr(value, attribute, 1)
+    for mapping in (
+        configuration.mechanism.parameters,
+        configuration.joint_values,
+        configuration.mechanism.spec.poses,
+        configuration.mechanism.spec.poses["home"],
+        configuration.mechanism.spec.parameters,
+    ):
+        with pytest.raises(TypeError):
+            mapping["x"] = 1.0
+
+
+def test_the_model_is_a_copy(three_rps):
+    before = three_rps.home.jacobian().J_eq
+    model = three_rps.model
+    model.jointPlacements[1] = pin.SE3.Random()
+    model.lowerPositionLimit[:] = 99.0
+    assert three_rps.model != model
+    fresh = three_rps.close([1.0, 1.0, 1.0])
+    np.testing.assert_allclose(fresh.jacobian().J_eq, before, atol=1e-12)
+
+
+def test_the_q_given_is_copied():
+    mechanism = pj.load("four_bar")
+    q = mechanism.home.q.copy()
+    configuration = mechanism.configuration(q)
+    q[:] = 0.0
+    np.testing.assert_array_equal(configuration.q, mechanism.home.q)
+
+
+def test_public_facts(three_rps):
+    assert three_rps.actuated == ("l1", "l2", "l3")
+    assert three_rps.passive[:4] == ("theta1", "theta2", "theta3", "platform.x")
+    assert (three_rps.nq, three_rps.nv, three_rps.mobility) == (13, 12, 3)
+    assert three_rps.poses == ("home", "lecture_a", "lecture_b")
+    assert dict(three_rps.parameters) == {"a": 0.5, "b": 1.0}
+    assert three_rps.limits("l1") == (0.1, 3.0)
+    assert three_rps.home is three_rps.pose("home")
+    assert three_rps.home.joint_values["theta2"] == pytest.approx(np.pi / 3)
+    np.testing.assert_allclose(three_rps.home.actuated, 1.0)
+    height = np.sqrt(3) / 2
+    np.testing.assert_allclose(three_rps.home.tool_pose.translation, [0, 0, height], atol=1e-14)
+
+
+def test_reprs_are_short(three_rps):
+    configuration = three_rps.home
+    for value in (
+        three_rps,
+        configuration,
+        configuration.jacobian(),
+        configuration.split_jacobian(),
+        configuration.singularity(),
+        configuration.jacobian().velocity_ellipsoid(),
+    ):
+        assert len(repr(value)) < 130
+        assert "\n" not in repr(value)
+
+
+@pytest.mark.parametrize(
+    ("q", "message"),
+    [
+        ([0.0, 0.0], "q has nq = 3 entries, got shape (2,)"),
+        ([0.0, 0.0, np.inf], "q must be finite, got [0.0, 0.0, inf]"),
+        ("abc", "q must be real numbers, got 'abc'"),
+    ],
+)
+def test_bad_q(q, message):
+    with pytest.raises(pj.ArgumentError) as caught:
+        pj.load("four_bar").configuration(q)
+    assert str(caught.value) == message
+
+
+def test_a_quaternion_that_is_none(three_rps):
+    q = three_rps.home.q.copy()
+    q[3:7] *= 2
+    with pytest.raises(pj.ArgumentError, match="not of unit length"):
+        three_rps.configuration(q)
+
+
+@pytest.mark.parametrize("frame", ["local", "BODY", None, 3])
+def test_bad_frame(three_rps, frame):
+    with pytest.raises(pj.ArgumentError, match="frame must be LOCAL, WORLD or LOCAL_WORLD_ALIGNED"):
+        three_rps.home.jacobian(frame)
+
+
+class TestFromPinocchio:
+    def four_bar(self, **changes):
+        mechanism = pj.load("four_bar")
+        arguments = {
+            "loops": [pj.PointLoop(frames=("coupler_tip", "rocker_tip"))],
+            "actuated": ["theta1"],
+            "tool": "coupler_midpoint",
+            "passive": ["phi1", "phi2"],
+            "home": mechanism.home.q,
+        }
+        return pj.Mechanism.from_pinocchio(mechanism.model, **{**arguments, **changes})
+
+    def test_same_as_the_model_file(self):
+        expected = pj.load("four_bar").home.jacobian()
+        jacobian = self.four_bar().home.jacobian()
+        np.testing.assert_allclose(jacobian.J_eq, expected.J_eq, atol=1e-14)
+        np.testing.assert_allclose(jacobian.K_star, expected.K_star, atol=1e-14)
+        again = pickle.loads(pickle.dumps(self.four_bar()))
+        np.testing.assert_allclose(again.home.jacobian().J_eq, expected.J_eq, atol=1e-14)
+
+    def test_later_changes_of_the_model_do_not_reach_it(self):
+        model = pj.load("serial_2r").model
+        mechanism = pj.Mechanism.from_pinocchio(model, [], ["theta1", "theta2"], "tip")
+        before = mechanism.close([0.1, 0.2]).tool_pose.homogeneous
+        model.jointPlacements[2] = pin.SE3.Random()
+        np.testing.assert_array_equal(mechanism.close([0.1, 0.2]).tool_pose.homogeneous, before)
+
+    @pytest.mark.parametrize(
+        ("changes", "kind", "message"),
+        [
+            ({"actuated": ["theta9"]}, pj.UnknownNameError, "unknown joint 'theta9'; did you mean"),
+            ({"actuated": "theta1"}, pj.ArgumentError, "actuated is a list of joint names, got"),
+            ({"actuated": [1]}, pj.ArgumentError, "Expected `str`, got `int` - at `$.actuated[0]`"),
+            ({"actuated": []}, pj.ArgumentError, "`actuated` is empty"),
+            (
+                {"actuated": ["theta1", "theta1"]},
+                pj.ArgumentError,
+                "joint 'theta1' is listed twice",
+            ),
+            ({"tool": "coupler_mid"}, pj.UnknownNameError, "unknown frame 'coupler_mid'"),
+            ({"tool": ["a", "b"]}, pj.ArgumentError, "a tool is one frame or three"),
+            ({"passive": ["phi1"]}, pj.ArgumentError, "joint 'phi2' moves and is neither"),
+            ({"home": [0.0]}, pj.ArgumentError, "home has nq = 3 entries, got shape (1,)"),
+            ({"home": {"phi9": 1.0}}, pj.UnknownNameError, "unknown joint 'phi9'"),
+            (
+                {"loops": [("a", "b")]},
+                pj.ArgumentError,
+                "Expected `object`, got `array` - at `$.loop[0]`",
+            ),
+            (
+                {"loops": [pj.DistanceLoop(frames=("crank", "rocker_tip"), length=100.0)]},
+                pj.ClosureError,
+                "test: the pose 'home' does not assemble",
+            ),
+        ],
+    )
+    def test_bad_input(self, changes, kind, message):
+        with pytest.raises(kind) as caught:
+            self.four_bar(name="test", **changes)
+        assert str(caught.value).startswith(message)
+
+    def test_not_a_model(self):
+        with pytest.raises(pj.ArgumentError, match=r"model must be a pinocchio\.Model, got str"):
+            pj.Mechanism.from_pinocchio("four_bar.urdf", [], ["theta1"], "tool")
