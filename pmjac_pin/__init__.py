@@ -2,7 +2,8 @@
 
 from pmjac_pin.catalog import list_mechanisms
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.ellipsoid import Ellipse, Ellipsoid
+from pmjac_pin.ellipse import Ellipse
+from pmjac_pin.ellipsoid import Ellipsoid
 from pmjac_pin.errors import (
     ArgumentError,
     ClosureError,
@@ -16,7 +17,8 @@ from pmjac_pin.errors import (
     UnknownNameError,
 )
 from pmjac_pin.jacobian import EquivalentJacobian, SplitJacobian, equivalent_jacobian
-from pmjac_pin.mechanism import Mechanism, load
+from pmjac_pin.loading import load
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.partition import Partition
 from pmjac_pin.singularity import Singularity
 from pmjac_pin.spec import DistanceLoop, MechanismSpec, PointLoop

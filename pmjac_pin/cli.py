@@ -18,7 +18,8 @@ from pmjac_pin.blocks import Block, Table, Verbatim
 from pmjac_pin.catalog import list_mechanisms
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, LimitError, PmjacError
-from pmjac_pin.mechanism import Mechanism, load
+from pmjac_pin.loading import load
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.report import to_json
 from pmjac_pin.report_maker import make_report
 from pmjac_pin.tables import report_blocks

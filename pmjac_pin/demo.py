@@ -22,7 +22,7 @@ from pmjac_pin.blocks import (
     number,
     numbers,
 )
-from pmjac_pin.mechanism import load
+from pmjac_pin.loading import load
 from pmjac_pin.pose_figure import save_pose_figure
 from pmjac_pin.report import EllipsoidReport, Report
 from pmjac_pin.report_maker import make_report

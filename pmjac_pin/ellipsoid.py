@@ -10,7 +10,6 @@ Manipulator Jacobian Matrix*; they are never computed from g, which would lose h
 from __future__ import annotations
 
 import math
-import operator
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -18,76 +17,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pmjac_pin.ellipse import (
+    RANK_TOLERANCE,
+    Ellipse,
+    brief,
+    check_drawable,
+    image_of_ball,
+    polar,
+    real_array,
+)
 from pmjac_pin.errors import ArgumentError
 
 Array = NDArray[np.float64]
-
-RANK_TOLERANCE = 1e-9
-"""Relative to the largest, a radius or singular value at or below this counts as zero."""
-
-
-@dataclass(frozen=True, eq=False, repr=False, slots=True)
-class Ellipse:
-    """A section or a projection of an `Ellipsoid`, in the coordinates of its plane.
-
-    Attributes
-    ----------
-    radii : ndarray, shape (2,)
-        Semi-axes in `unit`, descending; zero where flat, infinite where unbounded.
-    axes : ndarray, shape (2, 2)
-        Column i is the direction of ``radii[i]`` in the plane's coordinates; determinant +1,
-        the component of largest magnitude of the first column positive.
-    basis : ndarray, shape (3, 2)
-        The plane's coordinate directions: ``basis @ y`` is the point of space at ``y``.
-    unit : str
-        Unit of the radii.
-    """
-
-    radii: Array
-    axes: Array
-    basis: Array
-    unit: str
-
-    def __post_init__(self) -> None:
-        for name, shape in (("radii", (2,)), ("axes", (2, 2)), ("basis", (3, 2))):
-            object.__setattr__(self, name, _real(getattr(self, name), name, shape))
-
-    def __reduce__(self) -> tuple[Callable[..., Ellipse], tuple[Any, ...]]:
-        # NumPy forgets the read-only flag when it pickles; the constructor sets it again.
-        return Ellipse, (self.radii, self.axes, self.basis, self.unit)
-
-    def __repr__(self) -> str:
-        return f"Ellipse(radii={_brief(self.radii, self.unit)})"
-
-    @property
-    def area(self) -> float:
-        """Area, π r₁ r₂, in `unit` squared."""
-        return float(math.pi * math.prod(self.radii.tolist()))
-
-    def points(self, count: int = 181) -> Array:
-        """Return the closed outline, counter-clockwise from the end of the first axis.
-
-        Parameters
-        ----------
-        count : int
-            Number of points, at least 4; the last equals the first.
-
-        Returns
-        -------
-        ndarray, shape (count, 2)
-            In the plane's coordinates, in `unit`.
-
-        Raises
-        ------
-        ArgumentError
-            If the ellipse is unbounded or `count` is not such a number.
-        """
-        _check_drawable(self.radii, count=count)
-        angle = np.linspace(0.0, 2 * math.pi, count)
-        circle = np.column_stack([np.cos(angle), np.sin(angle)])
-        outline: Array = circle @ (self.axes * self.radii).T
-        outline[-1] = outline[0]
-        return outline
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -128,7 +69,7 @@ class Ellipsoid:
     unit: str
 
     def __post_init__(self) -> None:
-        radii, axes = _real(self.radii, "radii", (3,)), _real(self.axes, "axes", (3, 3))
+        radii, axes = real_array(self.radii, "radii", (3,)), real_array(self.axes, "axes", (3, 3))
         largest, middle, smallest = radii.tolist()
         if not largest >= middle >= smallest >= 0:
             raise ArgumentError(f"radii must be descending and not negative; got {radii}")
@@ -147,7 +88,7 @@ class Ellipsoid:
         return Ellipsoid, (self.radii, self.axes, self.unit)
 
     def __repr__(self) -> str:
-        return f"Ellipsoid(radii={_brief(self.radii, self.unit)}, rank={self.rank})"
+        return f"Ellipsoid(radii={brief(self.radii, self.unit)}, rank={self.rank})"
 
     @property
     def rank(self) -> int:
@@ -197,14 +138,14 @@ class Ellipsoid:
         """
         basis, normal = _plane(plane)
         if self.radii[0] == math.inf:
-            polar = Ellipsoid(*_polar(self.radii, self.axes), self.unit).projection(plane)
-            return Ellipse(*_polar(polar.radii, polar.axes), basis, self.unit)
+            shadow = Ellipsoid(*polar(self.radii, self.axes), self.unit).projection(plane)
+            return Ellipse(*polar(shadow.radii, shadow.axes), basis, self.unit)
         axes = self.axes[:, : self.rank]
         image = axes * self.radii[: self.rank]
         # Judged on directions alone: a plane that holds all of a flat ellipsoid cuts nothing.
         if np.any(np.abs(normal @ axes) > RANK_TOLERANCE):
             image = image @ np.linalg.svd((normal @ image)[np.newaxis])[2][1:].T
-        return Ellipse(*_image(basis.T @ image), basis, self.unit)
+        return Ellipse(*image_of_ball(basis.T @ image), basis, self.unit)
 
     def projection(self, plane: str | ArrayLike) -> Ellipse:
         """Project the ellipsoid orthogonally on a plane: its shadow, the image under BᵀA.
@@ -214,9 +155,9 @@ class Ellipsoid:
         """
         basis, _ = _plane(plane)
         if self.radii[0] == math.inf:
-            polar = Ellipsoid(*_polar(self.radii, self.axes), self.unit).section(plane)
-            return Ellipse(*_polar(polar.radii, polar.axes), basis, self.unit)
-        return Ellipse(*_image(basis.T @ (self.axes * self.radii)), basis, self.unit)
+            cut = Ellipsoid(*polar(self.radii, self.axes), self.unit).section(plane)
+            return Ellipse(*polar(cut.radii, cut.axes), basis, self.unit)
+        return Ellipse(*image_of_ball(basis.T @ (self.axes * self.radii)), basis, self.unit)
 
     def points(self, n_u: int = 61, n_v: int = 31) -> Array:
         """Return surface points on a grid, as matplotlib's ``plot_surface`` takes them.
@@ -238,7 +179,7 @@ class Ellipsoid:
         ArgumentError
             If the ellipsoid is unbounded or a count is not such a number.
         """
-        _check_drawable(self.radii, n_u=n_u, n_v=n_v)
+        check_drawable(self.radii, n_u=n_u, n_v=n_v)
         u = np.linspace(0.0, 2 * math.pi, n_u)[:, np.newaxis]
         v = np.linspace(0.0, math.pi, n_v)
         ball = np.stack(
@@ -278,7 +219,7 @@ def velocity_ellipsoid(jacobian: ArrayLike, unit: str = "m/s") -> Ellipsoid:
     >>> velocity_ellipsoid([[0.3], [0.4], [0.0]])
     Ellipsoid(radii=[0.5 0 0] m/s, rank=1)
     """
-    return Ellipsoid(*_image(_block(jacobian)), unit)
+    return Ellipsoid(*image_of_ball(_block(jacobian)), unit)
 
 
 def force_ellipsoid(jacobian: ArrayLike, unit: str = "N") -> Ellipsoid:
@@ -306,37 +247,7 @@ def force_ellipsoid(jacobian: ArrayLike, unit: str = "N") -> Ellipsoid:
     >>> force_ellipsoid([[4.0, 0.0], [0.0, 0.5], [0.0, 0.0]])
     Ellipsoid(radii=[inf 2 0.25] N, rank=3)
     """
-    return Ellipsoid(*_polar(*_image(_block(jacobian))), unit)
-
-
-def _image(A: Array) -> tuple[Array, Array]:
-    """Return radii (d,) and axes (d, d) of the image of the unit ball under a d x k matrix."""
-    d, k = A.shape
-    axes, sigma, _ = np.linalg.svd(A, full_matrices=k < d)
-    radii = np.zeros(d)
-    radii[: len(sigma)] = sigma
-    return radii, _oriented(axes)
-
-
-def _polar(radii: Array, axes: Array) -> tuple[Array, Array]:
-    """Return radii and axes of the polar set {y : x · y ≤ 1 for all x of the ellipsoid}."""
-    floor = RANK_TOLERANCE * float(radii[0]) if radii[0] < math.inf else 0.0
-    reciprocal = [math.inf if r <= floor else 1 / r for r in radii.tolist()]
-    return np.array(reciprocal[::-1]), _oriented(axes[:, ::-1])
-
-
-def _oriented(axes: Array) -> Array:
-    """Turn 2 or 3 orthonormal columns so that their signs are repeatable and det is +1.
-
-    On Python floats: on so few numbers they are several times faster than NumPy.
-    """
-    a, b = axes.T[:2].tolist()
-    a = _positive(a)
-    if len(a) == 2:
-        return np.array([[a[0], -a[1]], [a[1], a[0]]])
-    b = _positive(b)
-    c = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    return np.array([a, b, c]).T
+    return Ellipsoid(*polar(*image_of_ball(_block(jacobian))), unit)
 
 
 def _right_handed(axes: Array) -> bool:
@@ -346,13 +257,6 @@ def _right_handed(axes: Array) -> bool:
         and np.abs(axes.T @ axes - np.eye(3)).max() <= 1e-6
         and np.linalg.det(axes) > 0
     )
-
-
-def _positive(direction: list[float]) -> list[float]:
-    # Symmetric mechanisms make components that are equal up to rounding: the first decides.
-    peak = (1 - 1e-6) * max(map(abs, direction))
-    leading = next(x for x in direction if abs(x) >= peak)
-    return direction if leading > 0 else [-x for x in direction]
 
 
 def _plane(plane: str | ArrayLike) -> tuple[Array, Array]:
@@ -366,7 +270,7 @@ def _plane(plane: str | ArrayLike) -> tuple[Array, Array]:
             )
         basis = np.eye(3)[:, ["xyz".index(letter) for letter in letters]]
         return basis, np.cross(basis[:, 0], basis[:, 1])
-    normal = _real(plane, "the plane's normal", (3,))
+    normal = real_array(plane, "the plane's normal", (3,))
     largest = float(np.abs(normal).max())
     if not 0 < largest < math.inf:
         raise ArgumentError(f"the plane's normal must be finite and not zero; got {normal}")
@@ -380,7 +284,7 @@ def _plane(plane: str | ArrayLike) -> tuple[Array, Array]:
 
 
 def _block(jacobian: ArrayLike) -> Array:
-    J = _real(jacobian, "the Jacobian block")
+    J = real_array(jacobian, "the Jacobian block")
     finite = bool(np.isfinite(J).all())
     if J.ndim != 2 or J.shape[0] != 3 or not finite:
         raise ArgumentError(
@@ -388,36 +292,3 @@ def _block(jacobian: ArrayLike) -> Array:
             f"got shape {J.shape}{'' if finite else ' with NaN or infinite entries'}"
         )
     return J
-
-
-def _real(value: ArrayLike, name: str, shape: tuple[int, ...] | None = None) -> Array:
-    """Return a read-only float copy, refusing what NumPy would convert with loss."""
-    try:
-        given = np.asarray(value)
-    except ValueError:
-        raise ArgumentError(f"{name} must be an array of numbers; got {value!r}") from None
-    if given.dtype.kind not in "fiu":
-        raise ArgumentError(f"{name} must hold real numbers; got {given.dtype} values")
-    if shape is not None and given.shape != shape:
-        raise ArgumentError(f"{name} must have shape {shape}; got shape {given.shape}")
-    array = np.array(given, dtype=np.float64)
-    array.setflags(write=False)
-    return array
-
-
-def _check_drawable(radii: Array, **counts: int) -> None:
-    if radii[0] == math.inf:
-        raise ArgumentError(
-            f"an unbounded figure has no outline; its radii {_brief(radii)} must all be finite"
-        )
-    for name, count in counts.items():
-        try:
-            enough = operator.index(count) >= 4
-        except TypeError:
-            enough = False
-        if not enough:
-            raise ArgumentError(f"{name} must be a whole number of at least 4; got {count!r}")
-
-
-def _brief(radii: Array, unit: str = "") -> str:
-    return f"[{' '.join(f'{r:.4g}' for r in radii.tolist())}] {unit}".rstrip()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -13,20 +12,15 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from pmjac_pin.assembly import Parts, assemble_pose, build_parts
-from pmjac_pin.catalog import find_model_file, find_urdf
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.coordinates import JointCoordinates, as_numbers
 from pmjac_pin.direct_kinematics import Guess, close
 from pmjac_pin.errors import (
     ArgumentError,
     ClosureError,
-    ModelFileError,
-    PmjacError,
     unknown_name,
 )
-from pmjac_pin.model_file import read_model_file
 from pmjac_pin.spec import JointValue, Loop, MechanismSpec, Tool, decode_spec, encode_spec
-from pmjac_pin.urdf import read_urdf
 
 Array = NDArray[np.float64]
 
@@ -86,15 +80,15 @@ class Mechanism:
         --------
         >>> import pinocchio as pin, pmjac_pin as pj
         >>> arm = pin.buildSampleModelManipulator()
-        >>> pj.Mechanism.from_pinocchio(arm, [], arm.names[1:], "effector_body")
-        Mechanism(manipulator, actuated=(shoulder1_joint, ...), 0 passive, 0 loops, mobility 6)
+        >>> pj.Mechanism.from_pinocchio(arm, [], arm.names[1:], "effector_body", name="arm")
+        Mechanism(arm, actuated=(shoulder1_joint, ...), 0 passive, 0 loops, mobility 6)
         """
         if not isinstance(model, pin.Model):
             raise ArgumentError(f"model must be a pinocchio.Model, got {type(model).__name__}")
         own = model.copy()
         try:
             spec = MechanismSpec(
-                name=name or own.name,
+                name=name or own.name or "mechanism",
                 actuated=_names("actuated", actuated),
                 passive=None if passive is None else _names("passive", passive),
                 tool=_tool(tool),
@@ -306,53 +300,6 @@ class Mechanism:
             f"{len(self.spec.loops)} loop{'s' * (len(self.spec.loops) != 1)}, "
             f"mobility {self.mobility})"
         )
-
-
-def load(name_or_path: str | Path, parameters: Mapping[str, float] | None = None) -> Mechanism:
-    """Load a mechanism of the catalogue, or a model file of your own.
-
-    Parameters
-    ----------
-    name_or_path : str or Path
-        A name from `list_mechanisms`, or the path of a model file.
-    parameters : mapping of str to float, optional
-        Values for parameters that the model file declares, m or rad.
-
-    Raises
-    ------
-    UnknownNameError
-        No such mechanism or parameter.
-    ModelFileError
-        The model file or its URDF cannot be read, or contradicts itself.
-    ArgumentError
-        A parameter outside its range.
-    ClosureError
-        The home pose does not assemble.
-
-    Examples
-    --------
-    >>> import pmjac_pin as pj
-    >>> pj.load("four_bar", parameters={"l1": 1.2}).parameters["l1"]
-    1.2
-    """
-    path = find_model_file(name_or_path)
-    spec = read_model_file(path)
-    values = spec.parameter_values(parameters)
-    try:
-        urdf = read_urdf(find_urdf(spec.urdf, path)).moved(spec.moves(values))
-        return Mechanism(build_parts(_pinocchio_model(urdf.kinematic_xml()), spec, values))
-    except (ClosureError, ModelFileError):
-        raise
-    except PmjacError as error:
-        raise ModelFileError(f"{path}: {error}", path=str(path)) from error
-
-
-def _pinocchio_model(xml: str) -> pin.Model:
-    try:
-        return pin.buildModelFromXML(xml)
-    except (RuntimeError, ValueError) as error:
-        message = f"Pinocchio cannot build the tree: {str(error).splitlines()[0]}"
-        raise ModelFileError(message) from None
 
 
 def _names(what: str, names: Iterable[str]) -> tuple[str, ...]:

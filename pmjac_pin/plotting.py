@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pmjac_pin.ellipsoid import Array, Ellipse, Ellipsoid
+from pmjac_pin.ellipse import Array, Ellipse
+from pmjac_pin.ellipsoid import Ellipsoid
 from pmjac_pin.errors import ArgumentError, MissingDependencyError
 
 if TYPE_CHECKING:

@@ -7,7 +7,8 @@ import pickle
 import numpy as np
 import pytest
 
-from pmjac_pin.ellipsoid import Ellipse, Ellipsoid, force_ellipsoid, velocity_ellipsoid
+from pmjac_pin.ellipse import Ellipse
+from pmjac_pin.ellipsoid import Ellipsoid, force_ellipsoid, velocity_ellipsoid
 from pmjac_pin.errors import ArgumentError
 
 # The lecture's [Jv]eq at pose B, from its formulas at the exact root.
