@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pmjac_pin.closure import ClosureProblem, assemble
 from pmjac_pin.coordinates import JointCoordinates
 from pmjac_pin.errors import ArgumentError, ClosureError, unknown_name
-from pmjac_pin.factorisation import factorise
+from pmjac_pin.factorisation import factorise, norm
 from pmjac_pin.kinematics import Kinematics
 from pmjac_pin.loops import LoopSystem
 from pmjac_pin.partition import Partition
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 # How easily the motors move, beside the passive joints, to assemble a pose: not at all, then
 # reluctantly, then like the others.
 _MOTOR_WEIGHTS = (0.0, 0.1, 1.0)
-_PROBES = 3  # closed poses near home at which the generic ranks are looked for
+_PROBES = 2  # times three closed poses near home at which the generic ranks are looked for
 _PROBE_DISTANCE = 0.05  # rad, or share of the characteristic length
 
 
@@ -135,18 +135,30 @@ def _length(model: pin.Model, q: Array) -> float:
 
 
 def _nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
-    """Return closed poses near home, in seeded random directions that the loops allow."""
+    """Return closed poses near home, in seeded random directions.
+
+    First along motions that the loops allow, all joints free to close them again; then with
+    the motors displaced and kept there. From a home pose where branches meet, the first may
+    well fall back to where they came from, and from one at the end of a motor's range half of
+    the second have nowhere to go.
+    """
     rng = np.random.default_rng(0)
     partition = problem.partition
-    weights = np.ones(partition.column_scale.size)
-    found = []
+    scaled = partition.scaled(problem.evaluate(home_q)[1])
+    allowed = factorise(scaled, norm(scaled)).null_space
+    free, motors_kept = np.ones(scaled.shape[1]), np.zeros(scaled.shape[1])
+    motors_kept[partition.passive] = 1.0
+    starts = []
     for _ in range(_PROBES):
-        scaled = partition.scaled(problem.evaluate(home_q)[1])
-        allowed = factorise(scaled, float(np.linalg.norm(scaled))).null_space
-        direction = allowed @ rng.normal(size=allowed.shape[1])
-        direction *= _PROBE_DISTANCE * partition.length / (np.linalg.norm(direction) or 1.0)
-        q = problem.integrate(home_q, partition.column_scale * direction)
-        pose = assemble(problem, q, weights)
+        starts.append((allowed @ rng.normal(size=allowed.shape[1]), free))
+        motors = np.zeros(scaled.shape[1])
+        motors[partition.actuated] = rng.normal(size=partition.actuated.size)
+        starts += [(motors, motors_kept), (-motors, motors_kept)]
+    found = []
+    for direction, weights in starts:
+        stride = _PROBE_DISTANCE * partition.length / (norm(direction) or 1.0)
+        q = problem.integrate(home_q, stride * partition.column_scale * direction)
+        pose = assemble(problem, q, weights, limit=50)
         if pose.gap <= problem.tolerance:
             found.append(pose.q)
     return found

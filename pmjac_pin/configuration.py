@@ -201,8 +201,8 @@ class Configuration:
     def __repr__(self) -> str:
         motors = ", ".join(
             f"{name}={value:.6g}"
-            for name, value in zip(self.mechanism.actuated, self.actuated, strict=True)
-        )
+            for name, value in zip(self.mechanism.actuated[:3], self.actuated[:3], strict=True)
+        ) + ", ..." * (self.actuated.size > 3)
         gap = f"residual_norm={self.residual_norm:.1e}"
         return f"Configuration({self.mechanism.name}, {motors}, {gap})"
 

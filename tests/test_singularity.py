@@ -210,3 +210,28 @@ def test_length_and_distance_rows_are_comparable():
     huge = pj.load("three_rps_ss", parameters={"a": 500.0, "b": 1000.0})
     assert huge.home.singularity().kind == "regular"
     assert huge.mobility == 3
+
+
+def test_a_home_pose_that_is_itself_singular():
+    """The generic rank is looked for near home too, so that a singular home is seen as one."""
+    regular = mechanisms.three_crank_parallelogram()
+    flat = pj.Mechanism.from_pinocchio(
+        regular.model, regular.spec.loops, ["theta1"], "point3", home=np.zeros(4)
+    )
+    assert flat.mobility == regular.mobility == 1
+    assert flat.home.singularity().kind == "configuration space"
+    mechanism, _, values = four_bar_at_limit(STRETCHED)
+    at_limit = pj.Mechanism.from_pinocchio(
+        mechanism.model, mechanism.spec.loops, ["theta1"], "coupler_midpoint", home=values
+    )
+    assert at_limit.mobility == 1
+    assert at_limit.home.singularity().kind == "gain"
+
+
+def test_a_path_through_a_branch_point_stops_there():
+    """Beyond the flat pose the parallelogram could fold either way: nothing says which."""
+    mechanism = mechanisms.three_crank_parallelogram()
+    with pytest.raises(pj.ClosureError, match="meets a singularity") as caught:
+        mechanism.close([4.0])
+    assert caught.value.reached.actuated[0] == pytest.approx(np.pi, abs=1e-4)
+    assert caught.value.singular_value < RANK_TOLERANCE
