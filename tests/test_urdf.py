@@ -764,8 +764,8 @@ def assert_refused_or_builds(text, capfd):
     try:
         urdf = parse_urdf(text, "r.urdf")
     except ModelFileError as error:
-        assert str(error).startswith("r.urdf: ")  # noqa: PT017
-        assert "\n" not in str(error)  # noqa: PT017
+        assert str(error).startswith("r.urdf: ")
+        assert "\n" not in str(error)
         return
     assert isinstance(urdf, Urdf)
     model = pin.buildModelFromXML(urdf.kinematic_xml())
