@@ -12,14 +12,17 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, TypeAlias
 
+import numpy as np
 from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
 from pmjac_pin.blocks import Block, Table, Verbatim
 from pmjac_pin.catalog import list_mechanisms
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.demo import FIGURE, demo_blocks, run_demo
 from pmjac_pin.errors import ArgumentError, LimitError, PmjacError
 from pmjac_pin.loading import load
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.pose_figure import save_pose_figure
 from pmjac_pin.report import to_json
 from pmjac_pin.report_maker import make_report
 from pmjac_pin.tables import report_blocks
@@ -113,8 +116,6 @@ def plot_command(
     set_: Settings = None,
 ) -> Output:
     """Draw the velocity ellipsoid at one pose and its sections; print the file's path."""
-    from pmjac_pin.pose_figure import save_pose_figure  # noqa: PLC0415 - matplotlib is slow
-
     configuration, names = _configuration(mechanism, at, from_, set_)
     report = make_report(configuration, frame.upper(), **names)
     ellipsoid = configuration.jacobian(frame.upper()).velocity_ellipsoid()
@@ -131,8 +132,6 @@ def demo_command(
     ] = None,
 ) -> Output:
     """Work through the lecture's pose B of the 3-RPS and draw its figure."""
-    from pmjac_pin.demo import FIGURE, demo_blocks, run_demo  # noqa: PLC0415 - matplotlib is slow
-
     return demo_blocks(run_demo(output or FIGURE))
 
 
@@ -165,7 +164,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _run(argv: Sequence[str]) -> None:
     """Write nothing before all is computed, so that an error stands alone."""
     console = new_console()
-    with console.capture() as capture:
+    # Absurd lengths overflow on their way to an error; NumPy's warnings would stand beside it.
+    with console.capture() as capture, np.errstate(all="ignore"):
         output = app(_joined(argv), console=console, exit_on_error=False, print_error=False)
         if output is not None and not isinstance(output, str):
             draw(console, output)
@@ -192,7 +192,7 @@ def _message(error: Exception) -> str:
     if isinstance(error, LimitError):
         limits = f"[{error.lower:g}, {error.upper:g}]"
         return f"motor {error.joint!r} = {error.value:g} is outside its limits {limits}"
-    if isinstance(error, OSError) and not isinstance(error, PmjacError) and error.strerror:
+    if isinstance(error, OSError) and error.strerror:
         return ": ".join(map(str, filter(None, (error.filename, error.strerror))))
     return str(error)
 

@@ -113,9 +113,9 @@ def demo_blocks(demo: Demo) -> Iterator[Block]:
 def _introduction(report: Report) -> str:
     return (
         f"Cut as the lecture cuts it ({report.mechanism}): three open RP legs and three distance "
-        f"loops, closed from the pose {POSE!r} (Newton iterations: {report.iterations}, largest "
-        f"gap: {brief(report.residual_norm)} m). The twist is that of the platform's middle, in "
-        f"axes parallel to the world's."
+        f"loops, closed from the pose {POSE!r} (Newton iterations: {report.iterations}, gap: "
+        f"{brief(report.residual_norm)} m). The twist is that of the platform's middle, in axes "
+        f"parallel to the world's."
     )
 
 

@@ -23,16 +23,21 @@ def save_pose_figure(report: Report, ellipsoid: Ellipsoid, path: Path) -> None:
     MissingDependencyError
         matplotlib is not installed.
     """
-    lines = [f"frame {report.frame}"]
-    if report.pose is not None:
-        lines.insert(0, motor_values(report))
-    subtitle = "\n".join(textwrap.fill(line, _SUBTITLE_WIDTH) for line in lines)
-    heading = textwrap.fill(title(report), _TITLE_WIDTH)
+    heading, lines = title(report), [f"frame {report.frame}"]
+    if len(heading) > _TITLE_WIDTH:
+        heading = report.mechanism
+    if heading != title(report) or report.pose is not None:
+        lines.insert(0, _wrapped(motor_values(report)))
     # matplotlib would take what stands between two dollar signs for a formula.
-    figure = plot_ellipsoid(
-        ellipsoid, title=heading.replace("$", r"\$"), subtitle=subtitle.replace("$", r"\$")
-    )
+    heading, subtitle = (text.replace("$", r"\$") for text in (heading, "\n".join(lines)))
+    figure = plot_ellipsoid(ellipsoid, title=heading, subtitle=subtitle)
     try:
         save_figure(figure, path)
     except OSError as error:  # it names a draft, which nobody asked for
         raise OSError(error.errno, error.strerror, str(path)) from error
+
+
+def _wrapped(values: str) -> str:
+    """Break lines between motors only: no-break spaces keep a name, its value and its unit."""
+    together = values.replace(" ", "\u00a0").replace(",\u00a0", ", ")
+    return textwrap.fill(together, _SUBTITLE_WIDTH)

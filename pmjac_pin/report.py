@@ -169,7 +169,7 @@ class Report(msgspec.Struct, frozen=True, kw_only=True):
     residual : tuple of Quantity
         The p loop equations.
     residual_norm : float
-        The largest gap, m.
+        Euclidean norm of the gaps of all loops, m.
     tool : ToolPose
     matrices : Matrices
     det_K_star : Quantity or None

@@ -100,7 +100,7 @@ def make_report(
     split = configuration.split_jacobian(frame)
     jacobian, refusal = _equivalent(configuration, frame)
     return Report(
-        mechanism=mechanism.name,
+        mechanism=_encodable(mechanism.name),
         description=mechanism.spec.description,
         parameters=_parameters(mechanism),
         dimensions=_dimensions(mechanism, split),
@@ -119,6 +119,11 @@ def make_report(
         ellipsoids=_ellipsoids(jacobian),
         refusal=refusal,
     )
+
+
+def _encodable(name: str) -> str:
+    # A name may be that of a file, which may hold bytes that are no text.
+    return name.encode("utf-8", "backslashreplace").decode()
 
 
 def _equivalent(

@@ -38,6 +38,7 @@ def report_blocks(report: Report) -> Iterator[Block]:
     if report.description:
         yield Paragraph(report.description)
     yield Paragraph(_sizes(report))
+    yield Paragraph(_origin(report))
     yield from _pose(report)
     yield Heading("Loop closure and tool Jacobian")
     yield Paragraph(LEGEND)
@@ -125,6 +126,11 @@ def _sizes(report: Report) -> str:
     )
 
 
+def _origin(report: Report) -> str:
+    walked = f"Reached from the pose {report.start!r}. " if report.start else ""
+    return f"{walked}The tool's twist is in the frame {report.frame}."
+
+
 def _pose(report: Report) -> Iterator[Block]:
     if report.parameters:
         yield Table(
@@ -147,7 +153,7 @@ def _pose(report: Report) -> Iterator[Block]:
     if report.residual:
         yield Table(
             f"Loop equations η (Newton iterations: {report.iterations}, "
-            f"largest gap: {brief(report.residual_norm)} m)",
+            f"gap: {brief(report.residual_norm)} m)",
             ("equation", "value", "unit"),
             tuple((row.name, brief(row.value), row.unit) for row in report.residual),
             "<><",

@@ -145,7 +145,8 @@ def _draw_folded(
     """Draw a wide table of numbers as several, each with the first column of labels."""
     digits = _natural_widths([Text()] * len(header), rows)
     label = min(widths[0], console.width // 2)
-    column = max(*digits[1:], min(max(widths[1:]), _WIDEST_NAME))
+    room = console.width - label - _GAP
+    column = max(*digits[1:], min(max(widths[1:]), _WIDEST_NAME, room))
     fitting = max(1, (console.width - label) // (_GAP + column))
     count = len(header) - 1
     parts = -(-count // fitting)

@@ -1,0 +1,103 @@
+"""The command line as a process of its own: pipes, encodings, interrupts."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+COLORS = ("NO_COLOR", "FORCE_COLOR", "TTY_COMPATIBLE")
+ENVIRONMENT = {key: value for key, value in os.environ.items() if key not in COLORS}
+ENVIRONMENT["PYTHONPATH"] = str(ROOT)
+
+
+def process(*argv, stdout=subprocess.PIPE, **environment):
+    """Run as a process of its own, from an unrelated folder."""
+    return subprocess.run(
+        [sys.executable, "-m", "pmjac_pin", *argv],
+        stdout=stdout,
+        stderr=subprocess.PIPE,
+        env={**ENVIRONMENT, **environment},
+        cwd=os.sep,
+        check=False,
+    )
+
+
+def test_as_a_module():
+    done = process("report", "three_rps_ss", "--from", "lecture_b")
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert b"2.3429" in done.stdout
+    assert b"\x1b" not in done.stdout
+    done = process("report", "nope")
+    assert (done.returncode, done.stdout) == (2, b"")
+    assert done.stderr.startswith(b"pmjac: unknown mechanism 'nope'")
+
+
+@pytest.mark.parametrize(
+    "environment",
+    [{"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}, {"PYTHONIOENCODING": "ascii"}],
+)
+def test_without_unicode(environment):
+    done = process("report", "three_rps_ss", **environment)
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert done.stdout.isascii()
+    assert b"K* = d eta/d phi" in done.stdout
+
+
+def test_a_reader_that_leaves_early():
+    arguments = [sys.executable, "-m", "pmjac_pin", "report", "three_rps"]
+    child = subprocess.Popen(
+        arguments,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env=ENVIRONMENT,
+    )
+    child.stdout.close()
+    with child.stderr:
+        assert child.stderr.read() == b""
+    assert child.wait() == 0
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
+def test_an_output_that_is_full():
+    with Path("/dev/full").open("wb") as full:
+        done = process("report", "serial_2r", stdout=full)
+    assert (done.returncode, done.stderr) == (2, b"pmjac: No space left on device\n")
+
+
+def test_ctrl_c_in_a_process():
+    # The child says when it is past its imports, and then waits to be interrupted.
+    code = (
+        "import sys, time, pmjac_pin.cli as cli\n"
+        "cli.load = lambda *a, **k: (print('ready', flush=True), time.sleep(60))\n"
+        "sys.exit(cli.main(['report', 'four_bar']))\n"
+    )
+    child = subprocess.Popen(
+        [sys.executable, "-c", code],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env=ENVIRONMENT,
+    )
+    with child.stdout, child.stderr:
+        assert child.stdout.readline() == b"ready\n"
+        time.sleep(0.1)
+        child.send_signal(signal.SIGINT)
+        assert child.stderr.read() == b""
+    assert child.wait() == 130
+
+
+def test_matplotlib_is_imported_only_to_draw():
+    code = (
+        "import sys, pmjac_pin.cli as cli; cli.main(['report', 'serial_2r']); "
+        "sys.exit('matplotlib' in sys.modules)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, env=ENVIRONMENT, check=False
+    )
+    assert done.returncode == 0
