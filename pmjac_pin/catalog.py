@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.metadata
+import os
 from pathlib import Path
 
 from pmjac_pin.errors import ModelFileError, UnknownNameError, did_you_mean
@@ -25,7 +26,7 @@ def list_mechanisms() -> tuple[str, ...]:
 def find_model_file(name_or_path: str | Path) -> Path:
     """Return the model file that a name of the catalogue or a path stands for.
 
-    Anything with a folder or the suffix ``.toml`` is a path.
+    Anything with a separator or the suffix ``.toml`` is a path; so is every Path.
 
     Raises
     ------
@@ -33,7 +34,8 @@ def find_model_file(name_or_path: str | Path) -> Path:
         A name that is not in the catalogue.
     """
     path = Path(name_or_path)
-    if isinstance(name_or_path, Path) or path.suffix == ".toml" or len(path.parts) > 1:
+    separated = {"/", os.sep} & set(str(name_or_path))
+    if isinstance(name_or_path, Path) or path.suffix == ".toml" or separated:
         return path
     names = list_mechanisms()
     if path.name in names:

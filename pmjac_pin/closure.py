@@ -28,10 +28,12 @@ CLOSURE_TOLERANCE = 1e-12
 # All lengths relative to the mechanism's characteristic length.
 _ROUNDING = 1e-15  # a gap that no further iteration can improve
 _LARGEST_STEP = 0.25  # motion in one step, a rad counted as one length
-_SMALLEST_STEP = 1e-13  # of the whole path
+_SMALLEST_STEP = 1e-15  # of the whole path
 _LARGEST_CORRECTION = 0.25  # first Newton correction, as a share of the predicted motion
 _SLOWEST_CONTRACTION = 0.25  # of one Newton correction by the next
-_NOTHING_LEFT = 1e-11  # of a path's motor motion: at a fold, no farther from it than rounding
+_HARDLY_ANYTHING = 1e-8  # left of the motors' path, where it may have ended at a fold
+_BESIDE = 1e-5  # m or rad: both modes that meet at a fold are as near when the gap is 1e-12
+_MOST_STEPS = 2000  # of full length, for a path that is very long beside the mechanism
 _MOST_CORRECTIONS = 50  # at a fold, polishing halves the error each time
 
 
@@ -150,14 +152,15 @@ def follow(
         q ↦ q with the motors at their targets, exactly.
     """
     partition = problem.partition
+    distance = norm(displacement / partition.column_scale[partition.actuated])
+    largest_step = max(_LARGEST_STEP * partition.length, distance / _MOST_STEPS)
     point, share, step, iterations = start, 0.0, 1.0, 0
     while share < 1.0:
         if _is_singular(point, partition):
-            left = (1.0 - share) * norm(displacement / partition.column_scale[partition.actuated])
-            return _arrived(problem, point, target, left) or Followed(point, share, iterations)
+            break
         velocity = _path_velocity(point, displacement, partition)
         pace = norm(velocity / partition.column_scale)
-        step = min(step, _LARGEST_STEP * partition.length / pace if pace else 1.0)
+        step = min(step, largest_step / pace if pace else 1.0)
         last = step >= 1.0 - share
         stride = 1.0 - share if last else step
         ahead = problem.integrate(point.q, velocity * stride)
@@ -170,21 +173,24 @@ def follow(
         iterations += candidate.iterations
         point, share = candidate, 1.0 if last else share + step
         step *= 2.0
-    return Followed(point, share, iterations)
+    ended = Followed(point, share, iterations)
+    if 0.0 < (1.0 - share) * distance <= _HARDLY_ANYTHING * partition.length:
+        return _arrived(problem, ended, target) or ended
+    return ended
 
 
 def _arrived(
-    problem: ClosureProblem, point: Closed, target: Callable[[Array], Array], left: float
+    problem: ClosureProblem, ended: Followed, target: Callable[[Array], Array]
 ) -> Followed | None:
-    """Return the target itself if it cannot be told from a singular point just before it."""
-    if left > _NOTHING_LEFT * problem.partition.length:
+    """Return the target itself, when the path ended at a fold that rounding puts beside it."""
+    partition = problem.partition
+    weights = np.zeros(partition.column_scale.size)
+    weights[partition.passive] = 1.0
+    found = assemble(problem, target(ended.point.q), weights)
+    moved = np.abs(found.q - ended.point.q).max(initial=0.0)
+    if found.gap > problem.tolerance or moved > _BESIDE * max(1.0, partition.length):
         return None
-    weights = np.zeros(problem.partition.column_scale.size)
-    weights[problem.partition.passive] = 1.0
-    found = assemble(problem, target(point.q), weights)
-    if found.gap > problem.tolerance:
-        return None
-    return Followed(closed_point(problem, found.q), 1.0, found.iterations)
+    return Followed(closed_point(problem, found.q), 1.0, ended.iterations + found.iterations)
 
 
 def closed_point(problem: ClosureProblem, q: Array) -> Closed:

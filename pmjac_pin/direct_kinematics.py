@@ -138,7 +138,7 @@ def _stopped(
     if best.gap <= parts.problem.tolerance:
         advice = (
             "the loops do close at the target, on another assembly mode: "
-            "start from a pose of that mode (guess=...)"
+            "start from a pose of that mode"
         )
     else:
         advice = (

@@ -7,15 +7,13 @@ units of quotients and of determinants follow by adding and subtracting.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TypeAlias, assert_never
+from typing import TypeAlias
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.coordinates import JointCoordinates
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.spec import DistanceLoop, Loop, PointLoop
 
 Array = NDArray[np.float64]
 Powers: TypeAlias = tuple[int, int]
@@ -23,6 +21,8 @@ Powers: TypeAlias = tuple[int, int]
 METRE: Powers = (1, 0)
 SQUARE_METRE: Powers = (2, 0)
 RADIAN: Powers = (0, 1)
+
+_POWERS = {"m": METRE, "m²": SQUARE_METRE, "rad": RADIAN}
 
 LINEAR = ("v_x", "v_y", "v_z")
 ANGULAR = ("ω_x", "ω_y", "ω_z")
@@ -63,18 +63,14 @@ def labelled(
 
 def joint_powers(mechanism: Mechanism) -> tuple[tuple[Powers, ...], tuple[Powers, ...]]:
     """Return the units of the actuated and of the passive degrees of freedom."""
-    coordinates = JointCoordinates(mechanism.model)
-    rotational = coordinates.rotational
-    actuated = coordinates.columns(mechanism.spec.actuated)
-    others = (name for name in coordinates.names if name not in mechanism.spec.actuated)
-    passive = coordinates.columns(mechanism.spec.passive or others)
-    powers = tuple(RADIAN if turns else METRE for turns in rotational)
-    return tuple(powers[k] for k in actuated), tuple(powers[k] for k in passive)
+    units = mechanism.units
+    actuated = tuple(_POWERS[units[name]] for name in mechanism.actuated)
+    return actuated, tuple(_POWERS[units[name]] for name in mechanism.passive)
 
 
-def row_powers(loops: Iterable[Loop]) -> tuple[Powers, ...]:
+def row_powers(mechanism: Mechanism) -> tuple[Powers, ...]:
     """Return the unit of each of the p loop equations."""
-    return tuple(power for loop in loops for power in _loop_powers(loop))
+    return tuple(_POWERS[unit] for unit in mechanism.row_units)
 
 
 def rate_unit(powers: Powers) -> str:
@@ -119,15 +115,6 @@ def common_unit(rows: Iterable[Powers], columns: Iterable[Powers]) -> str | None
     if len(above) != 1 or len(below) != 1:
         return None
     return unit(quotient(above, below))
-
-
-def _loop_powers(loop: Loop) -> tuple[Powers, ...]:
-    match loop:
-        case PointLoop():
-            return (METRE, METRE, METRE)
-        case DistanceLoop():
-            return (SQUARE_METRE,)
-    assert_never(loop)
 
 
 def _power(name: str, power: int) -> str:

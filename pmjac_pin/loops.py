@@ -30,6 +30,8 @@ class Rule(Protocol):
     ----------
     row_names : tuple of str
         What each row measures.
+    row_unit : str
+        "m" or "m²".
     row_scale : float
         Turns a row into metres of gap, to first order.
     vector : bool
@@ -38,6 +40,8 @@ class Rule(Protocol):
 
     @property
     def row_names(self) -> tuple[str, ...]: ...  # noqa: D102
+    @property
+    def row_unit(self) -> str: ...  # noqa: D102
     @property
     def row_scale(self) -> float: ...  # noqa: D102
     @property
@@ -53,6 +57,7 @@ class PointRule:
     """η = p_first − p_second: the gap itself."""
 
     row_names = ("x", "y", "z")
+    row_unit = "m"
     row_scale = 1.0
     vector = True
 
@@ -67,6 +72,7 @@ class DistanceRule:
 
     length: float
     row_names = ("distance²",)
+    row_unit = "m²"
     vector = False
 
     @property
@@ -100,11 +106,13 @@ class LoopSystem:
     ----------
     row_names : tuple of str
         One for each of the p rows, e.g. ``"coupler_tip-rocker_tip x"``.
+    row_units : tuple of str
+        "m" or "m²" for each row.
     row_scale : ndarray, shape (p,)
         Turns each row into metres of gap.
     """
 
-    __slots__ = ("_closures", "_nv", "row_names", "row_scale")
+    __slots__ = ("_closures", "_nv", "row_names", "row_scale", "row_units")
 
     def __init__(
         self, model: pin.Model, loops: Sequence[Loop], values: Mapping[str, float]
@@ -120,6 +128,9 @@ class LoopSystem:
             names += [f"{loop.frames[0]}-{loop.frames[1]} {row}" for row in rule.row_names]
             scales += [rule.row_scale] * len(rule.row_names)
         self.row_names = tuple(names)
+        self.row_units = tuple(
+            closure.rule.row_unit for closure in self._closures for _ in closure.rule.row_names
+        )
         self.row_scale = np.array(scales)
 
     def create_data(self) -> list[Any]:

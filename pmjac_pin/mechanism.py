@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any
 
 import msgspec
@@ -134,6 +135,20 @@ class Mechanism:
     def rows(self) -> tuple[str, ...]:
         """Names of the p rows of the loop equations."""
         return self._parts.kinematics.loops.row_names
+
+    @property
+    def row_units(self) -> tuple[str, ...]:
+        """Unit of each of the p rows: "m" for a point loop, "m²" for a distance loop."""
+        return self._parts.kinematics.loops.row_units
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Unit of each degree of freedom by its name: "m" or "rad"."""
+        partition = self._parts.problem.partition
+        columns = np.concatenate([partition.actuated, partition.passive])
+        turns = self._parts.coordinates.rotational[columns]
+        units = ("rad" if turn else "m" for turn in turns)
+        return MappingProxyType(dict(zip(self.actuated + self.passive, units, strict=True)))
 
     @property
     def nq(self) -> int:

@@ -97,7 +97,7 @@ def plot_ellipsoid(
     figure: Figure = _new_figure(title)
     panels: Any = figure.subfigures(1, 1)
     if subtitle:
-        panels.suptitle(subtitle, fontsize=10)
+        panels.suptitle(_as_it_is(subtitle), fontsize=10)
     space = panels.add_subplot(2, 2, 1, projection="3d", computed_zorder=False)
     space.set_title(usual_quantity if quantity is None else quantity, fontsize=10)
     _draw_space(space, scaled, labels)
@@ -149,6 +149,11 @@ def save_figure(figure: Figure, path: str | os.PathLike[str], dpi: float = 150) 
     try:
         figure.savefig(draft, dpi=dpi, format=suffix)
         draft.replace(target)
+    except OSError as error:
+        if error.filename is None:
+            raise
+        # It names the draft, which nobody asked for.
+        raise OSError(error.errno, error.strerror, str(path)) from error
     finally:
         draft.unlink(missing_ok=True)
 
@@ -184,8 +189,13 @@ def _new_figure(title: str) -> Any:
     figure = mpl.figure.Figure(figsize=(8.4, 8.8), layout="constrained")
     figure.get_layout_engine().set(wspace=0.1, hspace=0.06)
     mpl.backends.backend_agg.FigureCanvasAgg(figure)
-    figure.suptitle(title, fontsize=13, fontweight="bold")
+    figure.suptitle(_as_it_is(title), fontsize=13, fontweight="bold")
     return figure
+
+
+def _as_it_is(text: str) -> str:
+    """Escape the dollar signs, between which matplotlib would look for a formula."""
+    return text.replace("$", r"\$")
 
 
 def _rescaled(ellipsoid: Ellipsoid) -> Ellipsoid:

@@ -28,13 +28,7 @@ def save_pose_figure(report: Report, ellipsoid: Ellipsoid, path: Path) -> None:
         heading = report.mechanism
     if heading != title(report) or report.pose is not None:
         lines.insert(0, _wrapped(motor_values(report)))
-    # matplotlib would take what stands between two dollar signs for a formula.
-    heading, subtitle = (text.replace("$", r"\$") for text in (heading, "\n".join(lines)))
-    figure = plot_ellipsoid(ellipsoid, title=heading, subtitle=subtitle)
-    try:
-        save_figure(figure, path)
-    except OSError as error:  # it names a draft, which nobody asked for
-        raise OSError(error.errno, error.strerror, str(path)) from error
+    save_figure(plot_ellipsoid(ellipsoid, title=heading, subtitle="\n".join(lines)), path)
 
 
 def _wrapped(values: str) -> str:

@@ -59,7 +59,7 @@ class _Labels:
     @classmethod
     def of(cls, mechanism: Mechanism) -> _Labels:
         names = (mechanism.actuated, mechanism.passive, mechanism.rows)
-        return cls(*names, *joint_powers(mechanism), row_powers(mechanism.spec.loops))
+        return cls(*names, *joint_powers(mechanism), row_powers(mechanism))
 
 
 def make_report(

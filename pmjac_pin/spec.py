@@ -23,6 +23,7 @@ from pmjac_pin.errors import (
 
 Vector = tuple[float, float, float]
 Name = Annotated[str, msgspec.Meta(min_length=1)]
+LARGEST_PARAMETER = 1e6  # m or rad, where a model file gives no limit: beyond, squares lose digits
 ZERO: Vector = (0.0, 0.0, 0.0)
 
 
@@ -137,9 +138,9 @@ class Parameter(_Table, frozen=True, kw_only=True):
             value = float(value)
         except OverflowError:
             value = math.inf
-        lower = -math.inf if self.minimum is None else self.minimum
-        upper = math.inf if self.maximum is None else self.maximum
-        if not (lower <= value <= upper and math.isfinite(value)):
+        lower = -LARGEST_PARAMETER if self.minimum is None else self.minimum
+        upper = LARGEST_PARAMETER if self.maximum is None else self.maximum
+        if not lower <= value <= upper:
             got = f"parameter {name!r} = {value:g} {self.unit}"
             message = f"{got} is not within [{lower:g}, {upper:g}]"
             raise ArgumentError(message)

@@ -277,8 +277,8 @@ MISTAKES = {
     "report four_bar --set l1": "--set takes NAME=NUMBER, such as l1=1.2; got 'l1'",
     "report four_bar --set l1=x": "--set takes NAME=NUMBER, such as l1=1.2; got 'l1=x'",
     "report four_bar --set l1=1 --set l1=1": "--set gives 'l1' twice",
-    "report four_bar --set l1=0": "parameter 'l1' = 0 m is not within [0.001, inf]",
-    "report four_bar --set l1=nan": "parameter 'l1' = nan m is not within [0.001, inf]",
+    "report four_bar --set l1=0": "parameter 'l1' = 0 m is not within [0.001, 1e+06]",
+    "report four_bar --set l1=nan": "parameter 'l1' = nan m is not within [0.001, 1e+06]",
     "report /none/here.toml": "/none/here.toml: No such file or directory",
     "report /tmp/.": "/tmp: is a directory, not a file",
     "plot four_bar": 'Command "plot" parameter --output requires an argument.',
@@ -302,8 +302,7 @@ def test_mistakes_get_one_line(run, line, message):
         (("plot", *FOLD[1:], "-o", "figure.png"), r"K\* has rank 1 here and 2 in general"),
         (("report", "a\nb"), r"unknown mechanism 'a\\nb'"),
         (("report", ""), "unknown mechanism ''"),
-        (("report", "four_bar", "--set", "l1=1e300"), r"\S+four_bar.urdf"),
-        (("report", "three_rps_ss", "--set", "a=1e300"), "three_rps_ss: the pose 'home' does not"),
+        (("report", "three_rps_ss", "--set", "a=100"), "three_rps_ss: the pose 'home' does not"),
     ],
 )
 def test_longer_messages_are_one_line_too(run, argv, pattern):
@@ -330,10 +329,10 @@ def test_messages_of_several_lines_are_joined(monkeypatch, run):
 
 
 def test_a_full_disk_names_the_file_asked_for(monkeypatch, run):
-    def fail(figure, path):
-        raise OSError(28, "No space left on device", "/elsewhere/.draft.png")
+    def fail(figure, draft, **options):
+        raise OSError(28, "No space left on device", str(draft))
 
-    monkeypatch.setattr("pmjac_pin.pose_figure.save_figure", fail)
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", fail)
     expected = "pmjac: figure.png: No space left on device\n"
     assert run("plot", "four_bar", "-o", "figure.png") == (2, "", expected)
 

@@ -127,7 +127,7 @@ MODEL_ERRORS = {
     ),
     "a default out of range": (
         ("default = 4.0", "default = 0.0"),
-        "{path}: parameter 'default' = 0 m is not within [0.001, inf] - at `parameters[...]`",
+        "{path}: parameter 'default' = 0 m is not within [0.001, 1e+06] - at `parameters[...]`",
     ),
 }
 
@@ -214,7 +214,7 @@ class TestParameters:
         ("parameters", "kind", "message"),
         [
             ({"l9": 1.0}, pj.UnknownNameError, "unknown parameter 'l9'; there are: l0, l1, l2, l3"),
-            ({"l1": 0.0}, pj.ArgumentError, "parameter 'l1' = 0 m is not within [0.001, inf]"),
+            ({"l1": 0.0}, pj.ArgumentError, "parameter 'l1' = 0 m is not within [0.001, 1e+06]"),
             ({"l1": math.nan}, pj.ArgumentError, "parameter 'l1' = nan m is not within"),
             ({"l1": math.inf}, pj.ArgumentError, "parameter 'l1' = inf m is not within"),
             ({"l1": "1"}, pj.ArgumentError, "parameter 'l1' must be a number in m, got '1'"),

@@ -276,5 +276,5 @@ def test_writing_units():
     assert common_unit([], []) is None
     assert common_unit([(1, 0)], [(1, 0), (0, 1)]) is None
     assert metric_unit((1, 0), (1, 0)) == "m/s"
-    loops = [pj.PointLoop(frames=("a", "b")), pj.DistanceLoop(frames=("a", "b"), length=1.0)]
-    assert row_powers(loops) == ((1, 0), (1, 0), (1, 0), (2, 0))
+    assert row_powers(pj.load("four_bar")) == ((1, 0), (1, 0), (1, 0))
+    assert row_powers(pj.load("three_rps_ss")) == ((2, 0), (2, 0), (2, 0))

@@ -73,6 +73,26 @@ def test_close_reaches_four_bar_poses_near_the_limit(lengths, distance):
     np.testing.assert_allclose(jacobian.passive_rates, -by_hand, rtol=1e-6)
 
 
+@pytest.mark.parametrize("distance", [1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-15, 0.0])
+def test_close_reaches_the_fold_itself(distance):
+    """Whatever rounding makes of the last 1e-10 rad: reached, and singular where it is."""
+    rng = np.random.default_rng(13)
+    reached = 0
+    while reached < 8:
+        lengths = rng.uniform(0.5, 4.0, 4)
+        try:
+            limit, _ = hand.four_bar_crank_limit(tuple(lengths))
+            mechanism = four_bar_with(lengths)
+        except (ValueError, pj.ClosureError):
+            continue
+        if mechanism.home.actuated[0] > limit:
+            continue
+        configuration = mechanism.close([limit - distance], enforce_limits=False)
+        assert configuration.residual_norm < 1e-12
+        assert configuration.singularity().smallest < 1e-5 + 2 * np.sqrt(distance)
+        reached += 1
+
+
 def test_close_at_the_limit_itself_and_beyond():
     mechanism, limit, values = four_bar_at_limit(STRETCHED)
     configuration = mechanism.close([limit])
