@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.closure import ClosureProblem, assemble
+from pmjac_pin.closure import ClosureProblem, assemble, closed_point
 from pmjac_pin.coordinates import JointCoordinates
-from pmjac_pin.errors import ArgumentError, ClosureError, unknown_name
+from pmjac_pin.errors import ArgumentError, ClosureError, LimitError, unknown_name
 from pmjac_pin.factorisation import factorise, norm
 from pmjac_pin.kinematics import Kinematics
 from pmjac_pin.loops import LoopSystem
 from pmjac_pin.partition import Partition
 from pmjac_pin.spec import MechanismSpec
 from pmjac_pin.tool import tool_kinematics
+from pmjac_pin.urdf import Urdf
 
 Array = NDArray[np.float64]
 
@@ -25,12 +27,18 @@ Array = NDArray[np.float64]
 # reluctantly, then like the others.
 _MOTOR_WEIGHTS = (0.0, 0.1, 1.0)
 _PROBES = 2  # times three closed poses near home at which the generic ranks are looked for
-_PROBE_DISTANCE = 0.05  # rad, or share of the characteristic length
+_PROBE_DISTANCES = (0.05, 0.005, 0.0005)  # rad or share of the characteristic length
+
+_logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Parts:
-    """What a Mechanism is made of; nothing of it ever changes."""
+    """What a Mechanism is made of; nothing of it ever changes.
+
+    `urdf` is what the model was built of, the parameters' moves included, kept for its visuals;
+    None where there was only a Pinocchio model.
+    """
 
     model: pin.Model
     spec: MechanismSpec
@@ -39,51 +47,111 @@ class Parts:
     kinematics: Kinematics
     problem: ClosureProblem
     home_q: Array
+    urdf: Urdf | None = None
 
 
-def build_parts(model: pin.Model, spec: MechanismSpec, values: Mapping[str, float]) -> Parts:
+def build_parts(
+    model: pin.Model,
+    spec: MechanismSpec,
+    values: Mapping[str, float],
+    urdf: Urdf | None = None,
+    start: Array | None = None,
+) -> Parts:
     """Resolve all names, assemble the home pose and find the generic ranks there.
+
+    Parameters
+    ----------
+    model, spec, values, urdf
+        What the mechanism is made of.
+    start : ndarray, shape (nq,), optional
+        Where to start assembling the home pose; the spec's values when None.
 
     Raises
     ------
     UnknownNameError
         A joint or frame that the model does not have.
     ArgumentError
-        The actuated and passive joints are not a partition of the joints that move.
+        The actuated and passive joints are not a partition of the joints that move; a pose
+        that does not fit the joints, or is outside the motors' limits.
     ClosureError
         The home pose does not assemble.
     """
-    coordinates = JointCoordinates(model)
-    kinematics = Kinematics(
-        model, LoopSystem(model, spec.loops, values), tool_kinematics(model, spec.tool)
-    )
-    start = coordinates.q(spec.poses["home"])
-    partition = _partition(spec, coordinates, kinematics.loops, _length(model, start))
-    problem = _problem(kinematics, partition)
-    home_q = assemble_pose(problem, kinematics.loops, start, f"{spec.name}: the pose 'home'")
-    nearby = [home_q, *_nearby(problem, home_q)]
-    snapshots = [kinematics.snapshot(q) for q in nearby]
-    ranked = partition.with_ranks_of(
+    parts = _assembled(model, spec, values, urdf, start)
+    problem, kinematics = parts.problem, parts.kinematics
+    snapshots = [kinematics.snapshot(q) for q in (parts.home_q, *_nearby(problem, parts.home_q))]
+    ranked = problem.partition.with_ranks_of(
         [(snapshot.constraint_jacobian, snapshot.tool_jacobian) for snapshot in snapshots]
     )
-    return Parts(model, spec, values, coordinates, kinematics, _problem(kinematics, ranked), home_q)
+    return replace(parts, problem=_problem(kinematics, ranked))
 
 
-def assemble_pose(problem: ClosureProblem, loops: LoopSystem, q: Array, what: str) -> Array:
+def home_pose(
+    model: pin.Model,
+    spec: MechanismSpec,
+    values: Mapping[str, float],
+    start: Array | None,
+    least: float,
+) -> tuple[Array, float]:
+    """Return the home pose at parameters on the way to others, and its relative σ_min of K*.
+
+    Raises
+    ------
+    ClosureError
+        With the motors where they are, the loops stay open, or σ_min is below `least`.
+    """
+    parts = _unassembled(model, spec, values, None)
+    problem, q = parts.problem, parts.home_q if start is None else start
+    found = assemble(problem, q, _motor_weights(problem, 0.0))
+    factors = closed_point(problem, found.q).factors
+    smallest = factors.singular_values[: factors.rank].min(initial=np.inf) / (factors.size or 1.0)
+    if found.gap > problem.tolerance or smallest < least:
+        raise ClosureError(f"{spec.name}: no home pose here", residual_norm=found.gap, q=found.q)
+    return found.q, float(smallest)
+
+
+def _assembled(
+    model: pin.Model,
+    spec: MechanismSpec,
+    values: Mapping[str, float],
+    urdf: Urdf | None,
+    start: Array | None,
+) -> Parts:
+    parts = _unassembled(model, spec, values, urdf)
+    return replace(
+        parts, home_q=assemble_pose(parts, parts.home_q if start is None else start, "home")
+    )
+
+
+def _unassembled(
+    model: pin.Model, spec: MechanismSpec, values: Mapping[str, float], urdf: Urdf | None
+) -> Parts:
+    coordinates = JointCoordinates(model)
+    loops = LoopSystem(model, spec.loops, values)
+    kinematics = Kinematics(model, loops, tool_kinematics(model, spec.tool))
+    given = coordinates.q(spec.poses["home"])
+    partition = _partition(spec, coordinates, loops, _length(model, given))
+    for name, pose in spec.poses.items():
+        _check_motors(coordinates, coordinates.q(pose, given), spec, f"the pose {name!r} has")
+    problem = _problem(kinematics, partition)
+    return Parts(model, spec, values, coordinates, kinematics, problem, given, urdf)
+
+
+def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
     """Close the loops near q: the motors stay where they are, or move as little as it takes.
 
     Raises
     ------
     ClosureError
-        With the smallest gap found and the loop that stays open.
+        With the smallest gap found and the row that stays open most, or with the motor that
+        would have to leave its limits.
     """
+    problem, loops = parts.problem, parts.kinematics.loops
+    what = f"{parts.spec.name}: the pose {pose!r}"
     found = []
     for motor_weight in _MOTOR_WEIGHTS:
-        weights = np.ones(problem.partition.column_scale.size)
-        weights[problem.partition.actuated] = motor_weight
-        found.append(assemble(problem, q, weights))
+        found.append(assemble(problem, q, _motor_weights(problem, motor_weight)))
         if found[-1].gap <= problem.tolerance:
-            return found[-1].q
+            return _with_moved_motors(parts, q, found[-1].q, what) if motor_weight else found[-1].q
     best = min(found, key=lambda pose: pose.gap)
     residual = np.abs(problem.evaluate(best.q)[0] * loops.row_scale)
     row = loops.row_names[int(np.argmax(residual))]
@@ -92,6 +160,42 @@ def assemble_pose(problem: ClosureProblem, loops: LoopSystem, q: Array, what: st
         f"most at {row!r}; give joint values nearer to a closed pose, or other lengths"
     )
     raise ClosureError(message, residual_norm=best.gap, q=best.q)
+
+
+def _with_moved_motors(parts: Parts, start: Array, found: Array, what: str) -> Array:
+    """Return the pose with motors moved half as far again as it takes, where that closes.
+
+    Where the motors have to move, the nearest closed pose is at the end of the reach: singular.
+    """
+    try:
+        _check_motors(parts.coordinates, found, parts.spec, f"{what} closes only with")
+    except LimitError as error:
+        raise ClosureError(str(error), residual_norm=0.0, q=found) from None
+    _logger.info("%s closes with its motors moved", what)
+    problem, coordinates = parts.problem, parts.coordinates
+    actuated = problem.partition.actuated
+    motors, moved = (coordinates.values(q)[actuated] for q in (start, found))
+    beyond = moved + 0.5 * (moved - motors)
+    q = coordinates.with_values(start, actuated, beyond)
+    pose = assemble(problem, q, _motor_weights(problem, 0.0))
+    closed = pose.gap <= problem.tolerance and not coordinates.outside(beyond, actuated)
+    return pose.q if closed else found
+
+
+def _motor_weights(problem: ClosureProblem, motor_weight: float) -> Array:
+    """Return how easily each degree of freedom moves: passive ones 1, motors as given."""
+    weights = np.ones(problem.partition.column_scale.size)
+    weights[problem.partition.actuated] = motor_weight
+    return weights
+
+
+def _check_motors(coordinates: JointCoordinates, q: Array, spec: MechanismSpec, what: str) -> None:
+    columns = coordinates.columns(spec.actuated)
+    values = coordinates.values(q)[columns]
+    for name in coordinates.outside(values, columns):
+        value, (lower, upper) = values[spec.actuated.index(name)], coordinates.limits(name)
+        message = f"{what} motor {name!r} = {value:g} outside its limits [{lower:g}, {upper:g}]"
+        raise LimitError(message, joint=name, value=float(value), lower=lower, upper=upper)
 
 
 def _problem(kinematics: Kinematics, partition: Partition) -> ClosureProblem:
@@ -155,10 +259,13 @@ def _nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
         motors[partition.actuated] = rng.normal(size=partition.actuated.size)
         starts += [(motors, motors_kept), (-motors, motors_kept)]
     found = []
-    for direction, weights in starts:
-        stride = _PROBE_DISTANCE * partition.length / (norm(direction) or 1.0)
-        q = problem.integrate(home_q, stride * partition.column_scale * direction)
-        pose = assemble(problem, q, weights, limit=50)
-        if pose.gap <= problem.tolerance:
-            found.append(pose.q)
+    for distance in _PROBE_DISTANCES:
+        for direction, weights in starts:
+            stride = distance * partition.length / (norm(direction) or 1.0)
+            q = problem.integrate(home_q, stride * partition.column_scale * direction)
+            pose = assemble(problem, q, weights, limit=50)
+            if pose.gap <= problem.tolerance:
+                found.append(pose.q)
+        if found:
+            break
     return found

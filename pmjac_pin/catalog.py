@@ -6,7 +6,7 @@ import importlib.metadata
 import os
 from pathlib import Path
 
-from pmjac_pin.errors import ModelFileError, UnknownNameError, did_you_mean
+from pmjac_pin.errors import ArgumentError, ModelFileError, UnknownNameError, did_you_mean
 
 _EXAMPLE_ROBOTS = "example-robot-data:"
 
@@ -32,8 +32,13 @@ def find_model_file(name_or_path: str | Path) -> Path:
     ------
     UnknownNameError
         A name that is not in the catalogue.
+    ArgumentError
+        Neither a name nor a path.
     """
-    path = Path(name_or_path)
+    if not isinstance(name_or_path, str | Path) or "\0" in str(name_or_path):
+        wanted = "the name of a mechanism or the path of a model file"
+        raise ArgumentError(f"{wanted} expected, got {name_or_path!r}")
+    path = Path(name_or_path).expanduser()
     separated = {"/", os.sep} & set(str(name_or_path))
     if isinstance(name_or_path, Path) or path.suffix == ".toml" or separated:
         return path
@@ -41,7 +46,7 @@ def find_model_file(name_or_path: str | Path) -> Path:
     if path.name in names:
         return _data() / "models" / f"{path.name}.toml"
     hint = did_you_mean(path.name, names)
-    if path.is_file():
+    if len(path.name) < 200 and path.is_file():
         hint = f"; for the file of this name write './{path.name}'"
     raise UnknownNameError(
         f"unknown mechanism {str(name_or_path)!r}{hint}", name=str(name_or_path), candidates=names
@@ -62,11 +67,14 @@ def find_urdf(urdf: str, model_file: Path) -> Path:
     if urdf.startswith(_EXAMPLE_ROBOTS):
         places = [_example_robots(model_file) / urdf.removeprefix(_EXAMPLE_ROBOTS)]
     else:
-        folder = model_file.parent
-        places = [folder / urdf, folder.absolute().parent / "urdf" / urdf]
+        folder, given = model_file.parent, Path(urdf).expanduser()
+        places = [folder / given, folder.absolute().parent / "urdf" / given]
     for place in places:
-        if place.is_file():
-            return place
+        try:
+            if place.is_file():
+                return place
+        except (OSError, ValueError):  # too long a name, or a null byte in it
+            break
     looked = " nor ".join(map(str, places))
     raise ModelFileError(
         f"{model_file}: the URDF {urdf!r} does not exist: neither {looked}"

@@ -1,4 +1,4 @@
-"""The command line: ``pmjac list``, ``report``, ``plot`` and ``demo``.
+"""The command line: ``pmjac list``, ``report``, ``plot``, ``demo`` and ``view``.
 
 Exit status 0; 2 with one line on stderr when something is wrong; 130 on Ctrl-C.
 """
@@ -133,6 +133,28 @@ def demo_command(
 ) -> Output:
     """Work through the lecture's pose B of the 3-RPS and draw its figure."""
     return demo_blocks(run_demo(output or FIGURE))
+
+
+@app.command(name="view")
+def view_command(
+    mechanism: Name,
+    /,
+    *,
+    at: At = None,
+    from_: From = None,
+    set_: Settings = None,
+    port: Annotated[
+        int | None, Parameter(help="The first port to try (default: 7000); 0 for any.")
+    ] = None,
+    no_browser: Annotated[bool, Parameter(help="Do not open a browser.")] = False,
+) -> Output:
+    """Show a live page with sliders, on this machine only, until Ctrl-C."""
+    configuration, _ = _configuration(mechanism, at, from_, set_)
+    # Imported when needed: it brings a web server along.
+    from pmjac_pin.viewer.serving import serve_until_interrupted  # noqa: PLC0415
+
+    serve_until_interrupted(configuration, port, open_browser=not no_browser)
+    return None
 
 
 def main(argv: Sequence[str] | None = None) -> int:

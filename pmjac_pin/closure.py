@@ -27,6 +27,7 @@ CLOSURE_TOLERANCE = 1e-12
 
 # All lengths relative to the mechanism's characteristic length.
 _ROUNDING = 1e-15  # a gap that no further iteration can improve
+_LONGEST_STRIDE = 0.5  # of one iteration of `assemble`: joints must not wind up
 _LARGEST_STEP = 0.25  # motion in one step, a rad counted as one length
 _SMALLEST_STEP = 1e-15  # of the whole path
 _LARGEST_CORRECTION = 0.25  # first Newton correction, as a share of the predicted motion
@@ -124,6 +125,8 @@ def assemble(problem: ClosureProblem, q: Array, weights: Array, limit: int = 200
             damping * largest**2 * min(1.0, (gap / partition.length) ** 2) + (1e-9 * largest) ** 2
         )
         step = -scale * (right.T @ (values / (values**2 + squared) * (left.T @ error)))
+        stride = norm(step / partition.column_scale)
+        step *= min(1.0, _LONGEST_STRIDE * partition.length / (stride or 1.0))
         trial = problem.integrate(q, step)
         trial_residual, trial_jacobian = problem.evaluate(trial)
         trial_gap = problem.gap(trial_residual)

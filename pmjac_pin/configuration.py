@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.assembly import Parts
 from pmjac_pin.closure import Closed, closed_point
-from pmjac_pin.errors import ArgumentError
+from pmjac_pin.errors import ArgumentError, ClosureError
 from pmjac_pin.jacobian import (
     EquivalentJacobian,
     FrameName,
@@ -23,6 +23,7 @@ from pmjac_pin.jacobian import (
     equivalent_jacobian,
 )
 from pmjac_pin.kinematics import Snapshot
+from pmjac_pin.read_only import read_only
 from pmjac_pin.singularity import Singularity, analyse_singularity
 
 if TYPE_CHECKING:
@@ -58,28 +59,44 @@ class Configuration:
     True
     """
 
-    mechanism: Mechanism
-    q: Array
-    iterations: int
-    residual_norm: float
+    mechanism: Mechanism = field(init=False)
+    q: Array = field(init=False)
+    iterations: int = field(init=False)
+    residual_norm: float = field(init=False)
 
-    def __post_init__(self) -> None:
-        self.q.setflags(write=False)
+    def __init__(self) -> None:
+        # It is a proof, so nobody can make one by hand, `dataclasses.replace` included.
+        raise ArgumentError("a Configuration is made by Mechanism.close, .pose or .configuration")
+
+    @classmethod
+    def _certified(
+        cls, mechanism: Mechanism, q: Array, iterations: int, gap: float, **known: object
+    ) -> Configuration:
+        """Make a configuration of a q whose loops were just seen closed, keeping what is known."""
+        configuration = object.__new__(cls)
+        configuration.__dict__.update(
+            mechanism=mechanism, q=read_only(q), iterations=iterations, residual_norm=gap, **known
+        )
+        return configuration
 
     @classmethod
     def _of_point(cls, mechanism: Mechanism, point: Closed, iterations: int) -> Configuration:
-        """Make the configuration where a path ended; what is known there is kept."""
-        configuration = cls(mechanism, point.q, iterations, point.gap)
-        configuration.__dict__["_point"] = point
-        return configuration
+        """Make the configuration where a path ended."""
+        return cls._certified(mechanism, point.q, iterations, point.gap, _point=point)
 
     @classmethod
-    def _of_snapshot(cls, mechanism: Mechanism, q: Array, snapshot: Snapshot) -> Configuration:
-        """Make the configuration of a given q; what is known there is kept."""
-        gap = mechanism._parts.problem.gap(snapshot.residual)
-        configuration = cls(mechanism, q, 0, gap)
-        configuration.__dict__["_snapshot"] = snapshot
-        return configuration
+    def _of_q(cls, mechanism: Mechanism, q: Array, iterations: int = 0) -> Configuration:
+        """Make the configuration of a given q, or raise ClosureError when its loops are open."""
+        parts = mechanism._parts
+        snapshot = parts.kinematics.snapshot(q)
+        gap, tolerance = parts.problem.gap(snapshot.residual), parts.problem.tolerance
+        if not gap <= tolerance:
+            message = (
+                f"the loops of {mechanism.name!r} are open by {gap:.3g} m at this q (tolerance "
+                f"{tolerance:g} m); use close() to close them"
+            )
+            raise ClosureError(message, residual_norm=gap, q=q)
+        return cls._certified(mechanism, q, iterations, gap, _snapshot=snapshot)
 
     @property
     def actuated(self) -> Array:
@@ -92,11 +109,15 @@ class Configuration:
         return self._values(self._parts.problem.partition.passive)
 
     @property
-    def joint_values(self) -> Mapping[str, float]:
-        """Every degree of freedom's value by its name, m or rad, motors first."""
-        names = self.mechanism.actuated + self.mechanism.passive
-        values = np.concatenate([self.actuated, self.passive])
-        return MappingProxyType(dict(zip(names, map(float, values), strict=True)))
+    def joint_values(self) -> Mapping[str, float | tuple[float, ...]]:
+        """Every joint's value by its name, m or rad, motors first; a guess for `close`.
+
+        A joint with several degrees of freedom has a tuple of them.
+        """
+        spec, coordinates = self._parts.spec, self._parts.coordinates
+        others = (name for name in coordinates.names if name not in spec.actuated)
+        names = spec.actuated + (spec.passive or tuple(others))
+        return MappingProxyType(coordinates.joint_values(self.q, names))
 
     @property
     def residual(self) -> Array:
@@ -191,12 +212,10 @@ class Configuration:
         return self.mechanism._parts
 
     def _values(self, columns: NDArray[np.intp]) -> Array:
-        values = self._parts.coordinates.values(self.q)[columns]
-        values.setflags(write=False)
-        return values
+        return read_only(self._parts.coordinates.values(self.q)[columns])
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (_restore, (self.mechanism, self.q, self.iterations))
+        return (Configuration._of_q, (self.mechanism, np.array(self.q), self.iterations))
 
     def __repr__(self) -> str:
         motors = ", ".join(
@@ -214,8 +233,3 @@ def _frame_name(frame: str | pin.ReferenceFrame) -> FrameName:
             return name
     names = "LOCAL, WORLD or LOCAL_WORLD_ALIGNED"
     raise ArgumentError(f"frame must be {names}, got {frame!r}")
-
-
-def _restore(mechanism: Mechanism, q: Array, iterations: int) -> Configuration:
-    """Unpickle: the loops are checked again."""
-    return replace(mechanism.configuration(q), iterations=iterations)

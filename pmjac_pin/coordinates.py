@@ -14,12 +14,15 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from pmjac_pin.checks import as_numbers
 from pmjac_pin.errors import ArgumentError, unknown_name
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-# (nq, nv) of a joint with a translation that q shows as it is, and how many entries that has.
+_LIMIT_SLACK = 1e-9  # m or rad: rounding on the way to a limit is no violation
+
+# Joints with a translation that q shows as it is, and how many entries that has.
 _TRANSLATIONS = {"JointModelFreeFlyer": 3, "JointModelPlanar": 2}
 _DOF_NAMES = {
     "JointModelFreeFlyer": ("x", "y", "z", "rx", "ry", "rz"),
@@ -76,6 +79,10 @@ class JointCoordinates:
         self._model = model
         self._neutral: Array = pin.neutral(model)
         self._joints = {joint.name: joint for joint in joints}
+        if len(self._joints) < len(joints):
+            names = [joint.name for joint in joints]
+            twice = next(name for name in names if names.count(name) > 1)
+            raise ArgumentError(f"two joints of the model are named {twice!r}")
         self.names: tuple[str, ...] = tuple(self._joints)
         self.rotational = _rotational(model)
         self.wraps = np.zeros(model.nv, dtype=bool)
@@ -138,6 +145,16 @@ class JointCoordinates:
             q[joint.idx_q : joint.idx_q + joint.nq] = self._entries(joint, given)
         return q
 
+    def joint_values(self, q: Array, names: Iterable[str]) -> dict[str, float | tuple[float, ...]]:
+        """Return each of these joints' value, or its tuple of values, by name."""
+        values = self.values(q)
+        joints = [self._joint(name) for name in names]
+        found = {
+            joint.name: tuple(values[joint.idx_v : joint.idx_v + joint.nv].tolist())
+            for joint in joints
+        }
+        return {name: item[0] if len(item) == 1 else item for name, item in found.items()}
+
     def pose(self, q: Array) -> dict[str, float | tuple[float, ...]]:
         """Return what `q` takes to give this configuration back, bit by bit."""
         entries = {
@@ -151,11 +168,25 @@ class JointCoordinates:
         column = self._joint(name).idx_v
         return float(self.lower[column]), float(self.upper[column])
 
+    def outside(self, values: Array, columns: Index) -> list[str]:
+        """Return the joints of these columns whose values are outside their limits."""
+        below = values < self.lower[columns] - _LIMIT_SLACK
+        above = values > self.upper[columns] + _LIMIT_SLACK
+        if not (below | above).any():
+            return []
+        wrong = set(columns[below | above].tolist())
+        return [joint.name for joint in self._joints.values() if joint.idx_v in wrong]
+
     def _joint(self, name: str) -> _Joint:
-        try:
-            return self._joints[name]
-        except KeyError:
-            raise unknown_name("joint", name, self.names) from None
+        joint = self._joints.get(name) if isinstance(name, str) else None
+        if joint is not None:
+            return joint
+        if name in [frame.name for frame in self._model.frames]:
+            raise ArgumentError(f"{name!r} is no joint that moves; those are: {self._listed()}")
+        raise unknown_name("joint", name, self.names)
+
+    def _listed(self) -> str:
+        return ", ".join(self.names[:12]) + ", ..." * (len(self.names) > 12)
 
     def _entries(self, joint: _Joint, given: float | Sequence[float]) -> Array:
         values = np.atleast_1d(as_numbers(given, f"the value of joint {joint.name!r}"))
@@ -163,7 +194,8 @@ class JointCoordinates:
             return self._normalised(joint, values)
         if values.shape != (joint.nv,):
             wanted = f"{joint.nv}" if joint.nv == joint.nq else f"{joint.nv} or {joint.nq}"
-            message = f"joint {joint.name!r} takes {wanted} values, got {values.size}"
+            plural = "" if wanted == "1" else "s"
+            message = f"joint {joint.name!r} takes {wanted} value{plural}, got {values.size}"
             raise ArgumentError(message)
         tangent = np.zeros(self._model.nv)
         tangent[joint.idx_v : joint.idx_v + joint.nv] = values
@@ -183,26 +215,6 @@ class JointCoordinates:
         if not pin.isNormalized(self._model, q, 1e-15):
             q = pin.normalize(self._model, q)
         return q[joint.idx_q : joint.idx_q + joint.nq]
-
-
-def as_numbers(given: object, what: str) -> Array:
-    """Return a float array of what the caller gave, or say what is wrong with it.
-
-    Raises
-    ------
-    ArgumentError
-        Strings, complex numbers, ragged lists, NaN and infinities.
-    """
-    try:
-        raw = np.asarray(given)
-        if raw.dtype.kind not in "iuf":
-            raise TypeError
-    except (TypeError, ValueError):
-        raise ArgumentError(f"{what} must be real numbers, got {given!r}") from None
-    array = raw.astype(np.float64)
-    if not np.isfinite(array).all():
-        raise ArgumentError(f"{what} must be finite, got {given!r}")
-    return array
 
 
 def _rotational(model: pin.Model) -> NDArray[np.bool_]:

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.assembly import Parts
+from pmjac_pin.checks import as_numbers
 from pmjac_pin.closure import Followed, assemble, follow
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.coordinates import as_numbers
 from pmjac_pin.errors import ArgumentError, ClosureError, LimitError
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Guess: TypeAlias = "str | Configuration | Mapping[str, float | Sequence[float]]"
 
-_LIMIT_SLACK = 1e-9  # m or rad: rounding on the way to a limit is no violation
+_NEARLY_SINGULAR = 1e-3  # relative singular value of K* that explains why a path ended
 
 
 def close(mechanism: Mechanism, actuated: Any, guess: Guess, enforce_limits: bool) -> Configuration:
@@ -55,11 +55,8 @@ def motor_values(parts: Parts, actuated: Any) -> Array:
 
 
 def _check_limits(parts: Parts, values: Array) -> None:
-    actuated = parts.problem.partition.actuated
-    below = values < parts.coordinates.lower[actuated] - _LIMIT_SLACK
-    above = values > parts.coordinates.upper[actuated] + _LIMIT_SLACK
-    for k in np.flatnonzero(below | above):
-        name, value = parts.spec.actuated[k], float(values[k])
+    for name in parts.coordinates.outside(values, parts.problem.partition.actuated):
+        value = float(values[parts.spec.actuated.index(name)])
         lower, upper = parts.coordinates.limits(name)
         raise LimitError(
             f"motor {name!r} = {value:g} is outside its limits [{lower:g}, {upper:g}]; "
@@ -75,16 +72,17 @@ def _start(mechanism: Mechanism, guess: Guess, values: Array) -> Configuration:
     if isinstance(guess, Configuration):
         if guess.mechanism is mechanism:
             return guess
-        if guess.q.shape != (mechanism.nq,):
+        if guess.mechanism._parts.coordinates.names != mechanism._parts.coordinates.names:
             message = f"the guess is a pose of {guess.mechanism.name!r}, not of {mechanism.name!r}"
             raise ArgumentError(message)
-        return mechanism.configuration(guess.q)
+        # The same machine, from another process or with other parameters.
+        return _assembled(mechanism, guess.joint_values, values)
     if isinstance(guess, str):
         return mechanism.pose(guess)
     if not isinstance(guess, Mapping):
         message = (
             "guess must be the name of a pose, a Configuration or a mapping of joint values, "
-            f"got {guess!r}"
+            f"got {type(guess).__name__}"
         )
         raise ArgumentError(message)
     return _assembled(mechanism, guess, values)
@@ -105,8 +103,8 @@ def _assembled(
             f"the guess does not assemble: the loops of {mechanism.name!r} stay open by "
             f"{pose.gap:.3g} m at best; give joint values nearer to a closed pose"
         )
-        raise ClosureError(message, residual_norm=pose.gap, q=pose.q, actuated=values, reached=None)
-    return mechanism._certified(pose.q)
+        raise ClosureError(message, residual_norm=pose.gap, q=pose.q, actuated=values)
+    return Configuration._of_q(mechanism, pose.q, pose.iterations)
 
 
 def _displacement(parts: Parts, start: Configuration, values: Array) -> Array:
@@ -130,7 +128,7 @@ def _stopped(
     weights[partition.passive] = 1.0
     at_target = parts.coordinates.with_values(path.point.q, partition.actuated, values)
     best = assemble(parts.problem, at_target, weights)
-    sigma = reached.singularity().smallest
+    singularity = reached.singularity()
     motors = ", ".join(
         f"{name}={value:.6g}"
         for name, value in zip(mechanism.actuated, reached.actuated, strict=True)
@@ -145,11 +143,17 @@ def _stopped(
             f"at the target the loops stay open by {best.gap:.3g} m at best: it is out of reach "
             "from here; try a nearer target, or another pose as guess"
         )
-    message = (
-        f"{mechanism.name}: the straight path to the target meets a singularity after "
-        f"{100.0 * path.share:.4g} % of the way, at {motors} (relative singular value of K* "
-        f"{sigma:.2g}), where this assembly mode ends; {advice}"
-    )
+    where = f"after {100.0 * path.share:.4g} % of the way, at {motors}"
+    if singularity.smallest < _NEARLY_SINGULAR:
+        reason = (
+            f"meets a singularity {where} (relative singular value of K* "
+            f"{singularity.smallest:.2g}), where this assembly mode ends"
+        )
+    elif singularity.forbidden_rates.shape[1]:
+        reason = f"is left by the loops {where}: they forbid these motors to move so together"
+    else:
+        reason = f"cannot be followed further than {where}"
+    message = f"{mechanism.name}: the straight path to the target {reason}; {advice}"
     return ClosureError(
         message,
         residual_norm=best.gap,
@@ -157,5 +161,5 @@ def _stopped(
         actuated=values,
         reached=reached,
         share=path.share,
-        singular_value=sigma,
+        singular_value=singularity.smallest,
     )

@@ -19,7 +19,7 @@ from pmjac_pin.errors import ArgumentError
 
 Array = NDArray[np.float64]
 
-RANK_TOLERANCE = 1e-9
+FLATNESS_TOLERANCE = 1e-9
 """Relative to the largest, a radius or singular value at or below this counts as zero."""
 
 
@@ -98,7 +98,7 @@ def image_of_ball(A: Array) -> tuple[Array, Array]:
 
 def polar(radii: Array, axes: Array) -> tuple[Array, Array]:
     """Return radii and axes of the polar set {y : x · y ≤ 1 for all x of the ellipsoid}."""
-    floor = RANK_TOLERANCE * float(radii[0]) if radii[0] < math.inf else 0.0
+    floor = FLATNESS_TOLERANCE * float(radii[0]) if radii[0] < math.inf else 0.0
     reciprocal = [math.inf if r <= floor else 1 / r for r in radii.tolist()]
     return np.array(reciprocal[::-1]), oriented(axes[:, ::-1])
 

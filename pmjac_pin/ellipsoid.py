@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pmjac_pin.ellipse import (
-    RANK_TOLERANCE,
+    FLATNESS_TOLERANCE,
     Ellipse,
     brief,
     check_drawable,
@@ -94,10 +94,10 @@ class Ellipsoid:
     def rank(self) -> int:
         """Dimension of the ellipsoid's span.
 
-        The infinite radii, and those above 1e-9 (`RANK_TOLERANCE`) of the largest finite one.
+        The infinite radii, and those above 1e-9 (`FLATNESS_TOLERANCE`) of the largest finite one.
         """
         radii = self.radii.tolist()
-        floor = RANK_TOLERANCE * max((r for r in radii if r < math.inf), default=0.0)
+        floor = FLATNESS_TOLERANCE * max((r for r in radii if r < math.inf), default=0.0)
         return sum(r > floor for r in radii)
 
     @property
@@ -143,7 +143,7 @@ class Ellipsoid:
         axes = self.axes[:, : self.rank]
         image = axes * self.radii[: self.rank]
         # Judged on directions alone: a plane that holds all of a flat ellipsoid cuts nothing.
-        if np.any(np.abs(normal @ axes) > RANK_TOLERANCE):
+        if np.any(np.abs(normal @ axes) > FLATNESS_TOLERANCE):
             image = image @ np.linalg.svd((normal @ image)[np.newaxis])[2][1:].T
         return Ellipse(*image_of_ball(basis.T @ image), basis, self.unit)
 
@@ -232,7 +232,7 @@ def force_ellipsoid(jacobian: ArrayLike, unit: str = "N") -> Ellipsoid:
     Parameters
     ----------
     jacobian : array_like, shape (3, n)
-        As for `velocity_ellipsoid`. Singular values at or below 1e-9 (`RANK_TOLERANCE`) of the
+        As for `velocity_ellipsoid`. Singular values at or below 1e-9 (`FLATNESS_TOLERANCE`) of the
         largest count as zero.
     unit : str
         Unit of the radii: "N" for linear rows, "N m" for angular ones.

@@ -11,6 +11,9 @@ import difflib
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+_LONGEST_NAME = 200  # characters: near matches of longer ones take for ever
+_MOST_NAMES = 12  # listed in one message
+
 
 class PmjacError(Exception):
     """Base class of every error that this library raises.
@@ -85,28 +88,41 @@ class ClosureError(PmjacError, RuntimeError):
     Attributes
     ----------
     residual_norm : float
-        The smallest gap found, in m.
+        The smallest gap found at the values asked for, in m.
     q : ndarray, shape (nq,)
-        Where that was: the best configuration found. Its loops are open, unless
-        the path was stopped by a singularity: then it is the last closed one.
-    actuated : ndarray, shape (n,)
-        The motor values of `q`.
+        The configuration of that gap: open, unless another assembly mode closes there.
+    actuated : ndarray, shape (n,), or None
+        The motor values asked for, where motor values were.
+    reached : Configuration or None
+        The last closed pose of the path towards them, where there was a path.
+    share : float
+        The share of the path up to there, 0 to 1.
+    singular_value : float or None
+        Of K* at `reached`, relative to the size of [K K*]: what stopped the path, when small.
     """
 
     residual_norm: float
     q: Any
-    actuated: Any
+    actuated: Any = None
+    reached: Any = None
+    share: float = 0.0
+    singular_value: float | None = None
 
 
-class SingularError(PmjacError, ArithmeticError):
+class NoJacobianError(PmjacError, ArithmeticError):
+    """There is no equivalent Jacobian: base of the three reasons below."""
+
+
+class SingularError(NoJacobianError):
     """The equivalent Jacobian does not exist here, because K* drops below its generic rank.
 
     Attributes
     ----------
     singular_value : float
-        The singular value of K*, relative to the largest, that vanishes.
+        The singular value of the dimensionless K* that vanishes, relative to the Frobenius
+        norm of [K K*].
     tolerance : float
-        The relative tolerance below which it counts as zero.
+        What it counts as zero up to.
     free_motion : dict of str to float
         The passive rates of the motion that comes free with all motors locked, by name.
     """
@@ -116,11 +132,19 @@ class SingularError(PmjacError, ArithmeticError):
     free_motion: dict[str, float]
 
 
-class IdleMotionError(SingularError):
-    """The tool is moved by a passive motion that no motor commands, at every pose."""
+class IdleMotionError(NoJacobianError):
+    """The tool is moved by a passive motion that no motor commands, at every pose.
+
+    Attributes
+    ----------
+    idle_motion : dict of str to float
+        The passive rates of that motion, by name, the largest 1.
+    """
+
+    idle_motion: dict[str, float]
 
 
-class ForbiddenRatesError(SingularError):
+class ForbiddenRatesError(NoJacobianError):
     """The loops forbid some motor rates, so that the motors cannot be moved at will.
 
     Attributes
@@ -136,16 +160,18 @@ class MissingDependencyError(PmjacError, ImportError):
     """An optional package is needed and not installed."""
 
 
-def did_you_mean(name: str, candidates: Iterable[str]) -> str:
-    """Return ``"; did you mean 'x'?"``, or the list of what there is when nothing is near."""
+def did_you_mean(name: object, candidates: Iterable[str]) -> str:
+    """Return ``"; did you mean 'x'?"``, or the first of what there is when nothing is near."""
     known = tuple(candidates)
-    near = difflib.get_close_matches(name, known, n=2, cutoff=0.6)
+    same = [other for other in known if other.lower() == str(name).lower()]
+    near = same or difflib.get_close_matches(str(name)[:_LONGEST_NAME], known, n=2, cutoff=0.6)
     if near:
         return f"; did you mean {' or '.join(map(repr, near))}?"
-    return f"; there are: {', '.join(known)}" if known else "; there are none"
+    more = f" and {len(known) - _MOST_NAMES} more" if len(known) > _MOST_NAMES else ""
+    return f"; there are: {', '.join(known[:_MOST_NAMES])}{more}" if known else "; there are none"
 
 
-def unknown_name(kind: str, name: str, candidates: Sequence[str]) -> UnknownNameError:
+def unknown_name(kind: str, name: object, candidates: Sequence[str]) -> UnknownNameError:
     """Build the error for a name that does not exist.
 
     Examples

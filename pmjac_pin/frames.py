@@ -39,7 +39,11 @@ def find_frame(model: pin.Model, name: str) -> Frame:
     UnknownNameError
         Where Pinocchio's ``getFrameId`` would return ``nframes`` in silence.
     """
-    matches = [index for index, frame in enumerate(model.frames) if frame.name == name]
+    matches = [
+        index
+        for index, frame in enumerate(model.frames)
+        if frame.name == name and frame.type != pin.FrameType.SENSOR
+    ]
     if not matches:
         raise unknown_name("frame", name, tuple(frame.name for frame in model.frames))
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.ellipsoid import Ellipsoid, force_ellipsoid, velocity_ellipsoid
 from pmjac_pin.errors import ArgumentError, ForbiddenRatesError, IdleMotionError, SingularError
-from pmjac_pin.factorisation import RANK_TOLERANCE, Factorisation, factorise, norm
+from pmjac_pin.factorisation import Factorisation, factorise, norm
 from pmjac_pin.partition import Partition
 from pmjac_pin.read_only import ReadOnlyArrays, read_only
 from pmjac_pin.singularity import Singularity, analyse_singularity, forbidden_rates
@@ -234,19 +234,16 @@ def _refuse_forbidden(factors: Factorisation, scaled: Array, partition: Partitio
     forbidden = forbidden_rates(factors.left_null_space, scaled, partition)
     if not forbidden.shape[1]:
         return
-    forbidden.setflags(write=False)
+    names = partition.actuated_names
     directions = "; ".join(
         ", ".join(f"{name} {rate:+.3g}" for name, rate in zip(names, column, strict=True))
-        for names in [partition.actuated_names]
         for column in forbidden.T
     )
+    motors = f"{len(names)} motor{'s are' if len(names) > 1 else ' is'}"
     raise ForbiddenRatesError(
-        f"the loops forbid the motor rates ({directions}): {partition.actuated.size} motors are "
-        f"too many for these loops; make {forbidden.shape[1]} of them passive",
-        singular_value=0.0,
-        tolerance=RANK_TOLERANCE,
-        free_motion={},
-        forbidden_rates=forbidden,
+        f"the loops forbid the motor rates ({directions}): {motors} too many for these loops; "
+        f"make {forbidden.shape[1]} of them passive",
+        forbidden_rates=read_only(forbidden),
     )
 
 
@@ -265,9 +262,7 @@ def _refuse_felt_idle_motion(
     )
     raise IdleMotionError(
         f"the tool is moved by a passive motion that no motor commands: {moving} "
-        f"turn freely with all motors locked; make one of them actuated, or put the tool on a "
+        f"move freely with all motors locked; make one of them actuated, or put the tool on a "
         f"body that stays at rest",
-        singular_value=0.0,
-        tolerance=RANK_TOLERANCE,
-        free_motion=dict(zip(partition.passive_names, map(float, idle), strict=True)),
+        idle_motion=dict(zip(partition.passive_names, map(float, idle), strict=True)),
     )

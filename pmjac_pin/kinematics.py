@@ -14,13 +14,14 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.loops import LoopSystem
+from pmjac_pin.read_only import ReadOnlyArrays
 from pmjac_pin.tool import ToolKinematics
 
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True)
-class Snapshot:
+@dataclass(frozen=True, eq=False)
+class Snapshot(ReadOnlyArrays):
     """Everything about one q that later steps need, as plain arrays.
 
     Attributes
@@ -40,10 +41,6 @@ class Snapshot:
     tool_jacobian: Array
     rotation: Array
     position: Array
-
-    def __post_init__(self) -> None:
-        for array in (self.residual, self.constraint_jacobian, self.tool_jacobian):
-            array.setflags(write=False)
 
 
 class _Scratch(threading.local):

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
-from pmjac_pin.assembly import build_parts
+from pmjac_pin.assembly import build_parts, home_pose
 from pmjac_pin.catalog import find_model_file, find_urdf
-from pmjac_pin.errors import ClosureError, ModelFileError, PmjacError
+from pmjac_pin.errors import ArgumentError, ClosureError, ModelFileError, PmjacError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model_file import read_model_file
-from pmjac_pin.urdf import read_urdf
+from pmjac_pin.spec import MechanismSpec
+from pmjac_pin.urdf import Urdf, read_urdf
+
+_PARAMETER_STEPS = 12
+_LEAST_SHARE = 0.4  # of home's σ_min: below, the motors move on the way to other parameters
 
 
 def load(name_or_path: str | Path, parameters: Mapping[str, float] | None = None) -> Mechanism:
@@ -32,7 +39,7 @@ def load(name_or_path: str | Path, parameters: Mapping[str, float] | None = None
     ModelFileError
         The model file or its URDF cannot be read, or contradicts itself.
     ArgumentError
-        A parameter outside its range.
+        A parameter outside its range, or neither a name nor a path.
     ClosureError
         The home pose does not assemble.
 
@@ -46,17 +53,39 @@ def load(name_or_path: str | Path, parameters: Mapping[str, float] | None = None
     spec = read_model_file(path)
     values = spec.parameter_values(parameters)
     try:
-        urdf = read_urdf(find_urdf(spec.urdf, path)).moved(spec.moves(values))
-        return Mechanism(build_parts(_pinocchio_model(urdf.kinematic_xml()), spec, values))
+        plain = read_urdf(find_urdf(spec.urdf, path))
+        urdf = plain.moved(spec.moves(values))
+        start = _home_on_the_way(plain, spec, values)
+        return Mechanism(build_parts(_pinocchio_model(urdf), spec, values, urdf, start))
     except (ClosureError, ModelFileError):
         raise
     except PmjacError as error:
         raise ModelFileError(f"{path}: {error}", path=str(path)) from error
 
 
-def _pinocchio_model(xml: str) -> pin.Model:
+def _home_on_the_way(
+    urdf: Urdf, spec: MechanismSpec, values: Mapping[str, float]
+) -> NDArray[np.float64] | None:
+    """Return the home pose just before these parameters, followed from their defaults.
+
+    At once, an assembly from the default's home pose might end on another assembly mode; and
+    with the motors at rest as long as they can be, beside a singularity.
+    """
+    defaults, q, least = spec.parameter_values(), None, 0.0
+    if dict(values) == dict(defaults):
+        return None
+    for share in np.arange(_PARAMETER_STEPS) / _PARAMETER_STEPS:
+        between = {name: start + share * (values[name] - start) for name, start in defaults.items()}
+        model = _pinocchio_model(urdf.moved(spec.moves(between)))
+        with contextlib.suppress(ClosureError):  # parameters in between need not close
+            q, smallest = home_pose(model, spec, between, q, least)
+            least = least or _LEAST_SHARE * smallest
+    return q
+
+
+def _pinocchio_model(urdf: Urdf) -> pin.Model:
     try:
-        return pin.buildModelFromXML(xml)
+        return pin.buildModelFromXML(urdf.kinematic_xml())
     except (RuntimeError, ValueError) as error:
         message = f"Pinocchio cannot build the tree: {str(error).splitlines()[0]}"
-        raise ModelFileError(message) from None
+        raise ArgumentError(message) from None

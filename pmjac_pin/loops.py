@@ -17,6 +17,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from pmjac_pin.errors import ArgumentError
 from pmjac_pin.frames import find_frame
 from pmjac_pin.spec import DistanceLoop, Loop, PointLoop
 
@@ -178,6 +179,11 @@ def _rule(loop: Loop, values: Mapping[str, float]) -> Rule:
 def _anchors(model: pin.Model, loop: Loop) -> Any:
     """Build the anchor constraint. Pinocchio's gap is its second minus its first, ours opposite."""
     first, second = (find_frame(model, name) for name in loop.frames)
+    if first.joint == second.joint:
+        names = " and ".join(map(repr, loop.frames))
+        raise ArgumentError(
+            f"the frames {names} of a loop are on one body: nothing moves them apart"
+        )
     return pin.PointAnchorConstraintModel(
         model, second.joint, second.placement, first.joint, first.placement
     )

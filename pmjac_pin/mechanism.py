@@ -13,15 +13,25 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from pmjac_pin.assembly import Parts, assemble_pose, build_parts
+from pmjac_pin.checks import as_numbers
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.coordinates import JointCoordinates, as_numbers
+from pmjac_pin.coordinates import JointCoordinates
 from pmjac_pin.direct_kinematics import Guess, close
 from pmjac_pin.errors import (
     ArgumentError,
-    ClosureError,
     unknown_name,
 )
-from pmjac_pin.spec import JointValue, Loop, MechanismSpec, Tool, decode_spec, encode_spec
+from pmjac_pin.spec import (
+    DistanceLoop,
+    JointValue,
+    Loop,
+    MechanismSpec,
+    PointLoop,
+    Tool,
+    decode_spec,
+    encode_spec,
+)
+from pmjac_pin.urdf import Urdf
 
 Array = NDArray[np.float64]
 
@@ -42,6 +52,10 @@ class Mechanism:
 
     _parts: Parts
     _poses: dict[str, Configuration] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self._parts, Parts):
+            raise ArgumentError("a Mechanism is made by pmjac_pin.load or from_pinocchio")
 
     @classmethod
     def from_pinocchio(
@@ -93,7 +107,7 @@ class Mechanism:
                 actuated=_names("actuated", actuated),
                 passive=None if passive is None else _names("passive", passive),
                 tool=_tool(tool),
-                loops=tuple(loops),
+                loops=_loops(loops),
                 poses={"home": _home_pose(own, home)},
             )
             spec = decode_spec(encode_spec(spec))  # checks the types, as in a model file
@@ -195,18 +209,16 @@ class Mechanism:
         UnknownNameError
             No such pose.
         ClosureError
-            The loops do not close near it.
+            The loops do not close near it, or only with a motor outside its limits.
         """
+        if not isinstance(name, str) or name not in self.spec.poses:
+            raise unknown_name("pose", name, self.poses)
         if name not in self._poses:
-            if name not in self.spec.poses:
-                raise unknown_name("pose", name, self.poses)
-            parts = self._parts
-            q = parts.home_q
+            parts, q = self._parts, self._parts.home_q
             if name != "home":
                 start = parts.coordinates.q(self.spec.poses[name], parts.home_q)
-                what = f"{self.name}: the pose {name!r}"
-                q = assemble_pose(parts.problem, parts.kinematics.loops, start, what)
-            self._poses[name] = self._certified(q)
+                q = assemble_pose(parts, start, name)
+            self._poses[name] = Configuration._of_q(self, q)
         return self._poses[name]
 
     def close(
@@ -270,20 +282,7 @@ class Mechanism:
             raise ArgumentError(f"q has nq = {self.nq} entries, got shape {values.shape}")
         if not pin.isNormalized(self._parts.model, values, 1e-6):
             raise ArgumentError("a quaternion or (cos, sin) in q is not of unit length")
-        return self._certified(values)
-
-    def _certified(self, q: Array) -> Configuration:
-        """Refuse open loops."""
-        snapshot = self._parts.kinematics.snapshot(q)
-        configuration = Configuration._of_snapshot(self, q, snapshot)
-        gap, tolerance = configuration.residual_norm, self._parts.problem.tolerance
-        if not gap <= tolerance:
-            message = (
-                f"the loops of {self.name!r} are open by {gap:.3g} m at this q (tolerance "
-                f"{tolerance:g} m); use close() to close them"
-            )
-            raise ClosureError(message, residual_norm=gap, q=q, actuated=None, reached=None)
-        return configuration
+        return Configuration._of_q(self, values)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Mechanism):
@@ -306,7 +305,7 @@ class Mechanism:
 
     def __reduce__(self) -> tuple[Any, ...]:
         parts = self._parts
-        return (_rebuild, (parts.model, parts.spec, dict(parts.values)))
+        return (_rebuild, (parts.model, parts.spec, dict(parts.values), parts.urdf))
 
     def __repr__(self) -> str:
         motors = ", ".join(self.actuated[:3]) + ", ..." * (len(self.actuated) > 3)
@@ -323,11 +322,17 @@ def _names(what: str, names: Iterable[str]) -> tuple[str, ...]:
     return tuple(names)
 
 
+def _loops(loops: Iterable[Loop]) -> tuple[Loop, ...]:
+    if isinstance(loops, PointLoop | DistanceLoop) or not isinstance(loops, Iterable):
+        raise ArgumentError(f"loops is a list of PointLoop and DistanceLoop, got {loops!r}")
+    return tuple(loops)
+
+
 def _tool(tool: str | Sequence[str]) -> Tool:
     if isinstance(tool, str):
         return Tool(frame=tool)
-    if len(tool) != 3:
-        raise ArgumentError(f"a tool is one frame or three, got {list(tool)}")
+    if not isinstance(tool, Sequence) or len(tool) != 3:
+        raise ArgumentError(f"a tool is one frame or three, got {tool!r}")
     return Tool(points=(tool[0], tool[1], tool[2]))
 
 
@@ -347,5 +352,7 @@ def _home_pose(
     return JointCoordinates(model).pose(q)
 
 
-def _rebuild(model: pin.Model, spec: MechanismSpec, values: Mapping[str, float]) -> Mechanism:
-    return Mechanism(build_parts(model, spec, values))
+def _rebuild(
+    model: pin.Model, spec: MechanismSpec, values: Mapping[str, float], urdf: Urdf | None
+) -> Mechanism:
+    return Mechanism(build_parts(model, spec, values, urdf))

@@ -14,9 +14,24 @@ from pmjac_pin.text_file import read_text
 
 MAXIMAL_SIZE = 1 << 20  # bytes; the largest of our own model files has a few thousand
 
-_TABLES = (MechanismSpec, PointLoop, DistanceLoop, Tool, Move, Parameter)
-_KEYS = sorted({key.encode_name for table in _TABLES for key in msgspec.structs.fields(table)})
+# Which table a path in one of msgspec's messages leads to: the last that fits.
+_TABLES = (
+    (r"", (MechanismSpec,)),
+    (r"^loop\[", (PointLoop, DistanceLoop)),
+    (r"^tool", (Tool,)),
+    (r"^parameters\[", (Parameter,)),
+    (r"moves\[", (Move,)),
+)
 _KINDS = ("point", "distance")
+_WORDS = {
+    "Object contains unknown field": "unknown key",
+    "Object missing required field": "missing key",
+    "`object": "`table",
+    "| object": "| table",
+    "Invalid enum value": "Invalid value",
+    "$.": "",
+    "`$`": "the file",
+}
 
 
 def read_model_file(path: Path) -> MechanismSpec:
@@ -27,6 +42,9 @@ def read_model_file(path: Path) -> MechanismSpec:
     ModelFileError
         The message starts with the file's path and names the key at fault.
     """
+    if path.suffix == ".urdf":
+        message = f"{path}: a URDF does not say how its loops close; a model file (.toml) does"
+        raise ModelFileError(message, path=str(path))
     text = read_text(path, MAXIMAL_SIZE)
     try:
         spec = msgspec.convert(tomllib.loads(text), MechanismSpec)
@@ -41,11 +59,16 @@ def read_model_file(path: Path) -> MechanismSpec:
 
 def _explained(error: msgspec.ValidationError) -> str:
     """Turn msgspec's message into ours: TOML's words for things, and the near match."""
-    message = str(error).replace("Object contains unknown field", "unknown key")
-    message = message.replace("Object missing required field", "missing key")
-    message = message.replace("$.", "").replace("`$`", "the file")
-    if unknown := re.search(r"unknown key `([^`]*)`", message):
-        return message + did_you_mean(unknown[1], _KEYS)
+    message = str(error)
+    for theirs, ours in _WORDS.items():
+        message = message.replace(theirs, ours)
+    if unknown := re.search(r"unknown key `([^`]*)`(?: - at `([^`]*)`)?", message):
+        return message + did_you_mean(unknown[1], _keys(unknown[2] or ""))
     if kind := re.search(r"Invalid value '([^']*)' - at `loop\[\d+\]\.kind`", message):
         return message + did_you_mean(kind[1], _KINDS)
     return message
+
+
+def _keys(path: str) -> list[str]:
+    tables = next(tables for pattern, tables in reversed(_TABLES) if re.search(pattern, path))
+    return sorted({key.encode_name for table in tables for key in msgspec.structs.fields(table)})

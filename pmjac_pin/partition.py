@@ -14,6 +14,8 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
+from pmjac_pin.checks import as_numbers
+from pmjac_pin.errors import ArgumentError
 from pmjac_pin.factorisation import factorise, norm
 from pmjac_pin.read_only import ReadOnlyArrays, read_only
 
@@ -83,14 +85,19 @@ class Partition(ReadOnlyArrays):
         tool_jacobian : array_like, shape (6, nv)
             Linear rows first.
         actuated, passive : sequence of int
-            Columns.
+            Columns; all of them, each once.
         length : float
             A length in m that is large for this mechanism's linear, and one rad for its
             angular motion; 1 m where all columns are comparable already.
 
+        Raises
+        ------
+        ArgumentError
+            Shapes or columns that do not fit.
+
         Examples
         --------
-        The lecture's four-bar, its loop equations and tool written by hand:
+        Two loop equations, one motor and two passive joints:
 
         >>> import numpy as np, pmjac_pin as pj
         >>> C = np.array([[-2.0, 1.0, -1.0], [1.0, 0.5, 2.0]])
@@ -100,7 +107,11 @@ class Partition(ReadOnlyArrays):
         >>> pj.equivalent_jacobian(split).passive_rates.round(3).tolist()
         [[1.2], [-0.8]]
         """
-        constraint, tool = np.asarray(constraint_jacobian), np.asarray(tool_jacobian)
+        constraint = as_numbers(constraint_jacobian, "the constraint Jacobian")
+        tool = as_numbers(tool_jacobian, "the tool Jacobian")
+        _check_shapes(constraint, tool, actuated, passive)
+        if not (np.isfinite(length) and length > 0.0):
+            raise ArgumentError(f"length must be positive and finite, got {length!r}")
         rows, columns = constraint.shape
         partition = cls(
             actuated=np.array(actuated, dtype=np.intp),
@@ -160,6 +171,21 @@ class Partition(ReadOnlyArrays):
         scaled_tool = self.scaled_tool(tool_jacobian)
         tool = factorise(scaled_tool @ whole.null_space, norm(scaled_tool))
         return passive.rank, whole.rank, tool.rank
+
+
+def _check_shapes(
+    constraint: Array, tool: Array, actuated: Sequence[int], passive: Sequence[int]
+) -> None:
+    if constraint.ndim != 2 or tool.shape != (6, constraint.shape[-1]):
+        raise ArgumentError(
+            "a constraint Jacobian (p, nv) and a tool Jacobian (6, nv) expected, got shapes "
+            f"{constraint.shape} and {tool.shape}"
+        )
+    if sorted([*actuated, *passive]) != list(range(constraint.shape[1])):
+        raise ArgumentError(
+            f"actuated and passive must name each of the columns 0 to {constraint.shape[1] - 1} "
+            f"once, got {list(actuated)} and {list(passive)}"
+        )
 
 
 def independent_rows(scaled: Array, rank: int) -> Index:

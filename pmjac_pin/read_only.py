@@ -1,4 +1,4 @@
-"""Values whose arrays stay read-only, through pickling as well, where NumPy forgets it."""
+"""Values whose arrays cannot be written to, through pickling as well, where NumPy forgets it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class ReadOnlyArrays:
     def __post_init__(self) -> None:
         for name, value in self.__dict__.items():
             if isinstance(value, np.ndarray) and value.flags.writeable:
-                self.__dict__[name] = read_only(value.copy())
+                self.__dict__[name] = read_only(value)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
@@ -26,6 +26,9 @@ class ReadOnlyArrays:
 
 
 def read_only(array: AnyArray) -> AnyArray:
-    """Make an array of our own read-only and return it."""
-    array.setflags(write=False)
-    return array
+    """Return a copy that stays read-only: over bytes, ``setflags(write=True)`` is refused."""
+    if not array.size:
+        array = array.copy()
+        array.setflags(write=False)
+        return array
+    return np.frombuffer(array.tobytes(), array.dtype).reshape(array.shape)  # type: ignore[return-value]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.ellipsoid import Ellipsoid
-from pmjac_pin.errors import SingularError
+from pmjac_pin.errors import NoJacobianError
 from pmjac_pin.jacobian import EquivalentJacobian, SplitJacobian
 from pmjac_pin.labelled import (
     ANGULAR,
@@ -131,7 +131,7 @@ def _equivalent(
 ) -> tuple[EquivalentJacobian | None, str | None]:
     try:
         return configuration.jacobian(frame), None
-    except SingularError as error:
+    except NoJacobianError as error:
         return None, str(error)
 
 
@@ -160,10 +160,11 @@ def _dimensions(mechanism: Mechanism, split: SplitJacobian) -> Dimensions:
 def _joints(configuration: Configuration, labels: _Labels) -> tuple[JointValue, ...]:
     roles = ["actuated"] * len(labels.actuated) + ["passive"] * len(labels.passive)
     powers = labels.actuated_powers + labels.passive_powers
-    values = configuration.joint_values.items()
+    names = labels.actuated + labels.passive
+    values = (*configuration.actuated.tolist(), *configuration.passive.tolist())
     return tuple(
         JointValue(name, role, value, unit(power))
-        for (name, value), role, power in zip(values, roles, powers, strict=True)
+        for name, role, value, power in zip(names, roles, values, powers, strict=True)
     )
 
 

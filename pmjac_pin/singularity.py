@@ -102,7 +102,11 @@ class Singularity(ReadOnlyArrays):
 
     @property
     def is_singular(self) -> bool:
-        """Whether J_eq does not exist here: K* is below its generic rank."""
+        """Whether K* is below its generic rank here, so that `jacobian` raises SingularError.
+
+        What a mechanism suffers from at every pose (forbidden motor rates, idle motions that
+        the tool feels) is no singularity.
+        """
         return self.gained > 0
 
     def free_motion(self) -> dict[str, float]:

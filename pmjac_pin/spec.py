@@ -23,7 +23,7 @@ from pmjac_pin.errors import (
 
 Vector = tuple[float, float, float]
 Name = Annotated[str, msgspec.Meta(min_length=1)]
-LARGEST_PARAMETER = 1e6  # m or rad, where a model file gives no limit: beyond, squares lose digits
+LARGEST_PARAMETER = 1e6  # m or rad, where a model file gives no limit
 ZERO: Vector = (0.0, 0.0, 0.0)
 
 
@@ -58,13 +58,15 @@ class DistanceLoop(_Table, frozen=True, tag_field="kind", tag="distance"):
     length: float | dict[str, float]
 
     def __post_init__(self) -> None:
+        if isinstance(self.length, Real):
+            force_setattr(self, "length", float(self.length))
         super().__post_init__()
         _refuse_equal_frames(self.frames)
 
     def resolved_length(self, values: Mapping[str, float]) -> float:
         """Return the length in m at these values of the parameters."""
-        if isinstance(self.length, float | int):
-            return float(self.length)
+        if isinstance(self.length, float):
+            return self.length
         return sum(coefficient * values[name] for name, coefficient in self.length.items())
 
 
@@ -78,15 +80,15 @@ class Tool(_Table, frozen=True, kw_only=True):
     (p₂ − p₁) × (p₃ − p₁) and y = z × x.
     """
 
-    frame: str | None = None
+    frame: Name | None = None
     points: tuple[Name, Name, Name] | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if (self.frame is None) == (self.points is None):
-            raise ValueError("a tool is either `frame = NAME` or `points = [NAME, NAME, NAME]`")
+            raise ArgumentError("a tool is either `frame = NAME` or `points = [NAME, NAME, NAME]`")
         if self.points is not None and len(set(self.points)) < 3:
-            raise ValueError(f"the three points of a tool must differ, got {list(self.points)}")
+            raise ArgumentError(f"the three points of a tool must differ, got {list(self.points)}")
 
 
 class Move(_Table, frozen=True, kw_only=True):
@@ -107,12 +109,14 @@ class Move(_Table, frozen=True, kw_only=True):
     def __post_init__(self) -> None:
         super().__post_init__()
         if (self.joint is None) == (self.visual is None):
-            raise ValueError("a move names either a `joint` or a `visual`")
+            raise ArgumentError("a move names either a `joint` or a `visual`")
         shape = any(self.size) or self.length != 0.0 or self.radius != 0.0
         if self.joint is not None and shape:
-            raise ValueError("a joint has an origin (`xyz`, `rpy`) only; sizes belong to a visual")
+            raise ArgumentError(
+                "a joint has an origin (`xyz`, `rpy`) only; sizes belong to a visual"
+            )
         if not (shape or any(self.xyz) or any(self.rpy)):
-            raise ValueError("a move without a coefficient moves nothing")
+            raise ArgumentError("a move without a coefficient moves nothing")
 
 
 class Parameter(_Table, frozen=True, kw_only=True):
@@ -127,6 +131,9 @@ class Parameter(_Table, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        lower, upper = self._range()
+        if not lower < upper:
+            raise ArgumentError(f"minimum {lower:g} is not below maximum {upper:g}")
         self.check("default", self.default)
 
     def check(self, name: str, value: float) -> float:
@@ -138,13 +145,16 @@ class Parameter(_Table, frozen=True, kw_only=True):
             value = float(value)
         except OverflowError:
             value = math.inf
-        lower = -LARGEST_PARAMETER if self.minimum is None else self.minimum
-        upper = LARGEST_PARAMETER if self.maximum is None else self.maximum
+        lower, upper = self._range()
         if not lower <= value <= upper:
             got = f"parameter {name!r} = {value:g} {self.unit}"
             message = f"{got} is not within [{lower:g}, {upper:g}]"
             raise ArgumentError(message)
         return value
+
+    def _range(self) -> tuple[float, float]:
+        lower = -LARGEST_PARAMETER if self.minimum is None else self.minimum
+        return lower, LARGEST_PARAMETER if self.maximum is None else self.maximum
 
 
 JointValue = float | tuple[float, ...]
@@ -188,14 +198,22 @@ class MechanismSpec(_Table, frozen=True, kw_only=True):
         _refuse_repeated("actuated", self.actuated)
         _refuse_repeated("passive", self.passive or ())
         if not self.actuated:
-            raise ValueError("`actuated` is empty: name at least one motor joint")
+            raise ArgumentError("`actuated` is empty: name at least one motor joint")
         if both := sorted(set(self.actuated) & set(self.passive or ())):
-            raise ValueError(f"joint {both[0]!r} is listed as actuated and as passive")
+            raise ArgumentError(f"joint {both[0]!r} is listed as actuated and as passive")
         if "home" not in self.poses:
             named = ", ".join(self.poses) or "none"
-            raise ValueError(f"`poses.home` is missing; there are: {named}")
+            raise ArgumentError(f"`poses.home` is missing; there are: {named}")
         for loop in self.loops:
             _check_length(loop, self.parameters)
+        for name in self.parameters:
+            if not self._uses(name):
+                raise ArgumentError(f"parameter {name!r} moves nothing and is in no length")
+
+    def _uses(self, parameter: str) -> bool:
+        lengths = [loop.length for loop in self.loops if isinstance(loop, DistanceLoop)]
+        in_a_length = any(isinstance(length, Mapping) and parameter in length for length in lengths)
+        return bool(self.parameters[parameter].moves) or in_a_length
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (decode_spec, (encode_spec(self),))
@@ -211,6 +229,9 @@ class MechanismSpec(_Table, frozen=True, kw_only=True):
             Not a number, or outside the parameter's range.
         """
         values = {name: parameter.default for name, parameter in self.parameters.items()}
+        if not isinstance(given, Mapping | None):
+            message = f"parameters must be a mapping of names to numbers, got {given!r}"
+            raise ArgumentError(message)
         for name, value in (given or {}).items():
             if name not in self.parameters:
                 raise unknown_name("parameter", name, tuple(self.parameters))
@@ -234,8 +255,10 @@ def decode_spec(encoded: bytes) -> MechanismSpec:
     return msgspec.json.decode(encoded, type=MechanismSpec)
 
 
-def _builtin(value: Any) -> dict[str, Any] | float:
-    """Return what JSON knows for a read-only mapping or one of NumPy's numbers."""
+def _builtin(value: Any) -> dict[str, Any] | float | str:
+    """Return what JSON knows for a read-only mapping or one of NumPy's scalars."""
+    if isinstance(value, str):
+        return str(value)
     return float(value) if isinstance(value, Real) else dict(value)
 
 
@@ -256,30 +279,30 @@ def _numbers(value: Any) -> Iterator[float]:
 def _refuse_non_finite(key: str, value: Any) -> None:
     for number in _numbers(value):
         if not math.isfinite(number):
-            raise ValueError(f"`{key}` holds {number}; a finite number is wanted")
+            raise ArgumentError(f"`{key}` holds {number}; a finite number is wanted")
 
 
 def _refuse_equal_frames(frames: tuple[str, str]) -> None:
     if frames[0] == frames[1]:
-        raise ValueError(f"a loop joins two different frames, got {frames[0]!r} twice")
+        raise ArgumentError(f"a loop joins two different frames, got {frames[0]!r} twice")
 
 
 def _refuse_repeated(key: str, names: Iterable[str]) -> None:
     seen: set[str] = set()
     for name in names:
         if name in seen:
-            raise ValueError(f"joint {name!r} is listed twice in `{key}`")
+            raise ArgumentError(f"joint {name!r} is listed twice in `{key}`")
         seen.add(name)
 
 
 def _check_length(loop: Loop, parameters: Mapping[str, Parameter]) -> None:
     if not isinstance(loop, DistanceLoop):
         return
-    for name in () if isinstance(loop.length, float | int) else loop.length:
+    for name in () if isinstance(loop.length, float) else loop.length:
         if name not in parameters:
             hint = did_you_mean(name, parameters)
-            raise ValueError(f"unknown parameter {name!r} in the length of a loop{hint}")
+            raise ArgumentError(f"unknown parameter {name!r} in the length of a loop{hint}")
     length = loop.resolved_length({name: item.default for name, item in parameters.items()})
     if not length > 0.0:
         frames = " and ".join(map(repr, loop.frames))
-        raise ValueError(f"the length between {frames} must be positive, got {length:g} m")
+        raise ArgumentError(f"the length between {frames} must be positive, got {length:g} m")

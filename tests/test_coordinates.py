@@ -60,7 +60,7 @@ def test_pinocchios_own_entries_are_taken_too(coordinates):
     ("pose", "message"),
     [
         ({"plane": [1, 2]}, "joint 'plane' takes 3 or 4 values, got 2"),
-        ({"lean": [1, 2]}, "joint 'lean' takes 1 values, got 2"),
+        ({"lean": [1, 2]}, "joint 'lean' takes 1 value, got 2"),
         ({"free": [0] * 7}, "the quaternion or (cos, sin) of joint 'free' is not of unit length"),
         ({"turn": (1, 1)}, "the quaternion or (cos, sin) of joint 'turn' is not of unit length"),
         ({"lean": "0.1"}, "the value of joint 'lean' must be real numbers, got '0.1'"),

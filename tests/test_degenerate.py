@@ -78,11 +78,11 @@ def test_idle_spin_that_the_tool_feels_is_refused():
     with pytest.raises(pj.IdleMotionError) as caught:
         mechanisms.rssr("rod_side").home.jacobian()
     assert str(caught.value) == (
-        "the tool is moved by a passive motion that no motor commands: rx, ry, rz turn freely "
+        "the tool is moved by a passive motion that no motor commands: rx, ry, rz move freely "
         "with all motors locked; make one of them actuated, or put the tool on a body that "
         "stays at rest"
     )
-    assert abs(caught.value.free_motion["psi"]) < 1e-12
+    assert abs(caught.value.idle_motion["psi"]) < 1e-12
 
 
 def test_forbidden_motor_rates_are_named():

@@ -54,7 +54,9 @@ def test_json_gives_the_python_interface_back_bit_by_bit(homes, name, frame):
     assert report["mechanism"] == name
     assert report["description"] == mechanism.spec.description
     values = {joint["name"]: joint["value"] for joint in report["joints"]}
-    assert values == dict(configuration.joint_values)
+    names = configuration.mechanism.actuated + configuration.mechanism.passive
+    numbers = [*configuration.actuated, *configuration.passive]
+    assert values == dict(zip(names, numbers, strict=True))
     assert tuple(row["name"] for row in report["residual"]) == mechanism.rows
     assert [row["value"] for row in report["residual"]] == configuration.residual.tolist()
     assert report["residual_norm"] == configuration.residual_norm

@@ -225,13 +225,6 @@ def test_verdicts_do_not_depend_on_the_unit_of_length(scale, joint):
     )
 
 
-def test_length_and_distance_rows_are_comparable():
-    """A rod as a distance loop, a thousand times larger: its row is in m², and it is regular."""
-    huge = pj.load("three_rps_ss", parameters={"a": 500.0, "b": 1000.0})
-    assert huge.home.singularity().kind == "regular"
-    assert huge.mobility == 3
-
-
 def test_a_home_pose_that_is_itself_singular():
     """The generic rank is looked for near home too, so that a singular home is seen as one."""
     regular = mechanisms.three_crank_parallelogram()
