@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import mechanisms
 import pytest
 
@@ -75,3 +77,25 @@ def test_a_package_urdf_that_does_not_exist(tmp_path):
         pj.ModelFileError, match=r"the URDF 'example-robot-data:none\.urdf' does not"
     ):
         pj.load(path)
+
+
+@pytest.mark.parametrize("a", [0.2, 0.5, 0.8])
+@pytest.mark.parametrize("b", [0.45, 0.5, 0.7, 1.0, 1.3, 1.6])
+def test_home_follows_the_parameters_alike_in_both_cuts(a, b):
+    """Whatever the parameters: one machine, one home, motors where they were if that closes."""
+    legs, platform = (
+        pj.load(name, parameters={"a": a, "b": b}).home for name in ("three_rps_ss", "three_rps")
+    )
+    assert legs.actuated == pytest.approx(platform.actuated, abs=1e-3)
+    assert legs.passive[:3] == pytest.approx(platform.passive[:3], abs=5e-3)
+    if abs(b - a) < 1.0:
+        assert legs.actuated == pytest.approx([1.0, 1.0, 1.0], abs=1e-12)
+        assert legs.passive == pytest.approx([math.acos(b - a)] * 3, abs=1e-6)
+    assert legs.singularity().smallest > 0.01
+
+
+def test_home_refuses_to_leave_the_motors_limits():
+    with pytest.raises(
+        pj.ClosureError, match=r"closes only with motor 'l1' = .* outside its limits"
+    ):
+        pj.load("three_rps", parameters={"a": 1000.0})

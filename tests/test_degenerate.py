@@ -99,5 +99,5 @@ def test_forbidden_motor_rates_are_named():
 
 def test_forbidden_targets_are_not_closed():
     mechanism = mechanisms.over_actuated_four_bar()
-    with pytest.raises(pj.ClosureError):
+    with pytest.raises(pj.ClosureError, match="they forbid these motors to move so together"):
         mechanism.close(mechanism.home.actuated + np.array([0.0, 0.1]))

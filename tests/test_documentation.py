@@ -5,11 +5,13 @@ from __future__ import annotations
 import doctest
 import re
 import shlex
+import shutil
 import tomllib
 from pathlib import Path
 
 import pytest
 
+import pmjac_pin as pj
 from pmjac_pin.cli import main
 
 ROOT = Path(__file__).parent.parent
@@ -42,9 +44,13 @@ def test_commands_of_the_readme(command, tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_model_file_blocks_are_valid_toml(page):
-    for block in blocks(page, "toml"):
-        tomllib.loads(block)
+def test_model_file_blocks_load(page, tmp_path):
+    for number, block in enumerate(blocks(page, "toml")):
+        urdf = tomllib.loads(block)["urdf"]
+        shutil.copy(ROOT / "urdf" / urdf, tmp_path)
+        model_file = tmp_path / f"block{number}.toml"
+        model_file.write_text(block)
+        assert pj.load(model_file).home.jacobian().J_eq.shape[0] == 6
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

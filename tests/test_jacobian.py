@@ -93,3 +93,27 @@ def test_linear_algebra_imports_no_pinocchio(module):
         "sys.exit('pinocchio' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"actuated": [0, 0]}, "must name each of the columns 0 to 2 once, got [0, 0] and [1, 2]"),
+        ({"passive": [1]}, "must name each of the columns 0 to 2 once"),
+        ({"passive": [1, -1]}, "must name each of the columns 0 to 2 once"),
+        ({"tool_jacobian": np.ones((3, 3))}, "got shapes (2, 3) and (3, 3)"),
+        ({"constraint_jacobian": [[1.0, np.nan, 0.0]]}, "the constraint Jacobian must be finite"),
+        ({"constraint_jacobian": None}, "the constraint Jacobian must be real numbers, got None"),
+        ({"length": 0.0}, "length must be positive and finite, got 0.0"),
+    ],
+)
+def test_matrices_that_do_not_fit(change, message):
+    arguments = {
+        "constraint_jacobian": np.ones((2, 3)),
+        "tool_jacobian": np.ones((6, 3)),
+        "actuated": [0],
+        "passive": [1, 2],
+    }
+    with pytest.raises(pj.ArgumentError) as caught:
+        pj.Partition.from_matrices(**{**arguments, **change})
+    assert message in str(caught.value)

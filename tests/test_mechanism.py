@@ -211,6 +211,31 @@ def test_bad_frame(three_rps, frame):
         three_rps.home.jacobian(frame)
 
 
+def test_a_configuration_cannot_be_forged(three_rps):
+    configuration = three_rps.home
+    with pytest.raises(pj.ArgumentError, match="is made by"):
+        pj.Configuration()
+    with pytest.raises((ValueError, TypeError, pj.ArgumentError)):
+        dataclasses.replace(configuration, q=np.zeros(13))
+    for array in (configuration.q, configuration.residual, configuration.jacobian().J_eq):
+        with pytest.raises(ValueError, match="WRITEABLE"):
+            array.setflags(write=True)
+    with pytest.raises(pj.ArgumentError, match="is made by"):
+        pj.Mechanism("three_rps")
+
+
+def test_joint_values_are_a_guess(three_rps):
+    configuration = three_rps.close([1.0, 1.1, 0.9])
+    again = three_rps.close(configuration.actuated, guess=configuration.joint_values)
+    np.testing.assert_allclose(again.q, configuration.q, atol=1e-11)
+
+
+def test_a_configuration_at_other_parameters_is_a_guess():
+    before = pj.load("four_bar").close([2.0])
+    after = pj.load("four_bar", parameters={"l1": 1.1}).close([2.0], guess=before)
+    assert np.abs(after.passive - before.passive).max() < 0.2
+
+
 class TestFromPinocchio:
     def four_bar(self, **changes):
         mechanism = pj.load("four_bar")
@@ -253,6 +278,19 @@ class TestFromPinocchio:
             ({"tool": "coupler_mid"}, pj.UnknownNameError, "unknown frame 'coupler_mid'"),
             ({"tool": ["a", "b"]}, pj.ArgumentError, "a tool is one frame or three"),
             ({"passive": ["phi1"]}, pj.ArgumentError, "joint 'phi2' moves and is neither"),
+            (
+                {"actuated": ["coupler_end"]},
+                pj.ArgumentError,
+                "'coupler_end' is no joint that moves",
+            ),
+            ({"loops": None}, pj.ArgumentError, "loops is a list of PointLoop and DistanceLoop"),
+            ({"tool": None}, pj.ArgumentError, "a tool is one frame or three, got None"),
+            (
+                {"loops": [pj.PointLoop(frames=("coupler", "coupler_tip"))]},
+                pj.ArgumentError,
+                "the frames 'coupler' and 'coupler_tip' of a loop are on one body",
+            ),
+            ({"home": {"theta1": 51.0}}, pj.LimitError, "the pose 'home' has motor 'theta1' = 51"),
             ({"home": [0.0]}, pj.ArgumentError, "home has nq = 3 entries, got shape (1,)"),
             ({"home": {"phi9": 1.0}}, pj.UnknownNameError, "unknown joint 'phi9'"),
             (
@@ -275,3 +313,16 @@ class TestFromPinocchio:
     def test_not_a_model(self):
         with pytest.raises(pj.ArgumentError, match=r"model must be a pinocchio\.Model, got str"):
             pj.Mechanism.from_pinocchio("four_bar.urdf", [], ["theta1"], "tool")
+
+    def test_two_joints_of_one_name(self):
+        model = pj.load("serial_2r").model
+        model.names[2] = "theta1"
+        with pytest.raises(pj.ArgumentError, match="two joints of the model are named 'theta1'"):
+            pj.Mechanism.from_pinocchio(model, [], ["theta1"], "tip")
+
+    def test_numpy_names_and_numbers(self):
+        names = np.array(["theta1"])
+        mechanism = self.four_bar(actuated=names, passive=np.array(["phi1", "phi2"]))
+        assert mechanism.actuated == ("theta1",)
+        loop = pj.DistanceLoop(frames=("crank", "rocker"), length=np.float32(2.0))
+        assert loop.length == 2.0
