@@ -35,10 +35,10 @@ _ELEVATION = 30.0  # degrees, of the eye above the x-y plane
 
 # By unit: the symbol and the words for what the ellipsoid bounds.
 _QUANTITIES = {
-    "m/s": ("v", "Linear velocity of the tool"),
-    "rad/s": ("ω", "Angular velocity of the tool"),
-    "N": ("f", "Force at the tool"),
-    "N m": ("m", "Moment at the tool"),
+    "m/s": ("v", "Linear velocity of the tool, |motor rates| = 1"),
+    "rad/s": ("ω", "Angular velocity of the tool, |motor rates| = 1"),
+    "N": ("f", "Force at the tool, |motor efforts| = 1"),
+    "N m": ("m", "Moment at the tool, |motor efforts| = 1"),
 }
 
 
@@ -277,7 +277,7 @@ def _draw_plane(axes: Axes, ellipsoid: Ellipsoid, plane: str, labels: dict[str, 
     for index in range(ellipsoid.rank):
         x, y = ellipsoid.radii[index] * ellipsoid.axes[rows, index]
         color, name = _AXES[index], f"axis {index + 1}"
-        axes.plot([0, x], [0, y], color=color, alpha=0.7, linewidth=1.2, zorder=1.5, label=name)
+        axes.plot([0, x], [0, y], color=color, linewidth=1.4, zorder=1.5, label=name)
     axes.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal")
     axes.set_xlabel(labels[plane[0]], fontsize=9)
     axes.set_ylabel(labels[plane[1]], fontsize=9)

@@ -39,7 +39,7 @@ def test_panels_are_named_and_labelled_with_units(figure):
     space, *panels = figure.axes
     assert figure.get_suptitle() == "Robot, home"
     assert [sub.get_suptitle() for sub in figure.subfigs] == ["l = 1"]
-    assert space.get_title() == "Linear velocity of the tool"
+    assert space.get_title() == "Linear velocity of the tool, |motor rates| = 1"
     assert space.get_xlabel() == "$v_x$ [m/s]"
     assert space.get_ylabel() == "$v_y$ [m/s]"
     assert space.get_zlabel() == "$v_z$ [m/s]"
@@ -99,8 +99,8 @@ def test_sections_that_are_points_are_marked():
 @pytest.mark.parametrize(
     ("unit", "label", "heading"),
     [
-        ("rad/s", "$ω_x$ [rad/s]", "Angular velocity of the tool"),
-        ("N", "$f_x$ [N]", "Force at the tool"),
+        ("rad/s", "$ω_x$ [rad/s]", "Angular velocity of the tool, |motor rates| = 1"),
+        ("N", "$f_x$ [N]", "Force at the tool, |motor efforts| = 1"),
         ("furlong", "$v_x$ [furlong]", ""),
         ("", "$v_x$", ""),
     ],
