@@ -110,21 +110,20 @@ def compare(name: str) -> list[tuple[str, float, float]]:
         lambda: mechanism.close(target, mechanism.configuration(q)),
     )
     return [
-        (f"{name}: configuration.jacobian()", given, by_hand),
-        (f"{name}: mechanism.configuration(q).jacobian()", fresh, by_hand),
+        (f"{name}: configuration.jacobian(), kinematics known", given, by_hand),
+        (f"{name}: configuration(q).jacobian(), from q on", fresh, by_hand),
         (f"{name}: close(), {DISTANCE} away", close, hand_close),
-        (f"{name}: close() from a fresh q, {DISTANCE} away", close_fresh, hand_close),
+        (f"{name}: configuration(q), then close()", close_fresh, hand_close),
     ]
 
 
 def main() -> int:
     print(f"{'':52}{'library':>10}{'by hand':>10}{'ratio':>8}")
-    worst = 0.0
     for name in ("three_rps", "four_bar"):
         for what, library, by_hand in compare(name):
             print(f"{what:52}{library:8.1f}us{by_hand:8.1f}us{library / by_hand:8.2f}")
-            worst = max(worst, library / by_hand)
-    print(f"largest ratio {worst:.2f}; the budget for jacobian() and close() is {BUDGET}")
+    print(f"The budget for jacobian() and for close() is {BUDGET}. By hand, the kinematics are")
+    print("in every figure, and close() has no configuration to certify before.")
     return 0
 
 

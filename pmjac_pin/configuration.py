@@ -122,7 +122,7 @@ class Configuration:
     @property
     def residual(self) -> Array:
         """η(q), shape (p,): m for a point loop, m² for a distance loop; world axes."""
-        return self._snapshot.residual
+        return read_only(self._snapshot.residual)
 
     @property
     def tool_pose(self) -> pin.SE3:

@@ -14,14 +14,13 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.loops import LoopSystem
-from pmjac_pin.read_only import ReadOnlyArrays
 from pmjac_pin.tool import ToolKinematics
 
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class Snapshot(ReadOnlyArrays):
+@dataclass(frozen=True, slots=True, eq=False)
+class Snapshot:
     """Everything about one q that later steps need, as plain arrays.
 
     Attributes
