@@ -12,6 +12,7 @@ test: .venv/ready
 
 bench: .venv/ready
 	$(BIN)/python benchmarks/bench_jacobian.py
+	$(BIN)/python benchmarks/bench_page.py
 
 lint: .venv/ready
 	$(BIN)/ruff check .

@@ -1,5 +1,8 @@
 """Closed-chain mechanisms on Pinocchio: the equivalent Jacobian J_eq = J − J* K*⁻¹ K."""
 
+import importlib
+from typing import TYPE_CHECKING, Any
+
 from pmjac_pin.catalog import list_mechanisms
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.ellipse import Ellipse
@@ -24,6 +27,9 @@ from pmjac_pin.partition import Partition
 from pmjac_pin.singularity import Singularity
 from pmjac_pin.spec import DistanceLoop, MechanismSpec, PointLoop
 
+if TYPE_CHECKING:
+    from pmjac_pin.viewer.viewer import Viewer, view
+
 __all__ = [
     "ArgumentError",
     "ClosureError",
@@ -47,7 +53,21 @@ __all__ = [
     "Singularity",
     "SplitJacobian",
     "UnknownNameError",
+    "Viewer",
     "equivalent_jacobian",
     "list_mechanisms",
     "load",
+    "view",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import the viewer when it is asked for: it brings a web server along."""
+    if name in ("Viewer", "view"):
+        viewer = importlib.import_module("pmjac_pin.viewer.viewer")
+        return getattr(viewer, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

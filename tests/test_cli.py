@@ -253,8 +253,8 @@ def test_names_that_matplotlib_or_json_would_trip_over(shown, tmp_path):
 MISTAKES = {
     "report foru_bar": "unknown mechanism 'foru_bar'; did you mean 'four_bar'?",
     "reprot four_bar": 'Unknown command "reprot". Did you mean "report"? '
-    "Available commands: list, report, plot, demo.",
-    "--nope": 'Unknown command "--nope". Available commands: list, report, plot, demo.',
+    "Available commands: list, report, plot, demo, view.",
+    "--nope": 'Unknown command "--nope". Available commands: list, report, plot, demo, view.',
     "report": 'Command "report" parameter MECHANISM requires an argument.',
     "report four_bar --frmae LOCAL": "Unknown option: --frmae. Did you mean --frame?",
     "report four_bar --no-json": "Unknown option: --no-json. Did you mean --json?",

@@ -1,0 +1,1 @@
+"""The viewer: a mechanism and its ellipsoids, in meshcat."""

@@ -1,0 +1,27 @@
+"""Where the files for the browser are: our own page, and meshcat's viewer."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+
+from pmjac_pin.errors import MissingDependencyError
+
+PAGE = Path(__file__).parent / "page"
+
+#: What of it the server hands out.
+PAGE_FILES = ("app.js", "fit.js", "scene.html", "scene.js", "style.css")
+
+
+def meshcat_files() -> Path:
+    """Return the folder of meshcat's browser files, without importing meshcat and ZeroMQ.
+
+    Raises
+    ------
+    MissingDependencyError
+        meshcat is not installed.
+    """
+    spec = importlib.util.find_spec("meshcat")
+    if spec is None or not spec.submodule_search_locations:
+        raise MissingDependencyError("the viewer needs meshcat: pip install meshcat")
+    return Path(spec.submodule_search_locations[0]) / "viewer" / "dist"

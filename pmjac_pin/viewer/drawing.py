@@ -1,0 +1,202 @@
+"""The thin layer that turns items into meshcat's commands, and keeps those that are current.
+
+A command is one MessagePack map, as `meshcat.commands` makes it. Here it is written directly:
+importing meshcat would load ZeroMQ, and it knows neither cones nor text that faces the eye.
+"""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Iterable
+from typing import Any
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.viewer.shapes import Box, Colour, Cone, Cylinder, Item, Shape, Sphere, Text
+
+Array = NDArray[np.float64]
+Command = tuple[str, bytes]
+
+ROOT = "/pmjac"
+
+_CANVAS = 256  # pixels: the side of meshcat's text texture
+_LARGEST_FONT = 44  # pixels on that canvas
+_LETTER_WIDTH = 0.56  # of a font's size, on average
+_LETTER_HEIGHT = 0.72  # of a font's size
+# Three.js stands its cylinders along y: a quarter turn about x puts them along z.
+_UPRIGHT = [1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1]
+_AS_IT_IS = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
+
+
+class Drawing:
+    """The current picture as commands by path.
+
+    Commands are pairs of a key and bytes. A later command with the same key makes the earlier
+    one superfluous; a browser that has had the newest of every key shows the picture.
+    """
+
+    def __init__(self) -> None:
+        self._commands: dict[str, bytes] = dict(_STAGE)
+        self._shapes: dict[str, Shape] = {}
+        self._matrices: dict[str, bytes] = {}
+        self._visible: dict[str, bool] = {}
+
+    def update(self, items: Iterable[Item]) -> list[Command]:
+        """Draw these items; return the commands for what has changed.
+
+        From pose to pose these are transforms, the labels whose text has changed, and what
+        appears or is hidden. What was drawn and is not among the items is hidden.
+        """
+        changed: list[Command] = []
+        hidden = {path for path, visible in self._visible.items() if visible}
+        for item in items:
+            if item.visible:
+                path = f"{ROOT}/{item.name}"
+                hidden.discard(path)
+                self._draw(path, item, changed)
+        for path in hidden:
+            self._show(path, False, changed)
+        self._commands.update(changed)
+        return changed
+
+    def commands(self) -> list[Command]:
+        """Return the whole picture."""
+        return list(self._commands.items())
+
+    def _draw(self, path: str, item: Item, changed: list[Command]) -> None:
+        if self._shapes.get(path) != item.shape:
+            self._shapes[path] = item.shape
+            changed.append((f"object {path}", _set_object(path, item.shape, item.colour)))
+        matrix = _matrix(item)
+        values = matrix.tobytes()
+        if self._matrices.get(path) != values:
+            self._matrices[path] = values
+            changed.append((f"transform {path}", _set_transform(path, matrix)))
+        if not self._visible.get(path):
+            self._show(path, True, changed)
+
+    def _show(self, path: str, visible: bool, changed: list[Command]) -> None:
+        self._visible[path] = visible
+        changed.append(_property(path, "visible", visible))
+
+
+def _matrix(item: Item) -> Array:
+    """Return the item's transform; a text's scale becomes that of its square texture."""
+    if not isinstance(item.shape, Text):
+        return item.transform
+    matrix = item.transform.copy()
+    matrix[:3, :3] *= _CANVAS / (_LETTER_HEIGHT * _font_size(item.shape.text))
+    return matrix
+
+
+def _font_size(text: str) -> int:
+    """Return the size in pixels at which a text fits its canvas."""
+    fitting = int(_CANVAS / (_LETTER_WIDTH * max(len(text), 1)))
+    return max(8, min(_LARGEST_FONT, fitting))
+
+
+def _set_transform(path: str, matrix: Array) -> bytes:
+    columns = matrix.ravel("F").tolist()
+    return msgspec.msgpack.encode({"type": "set_transform", "path": path, "matrix": columns})
+
+
+def _set_object(path: str, shape: Shape, colour: Colour) -> bytes:
+    made = _label(shape.text) if isinstance(shape, Text) else _mesh(shape, colour)
+    made["metadata"] = {"version": 4.5, "type": "Object"}
+    return msgspec.msgpack.encode({"type": "set_object", "path": path, "object": made})
+
+
+def _mesh(shape: Box | Cylinder | Cone | Sphere, colour: Colour) -> dict[str, Any]:
+    geometry, material = _identity(), _identity()
+    red, green, blue, opacity = colour
+    clear = opacity < 1.0
+    return {
+        "geometries": [{"uuid": geometry, **_geometry(shape)}],
+        "materials": [
+            {
+                "uuid": material,
+                # Not Phong's: without a graphics card it takes half as long again to draw.
+                "type": "MeshLambertMaterial",
+                "color": int(
+                    sum(round(255 * c) << s for c, s in ((red, 16), (green, 8), (blue, 0)))
+                ),
+                "transparent": clear,
+                "opacity": opacity,
+                # What is inside a clear surface is seen through it.
+                "depthWrite": not clear,
+            }
+        ],
+        "object": {
+            "uuid": _identity(),
+            "type": "Mesh",
+            "geometry": geometry,
+            "material": material,
+            "matrix": _UPRIGHT if isinstance(shape, Cylinder | Cone) else _AS_IT_IS,
+        },
+    }
+
+
+def _geometry(shape: Box | Cylinder | Cone | Sphere) -> dict[str, Any]:
+    match shape:
+        case Box():
+            return {"type": "BoxGeometry", "width": 1, "height": 1, "depth": 1}
+        case Sphere():
+            size = {"widthSegments": 24, "heightSegments": 16}
+            return {"type": "SphereGeometry", "radius": 1, **size}
+    top = 0 if isinstance(shape, Cone) else 1
+    size = {"radiusTop": top, "radiusBottom": 1, "height": 1, "radialSegments": 24}
+    return {"type": "CylinderGeometry", **size}
+
+
+def _label(text: str) -> dict[str, Any]:
+    """Return a sprite, which always faces the eye, with the text as its texture."""
+    texture, material = _identity(), _identity()
+    return {
+        "geometries": [],
+        "textures": [
+            {
+                "uuid": texture,
+                "type": "_text",
+                "text": text,
+                "font_size": _font_size(text),
+                "font_face": "system-ui, sans-serif",
+            }
+        ],
+        "materials": [
+            {
+                "uuid": material,
+                "type": "SpriteMaterial",
+                "map": texture,
+                "transparent": True,
+                "depthTest": False,
+                "depthWrite": False,
+            }
+        ],
+        "object": {
+            "uuid": _identity(),
+            "type": "Sprite",
+            "material": material,
+            "matrix": _AS_IT_IS,
+            "renderOrder": 1,
+        },
+    }
+
+
+def _identity() -> str:
+    return str(uuid.uuid4())
+
+
+def _property(path: str, name: str, value: Any) -> Command:
+    command = {"type": "set_property", "path": path, "property": name, "value": value}
+    return f"property {path} {name}", msgspec.msgpack.encode(command)
+
+
+# A light ground; meshcat's own grid and axes are too large for one mechanism, too small for others.
+_STAGE = (
+    _property("/Background", "top_color", [1.0, 1.0, 1.0]),
+    _property("/Background", "bottom_color", [0.91, 0.93, 0.95]),
+    _property("/Grid", "visible", False),
+    _property("/Axes", "visible", False),
+)

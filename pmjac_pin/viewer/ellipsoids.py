@@ -1,0 +1,151 @@
+"""The ellipsoids at the tool: surface, principal axes, values."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.ellipsoid import Ellipsoid
+from pmjac_pin.errors import ClosureError, ForbiddenRatesError, IdleMotionError, SingularError
+from pmjac_pin.jacobian import EquivalentJacobian
+from pmjac_pin.viewer.anatomy import Anatomy
+from pmjac_pin.viewer.layers import SPECK, Drawing, Pose, lettering, specks, words
+from pmjac_pin.viewer.palette import PRINCIPAL, SURFACE
+from pmjac_pin.viewer.shapes import Array, Cone, Cylinder, Part, Sphere, between
+
+Kind = Literal["linear", "angular", "force"]
+
+# Shares of the mechanism's size.
+AUTOMATIC = 0.35  # the largest semi-axis at home
+LIMIT = 1.2  # no semi-axis is drawn longer
+THINNEST = 0.012  # nor shorter: a disc and a needle stay visible, and the transform regular
+LETTERS = 0.06
+_HEAD = 0.07
+_SHAFT_RADIUS = 0.008
+
+
+class EllipsoidLayer:
+    """One ellipsoid about the tool.
+
+    Its parts are the surface, and for each principal axis in the order of the radii a shaft, a
+    head and a label. All are hidden where no J_eq exists, and so are axes of zero length.
+
+    Parameters
+    ----------
+    anatomy : Anatomy
+    kind : {"linear", "angular", "force"}
+
+    Attributes
+    ----------
+    automatic : float
+        Metres in the picture per unit of the ellipsoid.
+    """
+
+    def __init__(self, anatomy: Anatomy, kind: Kind) -> None:
+        self._kind: Kind = kind
+        self._size = anatomy.size
+        self.automatic = _automatic_scale(anatomy, kind)
+        path = f"ellipsoids/{kind}"
+        axes = [1, 2, 3]
+        self.parts: Sequence[Part] = (
+            Part(f"{path}/surface", Sphere(), SURFACE[kind]),
+            *(Part(f"{path}/axis{n}/shaft", Cylinder(), PRINCIPAL[kind]) for n in axes),
+            *(Part(f"{path}/axis{n}/head", Cone(), PRINCIPAL[kind]) for n in axes),
+            *(words(f"{path}/axis{n}/label", "", PRINCIPAL[kind]) for n in axes),
+        )
+
+    def draw(self, pose: Pose) -> Drawing:
+        """Return surface, axes and labels."""
+        ellipsoid = _ellipsoid(pose.jacobian, self._kind)
+        transforms, visible = np.zeros((10, 4, 4)), np.zeros(10, dtype=bool)
+        texts = {7: "", 8: "", 9: ""}
+        if ellipsoid is not None:
+            drawn = self.drawn_radii(ellipsoid, pose.scale)
+            transforms[0] = _surface(pose.tool, ellipsoid.axes, drawn)
+            transforms[1:4], transforms[4:7], tips = self._arrows(pose.tool, ellipsoid.axes * drawn)
+            transforms[7:] = lettering(tips, LETTERS * self._size)
+            visible[:] = [True, *(3 * [n < ellipsoid.rank for n in range(3)])]
+            for n, radius in enumerate(ellipsoid.radii[: ellipsoid.rank].tolist()):
+                texts[7 + n] = label(radius, ellipsoid.unit)
+        specks(transforms, visible, pose.tool, SPECK * self._size)
+        return Drawing(transforms, visible, texts)
+
+    def drawn_radii(self, ellipsoid: Ellipsoid, scale: float = 1.0) -> Array:
+        """Return the semi-axes of the picture in m: scaled, and within what can be drawn."""
+        with np.errstate(over="ignore"):
+            radii = ellipsoid.radii * (self.automatic * scale)
+        return np.clip(radii, THINNEST * self._size, LIMIT * self._size)
+
+    def _arrows(self, tool: Array, vectors: Array) -> tuple[Array, Array, Array]:
+        """Return shafts, heads and the places of labels for arrows along columns (3, 3)."""
+        vectors = vectors.T
+        lengths = np.linalg.norm(vectors, axis=1)
+        heads = np.minimum(_HEAD * self._size, 0.5 * lengths)
+        necks = tool + vectors * (1.0 - heads / lengths)[:, None]
+        radii = np.minimum(_SHAFT_RADIUS * self._size, 0.15 * lengths)
+        start = np.broadcast_to(tool, vectors.shape)
+        shafts, _ = between(start, necks, radii, 0.0)
+        cones, _ = between(necks, tool + vectors, 0.35 * heads, 0.0)
+        words_at = tool + vectors * (1.0 + LETTERS * self._size / lengths)[:, None]
+        return shafts, cones, words_at
+
+
+def find_jacobian(configuration: Configuration) -> EquivalentJacobian | None:
+    """Return the equivalent Jacobian, or nothing where none exists."""
+    try:
+        return configuration.jacobian()
+    except (SingularError, IdleMotionError, ForbiddenRatesError):
+        return None
+
+
+def _ellipsoid(jacobian: EquivalentJacobian | None, kind: Kind) -> Ellipsoid | None:
+    if jacobian is None:
+        return None
+    match kind:
+        case "linear":
+            return jacobian.velocity_ellipsoid()
+        case "angular":
+            return jacobian.angular_ellipsoid()
+        case "force":
+            return jacobian.force_ellipsoid()
+
+
+def label(radius: float, unit: str) -> str:
+    """Return what an axis is labelled with: always four digits, so that it keeps its width.
+
+    Examples
+    --------
+    >>> label(2.34, "m/s"), label(float("inf"), "N")
+    ('2.340 m/s', '∞ N')
+    """
+    number = "∞" if math.isinf(radius) else f"{radius:#.4g}".rstrip(".")
+    return f"{number} {unit}"
+
+
+def _surface(position: Array, axes: Array, radii: Array) -> Array:
+    transform = np.eye(4)
+    transform[:3, :3] = axes * radii
+    transform[:3, 3] = position
+    return transform
+
+
+def _automatic_scale(anatomy: Anatomy, kind: Kind) -> float:
+    """Return m per unit that make the largest finite semi-axis at home `AUTOMATIC` long.
+
+    From home or, where nothing can be told there, from another pose: not from the one that is
+    drawn, or dragging through a singularity would make everything else breathe.
+    """
+    for name in ("home", *anatomy.mechanism.poses):
+        try:
+            ellipsoid = _ellipsoid(find_jacobian(anatomy.mechanism.pose(name)), kind)
+        except ClosureError:
+            continue
+        radii = [] if ellipsoid is None else ellipsoid.radii.tolist()
+        largest = max((r for r in radii if math.isfinite(r)), default=0.0)
+        if largest > 0.0:
+            return AUTOMATIC * anatomy.size / largest
+    return AUTOMATIC * anatomy.size

@@ -1,0 +1,135 @@
+"""Hub: brings the session's pose to every browser, and the browsers' commands to the session.
+
+All of it runs in the server's thread, one thing at a time.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from collections.abc import Awaitable, Callable, Iterable
+from typing import Generic, TypeVar
+
+from tornado.websocket import WebSocketClosedError
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import PmjacError
+from pmjac_pin.viewer.drawing import Drawing
+from pmjac_pin.viewer.framing import frame
+from pmjac_pin.viewer.messages import Refusal, decode, encode
+from pmjac_pin.viewer.session import Session
+from pmjac_pin.viewer.static_page import Picture
+
+_logger = logging.getLogger(__name__)
+
+Send = Callable[[str | bytes], Awaitable[object]]
+Message = TypeVar("Message", str, bytes)
+
+
+class Outbox(Generic[Message]):
+    """What one browser has still to be told: of every key only the newest.
+
+    So a browser that reads slowly lags behind, but never makes the server's memory grow.
+    """
+
+    def __init__(self, send: Send, join: Callable[[list[Message]], list[Message]]) -> None:
+        self._send = send
+        self._join: Callable[[list[Message]], list[Message]] = join
+        self._pending: dict[str, Message] = {}
+        self._task: asyncio.Task[None] | None = None
+
+    def put(self, messages: Iterable[tuple[str, Message]]) -> None:
+        """Send these soon, in this order, together with whatever else waits."""
+        self._pending.update(messages)
+        if self._pending and (self._task is None or self._task.done()):
+            self._task = asyncio.get_running_loop().create_task(self._flush())
+
+    def close(self) -> None:
+        """Send nothing more."""
+        self._pending.clear()
+        if self._task is not None:
+            self._task.cancel()
+
+    async def _flush(self) -> None:
+        with contextlib.suppress(WebSocketClosedError):  # it has gone away
+            while self._pending:
+                messages = self._join(list(self._pending.values()))
+                self._pending.clear()
+                for message in messages:
+                    await self._send(message)
+
+
+def _array(commands: list[bytes]) -> list[bytes]:
+    """Return one message: the MessagePack array of these MessagePack values."""
+    return [b"".join([b"\xdd", len(commands).to_bytes(4, "big"), *commands])]
+
+
+class Hub:
+    """Which browsers there are, and what they have to know.
+
+    Parameters
+    ----------
+    session : Session
+    drawing : Drawing
+        Still empty.
+    """
+
+    def __init__(self, session: Session, drawing: Drawing) -> None:
+        self.session = session
+        self.drawing = drawing
+        self._pages: dict[object, Outbox[str]] = {}
+        self._scenes: dict[object, Outbox[bytes]] = {}
+        drawing.update(session.scene().items)
+
+    def picture(self) -> Picture:
+        """Return what is shown now, framed anew."""
+        framing = frame(self.session.scene().items)
+        commands = [command for _, command in self.drawing.commands()]
+        return Picture(self.session.mechanism.name, commands, framing)
+
+    def add_page(self, page: object, send: Send) -> None:
+        """Tell a page that has just been opened everything."""
+        self._pages[page] = outbox = Outbox(send, list)
+        outbox.put([("about", encode(self.session.state(about=True)))])
+
+    def add_scene(self, scene: object, send: Send) -> None:
+        """Draw the whole picture in a meshcat viewer that has just been opened."""
+        self._scenes[scene] = outbox = Outbox(send, _array)
+        outbox.put(self.drawing.commands())
+
+    def remove(self, browser: object) -> None:
+        """Forget a page or a scene."""
+        outbox = self._pages.pop(browser, None) or self._scenes.pop(browser, None)
+        if outbox is not None:
+            outbox.close()
+
+    def answer(self, page: object, message: str | bytes) -> str:
+        """Carry out a page's message and return the answer; all others are told, too."""
+        number = None
+        try:
+            command = decode(message)
+            number = command.id
+            self.session.obey(command)
+        except PmjacError as error:
+            return encode(Refusal(number, str(error)))
+        except Exception:
+            _logger.exception("a command of the page failed")
+            return encode(Refusal(number, "the command failed; see the log of the server"))
+        self._publish(page)
+        return encode(self.session.state(number))
+
+    def show(self, configuration: Configuration) -> None:
+        """Go to a configuration and tell all browsers."""
+        self.session.show(configuration)
+        self._publish(None)
+
+    def _publish(self, asking: object) -> None:
+        changed = self.drawing.update(self.session.scene().items)
+        for scene in self._scenes.values():
+            scene.put(changed)
+        others = [box for page, box in self._pages.items() if page is not asking]
+        if others:
+            state = encode(self.session.state())
+            for other in others:
+                other.put([("state", state)])

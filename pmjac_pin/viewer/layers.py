@@ -1,0 +1,192 @@
+"""Layers: groups of items that get their transforms in the same way, all at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.jacobian import EquivalentJacobian
+from pmjac_pin.viewer.bodies import Index, Points
+from pmjac_pin.viewer.shapes import Array, Colour, Part, Text, between
+
+SPECK = 1e-6  # of the mechanism's size: what is smaller is hidden
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Pose:
+    """What the layers draw.
+
+    Attributes
+    ----------
+    configuration : Configuration
+    jacobian : EquivalentJacobian or None
+        None where none exists.
+    placements : ndarray, shape (njoints + 1, 4, 4)
+        oMi of all joints, and the tool's pose as the last.
+    scale : float
+        Of the ellipsoids, relative to the automatic one.
+    """
+
+    configuration: Configuration
+    jacobian: EquivalentJacobian | None
+    placements: Array
+    scale: float
+
+    @property
+    def tool(self) -> Array:
+        """The tool's position, shape (3,)."""
+        position: Array = self.placements[-1, :3, 3]
+        return position
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Drawing:
+    """Where the parts of a layer stand at one pose.
+
+    Attributes
+    ----------
+    transforms : ndarray, shape (k, 4, 4)
+    visible : ndarray of bool, shape (k,)
+    texts : mapping of int to str
+        What some of the parts read, by their place in the layer.
+    """
+
+    transforms: Array
+    visible: NDArray[np.bool_]
+    texts: Mapping[int, str] = field(default_factory=dict)
+
+
+class Layer(Protocol):
+    """Some items, the same ones at every pose."""
+
+    @property
+    def parts(self) -> Sequence[Part]:
+        """What never changes."""
+        ...
+
+    def draw(self, pose: Pose) -> Drawing:
+        """Return where the parts stand."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Attached:
+    """Parts that are fixed to bodies; index −1 is the tool.
+
+    Attributes
+    ----------
+    parts : sequence of Part
+    bodies : ndarray of int, shape (k,)
+    places : ndarray, shape (k, 4, 4)
+        Transforms in the bodies, the parts' scales included.
+    """
+
+    parts: Sequence[Part]
+    bodies: Index
+    places: Array
+
+    @classmethod
+    def of(cls, pieces: Iterable[tuple[Part, int, Array]]) -> Attached:
+        """Stack parts, each with its body and its transform there."""
+        parts, bodies, places = zip(*pieces, strict=True) if (pieces := [*pieces]) else ((),) * 3
+        stack = np.array(places, dtype=np.float64).reshape(-1, 4, 4)
+        return cls(distinct(parts), np.array(bodies, dtype=np.intp), stack)
+
+    def draw(self, pose: Pose) -> Drawing:
+        """Move the parts with their bodies."""
+        transforms = pose.placements[self.bodies] @ self.places
+        return Drawing(transforms, np.ones(len(transforms), dtype=bool))
+
+
+@dataclass(frozen=True, eq=False)
+class Labels:
+    """Words beside points of bodies, `shift` away in world axes."""
+
+    parts: Sequence[Part]
+    points: Points
+    shift: Array
+    height: float
+
+    def draw(self, pose: Pose) -> Drawing:
+        """Put the words beside the points."""
+        positions = self.points.at(pose.placements) + self.shift
+        return Drawing(lettering(positions, self.height), np.ones(len(positions), dtype=bool))
+
+
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """Cylinders from points of bodies to points of bodies.
+
+    Attributes
+    ----------
+    parts : sequence of Part
+    starts, ends : Points
+    radii : ndarray, shape (k,)
+    skipped : ndarray, shape (k,)
+        The length in m that is left out at the start.
+    smallest : float
+        What is shorter is hidden.
+    """
+
+    parts: Sequence[Part]
+    starts: Points
+    ends: Points
+    radii: Array
+    skipped: Array
+    smallest: float
+
+    def draw(self, pose: Pose) -> Drawing:
+        """Stretch the cylinders."""
+        starts, ends = self.starts.at(pose.placements), self.ends.at(pose.placements)
+        along = ends - starts
+        lengths = np.maximum(np.sqrt((along * along).sum(axis=1)), self.smallest)
+        starts = starts + along * (self.skipped / lengths)[:, None]
+        transforms, visible = between(starts, ends, self.radii, self.smallest)
+        return Drawing(transforms, visible)
+
+
+def lettering(positions: Array, height: float) -> Array:
+    """Return transforms (k, 4, 4) of letters of this height at these positions (k, 3)."""
+    transforms = np.zeros((len(positions), 4, 4))
+    transforms[:, [0, 1, 2], [0, 1, 2]] = height
+    transforms[:, :3, 3] = positions
+    transforms[:, 3, 3] = 1.0
+    return transforms
+
+
+def specks(transforms: Array, visible: NDArray[np.bool_], position: Array, size: float) -> None:
+    """Turn hidden transforms into specks at a position, in place."""
+    transforms[~visible] = lettering(position[None], size)
+
+
+def part_of_path(name: str) -> str:
+    """Return a name as one part of a path."""
+    return name.replace("/", "_")
+
+
+def distinct(parts: Sequence[Part]) -> tuple[Part, ...]:
+    """Return the parts, those whose names would be equal numbered.
+
+    Links that are named "a/b" and "a_b" would otherwise be one, and so would visuals that share
+    a name.
+    """
+    seen: set[str] = set()
+    found = []
+    for part in parts:
+        name, number = part.name, 1
+        while name in seen:
+            number += 1
+            name = f"{part.name}~{number}"
+        seen.add(name)
+        found.append(replace(part, name=name))
+    return tuple(found)
+
+
+def words(name: str, text: str, colour: Colour) -> Part:
+    """Return a part that reads `text`."""
+    return Part(name, Text(text), colour)

@@ -1,0 +1,139 @@
+"""The messages between page and server, and the one place that trusts neither their shape.
+
+Numbers beyond what their type holds, unknown keys, unknown commands and wrong types are refused
+by msgspec; what a value means (limits, names) is checked by `Session`.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, TypeAlias
+
+import msgspec
+
+from pmjac_pin.errors import ArgumentError
+from pmjac_pin.viewer.framing import Framing
+from pmjac_pin.viewer.readout import Readout
+
+#: Longer messages are answered with an error: the longest sensible one is far shorter.
+MAXIMAL_SIZE = 64 * 1024
+
+Scale: TypeAlias = Annotated[float, msgspec.Meta(ge=0.05, le=20.0)]
+Number: TypeAlias = Annotated[int, msgspec.Meta(ge=0, le=2**53)]
+
+
+class _Command(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_field="command"):
+    """A command of the page; its number comes back with the answer."""
+
+    id: Number = 0
+
+
+class Move(_Command, frozen=True, tag="move", kw_only=True):
+    """Move the motors to these values, m or rad."""
+
+    values: list[float]
+
+
+class Home(_Command, frozen=True, tag="home"):
+    """Go to the home pose."""
+
+
+class Pose(_Command, frozen=True, tag="pose", kw_only=True):
+    """Go to a named pose."""
+
+    name: str
+
+
+class Options(_Command, frozen=True, tag="options", kw_only=True):
+    """Choose which ellipsoids are drawn, and how large."""
+
+    linear: bool
+    angular: bool
+    force: bool
+    scale: Scale
+
+
+Command: TypeAlias = Move | Home | Pose | Options
+
+
+class Motor(msgspec.Struct, frozen=True):
+    """A motor: its unit, the range of its slider, and whether that range is its limits."""
+
+    name: str
+    unit: str
+    lower: float
+    upper: float
+    limited: bool
+
+
+class About(msgspec.Struct, frozen=True):
+    """What does not change while the page is open."""
+
+    mechanism: str
+    description: str
+    motors: tuple[Motor, ...]
+    poses: tuple[str, ...]
+    home: Readout
+    framing: Framing
+
+
+class Notice(msgspec.Struct, frozen=True):
+    """What the status line says: its kind is "", "stop" (end of the range) or "error"."""
+
+    kind: str
+    text: str
+
+
+class Drawn(msgspec.Struct, frozen=True):
+    """What is drawn."""
+
+    linear: bool
+    angular: bool
+    force: bool
+    scale: float
+
+
+class State(msgspec.Struct, frozen=True, kw_only=True, tag="state", tag_field="type"):
+    """Everything that the page shows; `id` is that of the command that it answers, or None."""
+
+    id: int | None
+    pose: str | None
+    values: tuple[float, ...]
+    readout: Readout
+    notice: Notice
+    drawn: Drawn
+    about: About | None = None
+
+
+class Refusal(msgspec.Struct, frozen=True, tag="error", tag_field="type"):
+    """The answer to a message that changed nothing."""
+
+    id: int | None
+    message: str
+
+
+_decoder = msgspec.json.Decoder(Command)
+
+
+def decode(message: str | bytes) -> Command:
+    """Read one message of a page.
+
+    Raises
+    ------
+    ArgumentError
+        Too long, binary, not JSON, no known command, or values of another type.
+    """
+    if isinstance(message, bytes):
+        raise ArgumentError("binary messages are not understood; send JSON text")
+    size = len(message.encode("utf-8", "replace"))
+    if size > MAXIMAL_SIZE:
+        raise ArgumentError(f"a message of {size} bytes is too long; {MAXIMAL_SIZE} are allowed")
+    try:
+        command: Command = _decoder.decode(message)
+    except (msgspec.MsgspecError, RecursionError, UnicodeError) as error:
+        raise ArgumentError(f"not understood: {error}") from None
+    return command
+
+
+def encode(message: State | Refusal) -> str:
+    """Write a message to a page; infinite numbers become null."""
+    return msgspec.json.encode(message).decode()

@@ -1,0 +1,203 @@
+"""What the page shows beside the scene, as plain data: numbers, sections and warnings."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.ellipsoid import Ellipsoid
+from pmjac_pin.errors import SingularError
+from pmjac_pin.factorisation import norm
+from pmjac_pin.jacobian import EquivalentJacobian, SplitJacobian
+from pmjac_pin.singularity import Singularity
+from pmjac_pin.viewer.free_motion import NEAR_SINGULAR
+
+Array = NDArray[np.float64]
+Vector = tuple[float, ...]
+
+#: The lecture's three planes, the horizontal axis first.
+PLANES = ("zy", "zx", "xy")
+
+_KINDS = {
+    "gain": "a gain (parallel) singularity",
+    "loss": "a loss (serial) singularity",
+    "gain and loss": "a gain and loss singularity",
+    "configuration space": "a configuration-space singularity",
+}
+_NAMES_SHOWN = 4
+
+
+class Section(msgspec.Struct, frozen=True):
+    """The section of the linear velocity ellipsoid with one plane, in m/s.
+
+    Attributes
+    ----------
+    plane : str
+        Such as "zy": z to the right, y upwards.
+    radii : tuple of float
+        Two, descending.
+    axes : tuple of tuple of float
+        The direction of each radius, in the plane's coordinates.
+    """
+
+    plane: str
+    radii: Vector
+    axes: tuple[Vector, ...]
+
+
+class Warning(msgspec.Struct, frozen=True):  # noqa: A001 - the word that the page shows
+    """How near the pose is to a singularity.
+
+    Attributes
+    ----------
+    level : str
+        "regular", "near" or "singular".
+    text : str
+        One sentence without changing numbers, so that a screen reader says it once.
+    """
+
+    level: str
+    text: str
+
+
+class Readout(msgspec.Struct, frozen=True, kw_only=True):
+    """The numbers at one pose; None where J_eq or what it rests on does not exist.
+
+    Attributes
+    ----------
+    Jv_singular_values, Jw_singular_values : tuple of float or None
+        Of [J_v]eq in m/s and of [J_ω]eq in rad/s, for unit motor rates.
+    smallest, condition : float or None
+        Of K*: the relative singular value that decides, and the condition; None without loops.
+        JSON writes an infinite condition as null.
+    loops : bool
+        Whether there are any loops.
+    residual : float
+        Euclidean norm of the gaps of all loops, m.
+    J_eq : tuple of tuple of float or None
+        Six rows, linear ones first.
+    sections : tuple of Section or None
+    warning : Warning
+    refusal : str or None
+        Why J_eq does not exist here.
+    """
+
+    Jv_singular_values: Vector | None
+    Jw_singular_values: Vector | None
+    smallest: float | None
+    condition: float | None
+    loops: bool
+    residual: float
+    J_eq: tuple[Vector, ...] | None
+    sections: tuple[Section, ...] | None
+    warning: Warning
+    refusal: str | None
+
+
+def make_readout(configuration: Configuration) -> Readout:
+    """Collect what the page shows at a configuration, singular or not.
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> readout = make_readout(pj.load("four_bar").home)
+    >>> readout.warning.level, [section.plane for section in readout.sections]
+    ('regular', ['zy', 'zx', 'xy'])
+    """
+    jacobian, refusal = _equivalent(configuration)
+    singularity = configuration.singularity()
+    loops = bool(singularity.generic_rank)
+    known = {} if jacobian is None else _of_jacobian(jacobian)
+    return Readout(
+        Jv_singular_values=known.get("Jv"),
+        Jw_singular_values=known.get("Jw"),
+        smallest=singularity.smallest if loops else None,
+        condition=singularity.condition if loops else None,
+        loops=loops,
+        residual=configuration.residual_norm,
+        J_eq=known.get("J_eq"),
+        sections=None if jacobian is None else _sections(jacobian.velocity_ellipsoid()),
+        warning=_warning(configuration, singularity, jacobian),
+        refusal=refusal,
+    )
+
+
+def _equivalent(configuration: Configuration) -> tuple[EquivalentJacobian | None, str | None]:
+    try:
+        return configuration.jacobian(), None
+    except SingularError as error:
+        return None, str(error)
+
+
+def _of_jacobian(jacobian: EquivalentJacobian) -> dict[str, Any]:
+    return {
+        "Jv": tuple(np.linalg.svd(jacobian.Jv_eq, compute_uv=False).tolist()),
+        "Jw": tuple(np.linalg.svd(jacobian.Jw_eq, compute_uv=False).tolist()),
+        "J_eq": tuple(map(tuple, jacobian.J_eq.tolist())),
+    }
+
+
+def _sections(ellipsoid: Ellipsoid) -> tuple[Section, ...]:
+    ellipses = ((plane, ellipsoid.section(plane)) for plane in PLANES)
+    return tuple(
+        Section(plane, tuple(ellipse.radii.tolist()), tuple(map(tuple, ellipse.axes.T.tolist())))
+        for plane, ellipse in ellipses
+    )
+
+
+def _warning(
+    configuration: Configuration, singularity: Singularity, jacobian: EquivalentJacobian | None
+) -> Warning:
+    if singularity.kind != "regular":
+        return Warning("singular", f"At {_KINDS[singularity.kind]}{_consequence(singularity)}.")
+    if singularity.smallest < NEAR_SINGULAR:
+        names = _moving(*_weakest_motion(configuration.split_jacobian(), singularity))
+        text = f"Near a gain singularity: with all motors locked, {names} almost come free."
+        return Warning("near", text)
+    if jacobian is not None and _tool_share(jacobian) < NEAR_SINGULAR:
+        return Warning("near", "Near a loss singularity: the tool almost loses a motion.")
+    return Warning("regular", "")
+
+
+def _consequence(singularity: Singularity) -> str:
+    if singularity.gained > 0:
+        names = _moving(singularity.passive_names, singularity.free_motions[:, 0])
+        return f": with all motors locked, {names} come free"
+    if singularity.lost > 0:
+        return ": the tool has lost a motion"
+    return ": branches of motion meet here"
+
+
+def _weakest_motion(
+    split: SplitJacobian, singularity: Singularity
+) -> tuple[tuple[str, ...], Array]:
+    """Return the passive rates that the loops resist least, with their names."""
+    partition = split.partition
+    passive = partition.passive
+    scaled = partition.scaled(split.constraint_jacobian)[:, passive]
+    direction = np.linalg.svd(scaled)[2][singularity.generic_rank - 1]
+    return partition.passive_names, partition.column_scale[passive] * direction
+
+
+def _moving(names: tuple[str, ...], rates: Array) -> str:
+    """Name the joints that take part in a motion: those above 5 % of the largest rate."""
+    largest = np.abs(rates).max()
+    moving = [n for n, r in zip(names, rates, strict=True) if abs(r) > 0.05 * largest]
+    shown = ", ".join(moving[:_NAMES_SHOWN])
+    return f"{shown} and others" if len(moving) > _NAMES_SHOWN else shown
+
+
+def _tool_share(jacobian: EquivalentJacobian) -> float:
+    """Return the smallest over the largest generic singular value of the scaled tool motion."""
+    partition = jacobian.partition
+    rank = partition.tool_rank
+    scaled = jacobian.J_eq * partition.column_scale[partition.actuated]
+    scaled[3:] *= partition.length
+    if not rank or not norm(scaled):
+        return 1.0
+    values = np.linalg.svd(scaled, compute_uv=False)
+    return float(values[rank - 1] / values[0]) if rank <= values.size else 1.0

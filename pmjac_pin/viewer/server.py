@@ -1,0 +1,175 @@
+"""Server: a thread of this process with a loop of its own, on 127.0.0.1 only.
+
+No process is started, so nothing can outlive this one.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import atexit
+import errno
+import logging
+import os
+import socket
+import threading
+from collections.abc import Callable
+from typing import TypeVar
+
+import tornado.httpserver
+import tornado.ioloop
+
+from pmjac_pin.errors import ArgumentError, PmjacError
+from pmjac_pin.viewer.handlers import make_application
+from pmjac_pin.viewer.hub import Hub
+
+_logger = logging.getLogger(__name__)
+
+Result = TypeVar("Result")
+
+ADDRESS = "127.0.0.1"
+DEFAULT_PORT = 7000
+_ATTEMPTS = 100
+_PATIENCE = 5.0  # seconds
+
+
+class Server:
+    """Serves the page from construction to `stop`.
+
+    Parameters
+    ----------
+    hub : Hub
+        Touched only by the server's thread from now on; see `call`.
+    port : int, optional
+        Where to start looking for a free port, 7000 when None; 0 for any.
+
+    Attributes
+    ----------
+    port : int
+    url : str
+
+    Raises
+    ------
+    ArgumentError
+        No such port.
+    PmjacError
+        None of the ports is free.
+    """
+
+    def __init__(self, hub: Hub, port: int | None = None) -> None:
+        wanted = DEFAULT_PORT if port is None else port
+        self._socket = _bind(wanted)
+        self.hub = hub
+        self.port: int = self._socket.getsockname()[1]
+        self.url = f"http://{ADDRESS}:{self.port}/"
+        if wanted not in (0, self.port):
+            _logger.warning("port %d is in use: serving on %d", wanted, self.port)
+        self._stopping = threading.Lock()
+        self._ready = threading.Event()
+        self._failure: BaseException | None = None
+        self._loop = asyncio.new_event_loop()
+        self._finish: asyncio.Event | None = None
+        name = f"pmjac viewer {self.port}"
+        self._thread = threading.Thread(target=self._serve, name=name, daemon=True)
+        self._thread.start()
+        self._ready.wait()
+        if self._failure is not None:
+            raise self._failure
+        atexit.register(self.stop)
+
+    @property
+    def running(self) -> bool:
+        """Whether it still serves."""
+        return self._thread.is_alive() and not self._loop.is_closed()
+
+    def call(self, function: Callable[[Hub], Result]) -> Result:
+        """Run a function in the server's thread and return what it returns.
+
+        Raises
+        ------
+        PmjacError
+            The server has been stopped.
+        """
+
+        async def run() -> Result:
+            return function(self.hub)
+
+        coroutine = run()
+        try:
+            future = asyncio.run_coroutine_threadsafe(coroutine, self._loop)
+        except RuntimeError:
+            coroutine.close()
+            raise PmjacError("the viewer has been closed") from None
+        return future.result()
+
+    def stop(self) -> None:
+        """End thread, connections and loop; return when they have ended. May be repeated."""
+        atexit.unregister(self.stop)
+        with self._stopping:
+            if self.running and self._finish is not None:
+                self._loop.call_soon_threadsafe(self._finish.set)
+                self._thread.join(_PATIENCE)
+
+    def _serve(self) -> None:
+        asyncio.set_event_loop(self._loop)
+        try:
+            self._loop.run_until_complete(self._main())
+        except BaseException as error:
+            self._failure = error
+            _logger.exception("the viewer's server failed")
+        finally:
+            self._socket.close()
+            # Tornado keeps a table of loops; closing through it leaves no entry behind.
+            tornado.ioloop.IOLoop.current().close()
+            asyncio.set_event_loop(None)
+            self._ready.set()
+
+    async def _main(self) -> None:
+        self._finish = asyncio.Event()
+        application = make_application(self.hub, self.port)
+        server = tornado.httpserver.HTTPServer(application)
+        server.add_socket(self._socket)
+        self._ready.set()
+        await self._finish.wait()
+        server.stop()
+        for browser in list(application.settings["sockets"]):
+            browser.close(1001, "the viewer has been closed")
+        await asyncio.sleep(0.02)  # for the closing frames to go out
+        for browser in list(application.settings["sockets"]):
+            browser.abort()
+        await server.close_all_connections()
+        await _cancel_others()
+
+
+async def _cancel_others() -> None:
+    tasks = asyncio.all_tasks() - {asyncio.current_task()}
+    for task in tasks:
+        task.cancel()
+    await asyncio.gather(*tasks, return_exceptions=True)
+
+
+def _bind(first: int) -> socket.socket:
+    """Bind the first free port from this one on, 0 for any."""
+    if isinstance(first, bool) or not isinstance(first, int) or not 0 <= first <= 65535:
+        raise ArgumentError(f"a port is a whole number from 0 to 65535, got {first!r}")
+    last = min(first + _ATTEMPTS, 65536) if first else 1
+    for port in range(first, last):
+        try:
+            return _listen(port)
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE:
+                raise PmjacError(f"cannot listen on port {port}: {error.strerror}") from None
+    raise PmjacError(f"none of the ports {first} to {last - 1} is free")
+
+
+def _listen(port: int) -> socket.socket:
+    bound = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    try:
+        if os.name == "posix":  # elsewhere it would let two programs share the port
+            bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        bound.bind((ADDRESS, port))
+        bound.listen(128)
+        bound.setblocking(False)
+    except BaseException:
+        bound.close()
+        raise
+    return bound

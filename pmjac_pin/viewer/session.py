@@ -1,0 +1,212 @@
+"""What the page does, as plain Python: a pose, what is drawn, and commands that change them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import ArgumentError, ClosureError
+from pmjac_pin.viewer.framing import frame
+from pmjac_pin.viewer.messages import (
+    About,
+    Command,
+    Drawn,
+    Home,
+    Motor,
+    Move,
+    Notice,
+    Options,
+    Pose,
+    State,
+)
+from pmjac_pin.viewer.readout import Readout, make_readout
+from pmjac_pin.viewer.scene import Scene, SceneMaker, SceneOptions
+
+Array = NDArray[np.float64]
+
+#: A motor without limits takes no value beyond this, m or rad.
+FARTHEST = 1e4
+
+_NOTHING = Notice("", "")
+
+
+class Session:
+    """The pose that all tabs see, and what is drawn of it. Not thread-safe.
+
+    A command either succeeds, or raises a `PmjacError` and changes nothing. A motion that meets
+    the end of its assembly mode is no error: it goes as far as the loops close, and `notice`
+    says why.
+
+    Parameters
+    ----------
+    configuration : Configuration
+        The first pose.
+    options : SceneOptions
+
+    Attributes
+    ----------
+    configuration : Configuration
+    options : SceneOptions
+    notice : Notice
+        Why the last motion ended early, if it did.
+    pose : str or None
+        The name of the pose, if it is a named one.
+    framing : Framing
+        Of the scene at the beginning: the first view.
+    """
+
+    def __init__(self, configuration: Configuration, options: SceneOptions) -> None:
+        self.mechanism = configuration.mechanism
+        self.configuration = configuration
+        self.options = options
+        self.notice = _NOTHING
+        self.pose = self._name_of(configuration)
+        self._maker = SceneMaker(self.mechanism)
+        self._start = configuration
+        self._motors = _motors(configuration)
+        self._home_readout = make_readout(self.mechanism.home)
+        self.framing = frame(self.scene().items)
+
+    def obey(self, command: Command) -> None:
+        """Carry out a command of a page.
+
+        Raises
+        ------
+        PmjacError
+            It cannot be carried out; nothing has changed.
+        """
+        match command:
+            case Move():
+                self.move(command.values)
+            case Home():
+                self.show(self.mechanism.home)
+            case Pose():
+                self.show(self.mechanism.pose(command.name))
+            case Options():
+                self.options = SceneOptions(
+                    linear=command.linear,
+                    angular=command.angular,
+                    force=command.force,
+                    scale=command.scale,
+                )
+
+    def move(self, values: list[float]) -> None:
+        """Move the motors, on this assembly mode, as far as the loops close.
+
+        Raises
+        ------
+        ArgumentError
+            Another number of values, a value that is not finite, or one beyond the limits.
+        """
+        if not all(map(math.isfinite, values)):
+            raise ArgumentError("motor values must be finite numbers")
+        for motor, value in zip(self._motors, values, strict=False):
+            if not motor.limited and abs(value) > FARTHEST:
+                raise ArgumentError(f"{motor.name} = {value:g} is beyond ±{FARTHEST:g}")
+        try:
+            self.show(self.mechanism.close(values, guess=self._start))
+        except ClosureError as error:
+            if getattr(error, "reached", None) is None:
+                raise
+            start = self._start
+            self.show(error.reached)
+            # From the end of a mode no path leads back: the next motion starts where this did.
+            self._start = start
+            self.notice = Notice("stop", self._reason(values, error))
+
+    def show(self, configuration: Configuration) -> None:
+        """Go to a configuration of this mechanism.
+
+        Raises
+        ------
+        ArgumentError
+            It is of another mechanism.
+        """
+        if configuration.mechanism != self.mechanism:
+            theirs, ours = configuration.mechanism.name, self.mechanism.name
+            raise ArgumentError(f"a configuration of {theirs!r}; this viewer shows {ours!r}")
+        self.configuration = configuration
+        self._start = configuration
+        self.notice = _NOTHING
+        self.pose = self._name_of(configuration)
+
+    def scene(self) -> Scene:
+        """Return what is to be drawn now."""
+        return self._maker.scene(self.configuration, self.options)
+
+    def _name_of(self, configuration: Configuration) -> str | None:
+        # The same value, not an equal one: other assembly modes share the motor values.
+        named = ((name, self.mechanism.pose(name)) for name in self.mechanism.poses)
+        return next((name for name, pose in named if np.array_equal(pose.q, configuration.q)), None)
+
+    def readout(self) -> Readout:
+        """Return the numbers at the current pose."""
+        return make_readout(self.configuration)
+
+    def state(self, number: int | None = None, *, about: bool = False) -> State:
+        """Return all that the page shows; with `about`, also what never changes."""
+        return State(
+            id=number,
+            pose=self.pose,
+            values=tuple(self.configuration.actuated.tolist()),
+            readout=self.readout(),
+            notice=self.notice,
+            drawn=Drawn(
+                bool(self.options.linear),
+                bool(self.options.angular),
+                bool(self.options.force),
+                float(self.options.scale),
+            ),
+            about=self._about() if about else None,
+        )
+
+    def _about(self) -> About:
+        return About(
+            mechanism=self.mechanism.name,
+            description=self.mechanism.spec.description,
+            motors=self._motors,
+            poses=self.mechanism.poses,
+            home=self._home_readout,
+            framing=self.framing,
+        )
+
+    def _reason(self, values: list[float], error: ClosureError) -> str:
+        """Say in one or two sentences why a motion has stopped."""
+        reached = self.configuration.actuated
+        stopped = ", ".join(
+            f"{motor.name} stops at {there:.4f} {motor.unit}"
+            for motor, wanted, there in zip(self._motors, values, reached, strict=True)
+            if abs(wanted - there) > 1e-9
+        )
+        problem = self.mechanism._parts.problem
+        if error.residual_norm <= problem.tolerance:
+            rest = "The loops do close beyond, but on another assembly mode."
+        else:
+            rest = "The loops do not close beyond."
+        return f"End of the reachable range: {stopped}. {rest}"
+
+
+def _motors(configuration: Configuration) -> tuple[Motor, ...]:
+    """Return the motors; one without limits gets a slider of a sensible range."""
+    mechanism = configuration.mechanism
+    coordinates = mechanism._parts.coordinates
+    columns = mechanism._parts.problem.partition.actuated
+    motors = []
+    for name, column, home in zip(
+        mechanism.actuated, columns, mechanism.home.actuated, strict=True
+    ):
+        lower, upper = float(coordinates.lower[column]), float(coordinates.upper[column])
+        turns = mechanism.units[name] == "rad"
+        if coordinates.wraps[column]:
+            reach, middle = math.pi, 0.0
+        else:
+            reach = 2.0 * math.pi if turns else 2.0 * mechanism.characteristic_length
+            middle = 0.0 if turns else float(home)
+        limited = max(-lower, upper) < FARTHEST
+        low = lower if lower > -FARTHEST else middle - reach
+        high = upper if upper < FARTHEST else middle + reach
+        motors.append(Motor(name, mechanism.units[name], low, max(high, low), limited))
+    return tuple(motors)

@@ -1,0 +1,481 @@
+"""The page in a real browser: Chromium, driven by Playwright."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import time
+
+import numpy as np
+import pytest
+
+import pmjac_pin as pj
+
+pytestmark = pytest.mark.slow
+
+ARGUMENTS = [
+    "--no-sandbox",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+]
+DESKTOP, TELEPHONE = {"width": 1280, "height": 800}, {"width": 390, "height": 844}
+
+
+def _missing(reason):
+    if os.environ.get("CI"):
+        pytest.fail(f"{reason}; it is required where CI is set")
+    pytest.skip(reason)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        _missing("Playwright is not installed")
+    names = ("chromium", "chromium-browser", "google-chrome")
+    chromium = next(filter(None, map(shutil.which, names)), None)
+    if chromium is None:
+        _missing("no Chromium found")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium, args=ARGUMENTS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def open_page(browser):
+    """Open pages; at the end none of them may have complained."""
+    pages, complaints = [], []
+
+    def listen(message):
+        if message.type == "error":
+            complaints.append(message.text)
+
+    def opened(viewer, size=DESKTOP):
+        page = browser.new_page(viewport=size, accept_downloads=True)
+        pages.append(page)
+        page.on("console", listen)
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.on("response", lambda r: r.status >= 400 and complaints.append(f"{r.status} {r.url}"))
+        page.goto(viewer.url)
+        wait(page, "window.pmjac && pmjac.ready")
+        wait(page, "document.getElementById('scene').contentWindow.viewer")
+        return page
+
+    yield opened
+    for page in pages:
+        page.close()
+    assert complaints == []
+
+
+@pytest.fixture
+def viewer():
+    with pj.view(pj.load("three_rps").home, open_browser=False, port=0) as viewer:
+        yield viewer
+
+
+def numbers(text):
+    """Read numbers off the page, with the digits that each of them shows."""
+    found = re.findall(r"−?\d+\.?\d*(?:e[+−]?\d+)?", text)
+    return [(float(n.replace("−", "-")), len(n.partition(".")[2].split("e")[0])) for n in found]
+
+
+def agree(text, values):
+    shown = numbers(text)
+    assert len(shown) == len(values), (text, values)
+    for (number, digits), value in zip(shown, values, strict=True):
+        assert abs(number - value) <= 0.5001 * 10.0**-digits, (text, values)
+
+
+def wait(page, condition, seconds=20):
+    """Wait for a condition: Playwright's own waiting needs `eval`, which the page forbids."""
+    end = time.monotonic() + seconds
+    while not page.evaluate(f"Boolean({condition})"):
+        assert time.monotonic() < end, f"in vain: {condition}"
+        page.wait_for_timeout(20)
+
+
+def quiet(page):
+    wait(page, "pmjac.idle()")
+
+
+def thumb(page, index, value):
+    """Return where the thumb of a slider is, for a value."""
+    box = page.locator(f"#motor-{index}").bounding_box()
+    low, high = (float(page.locator(f"#motor-{index}").get_attribute(a)) for a in ("min", "max"))
+    share = (value - low) / (high - low)
+    return box["x"] + 8 + share * (box["width"] - 16), box["y"] + box["height"] / 2
+
+
+def drag(page, index, start, end, steps=12):
+    page.mouse.move(*thumb(page, index, start))
+    page.mouse.down()
+    page.mouse.move(*thumb(page, index, end), steps=steps)
+    page.mouse.up()
+    page.wait_for_timeout(100)
+    quiet(page)
+
+
+def picture(page):
+    """Return the pixels of the scene as a PNG's data, drawn now."""
+    return page.evaluate("document.getElementById('scene').contentWindow.viewer.capture_image()")
+
+
+def outlines(page):
+    polygons = page.locator("#sections polygon")
+    return [polygons.nth(k).get_attribute("points") for k in range(3)]
+
+
+def check_numbers(page, configuration):
+    """Everything the page shows against Python, to the digits shown."""
+    jacobian = configuration.jacobian()
+    agree(page.inner_text("#sigma-v"), np.linalg.svd(jacobian.Jv_eq, compute_uv=False))
+    agree(page.inner_text("#sigma-w"), np.linalg.svd(jacobian.Jw_eq, compute_uv=False))
+    singularity = configuration.singularity()
+    agree(page.inner_text("#smallest"), [singularity.smallest])
+    agree(page.inner_text("#condition"), [singularity.condition])
+    for k in range(6):
+        row = page.locator("#jacobian tbody tr").nth(k).locator("td").all_inner_texts()
+        agree(" ".join(row), jacobian.J_eq[k])
+    ellipsoid = jacobian.velocity_ellipsoid()
+    for plane in ("zy", "zx", "xy"):
+        agree(page.inner_text(f"#radii-{plane}"), ellipsoid.section(plane).radii)
+    for k, value in enumerate(configuration.actuated):
+        assert float(page.input_value(f"#motor-{k}-value")) == pytest.approx(value, abs=5.1e-5)
+
+
+def test_a_slider_is_dragged_with_the_mouse(viewer, open_page):
+    page = open_page(viewer)
+    check_numbers(page, viewer.configuration)
+    before = picture(page), outlines(page)
+    drag(page, 0, 1.0, 1.3)
+    configuration = viewer.configuration
+    assert configuration.actuated[0] == pytest.approx(1.3, abs=0.03)
+    np.testing.assert_allclose(configuration.actuated[1:], 1.0)
+    check_numbers(page, configuration)
+    assert page.evaluate("pmjac.updates") > 3
+    assert picture(page) != before[0]
+    assert all(new != old for new, old in zip(outlines(page), before[1], strict=True))
+    assert page.input_value("#pose") == ""
+    page.click("#home")
+    quiet(page)
+    check_numbers(page, viewer.configuration)
+    assert page.input_value("#pose") == "home"
+
+
+def test_the_sections_are_those_of_the_ellipsoid(viewer, open_page):
+    page = open_page(viewer)
+    viewer.update(viewer.configuration.mechanism.pose("lecture_b"))
+    wait(page, "pmjac.state.pose === 'lecture_b'")
+    check_numbers(page, viewer.configuration)
+    ellipsoid = viewer.configuration.jacobian().velocity_ellipsoid()
+    for plane, points in zip(("zy", "zx", "xy"), outlines(page), strict=True):
+        drawn = np.array([pair.split(",") for pair in points.split()], dtype=float)
+        limit = float(page.text_content(f"#section-{plane} .limit").replace("±", ""))
+        drawn = (drawn - 60.0) * [limit / 50.0, -limit / 50.0]
+        expected = ellipsoid.section(plane).points(73)[:-1]
+        if not np.allclose(drawn, expected, atol=0.01 * limit):  # the other way round
+            np.testing.assert_allclose(drawn, expected[:1].tolist() + expected[:0:-1].tolist(),
+                                       atol=0.01 * limit)  # fmt: skip
+
+
+def test_the_end_of_the_range(viewer, open_page):
+    page = open_page(viewer)
+    drag(page, 1, 1.0, 2.9, steps=30)
+    end = viewer.configuration.actuated[1]
+    assert 1.9 < end < 2.0
+    assert "l2 stops at 1.97" in page.inner_text("#notice")
+    assert float(page.input_value("#motor-1")) == pytest.approx(end)
+    assert "come free" in page.inner_text("#warning")
+    assert page.locator("#status").get_attribute("aria-live") == "polite"
+    assert page.inner_text("#jacobian td >> nth=2") == "—"
+    assert "no equivalent Jacobian" in page.inner_text("#refusal")
+    drag(page, 1, end, 1.5)  # and back
+    assert viewer.configuration.actuated[1] == pytest.approx(1.5, abs=0.03)
+    assert page.inner_text("#warning") == ""
+    check_numbers(page, viewer.configuration)
+
+
+def test_near_a_singularity_the_page_and_the_scene_warn(viewer, open_page):
+    page = open_page(viewer)
+    before = picture(page)
+    page.fill("#motor-1-value", "1.9729")
+    page.press("#motor-1-value", "Enter")
+    page.wait_for_selector(".status.near")
+    assert "theta1" in page.inner_text("#warning")
+    check_numbers(page, viewer.configuration)
+    assert picture(page) != before
+    items = viewer._hub.session.scene().items
+    assert any("free" in item.name and item.visible for item in items)
+
+
+@pytest.mark.parametrize("text", ["abc", "99", "1e999", "NaN", "", "1,1,1"])
+def test_a_value_that_is_none(viewer, open_page, text):
+    page = open_page(viewer)
+    page.fill("#motor-0-value", text)
+    page.press("#motor-0-value", "Enter")
+    page.wait_for_selector(".status.error")
+    assert page.inner_text("#notice")
+    np.testing.assert_array_equal(viewer.configuration.actuated, [1.0, 1.0, 1.0])
+    page.press("#motor-0-value", "Escape")
+    assert page.input_value("#motor-0-value") == "1.0000"
+
+
+def test_an_exact_value(viewer, open_page):
+    page = open_page(viewer)
+    page.fill("#motor-0-value", "1,234")
+    page.press("#motor-0-value", "Tab")
+    wait(page, "pmjac.updates > 0")
+    assert viewer.configuration.actuated[0] == pytest.approx(1.234, abs=1e-12)
+
+
+def test_two_tabs_see_the_same(viewer, open_page):
+    one, two = open_page(viewer), open_page(viewer)
+    drag(one, 0, 1.0, 1.2)
+    wait(two, "Math.abs(pmjac.state.values[0] - 1.2) < 0.05")
+    check_numbers(two, viewer.configuration)
+    assert one.inner_text("#jacobian") == two.inner_text("#jacobian")
+    two.select_option("#pose", "lecture_a")
+    wait(one, "pmjac.state.pose === 'lecture_a'")
+    assert one.input_value("#pose") == "lecture_a"
+
+
+def test_reload_keeps_the_pose(viewer, open_page):
+    page = open_page(viewer)
+    drag(page, 2, 1.0, 1.2)
+    page.check("#angular")
+    quiet(page)
+    before = viewer.configuration
+    page.reload()
+    wait(page, "window.pmjac && pmjac.ready")
+    assert viewer.configuration is before
+    check_numbers(page, before)
+    assert page.is_checked("#angular")
+
+
+def test_ellipsoids_are_chosen_and_scaled(viewer, open_page):
+    page = open_page(viewer)
+    viewer.update(viewer.configuration.mechanism.pose("lecture_b"))
+    seen = {picture(page)}
+    for name in ("angular", "force", "linear"):
+        page.locator(f"#{name}").click()
+        page.wait_for_timeout(300)
+        seen.add(picture(page))
+    page.focus("#scale")
+    page.keyboard.press("End")
+    page.wait_for_timeout(300)
+    seen.add(picture(page))
+    assert len(seen) == 5
+    assert viewer._hub.session.options.scale == pytest.approx(10.0)
+    assert page.inner_text("#scale-value").endswith("10.00")
+
+
+def test_snapshot_and_reset_view(viewer, open_page, tmp_path):
+    page = open_page(viewer)
+    first = picture(page)
+    box = page.locator("#scene").bounding_box()
+    page.mouse.move(box["x"] + 200, box["y"] + 200)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 320, box["y"] + 260, steps=4)
+    page.mouse.up()
+    assert picture(page) != first
+    page.click("#reset")
+    with page.expect_download() as download:
+        page.click("#snapshot")
+    assert download.value.suggested_filename == "three_rps.png"
+    download.value.save_as(tmp_path / "x.png")
+    assert (tmp_path / "x.png").read_bytes().startswith(b"\x89PNG")
+    assert picture(page) == first
+
+
+VISIBLE = """() => {
+  const inner = document.getElementById("scene").contentWindow;
+  const image = new inner.Image();
+  image.src = inner.viewer.capture_image();
+  return image.decode().then(() => {
+    const canvas = inner.document.createElement("canvas");
+    [canvas.width, canvas.height] = [64, 48];
+    const context = canvas.getContext("2d");
+    context.drawImage(image, 0, 0, 64, 48);
+    return Array.from(context.getImageData(0, 0, 64, 48).data);
+  });
+}"""
+
+
+def pixels(page):
+    return np.array(page.evaluate(VISIBLE), dtype=float).reshape(48, 64, 4)[:, :, :3]
+
+
+@pytest.mark.parametrize("size", [DESKTOP, TELEPHONE], ids=["desktop", "telephone"])
+def test_every_mechanism_has_a_picture_of_its_own(open_page, size):
+    pictures = {}
+    for name in pj.list_mechanisms():
+        with pj.view(pj.load(name).home, open_browser=False, port=0) as viewer:
+            page = open_page(viewer, size)
+            page.wait_for_timeout(500)
+            pictures[name] = seen = pixels(page)
+            page.close()
+        drawn = np.abs(seen - seen[:, :1]).max(axis=2) > 25  # the left edge shows the ground
+        assert drawn.sum() > 20, name  # not blank
+        rows, columns = np.nonzero(drawn)
+        # The first view frames the mechanism: it fills much of the picture, and nothing is cut.
+        assert max(np.ptp(rows) / 48, np.ptp(columns) / 64) > 0.5, name
+        edge = np.concatenate([drawn[0], drawn[-1], drawn[:, 0], drawn[:, -1]])
+        assert edge.sum() <= 2, name
+    names = list(pictures)
+    for k, one in enumerate(names):
+        for two in names[k + 1 :]:
+            assert np.abs(pictures[one] - pictures[two]).mean() > 0.5, (one, two)
+
+
+RATE = """(seconds) => new Promise((resolve) => {
+  const slider = document.getElementById("motor-0");
+  const start = performance.now(), before = pmjac.updates;
+  let k = 0;
+  const next = () => {
+    const elapsed = (performance.now() - start) / 1000;
+    if (elapsed > seconds) {
+      document.removeEventListener("pmjac-update", next);
+      resolve((pmjac.updates - before) / elapsed);
+      return;
+    }
+    k += 1;
+    slider.value = 1 + 0.2 * Math.sin(k / 30);
+    slider.dispatchEvent(new Event("input"));
+  };
+  document.addEventListener("pmjac-update", next);
+  next();
+})"""
+
+
+def test_updates_keep_up_with_a_slider_that_never_rests(viewer, open_page):
+    """As fast as they are answered; how fast that is, `make bench` measures."""
+    page = open_page(viewer)
+    assert page.evaluate(RATE, 2.0) > 0.0
+    quiet(page)
+    check_numbers(page, viewer.configuration)
+
+
+def test_keyboard_alone(viewer, open_page):
+    page = open_page(viewer)
+    visited = []
+    for _ in range(18):
+        page.keyboard.press("Tab")
+        visited.append(page.evaluate("document.activeElement.id"))
+        if visited[-1] == "scale":
+            break
+        style = page.evaluate("getComputedStyle(document.activeElement).outlineStyle")
+        assert style == "solid", visited[-1]
+    motors = [f"motor-{k}{end}" for k in range(3) for end in ("", "-value")]
+    assert visited == ["home", "reset", "snapshot", "pose", *motors, "linear", "angular",
+                       "force", "scale"]  # fmt: skip
+    page.focus("#motor-0")
+    page.keyboard.press("ArrowRight")
+    quiet(page)
+    assert 1.0 < viewer.configuration.actuated[0] < 1.1
+    for key in ("ArrowLeft", "PageUp", "PageDown"):
+        page.keyboard.press(key)
+        quiet(page)
+    assert viewer.configuration.actuated[0] == pytest.approx(1.0)
+    page.focus("#angular")
+    page.keyboard.press("Space")
+    wait(page, "pmjac.state.drawn.angular")
+
+
+def test_every_control_has_a_name(viewer, open_page):
+    page = open_page(viewer)
+    unnamed = page.evaluate(
+        """() => [...document.querySelectorAll("button, input, select, iframe, svg")].filter(
+          (e) => !(e.labels?.length || e.getAttribute("aria-label") || e.title
+                   || e.textContent.trim())
+        ).map((e) => e.id)"""
+    )
+    assert unnamed == []
+    assert page.get_attribute("#motor-0", "aria-valuetext") == "1.0000 m"
+    assert page.locator("html").get_attribute("lang") == "en"
+
+
+OVERLAPS = """() => {
+  const boxes = [...document.querySelectorAll(
+    "button, input, select, output, h1, h2, .readout th, .readout td, figure, .limits"
+  )].filter((e) => e.offsetParent !== null).map((e) => [e, e.getBoundingClientRect()]);
+  const found = [];
+  for (const [a, p] of boxes) for (const [b, q] of boxes) {
+    if (a === b || a.contains(b) || b.contains(a)) continue;
+    const width = Math.min(p.right, q.right) - Math.max(p.left, q.left);
+    const height = Math.min(p.bottom, q.bottom) - Math.max(p.top, q.top);
+    if (width > 1 && height > 4) found.push([a.id || a.textContent, b.id || b.textContent]);
+  }
+  return found;
+}"""
+
+
+@pytest.mark.parametrize("size", [DESKTOP, TELEPHONE], ids=["desktop", "telephone"])
+@pytest.mark.parametrize("name", ["three_rps", "four_bar", "ur5"])
+def test_nothing_overlaps_and_nothing_is_too_wide(open_page, name, size):
+    with pj.view(pj.load(name).home, open_browser=False, port=0) as viewer:
+        page = open_page(viewer, size)
+        assert page.evaluate("document.documentElement.scrollWidth") == size["width"]
+        assert page.evaluate(OVERLAPS) == []
+        smallest = page.evaluate(
+            """Math.min(...[...document.querySelectorAll("p, th, td, label, button, span, h2")]
+              .filter((e) => e.offsetParent && e.textContent.trim())
+              .map((e) => parseFloat(getComputedStyle(e).fontSize)))"""
+        )
+        assert smallest >= 11
+        panel = page.evaluate("document.querySelector('.panel').scrollWidth")
+        assert panel <= page.evaluate("document.querySelector('.panel').clientWidth")
+        page.close()
+
+
+def test_numbers_do_not_jump(viewer, open_page):
+    page = open_page(viewer)
+    places = """() => [...document.querySelectorAll("section, .bar, #jacobian td, .numbers")]
+      .map((e) => { const r = e.getBoundingClientRect(); return [r.left, r.top, r.right]; })"""
+    before = page.evaluate(places)
+    for value in ("1.3", "0.8", "1.9", "1.2"):
+        page.fill("#motor-1-value", value)
+        page.press("#motor-1-value", "Enter")
+        quiet(page)
+        assert page.evaluate(places) == before
+
+
+def test_when_python_ends_the_page_says_so(browser):
+    viewer = pj.view(pj.load("four_bar").home, open_browser=False, port=0)
+    page = browser.new_page()
+    try:
+        page.goto(viewer.url)
+        wait(page, "window.pmjac && pmjac.ready")
+        viewer.close()
+        page.wait_for_selector(".status.error")
+        assert "connection to Python has ended" in page.inner_text("#notice")
+        assert page.is_disabled("#motor-0")
+    finally:
+        page.close()
+        viewer.close()
+
+
+def test_a_saved_page_needs_no_server(browser, tmp_path):
+    with pj.view(pj.load("four_bar").home, open_browser=False, port=0) as viewer:
+        viewer.save_html(tmp_path / "x.html")
+        (tmp_path / "notebook.html").write_text(viewer._repr_html_(), encoding="utf-8")
+    complaints = []
+    for name in ("x.html", "notebook.html"):
+        page = browser.new_page(viewport=DESKTOP)
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.on("console", lambda m: m.type == "error" and complaints.append(m.text))
+        page.goto((tmp_path / name).as_uri())
+        page.wait_for_timeout(1500)
+        blank = browser.new_page(viewport=DESKTOP)
+        assert page.screenshot() != blank.screenshot()
+        if name == "x.html":
+            assert page.evaluate("viewer.scene_tree.children.pmjac !== undefined")
+        blank.close()
+        page.close()
+    assert complaints == []

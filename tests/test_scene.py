@@ -1,0 +1,488 @@
+"""The scene: what is to be seen of a configuration, without a browser."""
+
+from __future__ import annotations
+
+import dataclasses
+import pickle
+import re
+
+import mechanisms
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import pmjac_pin as pj
+from pmjac_pin.catalog import find_model_file, find_urdf
+from pmjac_pin.viewer.ellipsoids import LIMIT, THINNEST, label
+from pmjac_pin.viewer.scene import (
+    NEAR_SINGULAR,
+    Box,
+    Cone,
+    Cylinder,
+    SceneMaker,
+    SceneOptions,
+    Sphere,
+    Text,
+    scene,
+)
+
+EVERYTHING = SceneOptions(linear=True, angular=True, force=True)
+MESH = '<mesh filename="package://nowhere/missing.stl"/>'
+
+
+def rewritten(name, folder, change):
+    """The model file of the catalogue with another URDF, and without parameters."""
+    model = find_model_file(name)
+    text = model.read_text(encoding="utf-8")
+    urdf = find_urdf(f"{name}.urdf", model).read_text(encoding="utf-8")
+    text = text.split("[parameters")[0].replace("{ a = 1.7320508075688772 }", repr(0.75**0.5))
+    (folder / f"{name}.toml").write_text(text, encoding="utf-8")
+    (folder / f"{name}.urdf").write_text(change(urdf), encoding="utf-8")
+    return pj.load(folder / f"{name}.toml")
+
+
+def bare(name, folder):
+    return rewritten(
+        name, folder, lambda text: re.sub(r"<visual.*?</visual>", "", text, flags=re.S)
+    )
+
+
+def meshes(name, folder):
+    pattern = r"<geometry>.*?</geometry>"
+    return rewritten(
+        name, folder, lambda text: re.sub(pattern, f"<geometry>{MESH}</geometry>", text)
+    )
+
+
+OTHERS = {
+    "bare": lambda folder: bare("three_rps", folder),
+    "bare_four_bar": lambda folder: bare("four_bar", folder),
+    "meshes": lambda folder: meshes("three_rps_ss", folder),
+    "idle_rod": lambda folder: mechanisms.rssr(),
+    "distance": lambda folder: mechanisms.rssr(rod=False),
+    "forbidden": lambda folder: mechanisms.over_actuated_four_bar(),
+    "redundant": lambda folder: mechanisms.four_bar_cut_at("A", 0.9, (2.0236, 0.0075)),
+    "yawing": lambda folder: mechanisms.yawing_four_bar(),
+}
+
+
+@pytest.fixture(params=[*mechanisms.CATALOGUE, *OTHERS])
+def mechanism(request, tmp_path):
+    make = OTHERS.get(request.param)
+    return make(tmp_path) if make else pj.load(request.param)
+
+
+@pytest.fixture(scope="module")
+def three_rps():
+    return pj.load("three_rps")
+
+
+@pytest.fixture(scope="module")
+def limit():
+    """A four-bar at the end of its motor's range, and the pose a little before it."""
+    mechanism = mechanisms.rocker_rocker()
+    with pytest.raises(pj.ClosureError) as caught:
+        mechanism.close([3.0])
+    reached = caught.value.reached
+    return reached, mechanism.close(reached.actuated - 1e-4)
+
+
+def by_name(scene):
+    return {item.name: item for item in scene.items}
+
+
+def transforms(scene):
+    return np.array([item.transform for item in scene.items])
+
+
+def poses(mechanism, rng):
+    """Home, the named poses and a random one."""
+    named = [mechanism.pose(name) for name in mechanism.poses]
+    if len(mechanism.actuated) > mechanism.mobility:
+        return named
+    return [*named, *mechanisms.random_closed(mechanism, rng, 1, spread=0.05)]
+
+
+def ends(item):
+    """Both ends of a cylinder or cone."""
+    half = 0.5 * item.transform[:3, 2]
+    return item.transform[:3, 3] - half, item.transform[:3, 3] + half
+
+
+# Laws of every scene.
+
+
+def test_names_are_the_same_at_all_poses_and_no_path_begins_another(mechanism, rng):
+    maker = SceneMaker(mechanism)
+    scenes = [maker.scene(pose, EVERYTHING) for pose in poses(mechanism, rng)]
+    names = [item.name for item in scenes[0].items]
+    assert len(set(names)) == len(names)
+    paths = {tuple(name.split("/")) for name in names}
+    assert not any(path[:depth] in paths for path in paths for depth in range(1, len(path)))
+    assert all(part for path in paths for part in path)
+    for other in scenes[1:]:
+        assert [item.name for item in other.items] == names
+        for one, two in zip(scenes[0].items, other.items, strict=True):
+            assert one.colour == two.colour
+            assert type(one.shape) is type(two.shape)
+
+
+def test_transforms_are_finite_right_handed_read_only_and_without_shear(mechanism, rng):
+    maker = SceneMaker(mechanism)
+    for pose in poses(mechanism, rng):
+        scene = maker.scene(pose, EVERYTHING)
+        found = transforms(scene)
+        assert np.isfinite(found).all()
+        np.testing.assert_array_equal(found[:, 3], np.tile([0.0, 0, 0, 1], (len(found), 1)))
+        scales = np.linalg.norm(found[:, :3, :3], axis=1)
+        assert scales.min() > 0.0
+        rotations = found[:, :3, :3] / scales[:, None, :]
+        gram = rotations.transpose(0, 2, 1) @ rotations
+        np.testing.assert_allclose(gram, np.broadcast_to(np.eye(3), gram.shape), atol=1e-9)
+        assert (np.linalg.det(rotations) > 0.9).all()
+        assert not any(item.transform.flags.writeable for item in scene.items)
+
+
+def test_what_is_hidden_is_too_small_to_be_seen(mechanism):
+    for item in scene(mechanism.home, EVERYTHING).items:
+        widest = np.linalg.norm(item.transform[:3, :3], axis=0).max()
+        assert (widest > 1e-3 * mechanism.characteristic_length) == item.visible, item.name
+
+
+def test_the_frame_encloses_every_visible_item(mechanism, rng):
+    rims = np.linspace(0, 2 * np.pi, 24, endpoint=False)
+    circle = np.array([np.cos(rims), np.sin(rims), np.zeros(24)])
+    hulls = {
+        Box: np.array(np.meshgrid(*[[-0.5, 0.5]] * 3)).reshape(3, -1),
+        Cylinder: np.hstack([np.add(circle, [[0], [0], [z]]) for z in (-0.5, 0.5)]),
+        Cone: np.hstack([circle - [[0], [0], [0.5]], [[0], [0], [0.5]]]),
+        Sphere: np.hstack([np.eye(3), -np.eye(3), np.roll(circle, 1, axis=0), circle]),
+        Text: np.zeros((3, 1)),
+    }
+    for pose in poses(mechanism, rng):
+        drawn = scene(pose, EVERYTHING)
+        assert drawn.radius < 10 * mechanism.characteristic_length
+        for item in drawn.items:
+            if item.visible:
+                hull = item.transform[:3, :3] @ hulls[type(item.shape)] + item.transform[:3, 3:]
+                far = np.linalg.norm(hull - drawn.centre[:, None], axis=0).max()
+                assert far <= drawn.radius * (1 + 1e-12), item.name
+
+
+def test_a_scene_maker_gives_what_scene_gives_and_survives_other_poses(three_rps):
+    maker = SceneMaker(three_rps)
+    maker.scene(three_rps.pose("lecture_a"))
+    again = maker.scene(three_rps.home)
+    np.testing.assert_array_equal(transforms(again), transforms(scene(three_rps.home)))
+
+
+def test_options_choose_what_there_is(three_rps):
+    maker = SceneMaker(three_rps)
+    plain = SceneOptions(linear=False, frames=False, labels=False)
+    groups = {item.name.split("/")[0] for item in maker.scene(three_rps.home, plain).items}
+    assert groups == {"links", "joints", "motors", "loops", "free"}
+    names = set(by_name(maker.scene(three_rps.home, EVERYTHING)))
+    for kind in ("linear", "angular", "force"):
+        assert f"ellipsoids/{kind}/surface" in names
+    unlabelled = dataclasses.replace(EVERYTHING, labels=False)
+    items = maker.scene(three_rps.home, unlabelled).items
+    assert {item.name for item in items} < names
+    assert not any(isinstance(item.shape, Text) for item in items)
+
+
+def test_wrong_arguments_are_refused(three_rps):
+    for scale in (0.0, -1.0, np.inf, np.nan):
+        with pytest.raises(pj.ArgumentError, match="scale must be a positive number"):
+            SceneOptions(scale=scale)
+    other = pj.load("three_rps", {"a": 0.6})
+    with pytest.raises(pj.ArgumentError, match="'three_rps'"):
+        SceneMaker(three_rps).scene(other.home)
+
+
+# Links and joints.
+
+
+def test_visuals_stand_where_pinocchio_has_their_links(three_rps, rng):
+    model = three_rps.model
+    data = model.createData()
+    for pose in poses(three_rps, rng):
+        pin.framesForwardKinematics(model, data, pose.q)
+        items = by_name(scene(pose))
+        tube = pin.SE3(pin.utils.rotate("y", np.pi / 2), np.array([-0.3, 0, 0]))
+        for leg in (1, 2, 3):
+            link = data.oMf[model.getFrameId(f"leg{leg}_cylinder")]
+            expected = (link * tube).homogeneous @ np.diag([0.035, 0.035, 0.6, 1])
+            found = items[f"links/leg{leg}_cylinder/leg{leg}_cylinder_tube"]
+            assert isinstance(found.shape, Cylinder)
+            np.testing.assert_allclose(found.transform, expected, atol=1e-12)
+        plate = data.oMf[model.getFrameId("plate")].homogeneous @ np.diag([0.5, 0.5, 0.02, 1])
+        found = items["links/plate/plate_disc"]
+        np.testing.assert_allclose(found.transform, plate, atol=1e-12)
+        assert found.colour == (0.0, 0.45, 0.70, 1.0)
+
+
+def test_parameters_change_the_drawing():
+    items = by_name(scene(pj.load("four_bar", {"l1": 1.3}).close([0.0])))
+    crank = items["links/crank/crank_bar"].transform
+    np.testing.assert_allclose(np.diag(crank), [1.3, 0.08, 0.08, 1])
+    np.testing.assert_allclose(crank[:3, 3], [0.65, 0, 0], atol=1e-12)
+
+
+def test_visuals_survive_pickling(three_rps):
+    mechanism = pickle.loads(pickle.dumps(three_rps))
+    expected = transforms(scene(three_rps.home))
+    np.testing.assert_allclose(transforms(scene(mechanism.home)), expected, atol=1e-9)
+
+
+def test_every_visual_that_can_be_drawn_is_and_a_broken_one_is_not(tmp_path, caplog):
+    visuals = """<link name="ground">
+      <visual><geometry><capsule radius="0.1" length="0.6"/></geometry>
+        <material name="red"/></visual>
+      <visual name="same"><geometry><box size="1 1 0"/></geometry></visual>
+      <visual name="a/b"><geometry><sphere radius="0.5"/></geometry></visual>
+      <visual name="a_b"><geometry><sphere radius="0.4"/></geometry>
+        <material name="red"><color rgba="2 0.5 0 nonsense"/></material></visual>
+      <visual name="empty"/>"""
+    material = '<material name="red"><color rgba="1 0 0 0.5"/></material>'
+
+    def change(text):
+        text = re.sub(r"<visual.*?</visual>", "", text, flags=re.S)
+        return text.replace('<link name="ground">', material + visuals)
+
+    items = by_name(scene(rewritten("four_bar", tmp_path, change).home))
+    names = [name for name in items if name.startswith("links/ground/")]
+    capsule = [f"links/ground/visual1{end}" for end in ("", "~2", "~3")]
+    balls = ["links/ground/a_b", "links/ground/a_b~2"]
+    # A body with a visual that cannot be drawn has bars as well.
+    assert names == [*capsule, *balls, "links/ground/bar1"]
+    assert items[capsule[0]].colour == (1, 0, 0, 0.5)
+    assert items[capsule[2]].transform[2, 3] == 0.3
+    assert items[balls[1]].colour == items[capsule[0]].colour
+    assert "box" in caplog.text
+    assert "rgba" in caplog.text
+
+
+@pytest.mark.parametrize(("make", "count"), [(bare, 4), (meshes, 4)])
+def test_without_visuals_bars_join_the_joints(tmp_path, make, count):
+    mechanism = make("four_bar", tmp_path)
+    configuration = mechanism.close([1.2])
+    items = by_name(scene(configuration))
+    theta, phi = 1.2, configuration.passive[0]
+    crank_tip = np.array([np.cos(theta), np.sin(theta), 0])
+    pivot = np.array([4.0, 0, 0])
+    tip = pivot + 3.5 * np.array([np.cos(phi), np.sin(phi), 0])
+    bars = [name for name in items if name.startswith("links/") and "/bar" in name]
+    assert len({name.split("/")[1] for name in bars}) == count
+    np.testing.assert_allclose(ends(items["links/ground/bar1"]), [pivot, [0, 0, 0]], atol=1e-9)
+    np.testing.assert_allclose(ends(items["links/crank/bar1"]), [[0, 0, 0], crank_tip], atol=1e-9)
+    np.testing.assert_allclose(ends(items["links/rocker/bar1"]), [pivot, tip], atol=1e-9)
+    # The tool is at the coupler's middle: one bar from there to either end.
+    halves = np.array([ends(items[name])[1] for name in bars if "coupler" in name])
+    np.testing.assert_allclose(halves, [crank_tip, tip], atol=1e-9)
+
+
+def test_a_slide_without_visuals_is_drawn_by_its_rail(tmp_path):
+    mechanism = bare("three_rps", tmp_path)
+    items = by_name(scene(mechanism.home))
+    rail = ends(items["motors/l1/rail"])
+    np.testing.assert_allclose(rail[0], [1, 0, 0], atol=1e-9)
+    np.testing.assert_allclose(rail[1], items["loops/1/second"].transform[:3, 3], atol=1e-9)
+    plate = [name for name in items if name.startswith("links/plate/bar")]
+    assert len(plate) == 3
+
+
+def test_meshes_of_an_arm_become_bars_from_joint_to_joint():
+    mechanism = pj.load("ur5")
+    model, home = mechanism.model, mechanism.home
+    data = model.createData()
+    pin.forwardKinematics(model, data, home.q)
+    items = by_name(scene(home))
+    for joint, link in ((2, "upper_arm_link"), (3, "forearm_link")):
+        expected = [data.oMi[joint].translation, data.oMi[joint + 1].translation]
+        np.testing.assert_allclose(ends(items[f"links/{link}/bar1"]), expected, atol=1e-9)
+    last = ends(items["links/wrist_3_link/bar1"])[1]
+    np.testing.assert_allclose(last, home.tool_pose.translation, atol=1e-9)
+    assert len([name for name in items if name.startswith("motors/")]) == 6
+
+
+def test_pins_lie_along_their_axes_and_motors_have_their_own_colour(three_rps):
+    model, home = three_rps.model, three_rps.home
+    data = model.createData()
+    pin.forwardKinematics(model, data, home.q)
+    items = by_name(scene(home))
+    placement = data.oMi[model.getJointId("theta2")]
+    pin_ = items["joints/theta2/pin"]
+    along = pin_.transform[:3, 2] / np.linalg.norm(pin_.transform[:3, 2])
+    np.testing.assert_allclose(along, placement.rotation[:, 1], atol=1e-12)
+    np.testing.assert_allclose(pin_.transform[:3, 3], placement.translation, atol=1e-12)
+    assert isinstance(items["motors/l2/slider"].shape, Box)
+    assert items["motors/l2/slider"].colour != pin_.colour
+    assert items["names/l2"].shape == Text("l2")
+    # The floating joint is where coordinates start, not a place: no glyph.
+    assert not any("/platform/" in name for name in items)
+
+
+# Loops.
+
+
+def test_anchors_coincide_when_closed(mechanism, rng):
+    maker = SceneMaker(mechanism)
+    for pose in poses(mechanism, rng):
+        items = by_name(maker.scene(pose))
+        for number, loop in enumerate(mechanism.spec.loops, start=1):
+            first = items[f"loops/{number}/first"].transform[:3, 3]
+            second = items[f"loops/{number}/second"].transform[:3, 3]
+            length = 0.0
+            if isinstance(loop, pj.DistanceLoop):
+                length = loop.resolved_length(mechanism.parameters)
+                rod = ends(items[f"loops/{number}/rod"])
+                np.testing.assert_allclose(rod, [first, second], atol=1e-9)
+            assert abs(np.linalg.norm(second - first) - length) < 1e-9
+            assert not items[f"loops/{number}/gap"].visible
+
+
+# Ellipsoids.
+
+
+@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+@pytest.mark.parametrize("scale", [1.0, 0.3])
+def test_the_ellipsoid_is_the_jacobians(name, scale, rng):
+    mechanism = pj.load(name)
+    maker = SceneMaker(mechanism)
+    options = SceneOptions(angular=True, scale=scale)
+    home = mechanism.home.jacobian()
+    for pose in mechanisms.random_closed(mechanism, rng, 2, spread=0.1):
+        items, jacobian = by_name(maker.scene(pose, options)), pose.jacobian()
+        for kind in ("linear", "angular"):
+            get = pj.EquivalentJacobian.velocity_ellipsoid
+            if kind == "angular":
+                get = pj.EquivalentJacobian.angular_ellipsoid
+            ellipsoid, unit_at_home = get(jacobian), get(home).radii[0]
+            surface = items[f"ellipsoids/{kind}/surface"].transform
+            tool = pose.tool_pose.translation
+            np.testing.assert_allclose(surface[:3, 3], tool, atol=1e-12)
+            _, drawn, _ = np.linalg.svd(surface[:3, :3])
+            size = items_size(mechanism)
+            expected = 0.35 * size * scale * ellipsoid.radii / unit_at_home
+            np.testing.assert_allclose(
+                drawn, np.clip(expected, THINNEST * size, LIMIT * size), rtol=1e-9
+            )
+            for n in range(ellipsoid.rank):
+                axis = f"ellipsoids/{kind}/axis{n + 1}"
+                tip = ends(items[f"{axis}/head"])[1] - tool
+                np.testing.assert_allclose(tip, ellipsoid.axes[:, n] * drawn[n], atol=1e-9)
+                neck = ends(items[f"{axis}/head"])[0]
+                np.testing.assert_allclose(ends(items[f"{axis}/shaft"])[1], neck, atol=1e-9)
+                np.testing.assert_allclose(ends(items[f"{axis}/shaft"])[0], tool, atol=1e-9)
+                text = items[f"{axis}/label"].shape.text
+                value, unit = text.split()
+                assert unit == ellipsoid.unit
+                assert float(value) == pytest.approx(ellipsoid.radii[n], rel=5e-4)
+            hidden = [items[f"ellipsoids/{kind}/axis{n + 1}/head"].visible for n in range(3)]
+            assert sum(hidden) == ellipsoid.rank
+
+
+def items_size(mechanism):
+    """The mechanism's size by its glyphs: the tool's arrows are 0.15 of it long."""
+    items = by_name(scene(mechanism.home))
+    tip, start = ends(items["tool/z/head"])[1], ends(items["tool/z/shaft"])[0]
+    return float(np.linalg.norm(tip - start)) / 0.15
+
+
+def test_labels_keep_their_width():
+    assert label(2.34349, "m/s") == "2.343 m/s"
+    assert label(2.0, "m/s") == "2.000 m/s"
+    assert label(1000.0, "N") == "1000 N"
+    assert label(np.inf, "N") == "∞ N"
+
+
+def test_an_unbounded_force_is_clipped_and_marked():
+    mechanism = pj.load("four_bar")
+    size = items_size(mechanism)
+    items = by_name(scene(mechanism.home, SceneOptions(force=True)))
+    surface = items["ellipsoids/force/surface"].transform[:3, :3]
+    np.testing.assert_allclose(
+        np.linalg.svd(surface)[1], size * np.array([LIMIT, LIMIT, 0.35]), rtol=1e-9
+    )
+    texts = [items[f"ellipsoids/force/axis{n}/label"].shape.text for n in (1, 2, 3)]
+    assert texts[:2] == ["∞ N", "∞ N"]
+    along = items["ellipsoids/force/axis3/head"].transform[:3, 2]
+    velocity = mechanism.home.jacobian().Jv_eq[:, 0]
+    np.testing.assert_allclose(np.cross(along, velocity), 0, atol=1e-9)
+
+
+def test_where_no_equivalent_jacobian_exists_there_is_no_ellipsoid(limit):
+    singular, _ = limit
+    forbidden = mechanisms.over_actuated_four_bar().home
+    felt = mechanisms.rssr(tool="rod_side").home
+    for configuration in (singular, forbidden, felt):
+        for name, item in by_name(scene(configuration, EVERYTHING)).items():
+            if name.startswith("ellipsoids/"):
+                assert not item.visible
+                assert item.shape in (Sphere(), Cylinder(), Cone(), Text(""))
+
+
+# Singularities.
+
+
+def coupler_turn(configuration):
+    """The velocities of the coupler's middle and end with the crank locked: about its pin B."""
+    theta = configuration.actuated[0]
+    pin_b = 3.0 * np.array([np.cos(theta), np.sin(theta), 0])
+    middle = configuration.tool_pose.translation
+    across = np.cross([0, 0, 1], middle - pin_b)
+    return middle, across / np.linalg.norm(across)
+
+
+def test_free_motion_arrows_show_the_hand_computed_direction(limit):
+    size = items_size(limit[0].mechanism)
+    for configuration in limit:
+        assert configuration.singularity().smallest < NEAR_SINGULAR
+        items = by_name(scene(configuration))
+        middle, across = coupler_turn(configuration)
+        first, last = ends(items["free/tool/forth"])[1], ends(items["free/tool/back"])[1]
+        np.testing.assert_allclose(0.5 * (first + last), middle, atol=1e-9)
+        direction = (first - last) / np.linalg.norm(first - last)
+        np.testing.assert_allclose(np.abs(direction @ across), 1.0, atol=1e-6)
+        # The coupler's end is twice as far from its pin: the fastest point there is.
+        tip = ends(items["free/loops/1/first/forth"])[1]
+        anchor = items["loops/1/first"].transform[:3, 3]
+        assert np.linalg.norm(tip - anchor) == pytest.approx(0.3 * size)
+        assert np.linalg.norm(first - middle) == pytest.approx(0.15 * size, rel=1e-6)
+        # With the crank locked its pin stays.
+        assert not items["free/joints/phi2/shaft"].visible
+
+
+def test_at_regular_poses_nothing_comes_free(mechanism):
+    assert mechanism.home.singularity().smallest > NEAR_SINGULAR
+    for item in scene(mechanism.home).items:
+        assert not (item.name.startswith("free/") and item.visible)
+
+
+def test_the_free_motion_satisfies_the_loops(limit):
+    """The arrow at the cut, drawn with the coupler, is across the rocker too."""
+    configuration = limit[0]
+    items = by_name(scene(configuration))
+    along = items["free/loops/1/first/forth"].transform[:3, 2]
+    rocker = items["loops/1/first"].transform[:3, 3] - [4.0, 0, 0]
+    assert abs(along @ rocker) < 1e-4 * np.linalg.norm(along) * 2.0
+
+
+def test_an_idle_rod_hides_no_free_motion():
+    """The rod's spin is free at every pose and moves no point; the crank comes free here."""
+    rssr = mechanisms.rssr()
+    mechanism = pj.Mechanism.from_pinocchio(
+        rssr.model, rssr.spec.loops, ["psi"], "rocker_tip", home=rssr.home.q
+    )
+    with pytest.raises(pj.ClosureError) as caught:
+        mechanism.close([3.0])
+    configuration = caught.value.reached
+    assert configuration.singularity().free_motions.shape == (4, 2)
+    items = by_name(scene(configuration))
+    visible = [name for name in items if name.startswith("free/") and items[name].visible]
+    # The crank's tip is where all three turns of the rod meet: one arrow, not three.
+    assert visible == [f"free/joints/rx/{end}" for end in ("shaft", "forth", "back")]
+    theta = configuration.joint_values["theta"]
+    along = items["free/joints/rx/forth"].transform[:3, 2]
+    along = along / np.linalg.norm(along)
+    np.testing.assert_allclose(abs(along @ [-np.sin(theta), np.cos(theta), 0]), 1.0, atol=1e-9)

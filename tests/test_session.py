@@ -1,0 +1,267 @@
+"""What the page does, without a browser: commands, the end of the range, the read-out."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import pmjac_pin as pj
+from pmjac_pin.viewer.messages import (
+    MAXIMAL_SIZE,
+    Home,
+    Move,
+    Options,
+    Pose,
+    Refusal,
+    decode,
+    encode,
+)
+from pmjac_pin.viewer.readout import make_readout
+from pmjac_pin.viewer.scene import SceneOptions
+from pmjac_pin.viewer.session import Session
+
+
+def session_of(name="three_rps", **options):
+    return Session(pj.load(name).home, SceneOptions(**options))
+
+
+def test_a_move_goes_to_the_values():
+    session = session_of()
+    session.obey(Move(values=[1.1, 1.0, 0.9]))
+    np.testing.assert_allclose(session.configuration.actuated, [1.1, 1.0, 0.9], atol=1e-12)
+    assert session.notice.kind == ""
+    assert session.pose is None
+
+
+def test_moves_follow_the_assembly_mode():
+    """Many small steps end where one large one does."""
+    session = session_of("four_bar")
+    for value in np.linspace(0.9, 4.0, 200):
+        session.obey(Move(values=[value]))
+    at_once = session.mechanism.close([4.0])
+    np.testing.assert_allclose(session.configuration.q, at_once.q, atol=1e-9)
+
+
+def test_the_end_of_the_range_stops_the_motion():
+    session = session_of()
+    session.obey(Move(values=[1.0, 3.0, 1.0]))
+    l1, l2, l3 = session.configuration.actuated
+    assert (l1, l3) == pytest.approx((1.0, 1.0), abs=1e-9)
+    assert 1.9 < l2 < 2.0
+    assert session.notice.kind == "stop"
+    assert "l2 stops at 1.97" in session.notice.text
+    assert session.configuration.residual_norm < 1e-9
+
+
+def test_the_end_of_the_range_can_be_left_again():
+    session = session_of()
+    for _ in range(3):
+        session.obey(Move(values=[1.0, 3.0, 1.0]))
+    assert session.readout().warning.level == "singular"
+    session.obey(Move(values=[1.0, 1.9, 1.0]))
+    assert session.notice.kind == ""
+    assert session.configuration.actuated[1] == pytest.approx(1.9)
+    home = session.mechanism.close([1.0, 1.9, 1.0])
+    np.testing.assert_allclose(session.configuration.q, home.q, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        [],
+        [1.0],
+        [1.0] * 4,
+        [math.nan, 1.0, 1.0],
+        [math.inf, 1.0, 1.0],
+        [1.0, -math.inf, 1.0],
+        [1.0, 3.5, 1.0],
+        [1e300, 1.0, 1.0],
+    ],
+)
+def test_a_value_that_is_none_changes_nothing(values):
+    session = session_of()
+    before = session.configuration
+    with pytest.raises(pj.ArgumentError):
+        session.obey(Move(values=values))
+    assert session.configuration is before
+
+
+def test_poses_and_home():
+    session = session_of()
+    session.obey(Pose(name="lecture_b"))
+    assert session.pose == "lecture_b"
+    assert session.configuration is session.mechanism.pose("lecture_b")
+    with pytest.raises(pj.UnknownNameError, match="did you mean 'lecture_b'"):
+        session.obey(Pose(name="lecture_c"))
+    assert session.pose == "lecture_b"
+    session.obey(Home())
+    assert session.pose == "home"
+
+
+def test_options_choose_what_is_drawn():
+    session = session_of()
+
+    def drawn():
+        items = (item for item in session.scene().items if item.visible)
+        return {name for item in items for name in item.name.split("/")}
+
+    before = drawn()
+    session.obey(Options(linear=True, angular=True, force=False, scale=2.0))
+    assert drawn() - before
+    assert session.state().drawn.scale == 2.0
+
+
+def test_another_mechanism_is_refused():
+    session = session_of()
+    with pytest.raises(pj.ArgumentError, match="four_bar"):
+        session.show(pj.load("four_bar").home)
+
+
+def test_the_same_mechanism_loaded_twice_is_welcome():
+    session = session_of()
+    session.show(pj.load("three_rps").close([1.1, 1.0, 1.0]))
+    assert session.configuration.actuated[0] == pytest.approx(1.1)
+    session.obey(Move(values=[1.2, 1.0, 1.0]))
+
+
+@pytest.mark.parametrize("name", pj.list_mechanisms())
+def test_the_readout_is_the_library_s(name):
+    configuration = pj.load(name).home
+    readout = make_readout(configuration)
+    jacobian = configuration.jacobian()
+    np.testing.assert_array_equal(readout.J_eq, jacobian.J_eq)
+    singular_values = np.linalg.svd(jacobian.Jv_eq, compute_uv=False)
+    np.testing.assert_allclose(readout.Jv_singular_values, singular_values)
+    np.testing.assert_allclose(
+        readout.Jw_singular_values, np.linalg.svd(jacobian.Jw_eq, compute_uv=False)
+    )
+    singularity = configuration.singularity()
+    if readout.loops:
+        assert (readout.smallest, readout.condition) == (
+            singularity.smallest,
+            singularity.condition,
+        )
+    else:
+        assert readout.smallest is None
+    ellipsoid = jacobian.velocity_ellipsoid()
+    for section in readout.sections:
+        ellipse = ellipsoid.section(section.plane)
+        np.testing.assert_array_equal(section.radii, ellipse.radii)
+        np.testing.assert_array_equal(np.transpose(section.axes), ellipse.axes)
+
+
+def test_near_a_singularity_the_joints_that_come_free_are_named():
+    session = session_of()
+    session.obey(Move(values=[1.0, 1.9729, 1.0]))
+    readout = session.readout()
+    assert readout.smallest < 0.01
+    assert readout.warning.level == "near"
+    assert "theta1" in readout.warning.text
+    assert "theta2" not in readout.warning.text
+    assert readout.J_eq is not None
+
+
+def test_at_a_singularity_there_is_no_jacobian_and_the_readout_says_why():
+    session = session_of()
+    session.obey(Move(values=[1.0, 3.0, 1.0]))
+    readout = session.readout()
+    assert readout.J_eq is None
+    assert readout.sections is None
+    assert readout.warning.level == "singular"
+    assert "gain" in readout.warning.text
+    assert "no J_eq exists" in readout.refusal
+    state = json.loads(encode(session.state()))
+    assert state["readout"]["J_eq"] is None
+
+
+def test_a_loss_singularity_is_said_and_seen_coming():
+    mechanism = pj.load("ur5")
+    near, there = (mechanism.close([0.3, -1.2, elbow, -0.9, -1.2, 0.2]) for elbow in (0.01, 0.0))
+    assert make_readout(near).warning.level == "near"
+    warning = make_readout(there).warning
+    assert (warning.level, "loss" in warning.text) == ("singular", True)
+
+
+def test_a_warning_has_no_changing_numbers():
+    """A screen reader would read every one of them aloud."""
+    session = session_of()
+    texts = set()
+    for l2 in (1.9725, 1.9727, 1.9729):
+        session.obey(Move(values=[1.0, l2, 1.0]))
+        texts.add(session.readout().warning.text)
+    assert len(texts) == 1
+
+
+def test_motors_without_limits_get_sensible_sliders():
+    model = pin.Model()
+    joint = model.addJoint(0, pin.JointModelRUBZ(), pin.SE3.Identity(), "turn")
+    slide = model.addJoint(joint, pin.JointModelPX(), pin.SE3(np.eye(3), np.ones(3)), "slide")
+    model.addFrame(pin.Frame("tip", slide, pin.SE3(np.eye(3), np.ones(3)), pin.FrameType.OP_FRAME))
+    mechanism = pj.Mechanism.from_pinocchio(model, [], ["turn", "slide"], "tip")
+    session = Session(mechanism.home, SceneOptions())
+    turn, slider = session.state(about=True).about.motors
+    assert not turn.limited
+    assert not slider.limited
+    assert (turn.lower, turn.upper) == pytest.approx((-math.pi, math.pi))
+    assert -100 < slider.lower < 0 < slider.upper < 100
+    session.obey(Move(values=[9.0, 50.0]))
+    with pytest.raises(pj.ArgumentError, match="beyond"):
+        session.obey(Move(values=[0.0, 1e5]))
+
+
+def test_the_first_view_holds_everything():
+    session = session_of(angular=True)
+    framing = session.framing
+    items = [item for item in session.scene().items if item.visible]
+    radius = math.hypot(framing.width, framing.height, framing.depth)
+    for item in items:
+        assert np.linalg.norm(item.transform[:3, 3] - framing.centre) <= radius
+    assert np.linalg.norm(framing.eye) == pytest.approx(1.0)
+
+
+def test_a_flat_mechanism_is_looked_at_from_above():
+    assert session_of("four_bar").framing.eye[2] > 0.8
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        "",
+        "{}",
+        "[]",
+        "null",
+        "1",
+        '"home"',
+        "{",
+        '{"command": "fly"}',
+        '{"command": "home", "extra": 1}',
+        '{"command": "move"}',
+        '{"command": "move", "values": "1"}',
+        '{"command": "move", "values": ["1", "1", "1"]}',
+        '{"command": "move", "values": [NaN, 1, 1]}',
+        '{"command": "move", "values": [1, 1, true]}',
+        '{"command": "move", "values": [1, 1, null]}',
+        '{"command": "options", "linear": 1, "angular": false, "force": false, "scale": 1}',
+        '{"command": "options", "linear": true, "angular": false, "force": false, "scale": 0}',
+        '{"command": "options", "linear": true, "angular": false, "force": false, "scale": 1e9}',
+        '{"command": "home", "id": -1}',
+        '{"command": "home", "id": 1.5}',
+        '{"command": "home", "id": ' + "9" * 40 + "}",
+        "[" * 60_000,
+        '{"command": "pose", "name": "' + "x" * MAXIMAL_SIZE + '"}',
+        "\ud800",
+        b'{"command": "home"}',
+    ],
+)
+def test_what_is_no_message_is_refused(message):
+    with pytest.raises(pj.ArgumentError):
+        decode(message)
+
+
+def test_messages():
+    assert decode('{"command": "move", "values": [1, 2.5], "id": 7}') == Move(id=7, values=[1, 2.5])
+    assert json.loads(encode(Refusal(None, "no"))) == {"type": "error", "id": None, "message": "no"}

@@ -1,0 +1,212 @@
+"""The viewer from Python: update, saving, closing, notebooks; and the drawing commands."""
+
+from __future__ import annotations
+
+import re
+import threading
+from types import SimpleNamespace
+
+import msgspec
+import numpy as np
+import pytest
+
+import pmjac_pin as pj
+from pmjac_pin.viewer import viewer as viewer_module
+from pmjac_pin.viewer.drawing import Drawing
+from pmjac_pin.viewer.scene import SceneMaker, SceneOptions
+from pmjac_pin.viewer.shapes import Item, Sphere, Text, scaled
+
+
+@pytest.fixture
+def mechanism():
+    return pj.load("four_bar")
+
+
+@pytest.fixture
+def viewer(mechanism):
+    with pj.view(mechanism.home, open_browser=False, port=0) as viewer:
+        yield viewer
+
+
+def decoded(commands):
+    return [msgspec.msgpack.decode(command) for _, command in commands]
+
+
+def test_it_returns_at_once_and_prints_nothing(mechanism, capfd):
+    with pj.view(mechanism.home, open_browser=False, port=0) as viewer:
+        assert isinstance(viewer, pj.Viewer)
+        assert viewer.url == f"http://127.0.0.1:{viewer.port}/"
+        assert viewer.url in repr(viewer)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_update(viewer, mechanism):
+    there = mechanism.close([1.2])
+    viewer.update(there)
+    assert viewer.configuration is there
+    with pytest.raises(pj.ArgumentError, match="serial_2r"):
+        viewer.update(pj.load("serial_2r").home)
+    with pytest.raises(pj.ArgumentError, match="ndarray"):
+        viewer.update(there.q)
+    assert viewer.configuration is there
+
+
+def test_update_from_many_threads(viewer, mechanism):
+    poses = [mechanism.close([0.9 + k / 50]) for k in range(20)]
+    threads = [threading.Thread(target=viewer.update, args=[pose]) for pose in poses]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert viewer.configuration in poses
+
+
+def test_what_is_no_configuration(mechanism):
+    with pytest.raises(pj.ArgumentError, match=re.escape("mechanism.home")):
+        pj.view(mechanism, open_browser=False, port=0)
+
+
+def test_an_exception_ends_the_server(mechanism):
+    with (
+        pytest.raises(ZeroDivisionError),
+        pj.view(mechanism.home, open_browser=False, port=0) as viewer,
+    ):
+        raise ZeroDivisionError
+    assert viewer.closed
+
+
+def test_a_closed_viewer(mechanism, tmp_path):
+    viewer = pj.view(mechanism.home, open_browser=False, port=0)
+    viewer.close()
+    viewer.close()
+    assert viewer.closed
+    assert repr(viewer) == "Viewer(four_bar, closed)"
+    with pytest.raises(pj.PmjacError, match="closed"):
+        viewer.update(mechanism.home)
+    viewer.save_html(tmp_path / "last.html")
+    assert (tmp_path / "last.html").stat().st_size > 500_000
+
+
+def test_save_html(viewer, mechanism, tmp_path):
+    path = tmp_path / "x.html"
+    viewer.save_html(path)
+    first = path.read_text(encoding="utf-8")
+    assert "MeshCat" in first
+    assert not re.search(r"""(src|href)=["']?http""", first)
+    viewer.update(mechanism.close([1.3]))
+    viewer.save_html(str(path))
+    second = path.read_text(encoding="utf-8")
+    assert second != first
+    assert abs(len(second) - len(first)) < 2000  # nothing piles up
+    assert [file.name for file in tmp_path.iterdir()] == ["x.html"]
+
+
+def test_a_file_that_cannot_be_written(viewer, tmp_path):
+    with pytest.raises(OSError, match="nowhere"):
+        viewer.save_html(tmp_path / "nowhere" / "x.html")
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(OSError, match="folder"):
+        viewer.save_html(tmp_path / "folder")
+    assert [file.name for file in tmp_path.iterdir()] == ["folder"]
+
+
+def test_in_a_notebook(viewer):
+    html = viewer._repr_html_()
+    assert html.startswith("<iframe srcdoc=")
+    assert 'sandbox="allow-scripts"' in html
+    assert html.count("<iframe") == 1
+
+
+@pytest.mark.parametrize("name", ['a"><script>alert(1)</script>', "</title>", "</script>", "ü"])
+def test_names_are_escaped(name, viewer, mechanism):
+    other = pj.Mechanism.from_pinocchio(
+        pj.load("serial_2r").model, [], ["theta1", "theta2"], "tip", name=name
+    )
+    with pj.view(other.home, open_browser=False, port=0) as viewer:
+        html = viewer._repr_html_()
+        assert html.count('"') == 8
+        assert "<script>" not in html
+
+
+def test_the_browser_is_opened_when_asked_and_never_in_tests(mechanism, monkeypatch):
+    opened = []
+    monkeypatch.setattr(viewer_module.webbrowser, "open", lambda url: bool(opened.append(url)) or 1)
+    with pj.view(mechanism.home, port=0):
+        assert not opened
+    with pj.view(mechanism.home, open_browser=True, port=0) as viewer:
+        assert opened == [viewer.url]
+    monkeypatch.setattr(viewer_module.sys, "ps1", ">>> ", raising=False)
+    monkeypatch.setenv("DISPLAY", ":0")
+    with pj.view(mechanism.home, port=0):
+        assert len(opened) == 2
+
+
+def test_no_browser_is_no_error(mechanism, monkeypatch, caplog):
+    monkeypatch.setattr(viewer_module.webbrowser, "open", lambda url: False)
+    with pj.view(mechanism.home, open_browser=True, port=0) as viewer:
+        assert viewer.url in caplog.text
+
+
+def test_a_later_picture_sends_transforms_only(mechanism):
+    maker, drawing = SceneMaker(mechanism), Drawing()
+    drawing.update(maker.scene(mechanism.home).items)
+    kinds = {
+        command["type"]
+        for command in decoded(drawing.update(maker.scene(mechanism.close([0.91])).items))
+        if "label" not in command["path"] and "text" not in command["path"]
+    }
+    assert "set_transform" in kinds
+    assert drawing.update(maker.scene(mechanism.close([0.91])).items) == []
+
+
+def test_the_commands_do_not_pile_up(mechanism):
+    maker, drawing = SceneMaker(mechanism), Drawing()
+    drawing.update(maker.scene(mechanism.home).items)
+    drawing.update(maker.scene(mechanism.close([2.0])).items)
+    count = len(drawing.commands())
+    for value in np.linspace(0.9, 2.0, 30):
+        drawing.update(maker.scene(mechanism.close([value])).items)
+    assert len(drawing.commands()) <= count + 10
+
+
+def test_what_is_not_drawn_any_more_is_hidden(mechanism):
+    maker, drawing = SceneMaker(mechanism), Drawing()
+    drawing.update(maker.scene(mechanism.home, SceneOptions(linear=True)).items)
+    commands = decoded(
+        drawing.update(maker.scene(mechanism.home, SceneOptions(linear=False)).items)
+    )
+    assert commands
+    assert all(c["type"] == "set_property" and c["value"] is False for c in commands)
+    again = decoded(drawing.update(maker.scene(mechanism.home, SceneOptions(linear=True)).items))
+    assert all(c["type"] == "set_property" and c["value"] is True for c in again)
+    assert len(again) == len(commands)
+
+
+def test_a_label_is_made_anew_only_when_its_text_changes():
+    def draw(text, x):
+        transform = scaled(0.1)
+        transform[0, 3] = x
+        return drawing.update([Item("label", Text(text), (0.0, 0.0, 0.0, 1.0), transform)])
+
+    drawing = Drawing()
+    assert {c["type"] for c in decoded(draw("1.00", 0.0))} == {
+        "set_object",
+        "set_transform",
+        "set_property",
+    }
+    assert [c["type"] for c in decoded(draw("1.00", 1.0))] == ["set_transform"]
+    (command,) = decoded(draw("1.01", 1.0))
+    assert command["object"]["textures"][0]["text"] == "1.01"
+
+
+def test_transforms_are_column_major_in_metres():
+    transform = scaled((1.0, 2.0, 3.0))
+    transform[:3, 3] = (4.0, 5.0, 6.0)
+    drawing = Drawing()
+    commands = decoded(drawing.update([Item("ball", Sphere(), (1.0, 0.5, 0.0, 0.5), transform)]))
+    made, moved, _ = (SimpleNamespace(**command) for command in commands)
+    assert moved.matrix == [1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 3, 0, 4, 5, 6, 1]
+    (material,) = made.object["materials"]
+    assert material["color"] == 0xFF8000
+    assert material["transparent"]
+    assert material["opacity"] == 0.5
