@@ -1,4 +1,4 @@
-"""Full updates a second of the live page (closure, scene, numbers, sections), counted in Chromium."""
+"""Updates a second of the live page (closure, scene, numbers, sections), seen in Chromium."""
 
 from __future__ import annotations
 
