@@ -232,9 +232,9 @@ def _correct(
     """Newton on the passive joints; None unless it contracts at once and stays on the mode.
 
     A first correction that is small beside the predicted motion, and each next one small
-    beside the one before, say that the prediction was close to the path. The orientation of
-    K* against the start says that no fold lies between them. Within the tolerance there is
-    nothing left to tell apart: there it only polishes, and converges slowly at a fold.
+    beside the one before, say that the prediction was close to the path. K* changing by less
+    than its smallest singular value says that no singularity lies between them. Within the
+    tolerance there is nothing left to tell apart: there it only polishes, slowly at a fold.
     """
     partition = problem.partition
     enough = _ROUNDING * partition.length if last else problem.tolerance
@@ -257,12 +257,12 @@ def _correct(
 
 
 def _same_mode(start: Closed, point: Closed, partition: Partition) -> Closed | None:
-    """Return `point` if no fold lies between it and `start`, or if it is one itself."""
+    """Return `point` if no singularity lies between it and `start`, or if it is one itself."""
     rank, passive = partition.passive_rank, partition.passive
     if _is_singular(point, partition):
         return point
     K_star = point.scaled.take(passive, axis=1)
-    return point if start.factors.same_orientation(K_star, rank) else None
+    return point if start.factors.stays_regular_to(K_star, rank) else None
 
 
 def _newton_step(residual: Array, jacobian: Array, partition: Partition) -> Array:

@@ -16,6 +16,9 @@ Array = NDArray[np.float64]
 RANK_TOLERANCE = 1e-6
 
 
+_SAFE_CHANGE = 0.7  # of σ_r: below 1, since a path's matrices are not quite on a straight line
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Factorisation:
     """A = U diag(σ) Vᵀ with the rank that the tolerance gives.
@@ -55,14 +58,15 @@ class Factorisation:
         projected = (self.left[:, :r].T @ b).T / self.singular_values[:r]
         return self.right[:r].T @ projected.T
 
-    def same_orientation(self, matrix: Array, rank: int) -> bool:
-        """Tell whether A deforms into `matrix` without a drop below `rank` on the way.
+    def stays_regular_to(self, matrix: Array, rank: int) -> bool:
+        """Tell whether `matrix` is so near to A that no drop below `rank` lies between them.
 
-        det(U_rᵀ B V_r) is positive at B = A and changes sign with B's oriented volume on the
-        subspaces of A; for a square regular A it is sign(det A · det B).
+        On the subspaces of A's first `rank` singular values, ‖U_rᵀ (B − A) V_r‖_F stays below
+        σ_r (Weyl): then no matrix on the straight line from A to B has lost rank there.
         """
-        overlap = self.left[:, :rank].T @ matrix @ self.right[:rank].T
-        return bool(np.linalg.det(overlap) > 0.0)
+        change = self.left[:, :rank].T @ matrix @ self.right[:rank].T
+        change[np.diag_indices(rank)] -= self.singular_values[:rank]
+        return rank == 0 or norm(change) < _SAFE_CHANGE * float(self.singular_values[rank - 1])
 
 
 def norm(array: Array) -> float:

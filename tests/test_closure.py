@@ -5,6 +5,7 @@ from __future__ import annotations
 import hand_derived as hand
 import mechanisms
 import numpy as np
+import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
@@ -208,3 +209,38 @@ def test_errors_survive_pickling():
     assert str(error) == str(caught.value)
     assert error.share == caught.value.share
     np.testing.assert_array_equal(error.reached.q, caught.value.reached.q)
+
+
+def test_it_does_not_change_branch_where_branches_cross():
+    """The kite and the parallelogram of equal opposite sides meet when all bars are in one line.
+
+    Past the flat pose, the sign of det K* is kept by changing the branch: no reason to do so.
+    """
+    lengths = dict(zip(("l0", "l1", "l2", "l3"), (1.0, 2.0, 1.0, 2.0), strict=True))
+    mechanism = pj.load("four_bar", parameters=lengths)
+    for theta1 in (2.7, 2.9):
+        for branch in (1, -1):
+            phi = hand.four_bar_closure(theta1, tuple(lengths.values()), branch)
+            start = mechanism.close([theta1], guess={"phi1": phi[0], "phi2": phi[1]})
+            with pytest.raises(pj.ClosureError, match="meets a singularity") as caught:
+                mechanism.close([theta1 + 1.5], guess=start)
+            assert caught.value.reached.actuated[0] == pytest.approx(np.pi, abs=1e-4)
+
+
+@pytest.mark.parametrize("name", ["three_rps", "three_rps_ss"])
+def test_operation_modes_are_not_changed_in_passing(name):
+    """A path through a pose where the 3-RPS's two operation modes meet stops there."""
+    start = [1.7726105440804094, 0.8605549706046565, 1.1859230524887547]
+    theta = [-0.8173586751759838, -1.3630438010446992, -0.40704419190327223]
+    target = [1.5204306972966755, 2.1370696635997426, 2.616488539783912]
+    mechanism = pj.load("three_rps_ss")
+    values = dict(zip(mechanism.actuated + mechanism.passive, (*start, *theta), strict=True))
+    pose = mechanism.close(start, guess=values)
+    if name == "three_rps":
+        turn = pin.SE3(pin.AngleAxis(-5 * np.pi / 6, np.array([0.0, 0, 1])).matrix(), np.zeros(3))
+        values["platform"] = pin.SE3ToXYZQUAT(pose.tool_pose * turn)
+        mechanism = pj.load("three_rps")
+        pose = mechanism.close(start, guess=values)
+    with pytest.raises(pj.ClosureError, match="meets a singularity") as caught:
+        mechanism.close(target, guess=pose)
+    assert caught.value.share == pytest.approx(0.8338, abs=1e-3)
