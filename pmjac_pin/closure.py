@@ -177,7 +177,7 @@ def follow(
         point, share = candidate, 1.0 if last else share + step
         step *= 2.0
     ended = Followed(point, share, iterations)
-    if 0.0 < (1.0 - share) * distance <= _HARDLY_ANYTHING * partition.length:
+    if share < 1.0 and (1.0 - share) * distance <= _HARDLY_ANYTHING * partition.length:
         return _arrived(problem, ended, target) or ended
     return ended
 

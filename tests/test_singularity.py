@@ -115,6 +115,13 @@ def test_a_guess_on_a_singularity_gives_no_path(distance):
         mechanism.close([limit - 0.1 - distance], guess=start)
 
 
+def test_a_singular_pose_closes_on_itself():
+    mechanism, limit, _ = four_bar_at_limit(STRETCHED)
+    start = mechanism.close([limit])
+    again = mechanism.close([limit], guess=start)
+    np.testing.assert_allclose(again.q, start.q, atol=1e-5)
+
+
 def test_the_rockers_dead_point_is_no_error():
     l0, l1, l2, l3 = mechanisms.CRANK_ROCKER
     # Crank and coupler in one line: the rocker is at the end of its swing.
