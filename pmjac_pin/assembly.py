@@ -82,7 +82,7 @@ def build_parts(
     ranked = problem.partition.with_ranks_of(
         [(snapshot.constraint_jacobian, snapshot.tool_jacobian) for snapshot in snapshots]
     )
-    return replace(parts, problem=_problem(kinematics, ranked))
+    return replace(parts, problem=_problem(kinematics, ranked, spec.tolerance))
 
 
 def home_pose(
@@ -132,7 +132,7 @@ def _unassembled(
     partition = _partition(spec, coordinates, loops, _length(model, given))
     for name, pose in spec.poses.items():
         _check_motors(coordinates, coordinates.q(pose, given), spec, f"the pose {name!r} has")
-    problem = _problem(kinematics, partition)
+    problem = _problem(kinematics, partition, spec.tolerance)
     return Parts(model, spec, values, coordinates, kinematics, problem, given, urdf)
 
 
@@ -153,7 +153,7 @@ def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
         if found[-1].gap <= problem.tolerance:
             return _with_moved_motors(parts, q, found[-1].q, what) if motor_weight else found[-1].q
     best = min(found, key=lambda pose: pose.gap)
-    residual = np.abs(problem.evaluate(best.q)[0] * loops.row_scale)
+    residual = np.abs(problem.evaluate(best.q)[0] * problem.partition.row_scale)
     row = loops.row_names[int(np.argmax(residual))]
     message = (
         f"{what} does not assemble: the loops stay open by {best.gap:.3g} m at best, "
@@ -198,9 +198,11 @@ def _check_motors(coordinates: JointCoordinates, q: Array, spec: MechanismSpec, 
         raise LimitError(message, joint=name, value=float(value), lower=lower, upper=upper)
 
 
-def _problem(kinematics: Kinematics, partition: Partition) -> ClosureProblem:
+def _problem(kinematics: Kinematics, partition: Partition, given: float | None) -> ClosureProblem:
     model = kinematics.model
-    return ClosureProblem(kinematics.evaluate, lambda q, v: pin.integrate(model, q, v), partition)
+    return ClosureProblem(
+        kinematics.evaluate, lambda q, v: pin.integrate(model, q, v), partition, given
+    )
 
 
 def _partition(
@@ -224,7 +226,7 @@ def _partition(
         actuated_names=coordinates.dof_names(spec.actuated),
         passive_names=coordinates.dof_names(passive),
         length=length,
-        row_scale=loops.row_scale,
+        row_scale=loops.row_scale(length),
         column_scale=np.where(coordinates.rotational, 1.0 / length, 1.0),
     )
 

@@ -49,16 +49,19 @@ class ClosureProblem:
     integrate : callable
         (q, v) ↦ q ⊕ v.
     partition : Partition
+    given_tolerance : float or None
+        The gap in m that the model calls closed; None for `CLOSURE_TOLERANCE`.
     """
 
     evaluate: Callable[[Array], tuple[Array, Array]]
     integrate: Callable[[Array, Array], Array]
     partition: Partition
+    given_tolerance: float | None = None
 
     @property
     def tolerance(self) -> float:
         """The gap in m below which the loops are closed."""
-        return max(CLOSURE_TOLERANCE, 1e-14 * self.partition.length)
+        return max(self.given_tolerance or CLOSURE_TOLERANCE, 1e-14 * self.partition.length)
 
     def gap(self, residual: Array) -> float:
         """Return the Euclidean norm of a residual, in m."""

@@ -21,12 +21,11 @@ from pmjac_pin.errors import (
     ArgumentError,
     unknown_name,
 )
+from pmjac_pin.loop_spec import Loop
+from pmjac_pin.read_only import read_only
 from pmjac_pin.spec import (
-    DistanceLoop,
     JointValue,
-    Loop,
     MechanismSpec,
-    PointLoop,
     Tool,
     decode_spec,
     encode_spec,
@@ -262,6 +261,37 @@ class Mechanism:
         """
         return close(self, actuated, guess, enforce_limits)
 
+    def loop_equations(self, q: ArrayLike) -> tuple[Array, Array]:
+        """Return the loop equations and their derivative at any q, closed or not.
+
+        Parameters
+        ----------
+        q : array_like, shape (nq,)
+            Pinocchio's configuration vector.
+
+        Returns
+        -------
+        residual : ndarray, shape (p,)
+            η(q), m, rad or m² (`row_units`), in world axes.
+        jacobian : ndarray, shape (p, nv)
+            ∂η/∂v, exact on and off closure, its columns in Pinocchio's order.
+
+        Raises
+        ------
+        ArgumentError
+            Not nq finite numbers, or a quaternion or (cos, sin) that is not of unit length.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> mechanism = pj.load("four_bar")
+        >>> residual, jacobian = mechanism.loop_equations([0.0, 0.0, 0.0])
+        >>> residual.round(3).tolist(), jacobian.shape
+        ([-3.5, 0.0, 0.0], (3, 3))
+        """
+        residual, jacobian = self._parts.kinematics.loop_equations(self._checked(q))
+        return read_only(residual), read_only(jacobian)
+
     def configuration(self, q: ArrayLike) -> Configuration:
         """Return the configuration at this q.
 
@@ -277,12 +307,15 @@ class Mechanism:
         ArgumentError
             Not nq finite numbers, or a quaternion or (cos, sin) that is not of unit length.
         """
+        return Configuration._of_q(self, self._checked(q))
+
+    def _checked(self, q: ArrayLike) -> Array:
         values = as_numbers(q, "q")
         if values.shape != (self.nq,):
             raise ArgumentError(f"q has nq = {self.nq} entries, got shape {values.shape}")
         if not pin.isNormalized(self._parts.model, values, 1e-6):
             raise ArgumentError("a quaternion or (cos, sin) in q is not of unit length")
-        return Configuration._of_q(self, values)
+        return values
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Mechanism):
@@ -323,8 +356,8 @@ def _names(what: str, names: Iterable[str]) -> tuple[str, ...]:
 
 
 def _loops(loops: Iterable[Loop]) -> tuple[Loop, ...]:
-    if isinstance(loops, PointLoop | DistanceLoop) or not isinstance(loops, Iterable):
-        raise ArgumentError(f"loops is a list of PointLoop and DistanceLoop, got {loops!r}")
+    if isinstance(loops, Loop) or not isinstance(loops, Iterable):
+        raise ArgumentError(f"loops is a list of PointLoop, RevoluteLoop, ..., got {loops!r}")
     return tuple(loops)
 
 
