@@ -17,11 +17,11 @@ README = Path(__file__).parent.parent / "README.md"
 
 
 def test_one_row_a_mechanism():
-    table = catalogue_table([pj.load("four_bar"), pj.load("serial_2r")])
+    table = catalogue_table([pj.load("planar_3rpr"), pj.load("serial_2r")])
     header = [" ".join(cell.split()) for cell in table.header]
     assert header == ["name", "degrees of freedom", "motors", "loops (rows)", "rank", "what it is"]
     assert [row[:5] for row in table.rows] == [
-        ("four_bar", "1", "1", "1 (3)", "2"),
+        ("planar_3rpr", "3", "3", "3 (15)", "6"),
         ("serial_2r", "2", "2", "0", "0"),
     ]
     assert len(table.align) == len(table.header)
