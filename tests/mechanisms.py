@@ -22,6 +22,8 @@ CATALOGUE = (
     "ur5",
     "watt_six_bar",
 )
+OPEN = ("serial_2r", "ur5")
+CLOSED = tuple(name for name in CATALOGUE if name not in OPEN)
 
 
 NON_GRASHOF = (4.0, 3.0, 2.5, 2.0)
