@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 
+import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -67,6 +68,38 @@ def test_the_end_of_the_range_can_be_left_again():
     assert session.configuration.actuated[1] == pytest.approx(1.9)
     home = session.mechanism.close([1.0, 1.9, 1.0])
     np.testing.assert_allclose(session.configuration.q, home.q, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "beyond", "back"),
+    [
+        (pj.load("three_rps"), [1.0, 3.0, 1.0], [1.0, 1.5, 1.0]),
+        (mechanisms.rocker_rocker(), [3.0], [1.0]),
+    ],
+    ids=lambda value: getattr(value, "name", None),
+)
+def test_a_first_pose_at_the_end_of_the_range_can_be_left(mechanism, beyond, back):
+    """No path led to it, so that nothing says on which of the two modes to go back."""
+    with pytest.raises(pj.ClosureError) as caught:
+        mechanism.close(beyond)
+    end = caught.value.reached
+    started, shown = Session(end, SceneOptions()), Session(mechanism.home, SceneOptions())
+    shown.show(end)
+    for session in (started, shown):
+        session.obey(Move(values=back))
+        assert session.notice.kind == ""
+        home = mechanism.close(back)
+        np.testing.assert_allclose(session.configuration.q, home.q, atol=1e-9)
+
+
+def test_beyond_a_fold_there_is_no_way_from_it_either():
+    mechanism = mechanisms.rocker_rocker()
+    with pytest.raises(pj.ClosureError) as caught:
+        mechanism.close([3.0])
+    session = Session(caught.value.reached, SceneOptions())
+    session.obey(Move(values=[3.0]))
+    assert session.notice.kind == "stop"
+    assert session.configuration.actuated == pytest.approx(caught.value.reached.actuated)
 
 
 @pytest.mark.parametrize(

@@ -5,30 +5,25 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError
 from pmjac_pin.viewer.framing import frame
+from pmjac_pin.viewer.leaving import beside_singularity
 from pmjac_pin.viewer.messages import (
     About,
     Command,
     Drawn,
     Home,
-    Motor,
     Move,
     Notice,
     Options,
     Pose,
     State,
 )
+from pmjac_pin.viewer.motors import FARTHEST, motors_of
 from pmjac_pin.viewer.readout import Readout, make_readout
 from pmjac_pin.viewer.scene import Scene, SceneMaker, SceneOptions
-
-Array = NDArray[np.float64]
-
-#: A motor without limits takes no value beyond this, m or rad.
-FARTHEST = 1e4
 
 _NOTHING = Notice("", "")
 
@@ -66,7 +61,7 @@ class Session:
         self.pose = self._name_of(configuration)
         self._maker = SceneMaker(self.mechanism)
         self._start = configuration
-        self._motors = _motors(configuration)
+        self._motors = motors_of(self.mechanism)
         self._home_readout = make_readout(self.mechanism.home)
         self.framing = frame(self.scene().items)
 
@@ -107,7 +102,7 @@ class Session:
             if not motor.limited and abs(value) > FARTHEST:
                 raise ArgumentError(f"{motor.name} = {value:g} is beyond ±{FARTHEST:g}")
         try:
-            self.show(self.mechanism.close(values, guess=self._start))
+            self.show(self._close(values))
         except ClosureError as error:
             if getattr(error, "reached", None) is None:
                 raise
@@ -116,6 +111,18 @@ class Session:
             # From the end of a mode no path leads back: the next motion starts where this did.
             self._start = start
             self.notice = Notice("stop", self._reason(values, error))
+
+    def _close(self, values: list[float]) -> Configuration:
+        try:
+            return self.mechanism.close(values, guess=self._start)
+        except ClosureError as error:
+            if getattr(error, "share", 0.0) > 0.0 or not self._start.singularity().is_singular:
+                raise
+            # The first pose, or one that Python has sent, was at the end of a mode itself.
+            beside = beside_singularity(self._start, np.asarray(values))
+            if beside is None:
+                raise
+            return self.mechanism.close(values, guess=beside)
 
     def show(self, configuration: Configuration) -> None:
         """Go to a configuration of this mechanism.
@@ -181,32 +188,8 @@ class Session:
             for motor, wanted, there in zip(self._motors, values, reached, strict=True)
             if abs(wanted - there) > 1e-9
         )
-        problem = self.mechanism._parts.problem
-        if error.residual_norm <= problem.tolerance:
+        if error.residual_norm <= self.mechanism.tolerance:
             rest = "The loops do close beyond, but on another assembly mode."
         else:
             rest = "The loops do not close beyond."
         return f"End of the reachable range: {stopped}. {rest}"
-
-
-def _motors(configuration: Configuration) -> tuple[Motor, ...]:
-    """Return the motors; one without limits gets a slider of a sensible range."""
-    mechanism = configuration.mechanism
-    coordinates = mechanism._parts.coordinates
-    columns = mechanism._parts.problem.partition.actuated
-    motors = []
-    for name, column, home in zip(
-        mechanism.actuated, columns, mechanism.home.actuated, strict=True
-    ):
-        lower, upper = float(coordinates.lower[column]), float(coordinates.upper[column])
-        turns = mechanism.units[name] == "rad"
-        if coordinates.wraps[column]:
-            reach, middle = math.pi, 0.0
-        else:
-            reach = 2.0 * math.pi if turns else 2.0 * mechanism.characteristic_length
-            middle = 0.0 if turns else float(home)
-        limited = max(-lower, upper) < FARTHEST
-        low = lower if lower > -FARTHEST else middle - reach
-        high = upper if upper < FARTHEST else middle + reach
-        motors.append(Motor(name, mechanism.units[name], low, max(high, low), limited))
-    return tuple(motors)
