@@ -373,7 +373,7 @@ def test_keyboard_alone(viewer, open_page):
         style = page.evaluate("getComputedStyle(document.activeElement).outlineStyle")
         assert style == "solid", visited[-1]
     motors = [f"motor-{k}{end}" for k in range(3) for end in ("", "-value")]
-    assert visited == ["home", "reset", "snapshot", "pose", *motors, "linear", "angular",
+    assert visited == ["home", "reset", "snapshot", "pose", "names", *motors, "linear", "angular",
                        "force", "scale"]  # fmt: skip
     page.focus("#motor-0")
     page.keyboard.press("ArrowRight")
@@ -431,6 +431,39 @@ def test_nothing_overlaps_and_nothing_is_too_wide(open_page, name, size):
         assert smallest >= 11
         panel = page.evaluate("document.querySelector('.panel').scrollWidth")
         assert panel <= page.evaluate("document.querySelector('.panel').clientWidth")
+        page.close()
+
+
+LABELS = """() => {
+  const inner = document.getElementById("scene").contentWindow;
+  inner.viewer.render();
+  const found = [];
+  inner.viewer.scene.traverseVisible((object) => {
+    if (object.isSprite) found.push([object.userData.text, ...object.userData.rectangle]);
+  });
+  return [inner.innerWidth, inner.innerHeight, found];
+}"""
+
+
+@pytest.mark.parametrize("size", [DESKTOP, TELEPHONE], ids=["desktop", "telephone"])
+@pytest.mark.parametrize("name", pj.list_mechanisms())
+def test_no_label_lies_on_another_or_outside(open_page, name, size):
+    with pj.view(pj.load(name).home, open_browser=False, port=0) as viewer:
+        page = open_page(viewer, size)
+        wait(page, f"({LABELS})()[2].length > 0")
+        width, height, labels = page.evaluate(f"({LABELS})()")
+        texts = [text for text, *_ in labels]
+        assert set(texts) >= set(viewer.configuration.mechanism.actuated)
+        for k, (text, left, top, across, down) in enumerate(labels):
+            assert left >= 0 and top >= 0, text  # noqa: PT018
+            assert left + across <= width, text
+            assert top + down <= height, text
+            for other, x, y, w, h in labels[k + 1 :]:
+                apart = left + across <= x or x + w <= left or top + down <= y or y + h <= top
+                assert apart, (text, other)
+        page.uncheck("#names")
+        quiet(page)
+        wait(page, f"({LABELS})()[2].length === {len(texts) - len(viewer.configuration.actuated)}")
         page.close()
 
 

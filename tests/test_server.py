@@ -57,6 +57,13 @@ def test_the_files_of_the_page(viewer):
         assert "frame-ancestors 'self'" in headers["Content-Security-Policy"]
 
 
+def test_every_file_of_the_page_is_served(viewer):
+    page = Path(pj.__file__).parent / "viewer" / "page"
+    for file in page.iterdir():
+        path = "" if file.name == "index.html" else f"page/{file.name}"
+        assert fetch(viewer.url + path)[2] == file.read_bytes()
+
+
 def test_nothing_is_fetched_from_elsewhere():
     page = Path(pj.__file__).parent / "viewer" / "page"
     for file in page.iterdir():

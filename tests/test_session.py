@@ -143,7 +143,7 @@ def test_options_choose_what_is_drawn():
         return {name for item in items for name in item.name.split("/")}
 
     before = drawn()
-    session.obey(Options(linear=True, angular=True, force=False, scale=2.0))
+    session.obey(Options(linear=True, angular=True, force=False, names=True, scale=2.0))
     assert drawn() - before
     assert session.state().drawn.scale == 2.0
 
@@ -250,9 +250,13 @@ def test_the_first_view_holds_everything():
     session = session_of(angular=True)
     framing = session.framing
     items = [item for item in session.scene().items if item.visible]
-    radius = math.hypot(framing.width, framing.height, framing.depth)
+    eye, extremes = np.array(framing.eye), np.array(framing.extremes)
+    right = np.cross((0.0, 0.0, 1.0), eye)
+    right /= np.linalg.norm(right)
+    view = np.array([right, np.cross(eye, right), eye])
     for item in items:
-        assert np.linalg.norm(item.transform[:3, 3] - framing.centre) <= radius
+        x, y, z = view @ (item.transform[:3, 3] - framing.centre)
+        assert (extremes >= np.array([abs(x), abs(y), z]) - 1e-8).all(axis=1).any()
     assert np.linalg.norm(framing.eye) == pytest.approx(1.0)
 
 
@@ -278,9 +282,12 @@ def test_a_flat_mechanism_is_looked_at_from_above():
         '{"command": "move", "values": [NaN, 1, 1]}',
         '{"command": "move", "values": [1, 1, true]}',
         '{"command": "move", "values": [1, 1, null]}',
-        '{"command": "options", "linear": 1, "angular": false, "force": false, "scale": 1}',
-        '{"command": "options", "linear": true, "angular": false, "force": false, "scale": 0}',
-        '{"command": "options", "linear": true, "angular": false, "force": false, "scale": 1e9}',
+        '{"command": "options", "linear": 1, "angular": false, "force": false, '
+        '"names": true, "scale": 1}',
+        '{"command": "options", "linear": true, "angular": false, "force": false, '
+        '"names": true, "scale": 0}',
+        '{"command": "options", "linear": true, "angular": false, "force": false, '
+        '"names": true, "scale": 1e9}',
         '{"command": "home", "id": -1}',
         '{"command": "home", "id": 1.5}',
         '{"command": "home", "id": ' + "9" * 40 + "}",

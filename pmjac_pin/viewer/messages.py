@@ -44,11 +44,12 @@ class Pose(_Command, frozen=True, tag="pose", kw_only=True):
 
 
 class Options(_Command, frozen=True, tag="options", kw_only=True):
-    """Choose which ellipsoids are drawn, and how large."""
+    """Choose which ellipsoids are drawn, how large, and whether motors are named."""
 
     linear: bool
     angular: bool
     force: bool
+    names: bool
     scale: Scale
 
 
@@ -89,6 +90,7 @@ class Drawn(msgspec.Struct, frozen=True):
     linear: bool
     angular: bool
     force: bool
+    names: bool
     scale: float
 
 

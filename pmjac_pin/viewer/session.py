@@ -85,6 +85,7 @@ class Session:
                     linear=command.linear,
                     angular=command.angular,
                     force=command.force,
+                    names=command.names,
                     scale=command.scale,
                 )
 
@@ -165,6 +166,7 @@ class Session:
                 bool(self.options.linear),
                 bool(self.options.angular),
                 bool(self.options.force),
+                bool(self.options.names),
                 float(self.options.scale),
             ),
             about=self._about() if about else None,

@@ -33,6 +33,8 @@ html, body {{ margin: 0; height: 100%; background: #f4f6f8; }}
 <script>
 var viewer = new MeshCat.Viewer(document.getElementById("pane"));
 viewer.gui.domElement.style.display = "none";
+{labels}
+tidyLabels(viewer);
 for (const command of [
 {commands}
 ]) {{
@@ -78,6 +80,7 @@ def static_page(picture: Picture) -> str:
         title=html.escape(picture.title),
         library=_library(),
         commands=encoded,
+        labels=(PAGE / "labels.js").read_text(encoding="utf-8"),
         fit=(PAGE / "fit.js").read_text(encoding="utf-8"),
         framing=msgspec.json.encode(picture.framing).decode(),
     )

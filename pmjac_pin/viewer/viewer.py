@@ -141,6 +141,7 @@ def view(
     linear: bool = True,
     angular: bool = False,
     force: bool = False,
+    names: bool = True,
 ) -> Viewer:
     """Show a mechanism and its ellipsoids in the browser; return at once.
 
@@ -153,6 +154,8 @@ def view(
         The first port to try, 7000 when None; 0 for any that is free.
     linear, angular, force : bool
         Which ellipsoids to draw at the tool.
+    names : bool
+        Whether to write the motors' names beside them.
 
     Returns
     -------
@@ -165,7 +168,7 @@ def view(
     PmjacError
         No port is free.
     """
-    options = SceneOptions(linear=linear, angular=angular, force=force)
+    options = SceneOptions(linear=linear, angular=angular, force=force, names=names)
     viewer = Viewer(configuration, options, port)
     if _is_interactive() if open_browser is None else open_browser:
         _open(viewer.url)
