@@ -70,7 +70,8 @@ class EllipsoidLayer:
             transforms[7:] = lettering(tips, LETTERS * self._size)
             visible[:] = [True, *(3 * [n < ellipsoid.rank for n in range(3)])]
             for n, radius in enumerate(ellipsoid.radii[: ellipsoid.rank].tolist()):
-                texts[7 + n] = label(radius, ellipsoid.unit)
+                cut = radius * self.automatic * pose.scale > LIMIT * self._size
+                texts[7 + n] = label(radius, ellipsoid.unit) + ", cut" * cut
         specks(transforms, visible, pose.tool, SPECK * self._size)
         return Drawing(transforms, visible, texts)
 

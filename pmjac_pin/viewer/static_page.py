@@ -100,13 +100,18 @@ def save_page(picture: Picture, path: str | os.PathLike[str]) -> None:
         raise
 
 
-def notebook_frame(picture: Picture) -> str:
-    """Return a frame for a notebook, with the whole page in it."""
+def notebook_frame(picture: Picture, url: str | None) -> str:
+    """Return a frame for a notebook, with the whole page in it, and where it is live.
+
+    A notebook of somebody else's that is not trusted yet shows the words only.
+    """
     page = html.escape(static_page(picture), quote=True)
+    live = f'<a href="{url}" target="_blank">live page</a>' if url else "a still picture"
     style = "width: 100%; height: 480px; border: 1px solid #d5d9de; border-radius: 6px"
     return (
         f'<iframe srcdoc="{page}" title="{html.escape(picture.title, quote=True)}" '
         f'sandbox="allow-scripts" style="{style}"></iframe>'
+        f"<p>{html.escape(picture.title)}: {live}</p>"
     )
 
 

@@ -116,7 +116,7 @@ class Viewer:
 
     def _repr_html_(self) -> str:
         """Return a still picture for a notebook: it is kept with the notebook."""
-        return notebook_frame(self._picture())
+        return notebook_frame(self._picture(), None if self.closed else self.url)
 
     def __enter__(self) -> Self:
         return self
