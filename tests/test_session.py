@@ -102,6 +102,63 @@ def test_beyond_a_fold_there_is_no_way_from_it_either():
     assert session.configuration.actuated == pytest.approx(caught.value.reached.actuated)
 
 
+def test_at_the_end_of_a_range_no_motor_moves_that_was_not_asked_to():
+    session = session_of()
+    session.obey(Move(values=[None, 3.0, None]))
+    end = session.configuration.actuated
+    for _ in range(5):
+        session.obey(Move(values=[session.configuration.actuated[0] - 0.02, None, None]))
+        np.testing.assert_allclose(session.configuration.actuated[1:], end[1:], atol=2e-3)
+
+
+def test_values_seen_at_the_end_and_sent_again_are_no_trap():
+    session = session_of()
+    session.obey(Move(values=[1.0, 3.0, 1.0]))
+    session.obey(Move(values=session.configuration.actuated.tolist()))
+    session.obey(Move(values=[None, 1.5, None]))
+    home = session.mechanism.close([1.0, 1.5, 1.0])
+    np.testing.assert_allclose(session.configuration.q, home.q, atol=1e-9)
+
+
+def test_where_branches_cross_the_way_back_is_open():
+    parallelogram = pj.load("four_bar", {"l0": 3.0, "l1": 1.0, "l2": 3.0, "l3": 1.0})
+    session = Session(parallelogram.home, SceneOptions())
+    before = session.configuration.actuated
+    session.obey(Move(values=[0.0]))
+    assert session.readout().warning.level == "singular"
+    session.obey(Move(values=before.tolist()))
+    np.testing.assert_allclose(session.configuration.q, parallelogram.home.q, atol=1e-9)
+
+
+def test_two_pages_move_two_motors():
+    session = session_of()
+    session.obey(Move(values=[1.1, None, None]))
+    session.obey(Move(values=[None, 0.9, None]))
+    np.testing.assert_allclose(session.configuration.actuated, [1.1, 0.9, 1.0])
+
+
+def test_a_mechanism_without_a_jacobian_is_shown_all_the_same():
+    session = Session(mechanisms.over_actuated_four_bar().home, SceneOptions())
+    readout = session.readout()
+    assert readout.J_eq is None
+    assert readout.refusal
+
+
+def test_a_pose_that_does_not_close_is_left_out(monkeypatch):
+    mechanism = pj.load("three_rps")
+    pose = type(mechanism).pose
+
+    def broken(self, name):
+        if name == "lecture_b":
+            raise pj.ClosureError("it does not close", residual_norm=1.0, q=None)
+        return pose(self, name)
+
+    monkeypatch.setattr(type(mechanism), "pose", broken)
+    session = Session(mechanism.home, SceneOptions())
+    assert session.state(about=True).about.poses == ("home", "lecture_a")
+    session.obey(Move(values=[1.1, 1.0, 1.0]))
+
+
 @pytest.mark.parametrize(
     "values",
     [
@@ -281,7 +338,7 @@ def test_a_flat_mechanism_is_looked_at_from_above():
         '{"command": "move", "values": ["1", "1", "1"]}',
         '{"command": "move", "values": [NaN, 1, 1]}',
         '{"command": "move", "values": [1, 1, true]}',
-        '{"command": "move", "values": [1, 1, null]}',
+        '{"command": "move", "values": [1, 1, "null"]}',
         '{"command": "options", "linear": 1, "angular": false, "force": false, '
         '"names": true, "scale": 1}',
         '{"command": "options", "linear": true, "angular": false, "force": false, '

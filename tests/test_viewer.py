@@ -76,6 +76,20 @@ def test_an_exception_ends_the_server(mechanism):
     assert viewer.closed
 
 
+def test_waiting_ends_with_the_viewer(mechanism):
+    viewer = pj.view(mechanism.home, open_browser=False, port=0)
+    threading.Timer(0.1, viewer.close).start()
+    viewer.wait()
+    assert viewer.closed
+
+
+def test_names_that_javascript_knows_are_no_harm(mechanism):
+    drawing = Drawing()
+    item = Item("links/constructor/__proto__", Sphere(), (0.0, 0.0, 0.0, 1.0), scaled(1.0))
+    paths = {command["path"] for command in decoded(drawing.update([item]))}
+    assert paths == {"/pmjac/_links/_constructor/___proto__"}
+
+
 def test_a_closed_viewer(mechanism, tmp_path):
     viewer = pj.view(mechanism.home, open_browser=False, port=0)
     viewer.close()
@@ -137,11 +151,12 @@ def test_names_are_escaped(name):
     assert set(tags[0][1]) == {"srcdoc", "title", "sandbox", "style"}
 
 
-def test_the_browser_is_opened_when_asked_and_never_in_tests(mechanism, monkeypatch):
+def test_the_browser_is_opened_when_asked_and_never_in_tests(mechanism, monkeypatch, caplog):
     opened = []
     monkeypatch.setattr(viewer_module.webbrowser, "open", lambda url: bool(opened.append(url)) or 1)
-    with pj.view(mechanism.home, port=0):
+    with pj.view(mechanism.home, port=0) as viewer:
         assert not opened
+        assert viewer.url in caplog.text  # so that it is seen
     with pj.view(mechanism.home, open_browser=True, port=0) as viewer:
         assert opened == [viewer.url]
     monkeypatch.setattr(viewer_module.sys, "ps1", ">>> ", raising=False)

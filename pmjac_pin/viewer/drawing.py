@@ -49,7 +49,7 @@ class Drawing:
         hidden = {path for path, visible in self._visible.items() if visible}
         for item in items:
             if item.visible:
-                path = f"{ROOT}/{item.name}"
+                path = _path(item.name)
                 hidden.discard(path)
                 self._draw(path, item, changed)
         for path in hidden:
@@ -75,6 +75,11 @@ class Drawing:
     def _show(self, path: str, visible: bool, changed: list[Command]) -> None:
         self._visible[path] = visible
         changed.append(_property(path, "visible", visible))
+
+
+def _path(name: str) -> str:
+    """Return a path that is safe for meshcat, to which "constructor" is no name for a child."""
+    return f"{ROOT}/_" + name.replace("/", "/_")
 
 
 def _set_transform(path: str, matrix: Array) -> bytes:

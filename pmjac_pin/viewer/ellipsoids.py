@@ -10,7 +10,7 @@ import numpy as np
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.ellipsoid import Ellipsoid
-from pmjac_pin.errors import ClosureError, ForbiddenRatesError, IdleMotionError, SingularError
+from pmjac_pin.errors import ClosureError, NoJacobianError
 from pmjac_pin.jacobian import EquivalentJacobian
 from pmjac_pin.viewer.anatomy import Anatomy
 from pmjac_pin.viewer.layers import SPECK, Drawing, Pose, lettering, specks, words
@@ -99,7 +99,7 @@ def find_jacobian(configuration: Configuration) -> EquivalentJacobian | None:
     """Return the equivalent Jacobian, or nothing where none exists."""
     try:
         return configuration.jacobian()
-    except (SingularError, IdleMotionError, ForbiddenRatesError):
+    except NoJacobianError:
         return None
 
 

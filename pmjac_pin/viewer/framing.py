@@ -60,7 +60,7 @@ def frame(items: Iterable[Item]) -> Framing:
     view = np.array([right, np.cross(eye, right), eye])
     seen = points @ view.T
     middle = 0.5 * (seen.min(axis=0) + seen.max(axis=0))
-    extremes = _extremes(seen - middle, 1e-6 + 1e-3 * float(np.abs(points).max()))
+    extremes = _extremes(seen - middle, 1e-9 + 1e-3 * float(np.ptp(points, axis=0).max()))
     return Framing(
         centre=tuple((view.T @ middle).tolist()),
         eye=tuple(eye.tolist()),

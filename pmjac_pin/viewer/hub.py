@@ -111,13 +111,13 @@ class Hub:
             command = decode(message)
             number = command.id
             self.session.obey(command)
+            self._publish(page)
+            return encode(self.session.state(number))
         except PmjacError as error:
             return encode(Refusal(number, str(error)))
         except Exception:
             _logger.exception("a command of the page failed")
             return encode(Refusal(number, "the command failed; see the log of the server"))
-        self._publish(page)
-        return encode(self.session.state(number))
 
     def show(self, configuration: Configuration) -> None:
         """Go to a configuration and tell all browsers."""

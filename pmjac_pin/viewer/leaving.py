@@ -1,4 +1,4 @@
-"""Leaving a singular pose: a path that starts there cannot know which mode it is to follow."""
+"""Leaving singular poses: a path that starts there cannot know which mode it is to follow."""
 
 from __future__ import annotations
 
@@ -18,6 +18,22 @@ Array = NDArray[np.float64]
 # go, as a share of the way to the target, and how far the linkage may go along its free motion.
 _SHARES = (1e-4, 1e-3, 1e-2)
 _DISTANCES = (0.0, 0.01, -0.01, 0.03, -0.03, 0.1, -0.1)  # times the motion, of norm 1
+
+
+_STEP_BACK = 1e-3  # m or rad, of all motors together
+
+
+def shortly_before(start: Configuration, singular: Configuration) -> Configuration:
+    """Return a pose on the way from a start to the singular pose where it ended.
+
+    From there, and not from the start itself, which may be far away, the motors move on.
+    """
+    way = singular.actuated - start.actuated
+    distance = float(np.linalg.norm(way))
+    if distance <= _STEP_BACK:
+        return start
+    near = start.actuated + (1.0 - _STEP_BACK / distance) * way
+    return _closed(start, near, start) or start
 
 
 def beside_singularity(configuration: Configuration, values: Array) -> Configuration | None:

@@ -28,9 +28,9 @@ class _Command(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_fiel
 
 
 class Move(_Command, frozen=True, tag="move", kw_only=True):
-    """Move the motors to these values, m or rad."""
+    """Move the motors to these values, m or rad; those that are None stay where they are."""
 
-    values: list[float]
+    values: list[float | None]
 
 
 class Home(_Command, frozen=True, tag="home"):

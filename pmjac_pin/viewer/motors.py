@@ -9,6 +9,7 @@ from pmjac_pin.viewer.messages import Motor
 
 #: A motor without limits takes no value beyond this, m or rad.
 FARTHEST = 1e4
+_ENDLESS = 1e12  # no machine has such a limit
 
 
 def motors_of(mechanism: Mechanism) -> tuple[Motor, ...]:
@@ -30,8 +31,8 @@ def motors_of(mechanism: Mechanism) -> tuple[Motor, ...]:
             reach, middle = 2.0 * math.pi, 0.0
         else:
             reach, middle = 2.0 * mechanism.characteristic_length, home
-        limited = max(-lower, upper) < FARTHEST
-        low = lower if lower > -FARTHEST else middle - reach
-        high = upper if upper < FARTHEST else middle + reach
+        limited = max(-lower, upper) < _ENDLESS
+        low = lower if lower > -_ENDLESS else middle - reach
+        high = upper if upper < _ENDLESS else middle + reach
         motors.append(Motor(name, unit, low, max(high, low), limited))
     return tuple(motors)

@@ -30,7 +30,7 @@ function build(about) {
   $("pose").options[0].hidden = true;
   decimals = decimalsAt(about.home);
   motors = new Motors(about.motors, {
-    target: () => connection.heading ?? state.values,
+    target: (index) => connection.heading?.[index] ?? state.values[index],
     go: (values) => connection.send({ command: "move", values }),
     restore: showMotors,
     complain,
@@ -51,7 +51,7 @@ function show() {
 }
 
 function showMotors() {
-  motors.show(state.values, connection.moving ? connection.heading : state.values);
+  motors.show(state.values, connection.moving);
 }
 
 const complain = (text) => say("error", text, { level: state?.readout.warning.level ?? "regular", text: "" });

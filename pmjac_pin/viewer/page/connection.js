@@ -18,20 +18,22 @@ export class Connection {
     return this.#inFlight === null && this.#waiting.size === 0;
   }
 
-  // Where the motors are being sent, if anywhere.
+  // Where the motors are being sent: null for those that are where they were last told to be.
   get heading() {
-    return this.#waiting.get("move")?.values ?? this.#inFlight?.values ?? null;
+    return merged(this.#inFlight?.values, this.#waiting.get("move")?.values);
   }
 
-  // Whether values wait that are newer than any answer.
+  // Those that wait, newer than any answer.
   get moving() {
-    return this.#waiting.has("move");
+    return this.#waiting.get("move")?.values ?? null;
   }
 
   send(command) {
     if (this.#socket.readyState !== WebSocket.OPEN) return;
-    this.#waiting.delete(command.command);  // the newest goes to the end
-    this.#waiting.set(command.command, command);
+    const { command: kind, values } = command;
+    const older = this.#waiting.get(kind)?.values;
+    this.#waiting.delete(kind);  // the newest goes to the end
+    this.#waiting.set(kind, values ? { ...command, values: merged(older, values) } : command);
     this.#pump();
   }
 
@@ -57,4 +59,10 @@ export class Connection {
     this.#waiting.clear();
     this.listener.lost();
   }
+}
+
+// Of two lists of motor values the newer ones, where there are any.
+function merged(older, newer) {
+  if (!older || !newer) return newer ?? older ?? null;
+  return newer.map((value, index) => value ?? older[index]);
 }

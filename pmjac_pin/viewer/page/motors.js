@@ -8,17 +8,17 @@ const DIRECTIONS = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, Pa
 export class Motors {
   #rows = [];
 
-  // `motors` from Python; `actions` has target(), the values to start from, go(values) and complain(text).
+  // `motors` from Python; `actions` has target(index), go(values), restore() and complain(text).
   constructor(motors, actions) {
     this.actions = actions;
     this.#rows = motors.map((motor, index) => this.#build(motor, index));
     $("motors").replaceChildren(...this.#rows.map((row) => row.row));
   }
 
-  // Sliders stand where they were dragged to, `wanted`; numbers say what is, `values`.
+  // Numbers say what is; a slider that is being dragged stands where it is wanted.
   show(values, wanted) {
     this.#rows.forEach(({ slider, box, digits, motor }, index) => {
-      slider.value = wanted[index];
+      slider.value = wanted?.[index] ?? values[index];
       const text = fixed(values[index], digits);
       slider.setAttribute("aria-valuetext", `${text} ${motor.unit}`);
       if (box.dataset.dirty) return;
@@ -60,9 +60,8 @@ export class Motors {
   }
 
   #move(index, value) {
-    const values = [...this.actions.target()];
-    values[index] = value;
-    this.actions.go(values);
+    // Other motors may be moved by another page just now.
+    this.actions.go(this.#rows.map((row) => (row.index === index ? value : null)));
   }
 
   #arrow(event, { index, step, motor }) {
@@ -70,7 +69,7 @@ export class Motors {
     if (direction === undefined || event.altKey || event.ctrlKey || event.metaKey) return;
     event.preventDefault();
     const by = direction * step * (event.shiftKey ? 0.1 : 1);
-    this.#move(index, Math.min(motor.upper, Math.max(motor.lower, this.actions.target()[index] + by)));
+    this.#move(index, Math.min(motor.upper, Math.max(motor.lower, this.actions.target(index) + by)));
   }
 
   #typed({ box, motor, index }) {
