@@ -435,9 +435,9 @@ if not child:
     try:
         viewer.update(viewer.configuration)
     except pj.PmjacError as error:
-        print("child", error, flush=True)
+        os.write(1, f"child {error}\\n".encode())
     time.sleep(60)
-print("url", viewer.url, child, flush=True)
+os.write(1, f"url {viewer.url} {child}\\n".encode())
 time.sleep(60)
 """
 
@@ -446,12 +446,14 @@ time.sleep(60)
 def test_a_forked_process_does_not_keep_the_port():
     parent = _child(["-c", FORKED])
     with parent.stdout, parent.stderr:
-        lines = sorted([parent.stdout.readline(), parent.stdout.readline()])
-        assert lines[0] == "child the viewer has been closed\n"
-        _, url, child = lines[1].split()
         try:
+            said = dict(parent.stdout.readline().split(maxsplit=1) for _ in range(2))
+            url, child = said["url"].split()
+            assert said["child"] == "the viewer has been closed\n"
+        finally:
             parent.kill()
             parent.wait(10)
+        try:
             port = int(url.rsplit(":", 1)[1].rstrip("/"))
             with socket.socket() as client:
                 assert client.connect_ex(("127.0.0.1", port)) != 0

@@ -116,6 +116,14 @@ def test_save_html(viewer, mechanism, tmp_path):
     assert [file.name for file in tmp_path.iterdir()] == ["x.html"]
 
 
+def test_save_html_keeps_the_mode_of_a_file(viewer, tmp_path):
+    path = tmp_path / ("x" * 250 + ".html")
+    path.touch()
+    path.chmod(0o600)
+    viewer.save_html(path)
+    assert path.stat().st_mode & 0o777 == 0o600
+
+
 def test_a_file_that_cannot_be_written(viewer, tmp_path):
     with pytest.raises(OSError, match="nowhere"):
         viewer.save_html(tmp_path / "nowhere" / "x.html")

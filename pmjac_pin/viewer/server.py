@@ -16,6 +16,7 @@ import socket
 import threading
 import weakref
 from collections.abc import Callable
+from numbers import Integral
 from typing import TypeVar
 
 import tornado.httpserver
@@ -194,8 +195,9 @@ if hasattr(os, "register_at_fork"):
 
 def _bind(first: int) -> socket.socket:
     """Bind the first free port from this one on, 0 for any."""
-    if isinstance(first, bool) or not isinstance(first, int) or not 0 <= first <= 65535:
+    if isinstance(first, bool) or not isinstance(first, Integral) or not 0 <= first <= 65535:
         raise ArgumentError(f"a port is a whole number from 0 to 65535, got {first!r}")
+    first = int(first)
     last = min(first + _ATTEMPTS, 65536) if first else 1
     for port in range(first, last):
         try:

@@ -7,6 +7,7 @@ import contextlib
 import functools
 import html
 import os
+import shutil
 import uuid
 from dataclasses import dataclass
 from pathlib import Path
@@ -90,9 +91,11 @@ def save_page(picture: Picture, path: str | os.PathLike[str]) -> None:
     """Write the page; a failure leaves a file that is already there untouched."""
     # Following links here, because the rename would replace the link and not its target.
     target = Path(path).resolve()
-    temporary = target.with_name(f".{target.name}.{uuid.uuid4().hex[:8]}")
+    temporary = target.with_name(f".pmjac-{uuid.uuid4().hex[:8]}")
     try:
         temporary.write_text(static_page(picture), encoding="utf-8")
+        if target.exists():
+            shutil.copymode(target, temporary)
         temporary.replace(target)
     except BaseException:
         with contextlib.suppress(OSError):
