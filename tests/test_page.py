@@ -48,6 +48,13 @@ def browser():
         browser.close()
 
 
+# meshcat follows the size of its frame with the next event.
+LAID_OUT = """(() => {
+  const scene = document.getElementById("scene");
+  return scene.contentWindow.viewer.renderer.domElement.clientHeight === scene.clientHeight;
+})()"""
+
+
 @pytest.fixture
 def open_page(browser):
     """Open pages; at the end none of them may have complained."""
@@ -66,6 +73,7 @@ def open_page(browser):
         page.goto(viewer.url)
         wait(page, "window.pmjac && pmjac.ready")
         wait(page, "document.getElementById('scene').contentWindow.viewer")
+        wait(page, LAID_OUT)
         return page
 
     yield opened
@@ -292,6 +300,24 @@ def test_snapshot_and_reset_view(viewer, open_page, tmp_path):
     download.value.save_as(tmp_path / "x.png")
     assert (tmp_path / "x.png").read_bytes().startswith(b"\x89PNG")
     assert picture(page) == first
+
+
+def test_reset_view_frames_what_is_shown_now(open_page):
+    with pj.view(pj.load("four_bar").home, open_browser=False, port=0) as viewer:
+        page = open_page(viewer)
+        before = picture(page)
+        page.fill("#motor-0-value", "3.1")
+        page.press("#motor-0-value", "Enter")
+        quiet(page)
+        page.click("#reset")
+        quiet(page)
+        edge = pixels(page)
+        ground = np.abs(edge - edge[:, :1]).max(axis=2) > 25
+        assert not ground[:, [0, -1]].any()
+        page.click("#home")
+        page.click("#reset")
+        quiet(page)
+        assert picture(page) == before
 
 
 VISIBLE = """() => {

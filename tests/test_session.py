@@ -305,7 +305,7 @@ def test_motors_without_limits_get_sensible_sliders():
 
 def test_the_first_view_holds_everything():
     session = session_of(angular=True)
-    framing = session.framing
+    framing = session.framing()
     items = [item for item in session.scene().items if item.visible]
     eye, extremes = np.array(framing.eye), np.array(framing.extremes)
     right = np.cross((0.0, 0.0, 1.0), eye)
@@ -318,7 +318,7 @@ def test_the_first_view_holds_everything():
 
 
 def test_a_flat_mechanism_is_looked_at_from_above():
-    assert session_of("four_bar").framing.eye[2] > 0.8
+    assert session_of("four_bar").framing().eye[2] > 0.8
 
 
 @pytest.mark.parametrize(

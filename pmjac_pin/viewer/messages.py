@@ -53,7 +53,11 @@ class Options(_Command, frozen=True, tag="options", kw_only=True):
     scale: Scale
 
 
-Command: TypeAlias = Move | Home | Pose | Options
+class Frame(_Command, frozen=True, tag="frame"):
+    """Say how to frame what is shown now; nothing changes."""
+
+
+Command: TypeAlias = Move | Home | Pose | Options | Frame
 
 
 class Motor(msgspec.Struct, frozen=True):
@@ -74,7 +78,6 @@ class About(msgspec.Struct, frozen=True):
     motors: tuple[Motor, ...]
     poses: tuple[str, ...]
     home: Readout
-    framing: Framing
 
 
 class Notice(msgspec.Struct, frozen=True):
@@ -104,6 +107,7 @@ class State(msgspec.Struct, frozen=True, kw_only=True, tag="state", tag_field="t
     notice: Notice
     drawn: Drawn
     about: About | None = None
+    framing: Framing | None = None
 
 
 class Refusal(msgspec.Struct, frozen=True, tag="error", tag_field="type"):

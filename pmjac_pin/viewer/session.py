@@ -11,7 +11,7 @@ import numpy as np
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError, LimitError, PmjacError
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.viewer.framing import frame
+from pmjac_pin.viewer.framing import Framing, frame
 from pmjac_pin.viewer.leaving import beside_singularity, shortly_before
 from pmjac_pin.viewer.messages import (
     About,
@@ -53,8 +53,6 @@ class Session:
         Why the last motion ended early, if it did.
     pose : str or None
         The name of the pose, if it is a named one.
-    framing : Framing
-        Of the scene at the beginning: the first view.
     """
 
     def __init__(self, configuration: Configuration, options: SceneOptions) -> None:
@@ -68,7 +66,6 @@ class Session:
         self._start = configuration
         self._motors = motors_of(self.mechanism)
         self._home_readout = make_readout(self.mechanism.home)
-        self.framing = frame(self.scene().items)
 
     def obey(self, command: Command) -> None:
         """Carry out a command of a page.
@@ -180,8 +177,14 @@ class Session:
         """Return the numbers at the current pose."""
         return make_readout(self.configuration)
 
-    def state(self, number: int | None = None, *, about: bool = False) -> State:
-        """Return all that the page shows; with `about`, also what never changes."""
+    def framing(self) -> Framing:
+        """Return how a camera sees all that is shown now."""
+        return frame(self.scene().items)
+
+    def state(
+        self, number: int | None = None, *, about: bool = False, framing: bool = False
+    ) -> State:
+        """Return all that the page shows; on wish what never changes, and the framing."""
         return State(
             id=number,
             pose=self.pose,
@@ -196,6 +199,7 @@ class Session:
                 float(self.options.scale),
             ),
             about=self._about() if about else None,
+            framing=self.framing() if framing else None,
         )
 
     def _about(self) -> About:
@@ -205,7 +209,6 @@ class Session:
             motors=self._motors,
             poses=tuple(self._poses),
             home=self._home_readout,
-            framing=self.framing,
         )
 
     def _reason(self, values: list[float], error: ClosureError) -> str:

@@ -37,7 +37,6 @@ function build(about) {
   });
   buildJacobian(about.motors);
   buildSections();
-  frameOn(about.framing);
 }
 
 function show() {
@@ -54,10 +53,10 @@ function showMotors() {
   motors.show(state.values, connection.moving);
 }
 
-const complain = (text) => say("error", text, { level: state?.readout.warning.level ?? "regular", text: "" });
+const complain = (text) => say("error", text, state?.readout.warning);
 
 function lost() {
-  complain("The connection to Python has ended: the picture stays as it was.");
+  complain("The connection to Python has ended: the picture stays as it was. When Python serves it again, reload this page.");
   document.querySelectorAll("button:not(#reset):not(#snapshot), input, select").forEach((control) => { control.disabled = true; });
 }
 
@@ -65,6 +64,7 @@ connection = new Connection({
   state(message, mine) {
     state = window.pmjac.state = message;
     if (message.about) build(message.about);
+    if (message.framing) frameOn(message.framing);
     show();
     if (mine) window.pmjac.updates += 1;
     window.pmjac.ready = true;
@@ -78,7 +78,7 @@ connection = new Connection({
 
 $("home").addEventListener("click", () => connection.send({ command: "home" }));
 $("pose").addEventListener("change", () => connection.send({ command: "pose", name: $("pose").value }));
-$("reset").addEventListener("click", resetView);
+$("reset").addEventListener("click", () => { resetView(); connection.send({ command: "frame" }); });
 $("snapshot").addEventListener("click", () => snapshot($("name").textContent));
 listenToOptions((command) => connection.send(command));
 adoptPicture(() => complain("This browser cannot draw in three dimensions (no WebGL); all else works."));

@@ -73,6 +73,7 @@ export class Motors {
   }
 
   #typed({ box, motor, index }) {
+    if (!box.dataset.dirty) return;  // it shows fewer digits than the value has
     box.dataset.dirty = "";
     const text = box.value.trim().replace("−", "-").replace(",", ".");
     const value = text === "" ? NaN : Number(text);
