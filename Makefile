@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: demo test bench screenshots lint clean
+.PHONY: demo test bench screenshots readme lint clean
 
 demo: .venv/ready
 	$(BIN)/pmjac demo
@@ -16,6 +16,9 @@ bench: .venv/ready
 
 screenshots: .venv/ready
 	$(BIN)/python docs/make_screenshots.py
+
+readme: .venv/ready
+	$(BIN)/python scripts/update_readme.py
 
 lint: .venv/ready
 	$(BIN)/ruff check .

@@ -22,10 +22,22 @@ from pmjac_pin.errors import (
 )
 from pmjac_pin.jacobian import EquivalentJacobian, SplitJacobian, equivalent_jacobian
 from pmjac_pin.loading import load
+from pmjac_pin.loop_spec import (
+    CylindricalLoop,
+    DistanceLoop,
+    FrameLoop,
+    JointLoop,
+    PlanarLoop,
+    PointLoop,
+    PrismaticLoop,
+    RevoluteLoop,
+    SphericalLoop,
+    UniversalLoop,
+)
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.partition import Partition
 from pmjac_pin.singularity import Singularity
-from pmjac_pin.spec import DistanceLoop, MechanismSpec, PointLoop
+from pmjac_pin.spec import MechanismSpec
 
 if TYPE_CHECKING:
     from pmjac_pin.viewer.viewer import Viewer, view
@@ -34,12 +46,15 @@ __all__ = [
     "ArgumentError",
     "ClosureError",
     "Configuration",
+    "CylindricalLoop",
     "DistanceLoop",
     "Ellipse",
     "Ellipsoid",
     "EquivalentJacobian",
     "ForbiddenRatesError",
+    "FrameLoop",
     "IdleMotionError",
+    "JointLoop",
     "LimitError",
     "Mechanism",
     "MechanismSpec",
@@ -47,11 +62,16 @@ __all__ = [
     "ModelFileError",
     "NoJacobianError",
     "Partition",
+    "PlanarLoop",
     "PmjacError",
     "PointLoop",
+    "PrismaticLoop",
+    "RevoluteLoop",
     "SingularError",
     "Singularity",
+    "SphericalLoop",
     "SplitJacobian",
+    "UniversalLoop",
     "UnknownNameError",
     "Viewer",
     "equivalent_jacobian",

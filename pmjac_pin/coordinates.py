@@ -168,6 +168,11 @@ class JointCoordinates:
         column = self._joint(name).idx_v
         return float(self.lower[column]), float(self.upper[column])
 
+    def room(self, q: Array) -> tuple[Array, Array]:
+        """Return how far each degree of freedom is from its limits, below and above, (nv,)."""
+        values = self.values(q)
+        return values - self.lower, self.upper - values
+
     def outside(self, values: Array, columns: Index) -> list[str]:
         """Return the joints of these columns whose values are outside their limits."""
         below = values < self.lower[columns] - _LIMIT_SLACK
@@ -220,4 +225,5 @@ class JointCoordinates:
 def _rotational(model: pin.Model) -> NDArray[np.bool_]:
     """Return which columns are rotations: those whose motion has an angular part."""
     motions = pin.computeJointJacobians(model, model.createData(), pin.neutral(model))
+    motions = motions.reshape(6, -1)  # a vector where there is one degree of freedom
     return np.asarray(np.abs(motions[3:]).max(axis=0, initial=0.0) > 0.0)

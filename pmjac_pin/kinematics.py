@@ -62,7 +62,15 @@ class Kinematics:
         """Return the residual η (p,) and its Jacobian ∂η/∂v (p, nv), in the anchors' axes."""
         scratch = self._thread_scratch()
         pin.computeJointJacobians(self.model, scratch.data, q)
-        return self.loops.evaluate(self.model, scratch.data, scratch.loops)
+        return self.loops.evaluate(self.model, scratch.data, scratch.loops, q)
+
+    def loop_equations(self, q: Array) -> tuple[Array, Array]:
+        """Return η (p,) and ∂η/∂v (p, nv) in world axes, exact on and off closure."""
+        residual, jacobian = self.evaluate(q)
+        scratch = self._thread_scratch()
+        self.loops.to_world(scratch.loops, residual, jacobian)
+        self.loops.add_turning(self.model, scratch.data, residual, jacobian)
+        return residual, jacobian
 
     def snapshot(self, q: Array) -> Snapshot:
         """Return loops and tool at q."""

@@ -1,96 +1,83 @@
-"""A loop closure is a residual and a Jacobian; both come from a Pinocchio anchor constraint.
+"""LoopSystem: all loop closures of a mechanism as one residual and one Jacobian.
 
-The anchor constraint gives the gap between two points as seen from the second one, and the
-gap's derivative by the joint rates, both exact on and off closure. Every kind of loop is a
-rule of a line or two on these. `LoopSystem.evaluate` stays in the anchors' own axes, where
-no rotation is needed and Newton converges just as well; `LoopSystem.to_world` turns the rows
-into the lecture's: world axes, first point minus second.
+Pinocchio's anchor constraints give the pose of one anchor seen from the other, and its rates;
+`loop_rows` makes a kind's equations of it. `LoopSystem.evaluate` stays in the anchors' own axes,
+where no rotation is needed and Newton converges just as well; `LoopSystem.to_world` turns the
+rows into the lecture's: world axes, first minus second.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from pmjac_pin.coupling import Coupling, couple
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.frames import find_frame
-from pmjac_pin.spec import DistanceLoop, Loop, PointLoop
+from pmjac_pin.loop_rows import (
+    Along,
+    Distance,
+    Gap,
+    Relative,
+    RightAngle,
+    Rows,
+    Tilt,
+    Turn,
+    across,
+)
+from pmjac_pin.loop_spec import (
+    CylindricalLoop,
+    DistanceLoop,
+    FrameLoop,
+    JointLoop,
+    Loop,
+    PlanarLoop,
+    PointLoop,
+    PrismaticLoop,
+    RevoluteLoop,
+    SphericalLoop,
+    UniversalLoop,
+)
 
 Array = NDArray[np.float64]
-
-
-class Rule(Protocol):
-    """How the residual follows from the gap between two anchors.
-
-    Attributes
-    ----------
-    row_names : tuple of str
-        What each row measures.
-    row_unit : str
-        "m" or "m²".
-    row_scale : float
-        Turns a row into metres of gap, to first order.
-    vector : bool
-        The rows are a vector's components and turn with the axes.
-    """
-
-    @property
-    def row_names(self) -> tuple[str, ...]: ...  # noqa: D102
-    @property
-    def row_unit(self) -> str: ...  # noqa: D102
-    @property
-    def row_scale(self) -> float: ...  # noqa: D102
-    @property
-    def vector(self) -> bool: ...  # noqa: D102
-
-    def __call__(self, gap: Array, rates: Array) -> tuple[Array | float, Array]:
-        """Return the residual (rows,) and its Jacobian (rows, nv) from those of the gap."""
-        ...
-
-
-@dataclass(frozen=True, slots=True)
-class PointRule:
-    """η = p_first − p_second: the gap itself."""
-
-    row_names = ("x", "y", "z")
-    row_unit = "m"
-    row_scale = 1.0
-    vector = True
-
-    def __call__(self, gap: Array, rates: Array) -> tuple[Array, Array]:
-        """Return the gap and its rates."""
-        return gap, rates
-
-
-@dataclass(frozen=True, slots=True)
-class DistanceRule:
-    """η = |p_first − p_second|² − length²."""
-
-    length: float
-    row_names = ("distance²",)
-    row_unit = "m²"
-    vector = False
-
-    @property
-    def row_scale(self) -> float:
-        """One over 2 length, for d(distance²) = 2 length d(distance)."""
-        return 0.5 / self.length
-
-    def __call__(self, gap: Array, rates: Array) -> tuple[float, Array]:
-        """Return |gap|² − length² and 2 gapᵀ rates."""
-        return float(gap @ gap) - self.length * self.length, (2.0 * gap) @ rates
+FrameLoops = (
+    PointLoop
+    | SphericalLoop
+    | FrameLoop
+    | RevoluteLoop
+    | PrismaticLoop
+    | CylindricalLoop
+    | PlanarLoop
+    | UniversalLoop
+    | DistanceLoop
+)
 
 
 @dataclass(frozen=True, slots=True)
 class _Closure:
-    rule: Rule
-    constraint: Any  # pin.PointAnchorConstraintModel
-    rows: slice
+    """One loop between two frames: its anchors, its blocks, and the row where each starts."""
+
+    constraint: Any  # pin.PointAnchorConstraintModel or pin.FrameAnchorConstraintModel
+    blocks: tuple[tuple[slice, Rows], ...]
+    body: int  # Pinocchio's index of the joint that carries the second frame
+
+    def relative(self, model: pin.Model, data: pin.Data, scratch: Any) -> Relative:
+        # Without `calc` the constraint's Jacobian is silently the one of another q.
+        self.constraint.calc(model, data, scratch)
+        rates = self.constraint.jacobian(model, data, scratch)
+        if rates.shape[0] == 3:
+            return Relative(scratch.constraint_position_error, rates)
+        gap, turning = scratch.c1Mc2.translation, rates[3:]
+        gap_rates = rates[:3] - pin.skew(gap) @ turning  # ṗ = v + ω × p
+        return Relative(gap, gap_rates, scratch.c1Mc2.rotation, turning)
+
+    def vectors(self) -> list[slice]:
+        return [rows for rows, block in self.blocks if block.vector]
 
 
 class LoopSystem:
@@ -99,7 +86,7 @@ class LoopSystem:
     Parameters
     ----------
     model : pin.Model
-    loops : sequence of PointLoop or DistanceLoop
+    loops : sequence of PointLoop, RevoluteLoop, ...
     values : mapping of str to float
         The parameters' values, for lengths that depend on them.
 
@@ -108,82 +95,147 @@ class LoopSystem:
     row_names : tuple of str
         One for each of the p rows, e.g. ``"coupler_tip-rocker_tip x"``.
     row_units : tuple of str
-        "m" or "m²" for each row.
-    row_scale : ndarray, shape (p,)
-        Turns each row into metres of gap.
+        "m", "rad" or "m²" for each row.
+    row_loops : tuple of str
+        What each row's loop joins, e.g. ``"coupler_tip-rocker_tip"``.
     """
 
-    __slots__ = ("_closures", "_nv", "row_names", "row_scale", "row_units")
+    __slots__ = (
+        "_closures",
+        "_couplings",
+        "_lengths",
+        "_nv",
+        "row_loops",
+        "row_names",
+        "row_units",
+    )
 
     def __init__(
         self, model: pin.Model, loops: Sequence[Loop], values: Mapping[str, float]
     ) -> None:
         self._nv = model.nv
         self._closures: list[_Closure] = []
+        self._couplings: list[tuple[int, Coupling]] = []
         names: list[str] = []
-        scales: list[float] = []
+        units: list[str] = []
+        owners: list[str] = []
+        self._lengths: dict[int, float] = {}
         for loop in loops:
-            rule = _rule(loop, values)
-            rows = slice(len(names), len(names) + len(rule.row_names))
-            self._closures.append(_Closure(rule, _anchors(model, loop), rows))
-            names += [f"{loop.frames[0]}-{loop.frames[1]} {row}" for row in rule.row_names]
-            scales += [rule.row_scale] * len(rule.row_names)
+            prefix = "-".join(loop.ends)
+            if isinstance(loop, JointLoop):
+                coupling = couple(model, loop)
+                self._couplings.append((len(names), coupling))
+                names.append(f"{prefix} ratio")
+                units.append(coupling.unit)
+                owners.append(prefix)
+                continue
+            blocks = []
+            for block in _blocks(loop, values):
+                rows = slice(len(names), len(names) + len(block.names))
+                blocks.append((rows, block))
+                if isinstance(block, Distance):
+                    self._lengths[rows.start] = block.length
+                names += [f"{prefix} {row}" for row in block.names]
+                units += [block.unit] * len(block.names)
+                owners += [prefix] * len(block.names)
+            self._closures.append(_closure(model, loop, tuple(blocks)))
         self.row_names = tuple(names)
-        self.row_units = tuple(
-            closure.rule.row_unit for closure in self._closures for _ in closure.rule.row_names
-        )
-        self.row_scale = np.array(scales)
+        self.row_units = tuple(units)
+        self.row_loops = tuple(owners)
+
+    def row_scale(self, length: float) -> Array:
+        """Return what turns each row into metres of gap, to first order, shape (p,).
+
+        Parameters
+        ----------
+        length : float
+            The mechanism's characteristic length in m: a gap of one rad counts as that.
+        """
+        scale = np.where(np.array(self.row_units) == "rad", length, 1.0)
+        for row, rod in self._lengths.items():
+            scale[row] = 0.5 / rod  # d(distance²) = 2 distance d(distance)
+        return scale
 
     def create_data(self) -> list[Any]:
-        """Return Pinocchio's scratch data, one for each loop."""
+        """Return Pinocchio's scratch data, one for each loop between frames."""
         return [closure.constraint.createData() for closure in self._closures]
 
-    def evaluate(self, model: pin.Model, data: pin.Data, scratch: list[Any]) -> tuple[Array, Array]:
+    def evaluate(
+        self, model: pin.Model, data: pin.Data, scratch: list[Any], q: Array
+    ) -> tuple[Array, Array]:
         """Return η (p,) and ∂η/∂v (p, nv) in the anchors' axes.
 
-        After ``pin.computeJointJacobians`` filled `data`; ``forwardKinematics`` would leave
-        the joint Jacobians stale.
+        After ``pin.computeJointJacobians`` filled `data` at `q`; ``forwardKinematics`` would
+        leave the joint Jacobians stale.
         """
         residual = np.empty(len(self.row_names))
         jacobian = np.empty((len(self.row_names), self._nv))
         for closure, loop_data in zip(self._closures, scratch, strict=True):
-            # Without `calc` the constraint's Jacobian is silently the one of another q.
-            closure.constraint.calc(model, data, loop_data)
-            residual[closure.rows], jacobian[closure.rows] = closure.rule(
-                loop_data.constraint_position_error,
-                closure.constraint.jacobian(model, data, loop_data),
-            )
+            pose = closure.relative(model, data, loop_data)
+            for rows, block in closure.blocks:
+                residual[rows], jacobian[rows] = block(pose)
+        for row, coupling in self._couplings:
+            residual[row], jacobian[row] = coupling.residual(q), coupling.gradient
         return residual, jacobian
 
     def to_world(self, scratch: list[Any], residual: Array, jacobian: Array) -> None:
         """Turn what `evaluate` just returned into world axes, in place.
 
-        On closure this is exact; off it, the derivative of the turned residual has a further
-        term, ω × η of the second anchor.
+        On closure this is exact; off it, `add_turning` adds what is missing.
         """
         for closure, loop_data in zip(self._closures, scratch, strict=True):
-            if closure.rule.vector:
-                rotation, rows = loop_data.oMc1.rotation, closure.rows
+            for rows in closure.vectors():
+                rotation = loop_data.oMc1.rotation
                 residual[rows] = rotation @ residual[rows]
                 jacobian[rows] = rotation @ jacobian[rows]
 
+    def add_turning(
+        self, model: pin.Model, data: pin.Data, residual: Array, jacobian: Array
+    ) -> None:
+        """Add ω × η of the second anchor to the world's ∂η/∂v, in place: zero on closure."""
+        for closure in self._closures:
+            turning = pin.getJointJacobian(model, data, closure.body, pin.LOCAL_WORLD_ALIGNED)[3:]
+            for rows in closure.vectors():
+                jacobian[rows] -= pin.skew(residual[rows]) @ turning
 
-def _rule(loop: Loop, values: Mapping[str, float]) -> Rule:
+
+def _blocks(loop: FrameLoops, values: Mapping[str, float]) -> list[Rows]:
+    if isinstance(loop, DistanceLoop):
+        return [Distance(loop.resolved_length(values))]
+    return [_position(loop), *_orientation(loop)]
+
+
+def _position(loop: FrameLoops) -> Rows:
     match loop:
-        case PointLoop():
-            return PointRule()
-        case DistanceLoop():
-            return DistanceRule(loop.resolved_length(values))
+        case PrismaticLoop() | CylindricalLoop():
+            return Along(across(np.array(loop.axis)), ("across 1", "across 2"))
+        case PlanarLoop():
+            return Along(np.array([loop.axis]), ("height",))
+    return Gap()
 
 
-def _anchors(model: pin.Model, loop: Loop) -> Any:
-    """Build the anchor constraint. Pinocchio's gap is its second minus its first, ours opposite."""
+def _orientation(loop: FrameLoops) -> list[Rows]:
+    match loop:
+        case FrameLoop() | PrismaticLoop():
+            return [Turn()]
+        case RevoluteLoop() | CylindricalLoop() | PlanarLoop():
+            return [Tilt(np.array(loop.axis), across(np.array(loop.axis)))]
+        case UniversalLoop():
+            return [RightAngle(np.array(loop.axes[0]), np.array(loop.axes[1]))]
+    return []
+
+
+def _closure(
+    model: pin.Model, loop: FrameLoops, blocks: tuple[tuple[slice, Rows], ...]
+) -> _Closure:
+    """Build the anchors. Pinocchio's gap is its second minus its first, ours opposite."""
     first, second = (find_frame(model, name) for name in loop.frames)
     if first.joint == second.joint:
         names = " and ".join(map(repr, loop.frames))
         raise ArgumentError(
             f"the frames {names} of a loop are on one body: nothing moves them apart"
         )
-    return pin.PointAnchorConstraintModel(
-        model, second.joint, second.placement, first.joint, first.placement
-    )
+    points_only = all(isinstance(block, Gap | Distance) for _, block in blocks)
+    anchors = pin.PointAnchorConstraintModel if points_only else pin.FrameAnchorConstraintModel
+    constraint = anchors(model, second.joint, second.placement, first.joint, first.placement)
+    return _Closure(constraint, blocks, second.joint)

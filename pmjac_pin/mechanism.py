@@ -7,29 +7,27 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-import msgspec
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from pmjac_pin.assembly import Parts, assemble_pose, build_parts
+from pmjac_pin.assembly import build_parts
 from pmjac_pin.checks import as_numbers
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.coordinates import JointCoordinates
 from pmjac_pin.direct_kinematics import Guess, close
 from pmjac_pin.errors import (
     ArgumentError,
     unknown_name,
 )
+from pmjac_pin.loop_spec import Loop
+from pmjac_pin.parts import Parts
+from pmjac_pin.pinocchio_model import Constraint, RobotWrapper, own_model
+from pmjac_pin.pose_assembly import assemble_pose
+from pmjac_pin.read_only import read_only
+from pmjac_pin.recut import recut_parts
 from pmjac_pin.spec import (
-    DistanceLoop,
     JointValue,
-    Loop,
     MechanismSpec,
-    PointLoop,
-    Tool,
-    decode_spec,
-    encode_spec,
 )
 from pmjac_pin.urdf import Urdf
 
@@ -60,22 +58,25 @@ class Mechanism:
     @classmethod
     def from_pinocchio(
         cls,
-        model: pin.Model,
-        loops: Iterable[Loop],
+        model: pin.Model | RobotWrapper,
+        loops: Iterable[Loop | Constraint],
         actuated: Iterable[str],
         tool: str | Sequence[str],
         *,
         passive: Iterable[str] | None = None,
         home: ArrayLike | Mapping[str, JointValue] | None = None,
         name: str = "",
+        tolerance: float | None = None,
     ) -> Mechanism:
         """Make a mechanism of a Pinocchio model that you already hold.
 
         Parameters
         ----------
-        model : pin.Model
+        model : pin.Model or RobotWrapper
             The cut tree; copied.
-        loops : iterable of PointLoop or DistanceLoop
+        loops : iterable of PointLoop, RevoluteLoop, ...
+            Or Pinocchio's own constraint models: point anchors and frame anchors, alone or in a
+            ``pin.ConstraintModel``, and ``pin.RigidConstraintModel``.
         actuated : iterable of str
             Motor joints, in the order of the columns of K and J.
         tool : str or three str
@@ -86,6 +87,9 @@ class Mechanism:
             Joint values near which the loops are assembled; neutral when None.
         name : str, optional
             The model's own when empty.
+        tolerance : float, optional
+            The gap in m up to which the loops count as closed, where the model's numbers are
+            rounded; 1e-12 m when None.
 
         Raises
         ------
@@ -98,21 +102,9 @@ class Mechanism:
         >>> pj.Mechanism.from_pinocchio(arm, [], arm.names[1:], "effector_body", name="arm")
         Mechanism(arm, actuated=(shoulder1_joint, ...), 0 passive, 0 loops, mobility 6)
         """
-        if not isinstance(model, pin.Model):
-            raise ArgumentError(f"model must be a pinocchio.Model, got {type(model).__name__}")
-        own = model.copy()
-        try:
-            spec = MechanismSpec(
-                name=name or own.name or "mechanism",
-                actuated=_names("actuated", actuated),
-                passive=None if passive is None else _names("passive", passive),
-                tool=_tool(tool),
-                loops=_loops(loops),
-                poses={"home": _home_pose(own, home)},
-            )
-            spec = decode_spec(encode_spec(spec))  # checks the types, as in a model file
-        except (TypeError, ValueError, msgspec.MsgspecError) as error:
-            raise ArgumentError(str(error)) from None
+        own, spec = own_model(
+            model, loops, actuated, tool, passive=passive, home=home, name=name, tolerance=tolerance
+        )
         return cls(build_parts(own, spec, {}))
 
     @property
@@ -226,6 +218,40 @@ class Mechanism:
             self._poses[name] = Configuration._of_q(self, q)
         return self._poses[name]
 
+    def moved(self, pose: str = "home") -> Mapping[str, float]:
+        """Return how far each degree of freedom had to move to close a pose's loops.
+
+        Parameters
+        ----------
+        pose : str
+            A name of `poses`.
+
+        Returns
+        -------
+        mapping of str to float
+            By the names of `actuated` and `passive`: the closed pose less the values that the
+            model file gives, m or rad.
+
+        Raises
+        ------
+        UnknownNameError, ClosureError
+            As `pose`.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> moved = pj.load("four_bar").moved()
+        >>> {name: round(value, 3) for name, value in moved.items()}
+        {'theta1': 0.0, 'phi1': 0.024, 'phi2': 0.007}
+        """
+        parts, closed = self._parts, self.pose(pose)
+        given = parts.coordinates.q(self.spec.poses[pose], parts.home_q if pose != "home" else None)
+        change = pin.difference(parts.model, given, closed.q)
+        partition = parts.problem.partition
+        columns = np.concatenate([partition.actuated, partition.passive])
+        names = self.actuated + self.passive
+        return MappingProxyType(dict(zip(names, change[columns].tolist(), strict=True)))
+
     def close(
         self, actuated: ArrayLike, guess: Guess = "home", *, enforce_limits: bool = True
     ) -> Configuration:
@@ -267,6 +293,75 @@ class Mechanism:
         """
         return close(self, actuated, guess, enforce_limits)
 
+    def recut(self, joint: str) -> Mechanism:
+        """Return the same mechanism with its loops cut at another joint.
+
+        The joint becomes a loop closure of its kind, and a loop that led to it a joint. A motor,
+        or a geared joint, keeps its value: it is cut behind its hub, which is welded again.
+        J_eq does not change; K, K* and their shapes do.
+
+        Parameters
+        ----------
+        joint : str
+            A joint of the tree that is part of a loop.
+
+        Returns
+        -------
+        Mechanism
+            With the same motors, tool and poses; parameters are fixed at their values.
+
+        Raises
+        ------
+        UnknownNameError
+            No such joint.
+        ArgumentError
+            The joint is in no loop, or cannot be taken apart.
+
+        Examples
+        --------
+        >>> import numpy as np, pmjac_pin as pj
+        >>> mechanism = pj.load("four_bar")
+        >>> recut = mechanism.recut("phi1")
+        >>> recut.rows[:5]
+        ('phi1_child-phi1_parent x', 'phi1_child-phi1_parent y', 'phi1_child-phi1_parent z',
+         'phi1_child-phi1_parent tilt 1', 'phi1_child-phi1_parent tilt 2')
+        >>> bool(np.allclose(recut.home.jacobian().J_eq, mechanism.home.jacobian().J_eq))
+        True
+        """
+        poses = {name: self.pose(name).q for name in self.poses}
+        return Mechanism(recut_parts(self._parts, joint, poses))
+
+    def loop_equations(self, q: ArrayLike) -> tuple[Array, Array]:
+        """Return the loop equations and their derivative at any q, closed or not.
+
+        Parameters
+        ----------
+        q : array_like, shape (nq,)
+            Pinocchio's configuration vector.
+
+        Returns
+        -------
+        residual : ndarray, shape (p,)
+            η(q), m, rad or m² (`row_units`), in world axes.
+        jacobian : ndarray, shape (p, nv)
+            ∂η/∂v, exact on and off closure, its columns in Pinocchio's order.
+
+        Raises
+        ------
+        ArgumentError
+            Not nq finite numbers, or a quaternion or (cos, sin) that is not of unit length.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> mechanism = pj.load("four_bar")
+        >>> residual, jacobian = mechanism.loop_equations([0.0, 0.0, 0.0])
+        >>> residual.round(3).tolist(), jacobian.shape
+        ([-3.5, 0.0, 0.0], (3, 3))
+        """
+        residual, jacobian = self._parts.kinematics.loop_equations(self._checked(q))
+        return read_only(residual), read_only(jacobian)
+
     def configuration(self, q: ArrayLike) -> Configuration:
         """Return the configuration at this q.
 
@@ -282,12 +377,15 @@ class Mechanism:
         ArgumentError
             Not nq finite numbers, or a quaternion or (cos, sin) that is not of unit length.
         """
+        return Configuration._of_q(self, self._checked(q))
+
+    def _checked(self, q: ArrayLike) -> Array:
         values = as_numbers(q, "q")
         if values.shape != (self.nq,):
             raise ArgumentError(f"q has nq = {self.nq} entries, got shape {values.shape}")
         if not pin.isNormalized(self._parts.model, values, 1e-6):
             raise ArgumentError("a quaternion or (cos, sin) in q is not of unit length")
-        return Configuration._of_q(self, values)
+        return values
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Mechanism):
@@ -319,42 +417,6 @@ class Mechanism:
             f"{len(self.spec.loops)} loop{'s' * (len(self.spec.loops) != 1)}, "
             f"mobility {self.mobility})"
         )
-
-
-def _names(what: str, names: Iterable[str]) -> tuple[str, ...]:
-    if isinstance(names, str):
-        raise ArgumentError(f"{what} is a list of joint names, got the string {names!r}")
-    return tuple(names)
-
-
-def _loops(loops: Iterable[Loop]) -> tuple[Loop, ...]:
-    if isinstance(loops, PointLoop | DistanceLoop) or not isinstance(loops, Iterable):
-        raise ArgumentError(f"loops is a list of PointLoop and DistanceLoop, got {loops!r}")
-    return tuple(loops)
-
-
-def _tool(tool: str | Sequence[str]) -> Tool:
-    if isinstance(tool, str):
-        return Tool(frame=tool)
-    if not isinstance(tool, Sequence) or len(tool) != 3:
-        raise ArgumentError(f"a tool is one frame or three, got {tool!r}")
-    return Tool(points=(tool[0], tool[1], tool[2]))
-
-
-def _home_pose(
-    model: pin.Model, home: ArrayLike | Mapping[str, JointValue] | None
-) -> dict[str, JointValue]:
-    if isinstance(home, Mapping):
-        return {
-            name: tuple(np.atleast_1d(as_numbers(value, f"the value of joint {name!r}")).tolist())
-            for name, value in home.items()
-        }
-    if home is None:
-        return {}
-    q = as_numbers(home, "home")
-    if q.shape != (model.nq,):
-        raise ArgumentError(f"home has nq = {model.nq} entries, got shape {q.shape}")
-    return JointCoordinates(model).pose(q)
 
 
 def _rebuild(

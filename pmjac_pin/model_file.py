@@ -9,7 +9,8 @@ from pathlib import Path
 import msgspec
 
 from pmjac_pin.errors import ModelFileError, did_you_mean
-from pmjac_pin.spec import DistanceLoop, MechanismSpec, Move, Parameter, PointLoop, Tool
+from pmjac_pin.loop_spec import LOOP_KINDS
+from pmjac_pin.spec import MechanismSpec, Move, Parameter, Tool
 from pmjac_pin.text_file import read_text
 
 MAXIMAL_SIZE = 1 << 20  # bytes; the largest of our own model files has a few thousand
@@ -17,12 +18,11 @@ MAXIMAL_SIZE = 1 << 20  # bytes; the largest of our own model files has a few th
 # Which table a path in one of msgspec's messages leads to: the last that fits.
 _TABLES = (
     (r"", (MechanismSpec,)),
-    (r"^loop\[", (PointLoop, DistanceLoop)),
+    (r"^loop\[", tuple(LOOP_KINDS.values())),
     (r"^tool", (Tool,)),
     (r"^parameters\[", (Parameter,)),
     (r"moves\[", (Move,)),
 )
-_KINDS = ("point", "distance")
 _WORDS = {
     "Object contains unknown field": "unknown key",
     "Object missing required field": "missing key",
@@ -65,7 +65,7 @@ def _explained(error: msgspec.ValidationError) -> str:
     if unknown := re.search(r"unknown key `([^`]*)`(?: - at `([^`]*)`)?", message):
         return message + did_you_mean(unknown[1], _keys(unknown[2] or ""))
     if kind := re.search(r"Invalid value '([^']*)' - at `loop\[\d+\]\.kind`", message):
-        return message + did_you_mean(kind[1], _KINDS)
+        return message + did_you_mean(kind[1], LOOP_KINDS)
     return message
 
 

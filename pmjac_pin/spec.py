@@ -10,70 +10,24 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from numbers import Real
 from types import MappingProxyType
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import msgspec
-from msgspec.structs import asdict, force_setattr
 
 from pmjac_pin.errors import (
     ArgumentError,
     did_you_mean,
     unknown_name,
 )
+from pmjac_pin.loop_spec import DistanceLoop, Loop
+from pmjac_pin.table import Name, Table, Vector
 
-Vector = tuple[float, float, float]
-Name = Annotated[str, msgspec.Meta(min_length=1)]
 LARGEST_PARAMETER = 1e6  # m or rad, where a model file gives no limit
+LARGEST_TOLERANCE = 1e-2  # m
 ZERO: Vector = (0.0, 0.0, 0.0)
 
 
-class _Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A TOML table: immutable, every key known."""
-
-    def __post_init__(self) -> None:
-        for key, value in asdict(self).items():
-            _refuse_non_finite(key, value)
-            if isinstance(value, dict):
-                force_setattr(self, key, _frozen(value))
-
-
-class PointLoop(_Table, frozen=True, tag_field="kind", tag="point"):
-    """A loop closed where two points coincide: η = p_first − p_second, world axes, 3 rows."""
-
-    frames: tuple[Name, Name]
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        _refuse_equal_frames(self.frames)
-
-
-class DistanceLoop(_Table, frozen=True, tag_field="kind", tag="distance"):
-    """A loop closed by a rod between two points: η = |p_first − p_second|² − length², 1 row.
-
-    `length` is a number in m, or a table ``{parameter = coefficient}``: the sum of the
-    coefficients times the parameters' values.
-    """
-
-    frames: tuple[Name, Name]
-    length: float | dict[str, float]
-
-    def __post_init__(self) -> None:
-        if isinstance(self.length, Real):
-            force_setattr(self, "length", float(self.length))
-        super().__post_init__()
-        _refuse_equal_frames(self.frames)
-
-    def resolved_length(self, values: Mapping[str, float]) -> float:
-        """Return the length in m at these values of the parameters."""
-        if isinstance(self.length, float):
-            return self.length
-        return sum(coefficient * values[name] for name, coefficient in self.length.items())
-
-
-Loop = PointLoop | DistanceLoop
-
-
-class Tool(_Table, frozen=True, kw_only=True):
+class Tool(Table, frozen=True, kw_only=True):
     """The tool: a frame of the URDF, or the frame that three points span.
 
     Three points p₁, p₂, p₃ give the origin (p₁ + p₂ + p₃)/3, x along p₂ − p₁, z along
@@ -91,7 +45,7 @@ class Tool(_Table, frozen=True, kw_only=True):
             raise ArgumentError(f"the three points of a tool must differ, got {list(self.points)}")
 
 
-class Move(_Table, frozen=True, kw_only=True):
+class Move(Table, frozen=True, kw_only=True):
     """How one parameter moves one thing of the URDF: the change per unit of the parameter.
 
     The URDF is written at the parameters' defaults; a component becomes
@@ -119,7 +73,7 @@ class Move(_Table, frozen=True, kw_only=True):
             raise ArgumentError("a move without a coefficient moves nothing")
 
 
-class Parameter(_Table, frozen=True, kw_only=True):
+class Parameter(Table, frozen=True, kw_only=True):
     """A length or an angle that a user may vary."""
 
     default: float
@@ -160,7 +114,7 @@ class Parameter(_Table, frozen=True, kw_only=True):
 JointValue = float | tuple[float, ...]
 
 
-class MechanismSpec(_Table, frozen=True, kw_only=True):
+class MechanismSpec(Table, frozen=True, kw_only=True):
     """What a model file says.
 
     Attributes
@@ -176,8 +130,13 @@ class MechanismSpec(_Table, frozen=True, kw_only=True):
         Joints in the order of the columns of K, J and K*, J*. Without `passive`: every other
         joint that moves, in Pinocchio's order.
     tool : Tool
-    loops : tuple of PointLoop or DistanceLoop
-        ``[[loop]]`` in the file.
+    loops : tuple of PointLoop, DistanceLoop, ...
+        ``[[loop]]`` in the file; `pmjac_pin.loop_spec` has all kinds.
+    spherical : tuple of str
+        Joints that the URDF writes as ``floating`` for want of a ball joint: they only turn.
+    tolerance : float or None
+        The gap in m up to which the loops count as closed, for models whose loops cannot close
+        exactly because their numbers are rounded; None for 1e-12 m.
     poses : mapping of str to mapping of str to float
         Joint values, m or rad, near which the loops are assembled; "home" is one of them.
     parameters : mapping of str to Parameter
@@ -190,6 +149,8 @@ class MechanismSpec(_Table, frozen=True, kw_only=True):
     passive: tuple[Name, ...] | None = None
     tool: Tool
     loops: tuple[Loop, ...] = msgspec.field(default=(), name="loop")
+    spherical: tuple[Name, ...] = ()
+    tolerance: float | None = None
     poses: dict[str, dict[str, JointValue]]
     parameters: dict[str, Parameter] = msgspec.field(default_factory=dict)
 
@@ -197,6 +158,10 @@ class MechanismSpec(_Table, frozen=True, kw_only=True):
         super().__post_init__()
         _refuse_repeated("actuated", self.actuated)
         _refuse_repeated("passive", self.passive or ())
+        _refuse_repeated("spherical", self.spherical)
+        if self.tolerance is not None and not 0.0 < self.tolerance <= LARGEST_TOLERANCE:
+            within = f"between 0 and {LARGEST_TOLERANCE:g} m"
+            raise ArgumentError(f"`tolerance` is {within}, got {self.tolerance:g}")
         if not self.actuated:
             raise ArgumentError("`actuated` is empty: name at least one motor joint")
         if both := sorted(set(self.actuated) & set(self.passive or ())):
@@ -260,31 +225,6 @@ def _builtin(value: Any) -> dict[str, Any] | float | str:
     if isinstance(value, str):
         return str(value)
     return float(value) if isinstance(value, Real) else dict(value)
-
-
-def _frozen(value: dict[str, Any]) -> Mapping[str, Any]:
-    return MappingProxyType(
-        {key: _frozen(item) if isinstance(item, dict) else item for key, item in value.items()}
-    )
-
-
-def _numbers(value: Any) -> Iterator[float]:
-    if isinstance(value, float):
-        yield value
-    elif isinstance(value, dict | tuple):
-        for item in value.values() if isinstance(value, dict) else value:
-            yield from _numbers(item)
-
-
-def _refuse_non_finite(key: str, value: Any) -> None:
-    for number in _numbers(value):
-        if not math.isfinite(number):
-            raise ArgumentError(f"`{key}` holds {number}; a finite number is wanted")
-
-
-def _refuse_equal_frames(frames: tuple[str, str]) -> None:
-    if frames[0] == frames[1]:
-        raise ArgumentError(f"a loop joins two different frames, got {frames[0]!r} twice")
 
 
 def _refuse_repeated(key: str, names: Iterable[str]) -> None:

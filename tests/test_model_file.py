@@ -66,7 +66,7 @@ MODEL_ERRORS = {
     ),
     "unknown kind of loop": (
         ('kind = "point"', 'kind = "poimt"'),
-        "{path}: Invalid value 'poimt' - at `loop[0].kind`; did you mean 'point'?",
+        "{path}: Invalid value 'poimt' - at `loop[0].kind`; did you mean 'point'",
     ),
     "unknown frame in a loop": (
         ("coupler_tip", "coupler_tipp"),

@@ -10,8 +10,8 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.frames import find_frame
+from pmjac_pin.loop_spec import DistanceLoop, JointLoop, Loop
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.spec import DistanceLoop, Loop
 from pmjac_pin.viewer.bodies import Bodies, Point, Points
 from pmjac_pin.viewer.shapes import Array
 from pmjac_pin.viewer.visuals import Visual, read_visuals
@@ -65,7 +65,7 @@ class Anatomy:
 
     @cached_property
     def anchors(self) -> list[Anchors]:
-        """The loops."""
+        """The loops between frames."""
         values = self.mechanism.parameters
         return [
             Anchors(
@@ -75,6 +75,7 @@ class Anatomy:
                 loop.resolved_length(values) if isinstance(loop, DistanceLoop) else 0.0,
             )
             for loop in self.mechanism.spec.loops
+            if not isinstance(loop, JointLoop)
         ]
 
     @cached_property
