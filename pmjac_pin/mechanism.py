@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-import msgspec
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
@@ -15,20 +14,18 @@ from numpy.typing import ArrayLike, NDArray
 from pmjac_pin.assembly import Parts, assemble_pose, build_parts
 from pmjac_pin.checks import as_numbers
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.coordinates import JointCoordinates
 from pmjac_pin.direct_kinematics import Guess, close
 from pmjac_pin.errors import (
     ArgumentError,
     unknown_name,
 )
 from pmjac_pin.loop_spec import Loop
+from pmjac_pin.pinocchio_model import Constraint, RobotWrapper, own_model
 from pmjac_pin.read_only import read_only
+from pmjac_pin.recut import recut_parts
 from pmjac_pin.spec import (
     JointValue,
     MechanismSpec,
-    Tool,
-    decode_spec,
-    encode_spec,
 )
 from pmjac_pin.urdf import Urdf
 
@@ -59,8 +56,8 @@ class Mechanism:
     @classmethod
     def from_pinocchio(
         cls,
-        model: pin.Model,
-        loops: Iterable[Loop],
+        model: pin.Model | RobotWrapper,
+        loops: Iterable[Loop | Constraint],
         actuated: Iterable[str],
         tool: str | Sequence[str],
         *,
@@ -72,9 +69,11 @@ class Mechanism:
 
         Parameters
         ----------
-        model : pin.Model
+        model : pin.Model or RobotWrapper
             The cut tree; copied.
-        loops : iterable of PointLoop or DistanceLoop
+        loops : iterable of PointLoop, RevoluteLoop, ...
+            Or Pinocchio's own constraint models: point anchors and frame anchors, alone or in a
+            ``pin.ConstraintModel``, and ``pin.RigidConstraintModel``.
         actuated : iterable of str
             Motor joints, in the order of the columns of K and J.
         tool : str or three str
@@ -97,21 +96,7 @@ class Mechanism:
         >>> pj.Mechanism.from_pinocchio(arm, [], arm.names[1:], "effector_body", name="arm")
         Mechanism(arm, actuated=(shoulder1_joint, ...), 0 passive, 0 loops, mobility 6)
         """
-        if not isinstance(model, pin.Model):
-            raise ArgumentError(f"model must be a pinocchio.Model, got {type(model).__name__}")
-        own = model.copy()
-        try:
-            spec = MechanismSpec(
-                name=name or own.name or "mechanism",
-                actuated=_names("actuated", actuated),
-                passive=None if passive is None else _names("passive", passive),
-                tool=_tool(tool),
-                loops=_loops(loops),
-                poses={"home": _home_pose(own, home)},
-            )
-            spec = decode_spec(encode_spec(spec))  # checks the types, as in a model file
-        except (TypeError, ValueError, msgspec.MsgspecError) as error:
-            raise ArgumentError(str(error)) from None
+        own, spec = own_model(model, loops, actuated, tool, passive=passive, home=home, name=name)
         return cls(build_parts(own, spec, {}))
 
     @property
@@ -261,6 +246,44 @@ class Mechanism:
         """
         return close(self, actuated, guess, enforce_limits)
 
+    def recut(self, joint: str) -> Mechanism:
+        """Return the same mechanism with its loops cut at another joint.
+
+        The joint becomes a loop closure of its kind, and a loop that led to it a joint. A motor,
+        or a geared joint, keeps its value: it is cut behind its hub, which is welded again.
+        J_eq does not change; K, K* and their shapes do.
+
+        Parameters
+        ----------
+        joint : str
+            A joint of the tree that is part of a loop.
+
+        Returns
+        -------
+        Mechanism
+            With the same motors, tool and poses; parameters are fixed at their values.
+
+        Raises
+        ------
+        UnknownNameError
+            No such joint.
+        ArgumentError
+            The joint is in no loop, or cannot be taken apart.
+
+        Examples
+        --------
+        >>> import numpy as np, pmjac_pin as pj
+        >>> mechanism = pj.load("four_bar")
+        >>> recut = mechanism.recut("phi1")
+        >>> recut.rows[:5]
+        ('phi1_child-phi1_parent x', 'phi1_child-phi1_parent y', 'phi1_child-phi1_parent z',
+         'phi1_child-phi1_parent tilt 1', 'phi1_child-phi1_parent tilt 2')
+        >>> bool(np.allclose(recut.home.jacobian().J_eq, mechanism.home.jacobian().J_eq))
+        True
+        """
+        poses = {name: self.pose(name).q for name in self.poses}
+        return Mechanism(recut_parts(self._parts, joint, poses))
+
     def loop_equations(self, q: ArrayLike) -> tuple[Array, Array]:
         """Return the loop equations and their derivative at any q, closed or not.
 
@@ -347,42 +370,6 @@ class Mechanism:
             f"{len(self.spec.loops)} loop{'s' * (len(self.spec.loops) != 1)}, "
             f"mobility {self.mobility})"
         )
-
-
-def _names(what: str, names: Iterable[str]) -> tuple[str, ...]:
-    if isinstance(names, str):
-        raise ArgumentError(f"{what} is a list of joint names, got the string {names!r}")
-    return tuple(names)
-
-
-def _loops(loops: Iterable[Loop]) -> tuple[Loop, ...]:
-    if isinstance(loops, Loop) or not isinstance(loops, Iterable):
-        raise ArgumentError(f"loops is a list of PointLoop, RevoluteLoop, ..., got {loops!r}")
-    return tuple(loops)
-
-
-def _tool(tool: str | Sequence[str]) -> Tool:
-    if isinstance(tool, str):
-        return Tool(frame=tool)
-    if not isinstance(tool, Sequence) or len(tool) != 3:
-        raise ArgumentError(f"a tool is one frame or three, got {tool!r}")
-    return Tool(points=(tool[0], tool[1], tool[2]))
-
-
-def _home_pose(
-    model: pin.Model, home: ArrayLike | Mapping[str, JointValue] | None
-) -> dict[str, JointValue]:
-    if isinstance(home, Mapping):
-        return {
-            name: tuple(np.atleast_1d(as_numbers(value, f"the value of joint {name!r}")).tolist())
-            for name, value in home.items()
-        }
-    if home is None:
-        return {}
-    q = as_numbers(home, "home")
-    if q.shape != (model.nq,):
-        raise ArgumentError(f"home has nq = {model.nq} entries, got shape {q.shape}")
-    return JointCoordinates(model).pose(q)
 
 
 def _rebuild(
