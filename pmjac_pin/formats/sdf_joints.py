@@ -87,8 +87,6 @@ def read_joint(element: Element, frames: Frames, version: tuple[int, int]) -> Sd
         known = did_you_mean(kind, AXES)
         raise ModelFileError(f"{where} has the type {shown(kind)}, which is not read{known}")
     parent, child = (frames.link(end_of(element, tag), f"{where}, <{tag}>") for tag in ENDS)
-    if child == WORLD:
-        raise ModelFileError(f"{where}: the world cannot be a joint's child; swap the two")
     if parent == child:
         raise ModelFileError(f"{where} joins link {parent!r} to itself")
     name = element.get("name", "")
@@ -105,6 +103,9 @@ def end_of(joint: Element, tag: str) -> str:
     name = text_of(label(joint), joint, tag)
     if name is None:
         raise ModelFileError(f"{label(joint)} has no <{tag}>; write <{tag}>LINK</{tag}>")
+    if (tag, name) == ("child", WORLD):
+        why = "the world cannot be a joint's child"
+        raise ModelFileError(f"{label(joint)}: {why}; swap <parent> and <child>")
     return name
 
 

@@ -15,7 +15,6 @@ from pmjac_pin.urdf_checks import MAXIMAL_LINKS, checked_names
 from pmjac_pin.urdf_xml import label, shown
 
 _OLDEST, _NEWEST = (1, 4), (1, 12)
-_MOST_FRAMES = 10 * MAXIMAL_LINKS
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,10 +98,10 @@ def _names(links: Sequence[Element], *others: Sequence[Element]) -> list[str]:
     """Return the links' names, once all names are certain to be there and to differ."""
     if not links:
         raise ModelFileError("the model has no <link>")
-    for elements, most in ((links, MAXIMAL_LINKS), *((other, _MOST_FRAMES) for other in others)):
-        if len(elements) > most:
+    for elements in (links, *others):
+        if len(elements) > MAXIMAL_LINKS:
             got = f"{len(elements)} elements <{elements[0].tag}>"
-            raise ModelFileError(f"{got} are too many; at most {most} are read")
+            raise ModelFileError(f"{got} are too many; at most {MAXIMAL_LINKS} are read")
         names = checked_names(elements)
         for taken in (WORLD, MODEL):
             if taken in names:
