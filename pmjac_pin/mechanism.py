@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from pmjac_pin.assembly import Parts, assemble_pose, build_parts
+from pmjac_pin.assembly import build_parts
 from pmjac_pin.checks import as_numbers
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.direct_kinematics import Guess, close
@@ -20,7 +20,9 @@ from pmjac_pin.errors import (
     unknown_name,
 )
 from pmjac_pin.loop_spec import Loop
+from pmjac_pin.parts import Parts
 from pmjac_pin.pinocchio_model import Constraint, RobotWrapper, own_model
+from pmjac_pin.pose_assembly import assemble_pose
 from pmjac_pin.read_only import read_only
 from pmjac_pin.recut import recut_parts
 from pmjac_pin.spec import (
@@ -64,6 +66,7 @@ class Mechanism:
         passive: Iterable[str] | None = None,
         home: ArrayLike | Mapping[str, JointValue] | None = None,
         name: str = "",
+        tolerance: float | None = None,
     ) -> Mechanism:
         """Make a mechanism of a Pinocchio model that you already hold.
 
@@ -84,6 +87,9 @@ class Mechanism:
             Joint values near which the loops are assembled; neutral when None.
         name : str, optional
             The model's own when empty.
+        tolerance : float, optional
+            The gap in m up to which the loops count as closed, where the model's numbers are
+            rounded; 1e-12 m when None.
 
         Raises
         ------
@@ -96,7 +102,9 @@ class Mechanism:
         >>> pj.Mechanism.from_pinocchio(arm, [], arm.names[1:], "effector_body", name="arm")
         Mechanism(arm, actuated=(shoulder1_joint, ...), 0 passive, 0 loops, mobility 6)
         """
-        own, spec = own_model(model, loops, actuated, tool, passive=passive, home=home, name=name)
+        own, spec = own_model(
+            model, loops, actuated, tool, passive=passive, home=home, name=name, tolerance=tolerance
+        )
         return cls(build_parts(own, spec, {}))
 
     @property
@@ -204,6 +212,40 @@ class Mechanism:
                 q = assemble_pose(parts, start, name)
             self._poses[name] = Configuration._of_q(self, q)
         return self._poses[name]
+
+    def moved(self, pose: str = "home") -> Mapping[str, float]:
+        """Return how far each degree of freedom had to move to close a pose's loops.
+
+        Parameters
+        ----------
+        pose : str
+            A name of `poses`.
+
+        Returns
+        -------
+        mapping of str to float
+            By the names of `actuated` and `passive`: the closed pose less the values that the
+            model file gives, m or rad.
+
+        Raises
+        ------
+        UnknownNameError, ClosureError
+            As `pose`.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> moved = pj.load("four_bar").moved()
+        >>> {name: round(value, 3) for name, value in moved.items()}
+        {'theta1': 0.0, 'phi1': 0.024, 'phi2': 0.007}
+        """
+        parts, closed = self._parts, self.pose(pose)
+        given = parts.coordinates.q(self.spec.poses[pose], parts.home_q if pose != "home" else None)
+        change = pin.difference(parts.model, given, closed.q)
+        partition = parts.problem.partition
+        columns = np.concatenate([partition.actuated, partition.passive])
+        names = self.actuated + self.passive
+        return MappingProxyType(dict(zip(names, change[columns].tolist(), strict=True)))
 
     def close(
         self, actuated: ArrayLike, guess: Guess = "home", *, enforce_limits: bool = True

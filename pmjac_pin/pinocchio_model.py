@@ -34,6 +34,7 @@ def own_model(
     passive: Iterable[str] | None,
     home: ArrayLike | Mapping[str, JointValue] | None,
     name: str,
+    tolerance: float | None,
 ) -> tuple[pin.Model, MechanismSpec]:
     """Return a copy of the model, with the constraints' anchors as frames, and the spec.
 
@@ -55,6 +56,7 @@ def own_model(
             tool=_tool(tool),
             loops=_loops(own, loops),
             poses={"home": _home_pose(own, home)},
+            tolerance=tolerance,
         )
         return own, decode_spec(encode_spec(spec))  # checks the types, as in a model file
     except (TypeError, ValueError, msgspec.MsgspecError) as error:
