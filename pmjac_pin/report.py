@@ -203,7 +203,7 @@ class Report(msgspec.Struct, frozen=True, kw_only=True):
     refusal: str | None
 
 
-def to_json(report: Report) -> str:
+def to_json(report: msgspec.Struct) -> str:
     """Write a report as strict JSON in ASCII, one line for each of its attributes.
 
     JSON knows no infinity: infinite numbers become null. There are three: the radii of the

@@ -58,6 +58,11 @@ class Signatures:
         whole = np.concatenate([places, axes], axis=2).reshape(count, 12 * bodies)
         return whole[:, self.at_rest]
 
+    @staticmethod
+    def same(signatures: Array, known: Array) -> NDArray[np.bool_]:
+        """Tell which of these signatures (b, entries) are that of one known pose."""
+        return np.asarray(np.abs(signatures - known).max(axis=1, initial=0.0) <= _SAME)
+
 
 class Distinct:
     """The poses met so far, each once, and how often each was met.
@@ -78,17 +83,13 @@ class Distinct:
         """Count closed poses (b, nq); tell whether any of them is new."""
         signatures, before = self._signatures(rows), len(self.q)
         for index, known in enumerate(self._known):
-            same = self._same(signatures, known)
+            same = self._signatures.same(signatures, known)
             self.hits[index] += int(same.sum())
             rows, signatures = rows[~same], signatures[~same]
         while len(rows):
-            same = self._same(signatures, signatures[0])
+            same = self._signatures.same(signatures, signatures[0])
             self.q.append(rows[0])
             self._known.append(signatures[0])
             self.hits.append(int(same.sum()))
             rows, signatures = rows[~same], signatures[~same]
         return len(self.q) > before
-
-    @staticmethod
-    def _same(signatures: Array, known: Array) -> NDArray[np.bool_]:
-        return np.asarray(np.abs(signatures - known).max(axis=1, initial=0.0) <= _SAME)
