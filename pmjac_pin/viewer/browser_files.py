@@ -16,6 +16,8 @@ PAGE_FILES = (
     "elements.js",
     "fit.js",
     "labels.js",
+    "modes.css",
+    "modes.js",
     "motors.js",
     "numbers.js",
     "options.js",

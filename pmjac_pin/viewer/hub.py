@@ -16,7 +16,8 @@ from tornado.websocket import WebSocketClosedError
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import PmjacError
 from pmjac_pin.viewer.drawing import Drawing
-from pmjac_pin.viewer.messages import Frame, Refusal, decode, encode
+from pmjac_pin.viewer.messages import Frame, ModesCommand, Refusal, decode, encode
+from pmjac_pin.viewer.mode_finder import ModeFinder
 from pmjac_pin.viewer.session import Session
 from pmjac_pin.viewer.static_page import Picture
 
@@ -79,6 +80,7 @@ class Hub:
         self.drawing = drawing
         self._pages: dict[object, Outbox[str]] = {}
         self._scenes: dict[object, Outbox[bytes]] = {}
+        self._modes = ModeFinder(session, self._tell_modes)
         drawing.update(session.scene().items)
 
     def picture(self) -> Picture:
@@ -90,6 +92,8 @@ class Hub:
         """Tell a page that has just been opened everything."""
         self._pages[page] = outbox = Outbox(send, list)
         outbox.put([("about", encode(self.session.state(about=True, framing=True)))])
+        if self._modes.known:
+            outbox.put([("modes", encode(self._modes.message()))])
 
     def add_scene(self, scene: object, send: Send) -> None:
         """Draw the whole picture in a meshcat viewer that has just been opened."""
@@ -110,7 +114,10 @@ class Hub:
             number = command.id
             if isinstance(command, Frame):
                 return encode(self.session.state(number, framing=True))
-            self.session.obey(command)
+            if isinstance(command, ModesCommand):
+                self._modes.obey(command)
+            else:
+                self.session.obey(command)
             self._publish(page)
             return encode(self.session.state(number))
         except PmjacError as error:
@@ -118,6 +125,10 @@ class Hub:
         except Exception:
             _logger.exception("a command of the page failed")
             return encode(Refusal(number, "the command failed; see the log of the server"))
+
+    def close(self) -> None:
+        """Give up what is still being computed."""
+        self._modes.stop()
 
     def show(self, configuration: Configuration) -> None:
         """Go to a configuration and tell all browsers."""
@@ -133,3 +144,9 @@ class Hub:
             state = encode(self.session.state())
             for other in others:
                 other.put([("state", state)])
+        self._modes.follow()
+
+    def _tell_modes(self) -> None:
+        message = encode(self._modes.message())
+        for page in self._pages.values():
+            page.put([("modes", message)])

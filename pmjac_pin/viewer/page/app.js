@@ -2,6 +2,7 @@
 
 import { Connection } from "./connection.js";
 import { $ } from "./elements.js";
+import { listenToModes, showModes } from "./modes.js";
 import { Motors } from "./motors.js";
 import { listenToOptions, showOptions } from "./options.js";
 import { adoptPicture, frameOn, resetView, snapshot } from "./picture.js";
@@ -69,6 +70,7 @@ connection = new Connection({
     if (mine) window.pmjac.updates += 1;
     window.pmjac.ready = true;
   },
+  modes: showModes,
   refused(text) {
     complain(text);
     if (!connection.moving) showMotors();
@@ -80,5 +82,6 @@ $("home").addEventListener("click", () => connection.send({ command: "home" }));
 $("pose").addEventListener("change", () => connection.send({ command: "pose", name: $("pose").value }));
 $("reset").addEventListener("click", () => { resetView(); connection.send({ command: "frame" }); });
 $("snapshot").addEventListener("click", () => snapshot($("name").textContent));
+listenToModes((command) => connection.send(command));
 listenToOptions((command) => connection.send(command));
 adoptPicture(() => complain("This browser cannot draw in three dimensions (no WebGL); all else works."));

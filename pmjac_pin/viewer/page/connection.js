@@ -6,7 +6,7 @@ export class Connection {
   #inFlight = null;
   #waiting = new Map();  // by what they do
 
-  // `listener` has state(message, mine), refused(message) and lost().
+  // `listener` has state(message, mine), modes(message), refused(message) and lost().
   constructor(listener) {
     this.listener = listener;
     this.#socket = new WebSocket(`ws://${location.host}/control`);
@@ -46,6 +46,10 @@ export class Connection {
   }
 
   #receive(message) {
+    if (message.type === "modes") {
+      this.listener.modes(message);
+      return;
+    }
     const mine = message.id !== null && message.id === this.#inFlight?.id;
     if (mine) this.#inFlight = null;
     if (message.type === "error") this.listener.refused(message.message);
