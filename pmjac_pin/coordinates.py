@@ -220,4 +220,5 @@ class JointCoordinates:
 def _rotational(model: pin.Model) -> NDArray[np.bool_]:
     """Return which columns are rotations: those whose motion has an angular part."""
     motions = pin.computeJointJacobians(model, model.createData(), pin.neutral(model))
+    motions = motions.reshape(6, -1)  # a vector where there is one degree of freedom
     return np.asarray(np.abs(motions[3:]).max(axis=0, initial=0.0) > 0.0)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pmjac_pin.assembly import build_parts, home_pose
 from pmjac_pin.catalog import find_model_file, find_urdf
 from pmjac_pin.errors import ArgumentError, ClosureError, ModelFileError, PmjacError
+from pmjac_pin.linkage import with_spherical
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model_file import read_model_file
 from pmjac_pin.spec import MechanismSpec
@@ -56,7 +57,7 @@ def load(name_or_path: str | Path, parameters: Mapping[str, float] | None = None
         plain = read_urdf(find_urdf(spec.urdf, path))
         urdf = plain.moved(spec.moves(values))
         start = _home_on_the_way(plain, spec, values)
-        return Mechanism(build_parts(_pinocchio_model(urdf), spec, values, urdf, start))
+        return Mechanism(build_parts(_pinocchio_model(urdf, spec), spec, values, urdf, start))
     except (ClosureError, ModelFileError):
         raise
     except PmjacError as error:
@@ -76,16 +77,17 @@ def _home_on_the_way(
         return None
     for share in np.arange(_PARAMETER_STEPS) / _PARAMETER_STEPS:
         between = {name: start + share * (values[name] - start) for name, start in defaults.items()}
-        model = _pinocchio_model(urdf.moved(spec.moves(between)))
+        model = _pinocchio_model(urdf.moved(spec.moves(between)), spec)
         with contextlib.suppress(ClosureError):  # parameters in between need not close
             q, smallest = home_pose(model, spec, between, q, least)
             least = least or _LEAST_SHARE * smallest
     return q
 
 
-def _pinocchio_model(urdf: Urdf) -> pin.Model:
+def _pinocchio_model(urdf: Urdf, spec: MechanismSpec) -> pin.Model:
     try:
-        return pin.buildModelFromXML(urdf.kinematic_xml())
+        model = pin.buildModelFromXML(urdf.kinematic_xml())
     except (RuntimeError, ValueError) as error:
         message = f"Pinocchio cannot build the tree: {str(error).splitlines()[0]}"
         raise ArgumentError(message) from None
+    return with_spherical(model, spec.spherical) if spec.spherical else model

@@ -23,6 +23,7 @@ from pmjac_pin.errors import (
 )
 from pmjac_pin.loop_spec import Loop
 from pmjac_pin.read_only import read_only
+from pmjac_pin.recut import recut_parts
 from pmjac_pin.spec import (
     JointValue,
     MechanismSpec,
@@ -260,6 +261,44 @@ class Mechanism:
         >>> nearby = mechanism.close([1.0, 1.1, 0.95], guess=configuration)
         """
         return close(self, actuated, guess, enforce_limits)
+
+    def recut(self, joint: str) -> Mechanism:
+        """Return the same mechanism with its loops cut at another joint.
+
+        The joint becomes a loop closure of its kind, and a loop that led to it a joint. A motor,
+        or a geared joint, keeps its value: it is cut behind its hub, which is welded again.
+        J_eq does not change; K, K* and their shapes do.
+
+        Parameters
+        ----------
+        joint : str
+            A joint of the tree that is part of a loop.
+
+        Returns
+        -------
+        Mechanism
+            With the same motors, tool and poses; parameters are fixed at their values.
+
+        Raises
+        ------
+        UnknownNameError
+            No such joint.
+        ArgumentError
+            The joint is in no loop, or cannot be taken apart.
+
+        Examples
+        --------
+        >>> import numpy as np, pmjac_pin as pj
+        >>> mechanism = pj.load("four_bar")
+        >>> recut = mechanism.recut("phi1")
+        >>> recut.rows[:5]
+        ('phi1_child-phi1_parent x', 'phi1_child-phi1_parent y', 'phi1_child-phi1_parent z',
+         'phi1_child-phi1_parent tilt 1', 'phi1_child-phi1_parent tilt 2')
+        >>> bool(np.allclose(recut.home.jacobian().J_eq, mechanism.home.jacobian().J_eq))
+        True
+        """
+        poses = {name: self.pose(name).q for name in self.poses}
+        return Mechanism(recut_parts(self._parts, joint, poses))
 
     def loop_equations(self, q: ArrayLike) -> tuple[Array, Array]:
         """Return the loop equations and their derivative at any q, closed or not.

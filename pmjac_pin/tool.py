@@ -50,8 +50,7 @@ class FrameTool:
 
     def jacobian(self, model: pin.Model, data: pin.Data) -> Array:
         """Return Pinocchio's frame Jacobian."""
-        jacobian: Array = pin.getFrameJacobian(model, data, self._index, _ALIGNED)
-        return jacobian
+        return frame_jacobian(model, data, self._index)
 
 
 class PointsTool:
@@ -80,9 +79,7 @@ class PointsTool:
         ω_x = (z·ė − (e_x/d) z·ḋ)/e_y from the normal of d and e staying z.
         """
         points = self._points(model, data)
-        rates = np.stack(
-            [pin.getFrameJacobian(model, data, index, _ALIGNED)[:3] for index in self._indices]
-        )
+        rates = np.stack([frame_jacobian(model, data, index)[:3] for index in self._indices])
         rotation = _spanned_rotation(points)
         x, y, z = rotation.T
         side, apex = points[1] - points[0], points[2] - points[0]
@@ -96,6 +93,15 @@ class PointsTool:
         return np.stack(
             [pin.updateFramePlacement(model, data, index).translation for index in self._indices]
         )
+
+
+def frame_jacobian(model: pin.Model, data: pin.Data, index: int) -> Array:
+    """Return a frame's Jacobian (6, nv), LOCAL_WORLD_ALIGNED.
+
+    Of a model with one degree of freedom, Pinocchio returns a vector.
+    """
+    jacobian: Array = pin.getFrameJacobian(model, data, index, _ALIGNED).reshape(6, -1)
+    return jacobian
 
 
 def _spanned_rotation(points: Array) -> Array:

@@ -10,6 +10,7 @@ import pinocchio as pin
 import pmjac_pin as pj
 
 CRANK_ROCKER = (4.0, 1.0, 3.0, 3.5)  # l0, l1, l2, l3
+CLOSED = ("four_bar", "three_rps", "three_rps_ss")
 CATALOGUE = ("four_bar", "serial_2r", "three_rps", "three_rps_ss", "ur5")
 
 

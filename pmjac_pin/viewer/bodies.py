@@ -85,7 +85,7 @@ class Bodies:
 
 
 def _axes(model: pin.Model, data: pin.Data) -> dict[int, tuple[Array, bool]]:
-    motions = pin.computeJointJacobians(model, data, pin.neutral(model))
+    motions = pin.computeJointJacobians(model, data, pin.neutral(model)).reshape(6, -1)
     found = {}
     for index, joint in enumerate(model.joints):
         if joint.nv == 1:

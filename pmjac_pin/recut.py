@@ -1,0 +1,177 @@
+"""Recut: the same mechanism with its loops cut at another joint.
+
+The joint that is cut becomes a loop closure of its kind. What hung on it is held by one of the
+loops that led there, which becomes a joint of the tree; the joints between the two are turned
+round. Motor rates and tool twists do not notice: J_eq is invariant to the cut.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from msgspec.structs import replace
+from numpy.typing import NDArray
+
+from pmjac_pin.assembly import Parts, build_parts
+from pmjac_pin.errors import ArgumentError, unknown_name
+from pmjac_pin.frames import find_frame
+from pmjac_pin.linkage import Edge, build, edges_of
+from pmjac_pin.loop_joint import Anchor, LoopJoint, loop_joint
+from pmjac_pin.loop_spec import (
+    DistanceLoop,
+    FrameLoop,
+    JointLoop,
+    Loop,
+    PlanarLoop,
+    PrismaticLoop,
+    RevoluteLoop,
+    SphericalLoop,
+    UniversalLoop,
+)
+from pmjac_pin.spec import JointValue, MechanismSpec
+
+Array = NDArray[np.float64]
+_LOOPS = {
+    "revolute": RevoluteLoop,
+    "continuous": RevoluteLoop,
+    "prismatic": PrismaticLoop,
+    "spherical": SphericalLoop,
+    "planar": PlanarLoop,
+}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Cut:
+    """A joint taken out of the tree: the loop that replaces it, and the loop's frames."""
+
+    loops: tuple[Loop, ...]
+    frames: dict[str, tuple[int, pin.SE3]]
+    edges: tuple[Edge, ...]  # what stays of a joint that must keep its value
+
+
+def recut_parts(parts: Parts, joint: str, poses: Mapping[str, Array]) -> Parts:
+    """Return the parts of the mechanism cut at a joint.
+
+    Parameters
+    ----------
+    parts : Parts
+    joint : str
+    poses : mapping of str to ndarray, shape (nq,)
+        Closed configurations of the old tree by name, "home" among them.
+
+    Raises
+    ------
+    UnknownNameError
+        No such joint.
+    ArgumentError
+        The joint is in no loop, or only in loops of geared joints; or a kind of joint that
+        cannot be taken apart.
+    """
+    model, spec = parts.model, parts.spec
+    if joint not in parts.coordinates.names:
+        raise unknown_name("joint", joint, parts.coordinates.names)
+    edges = edges_of(model)
+    loose = _behind(edges.values(), edges[joint].child)
+    opened, held = _held_by(parts, joint, loose)
+    turned = _turned_round(edges, held.edges[-1].child, edges[joint].child)
+    cut = _cut(edges[joint], model.njoints + 1, _keeps_its_value(spec, joint))
+    stay = [turned.get(name, edge) for name, edge in edges.items() if name != joint]
+    tree = build(model, [*stay, *cut.edges, *held.edges], cut.frames)
+    loops = [_resolved(loop, parts.values) for loop in spec.loops if loop is not opened]
+
+    def pose(q: Array) -> dict[str, JointValue]:
+        values = parts.coordinates.pose(q) | _new_values(model, q, held, turned)
+        return {name: value for name, value in values.items() if tree.existJointName(name)}
+
+    recut = replace(
+        spec,
+        loops=(*loops, *cut.loops),
+        passive=None,
+        spherical=(),
+        parameters={},
+        poses={name: pose(q) for name, q in poses.items()},
+    )
+    return build_parts(tree, recut, {}, parts.urdf)
+
+
+def _keeps_its_value(spec: MechanismSpec, joint: str) -> bool:
+    """Tell whether a joint's value is in the equations: a motor's, or a geared joint's."""
+    geared = [name for loop in spec.loops if isinstance(loop, JointLoop) for name in loop.joints]
+    return joint in (*spec.actuated, *geared)
+
+
+def _behind(edges: Iterable[Edge], body: int) -> set[int]:
+    """Return a body and all that hangs on it."""
+    loose = {body}
+    for edge in edges:  # parents come before their children in Pinocchio's order
+        if edge.parent in loose:
+            loose.add(edge.child)
+    return loose
+
+
+def _held_by(parts: Parts, joint: str, loose: set[int]) -> tuple[Loop, LoopJoint]:
+    """Return the first loop that holds what hung on the joint, and the joint that it becomes."""
+    model, name = parts.model, parts.spec.name
+    for loop in parts.spec.loops:
+        if isinstance(loop, JointLoop):
+            continue
+        ends = [find_frame(model, frame) for frame in loop.frames]
+        first, second = (Anchor(end.joint, end.placement) for end in ends)
+        if (first.body in loose) == (second.body in loose):
+            continue
+        seen: Loop = loop
+        if first.body in loose:
+            first, second = second, first
+            if isinstance(loop, UniversalLoop):
+                seen = replace(loop, axes=loop.axes[::-1])
+        label = "-".join(loop.frames)
+        return loop, loop_joint(seen, parts.values, first, second, name=label, link=model.njoints)
+    why = "cut there, nothing would hold what it carries"
+    raise ArgumentError(f"{name}: joint {joint!r} is in no loop: {why}")
+
+
+def _turned_round(edges: Mapping[str, Edge], start: int, end: int) -> dict[str, Edge]:
+    """Return the joints between two bodies, the second an ancestor, each turned round."""
+    below = {edge.child: edge for edge in edges.values()}
+    turned = {}
+    while start != end:
+        edge = below[start]
+        turned[edge.name] = edge.turned()
+        start = edge.parent
+    return turned
+
+
+def _cut(edge: Edge, hub: int, keeps_its_value: bool) -> _Cut:
+    """Return what a joint becomes: a loop, or what it moves a hub, and the hub is welded."""
+    one, other = f"{edge.name}_child", f"{edge.name}_parent"
+    on_child = (edge.child, edge.after.inverse())
+    if keeps_its_value:
+        driven = dataclasses.replace(edge, child=hub, after=pin.SE3.Identity())
+        frames = {one: on_child, other: (hub, pin.SE3.Identity())}
+        return _Cut((FrameLoop(frames=(one, other)),), frames, (driven,))
+    frames = {one: on_child, other: (edge.parent, edge.before)}
+    kind = _LOOPS.get(edge.kind)
+    return _Cut((kind(frames=(one, other)),) if kind else (), frames, ())
+
+
+def _new_values(
+    model: pin.Model, q: Array, held: LoopJoint, turned: Mapping[str, Edge]
+) -> dict[str, JointValue]:
+    """Return the entries of the joints that are new, and of those whose value turned round."""
+    data = model.createData()
+    pin.forwardKinematics(model, data, q)
+    poses = {body: pose.copy() for body, pose in enumerate(data.oMi)}
+    changed: dict[str, JointValue] = dict(held.entries(poses))
+    for name, edge in turned.items():
+        changed[name] = edge.entries(poses[edge.parent], poses[edge.child])
+    return changed
+
+
+def _resolved(loop: Loop, values: Mapping[str, float]) -> Loop:
+    if isinstance(loop, DistanceLoop):
+        return replace(loop, length=loop.resolved_length(values))
+    return loop
