@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -11,34 +11,46 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.assembly import build_parts, home_pose
-from pmjac_pin.catalog import find_model_file, find_urdf
+from pmjac_pin.catalog import find_model_file
 from pmjac_pin.errors import ArgumentError, ClosureError, ModelFileError, PmjacError
 from pmjac_pin.linkage import with_spherical
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.model_file import read_model_file
+from pmjac_pin.source import read_source
 from pmjac_pin.spec import MechanismSpec
-from pmjac_pin.urdf import Urdf, read_urdf
+from pmjac_pin.urdf import Urdf
 
 _PARAMETER_STEPS = 12
 _LEAST_SHARE = 0.4  # of home's σ_min: below, the motors move on the way to other parameters
 
 
-def load(name_or_path: str | Path, parameters: Mapping[str, float] | None = None) -> Mechanism:
-    """Load a mechanism of the catalogue, or a model file of your own.
+def load(
+    name_or_path: str | Path,
+    parameters: Mapping[str, float] | None = None,
+    *,
+    actuated: Iterable[str] | None = None,
+    tool: str | None = None,
+) -> Mechanism:
+    """Load a mechanism of the catalogue, a model file of your own, or a file of another format.
 
     Parameters
     ----------
     name_or_path : str or Path
-        A name from `list_mechanisms`, or the path of a model file.
+        A name from `list_mechanisms`, or the path of a model file (.toml), of a URDF with loops
+        or with a YAML file beside it (.urdf), of MJCF (.xml) or of SDF (.sdf).
     parameters : mapping of str to float, optional
         Values for parameters that the model file declares, m or rad.
+    actuated : iterable of str, optional
+        The motors, in the order of the columns of K and J, instead of those that the file tells.
+    tool : str, optional
+        The tool's frame, instead of the one that the file tells.
 
     Raises
     ------
     UnknownNameError
-        No such mechanism or parameter.
+        No such mechanism, parameter, motor or frame.
     ModelFileError
-        The model file or its URDF cannot be read, or contradicts itself.
+        The file or its URDF cannot be read, contradicts itself, or does not say which joints
+        are motors and which frame is the tool.
     ArgumentError
         A parameter outside its range, or neither a name nor a path.
     ClosureError
@@ -51,13 +63,14 @@ def load(name_or_path: str | Path, parameters: Mapping[str, float] | None = None
     1.2
     """
     path = find_model_file(name_or_path)
-    spec = read_model_file(path)
+    source = read_source(path, actuated, tool)
+    spec = source.spec
     values = spec.parameter_values(parameters)
     try:
-        plain = read_urdf(find_urdf(spec.urdf, path))
-        urdf = plain.moved(spec.moves(values))
-        start = _home_on_the_way(plain, spec, values)
-        return Mechanism(build_parts(_pinocchio_model(urdf, spec), spec, values, urdf, start))
+        urdf = source.urdf.moved(spec.moves(values))
+        start = _home_on_the_way(source.urdf, spec, values)
+        parts = build_parts(_pinocchio_model(urdf, spec), spec, values, urdf, start)
+        return Mechanism(parts, notes=source.notes)
     except (ClosureError, ModelFileError):
         raise
     except PmjacError as error:
