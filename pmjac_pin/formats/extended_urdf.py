@@ -24,7 +24,7 @@ from pmjac_pin.formats.looped_urdf import read_robot
 from pmjac_pin.loop_spec import FrameLoop, Loop, PointLoop
 from pmjac_pin.text_file import at_file, read_text
 from pmjac_pin.urdf import MAXIMAL_SIZE
-from pmjac_pin.urdf_checks import VELOCITIES, check_size, checked_names
+from pmjac_pin.urdf_checks import check_size, checked_names
 from pmjac_pin.urdf_xml import parse_xml, written
 
 _AXES: Mapping[str, str] = {"X": "1 0 0", "Y": "0 1 0", "Z": "0 0 1"}
@@ -64,22 +64,22 @@ def read_extended_urdf(path: Path, motors: Collection[str] = ()) -> ForeignModel
         robot = parse_xml(read_text(path, MAXIMAL_SIZE))
         links, joints = robot.findall("link"), robot.findall("joint")
         check_size(links, joints)
-        joint_names = tuple(checked_names(joints))
+        checked_names(joints)
         carriers = _carriers(joints, tuple(checked_names(links)))
     with at_file(str(beside)):
         loops = _loops(closures, carriers)
-        named = _motors(closures.name_mot, joint_names)
         replaced = _replace_joints(robot, closures.replacements())
+        moving = [joint for joint in robot.iterfind("joint") if joint.get("type") != "fixed"]
+        named = _motors(closures.name_mot, [joint.get("name", "") for joint in moving])
         if closures.floats():
             _float_base(robot)
     with at_file(str(path)):
         model = read_robot(robot, path, {*motors, *named})
-    moving = [joint.name for joint in model.urdf.joints if VELOCITIES[joint.type] == 1]
     return replace(
         model,
         name=path.parent.absolute().name if path.stem == _DEFAULT_STEM else path.stem,
         loops=(*loops, *model.loops),
-        actuated=_motors(closures.name_mot, moving),
+        actuated=named,
         notes=(
             *model.notes,
             *replaced,

@@ -81,6 +81,9 @@ def read_robot(robot: Element, path: Path, motors: Collection[str]) -> ForeignMo
     check_size(links, joints)
     names = checked_names(links)
     checked_names(joints)
+    if robot.find("coupling") is not None:
+        todo = "gear the joints by <mimic>"
+        raise ModelFileError(f"<coupling> is not read, and left out it would free a motion; {todo}")
     limit_notes = opened_limits(joints)
     balls = floating_balls(joints)
     independent = independence(joints)
