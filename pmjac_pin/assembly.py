@@ -4,50 +4,35 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.closure import ClosureProblem, assemble, closed_point
+from pmjac_pin.closure import closed_point
+from pmjac_pin.closure_problem import ClosureProblem
 from pmjac_pin.coordinates import JointCoordinates
-from pmjac_pin.errors import ArgumentError, ClosureError, LimitError, unknown_name
-from pmjac_pin.factorisation import factorise, norm
+from pmjac_pin.damped_closure import assemble
+from pmjac_pin.errors import ArgumentError, ClosureError, unknown_name
+from pmjac_pin.factorisation import RANK_TOLERANCE, norm
 from pmjac_pin.kinematics import Kinematics
 from pmjac_pin.loops import LoopSystem
 from pmjac_pin.partition import Partition
+from pmjac_pin.parts import Parts
+from pmjac_pin.pose_assembly import assemble_pose, check_motors, motor_weights
 from pmjac_pin.spec import MechanismSpec
 from pmjac_pin.tool import tool_kinematics
 from pmjac_pin.urdf import Urdf
 
 Array = NDArray[np.float64]
 
-# How easily the motors move, beside the passive joints, to assemble a pose: not at all, then
-# reluctantly, then like the others.
-_MOTOR_WEIGHTS = (0.0, 0.1, 1.0)
+# Numbers that are off by a share of the mechanism's length are off by that in K*, and more.
+_RANK_ROOM = 10.0
 _PROBES = 2  # times three closed poses near home at which the generic ranks are looked for
 _PROBE_DISTANCES = (0.05, 0.005, 0.0005)  # rad or share of the characteristic length
 
 _logger = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Parts:
-    """What a Mechanism is made of; nothing of it ever changes.
-
-    `urdf` is what the model was built of, the parameters' moves included, kept for its visuals;
-    None where there was only a Pinocchio model.
-    """
-
-    model: pin.Model
-    spec: MechanismSpec
-    values: Mapping[str, float]
-    coordinates: JointCoordinates
-    kinematics: Kinematics
-    problem: ClosureProblem
-    home_q: Array
-    urdf: Urdf | None = None
 
 
 def build_parts(
@@ -101,7 +86,7 @@ def home_pose(
     """
     parts = _unassembled(model, spec, values, None)
     problem, q = parts.problem, parts.home_q if start is None else start
-    found = assemble(problem, q, _motor_weights(problem, 0.0))
+    found = assemble(problem, q, motor_weights(problem, 0.0))
     factors = closed_point(problem, found.q).factors
     smallest = factors.singular_values[: factors.rank].min(initial=np.inf) / (factors.size or 1.0)
     if found.gap > problem.tolerance or smallest < least:
@@ -131,71 +116,9 @@ def _unassembled(
     given = coordinates.q(spec.poses["home"])
     partition = _partition(spec, coordinates, loops, _length(model, given))
     for name, pose in spec.poses.items():
-        _check_motors(coordinates, coordinates.q(pose, given), spec, f"the pose {name!r} has")
+        check_motors(coordinates, coordinates.q(pose, given), spec, f"the pose {name!r} has")
     problem = _problem(kinematics, partition, spec.tolerance)
     return Parts(model, spec, values, coordinates, kinematics, problem, given, urdf)
-
-
-def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
-    """Close the loops near q: the motors stay where they are, or move as little as it takes.
-
-    Raises
-    ------
-    ClosureError
-        With the smallest gap found and the row that stays open most, or with the motor that
-        would have to leave its limits.
-    """
-    problem, loops = parts.problem, parts.kinematics.loops
-    what = f"{parts.spec.name}: the pose {pose!r}"
-    found = []
-    for motor_weight in _MOTOR_WEIGHTS:
-        found.append(assemble(problem, q, _motor_weights(problem, motor_weight)))
-        if found[-1].gap <= problem.tolerance:
-            return _with_moved_motors(parts, q, found[-1].q, what) if motor_weight else found[-1].q
-    best = min(found, key=lambda pose: pose.gap)
-    residual = np.abs(problem.evaluate(best.q)[0] * problem.partition.row_scale)
-    row = loops.row_names[int(np.argmax(residual))]
-    message = (
-        f"{what} does not assemble: the loops stay open by {best.gap:.3g} m at best, "
-        f"most at {row!r}; give joint values nearer to a closed pose, or other lengths"
-    )
-    raise ClosureError(message, residual_norm=best.gap, q=best.q)
-
-
-def _with_moved_motors(parts: Parts, start: Array, found: Array, what: str) -> Array:
-    """Return the pose with motors moved half as far again as it takes, where that closes.
-
-    Where the motors have to move, the nearest closed pose is at the end of the reach: singular.
-    """
-    try:
-        _check_motors(parts.coordinates, found, parts.spec, f"{what} closes only with")
-    except LimitError as error:
-        raise ClosureError(str(error), residual_norm=0.0, q=found) from None
-    _logger.info("%s closes with its motors moved", what)
-    problem, coordinates = parts.problem, parts.coordinates
-    actuated = problem.partition.actuated
-    motors, moved = (coordinates.values(q)[actuated] for q in (start, found))
-    beyond = moved + 0.5 * (moved - motors)
-    q = coordinates.with_values(start, actuated, beyond)
-    pose = assemble(problem, q, _motor_weights(problem, 0.0))
-    closed = pose.gap <= problem.tolerance and not coordinates.outside(beyond, actuated)
-    return pose.q if closed else found
-
-
-def _motor_weights(problem: ClosureProblem, motor_weight: float) -> Array:
-    """Return how easily each degree of freedom moves: passive ones 1, motors as given."""
-    weights = np.ones(problem.partition.column_scale.size)
-    weights[problem.partition.actuated] = motor_weight
-    return weights
-
-
-def _check_motors(coordinates: JointCoordinates, q: Array, spec: MechanismSpec, what: str) -> None:
-    columns = coordinates.columns(spec.actuated)
-    values = coordinates.values(q)[columns]
-    for name in coordinates.outside(values, columns):
-        value, (lower, upper) = values[spec.actuated.index(name)], coordinates.limits(name)
-        message = f"{what} motor {name!r} = {value:g} outside its limits [{lower:g}, {upper:g}]"
-        raise LimitError(message, joint=name, value=float(value), lower=lower, upper=upper)
 
 
 def _problem(kinematics: Kinematics, partition: Partition, given: float | None) -> ClosureProblem:
@@ -228,6 +151,7 @@ def _partition(
         length=length,
         row_scale=loops.row_scale(length),
         column_scale=np.where(coordinates.rotational, 1.0 / length, 1.0),
+        rank_tolerance=max(RANK_TOLERANCE, _RANK_ROOM * (spec.tolerance or 0.0) / length),
     )
 
 
@@ -251,7 +175,7 @@ def _nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
     rng = np.random.default_rng(0)
     partition = problem.partition
     scaled = partition.scaled(problem.evaluate(home_q)[1])
-    allowed = factorise(scaled, norm(scaled)).null_space
+    allowed = partition.factorise(scaled, norm(scaled)).null_space
     free, motors_kept = np.ones(scaled.shape[1]), np.zeros(scaled.shape[1])
     motors_kept[partition.passive] = 1.0
     starts = []

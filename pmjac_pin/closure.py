@@ -15,19 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dgesv
 
-from pmjac_pin.factorisation import Factorisation, factorise, norm
+from pmjac_pin.closure_problem import ROUNDING, ClosureProblem
+from pmjac_pin.damped_closure import assemble
+from pmjac_pin.factorisation import Factorisation, norm
 from pmjac_pin.partition import Partition
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-#: Loops count as closed below this gap, m; for machines beyond 100 m, rounding allows only
-#: 1e-14 of their size.
-CLOSURE_TOLERANCE = 1e-12
-
 # All lengths relative to the mechanism's characteristic length.
-_ROUNDING = 1e-15  # a gap that no further iteration can improve
-_LONGEST_STRIDE = 0.5  # of one iteration of `assemble`: joints must not wind up
 _LARGEST_STEP = 0.25  # motion in one step, a rad counted as one length
 _SMALLEST_STEP = 1e-15  # of the whole path
 _LARGEST_CORRECTION = 0.25  # first Newton correction, as a share of the predicted motion
@@ -36,36 +32,6 @@ _HARDLY_ANYTHING = 1e-8  # left of the motors' path, where it may have ended at 
 _BESIDE = 1e-5  # m or rad: both modes that meet at a fold are as near when the gap is 1e-12
 _MOST_STEPS = 2000  # of full length, for a path that is very long beside the mechanism
 _MOST_CORRECTIONS = 50  # at a fold, polishing halves the error each time
-
-
-@dataclass(frozen=True, slots=True)
-class ClosureProblem:
-    """The loop equations as functions of q, and the partition of their columns.
-
-    Attributes
-    ----------
-    evaluate : callable
-        q ↦ (η (p,), ∂η/∂v (p, nv)).
-    integrate : callable
-        (q, v) ↦ q ⊕ v.
-    partition : Partition
-    given_tolerance : float or None
-        The gap in m that the model calls closed; None for `CLOSURE_TOLERANCE`.
-    """
-
-    evaluate: Callable[[Array], tuple[Array, Array]]
-    integrate: Callable[[Array, Array], Array]
-    partition: Partition
-    given_tolerance: float | None = None
-
-    @property
-    def tolerance(self) -> float:
-        """The gap in m below which the loops are closed."""
-        return max(self.given_tolerance or CLOSURE_TOLERANCE, 1e-14 * self.partition.length)
-
-    def gap(self, residual: Array) -> float:
-        """Return the Euclidean norm of a residual, in m."""
-        return norm(residual * self.partition.row_scale)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,61 +52,6 @@ class Followed:
     point: Closed
     share: float
     iterations: int
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Assembled:
-    """The best pose that damped least squares found."""
-
-    q: Array
-    gap: float
-    iterations: int
-
-
-def assemble(problem: ClosureProblem, q: Array, weights: Array, limit: int = 200) -> Assembled:
-    """Close the loops from an open start by damped least squares (Levenberg–Marquardt).
-
-    Parameters
-    ----------
-    problem : ClosureProblem
-    q : ndarray, shape (nq,)
-    weights : ndarray, shape (nv,)
-        How easily each degree of freedom moves; zero keeps it where it is.
-    limit : int
-        Number of iterations after which the best pose is returned as it is.
-    """
-    partition = problem.partition
-    scale = weights * partition.column_scale
-    residual, jacobian = problem.evaluate(q)
-    gap, damping = problem.gap(residual), 1e-3
-    finest = _ROUNDING * partition.length
-    for iteration in range(limit):
-        error = residual * partition.row_scale
-        left, values, right = np.linalg.svd(
-            partition.row_scale[:, None] * jacobian * scale, full_matrices=False
-        )
-        largest = values.max(initial=0.0)
-        if gap <= finest or largest == 0.0:
-            return Assembled(q, gap, iteration)
-        # Damping fades with the gap, which keeps the convergence quadratic at a regular pose
-        # and leaves idle and redundant directions, with σ at rounding, alone.
-        squared = (
-            damping * largest**2 * min(1.0, (gap / partition.length) ** 2) + (1e-9 * largest) ** 2
-        )
-        step = -scale * (right.T @ (values / (values**2 + squared) * (left.T @ error)))
-        stride = norm(step / partition.column_scale)
-        step *= min(1.0, _LONGEST_STRIDE * partition.length / (stride or 1.0))
-        trial = problem.integrate(q, step)
-        trial_residual, trial_jacobian = problem.evaluate(trial)
-        trial_gap = problem.gap(trial_residual)
-        if trial_gap < gap:
-            q, residual, jacobian, gap = trial, trial_residual, trial_jacobian, trial_gap
-            damping = max(damping / 8.0, 1e-12)
-        elif gap <= problem.tolerance or damping > 1e16:
-            return Assembled(q, gap, iteration)
-        else:
-            damping *= 4.0
-    return Assembled(q, gap, limit)
 
 
 def follow(
@@ -209,7 +120,9 @@ def _point(
     problem: ClosureProblem, q: Array, gap: float, jacobian: Array, iterations: int
 ) -> Closed:
     scaled = problem.partition.scaled(jacobian)
-    factors = factorise(scaled.take(problem.partition.passive, axis=1), norm(scaled))
+    factors = problem.partition.factorise(
+        scaled.take(problem.partition.passive, axis=1), norm(scaled)
+    )
     return Closed(q, gap, scaled, factors, iterations)
 
 
@@ -240,7 +153,7 @@ def _correct(
     tolerance there is nothing left to tell apart: there it only polishes, slowly at a fold.
     """
     partition = problem.partition
-    enough = _ROUNDING * partition.length if last else problem.tolerance
+    enough = ROUNDING * partition.length if last else problem.tolerance
     allowed, previous_gap = _LARGEST_CORRECTION * motion, np.inf
     for iteration in range(1, _MOST_CORRECTIONS):
         residual, jacobian = problem.evaluate(q)
@@ -277,7 +190,7 @@ def _newton_step(residual: Array, jacobian: Array, partition: Partition) -> Arra
         velocity[passive] = np.nan if failed else -solution
         return velocity
     scaled = partition.scaled(jacobian).take(passive, axis=1)
-    factors = factorise(scaled, norm(scaled))
+    factors = partition.factorise(scaled, norm(scaled))
     error = residual * partition.row_scale
     velocity[passive] = -partition.column_scale[passive] * factors.solve(
         error, partition.passive_rank

@@ -12,7 +12,6 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.assembly import Parts
 from pmjac_pin.closure import Closed, closed_point
 from pmjac_pin.errors import ArgumentError, ClosureError
 from pmjac_pin.jacobian import (
@@ -23,6 +22,7 @@ from pmjac_pin.jacobian import (
     equivalent_jacobian,
 )
 from pmjac_pin.kinematics import Snapshot
+from pmjac_pin.parts import Parts
 from pmjac_pin.read_only import read_only
 from pmjac_pin.singularity import Singularity, analyse_singularity
 

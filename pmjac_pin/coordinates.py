@@ -168,6 +168,11 @@ class JointCoordinates:
         column = self._joint(name).idx_v
         return float(self.lower[column]), float(self.upper[column])
 
+    def room(self, q: Array) -> tuple[Array, Array]:
+        """Return how far each degree of freedom is from its limits, below and above, (nv,)."""
+        values = self.values(q)
+        return values - self.lower, self.upper - values
+
     def outside(self, values: Array, columns: Index) -> list[str]:
         """Return the joints of these columns whose values are outside their limits."""
         below = values < self.lower[columns] - _LIMIT_SLACK

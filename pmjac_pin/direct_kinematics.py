@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.assembly import Parts
 from pmjac_pin.checks import as_numbers
-from pmjac_pin.closure import Followed, assemble, follow
+from pmjac_pin.closure import Followed, follow
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.damped_closure import assemble
 from pmjac_pin.errors import ArgumentError, ClosureError, LimitError
+from pmjac_pin.parts import Parts
 
 if TYPE_CHECKING:
     from pmjac_pin.mechanism import Mechanism

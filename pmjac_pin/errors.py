@@ -97,6 +97,8 @@ class ClosureError(PmjacError, RuntimeError):
         The last closed pose of the path towards them, where there was a path.
     share : float
         The share of the path up to there, 0 to 1.
+    loop : str or None
+        The loop that stays open most, where a pose does not assemble.
     singular_value : float or None
         Of K* at `reached`, relative to the size of [K K*]: what stopped the path, when small.
     """
@@ -106,6 +108,7 @@ class ClosureError(PmjacError, RuntimeError):
     actuated: Any = None
     reached: Any = None
     share: float = 0.0
+    loop: str | None = None
     singular_value: float | None = None
 
 

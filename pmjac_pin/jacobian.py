@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.ellipsoid import Ellipsoid, force_ellipsoid, velocity_ellipsoid
 from pmjac_pin.errors import ArgumentError, ForbiddenRatesError, IdleMotionError, SingularError
-from pmjac_pin.factorisation import Factorisation, factorise, norm
+from pmjac_pin.factorisation import Factorisation, norm
 from pmjac_pin.partition import Partition
 from pmjac_pin.read_only import ReadOnlyArrays, read_only
 from pmjac_pin.singularity import Singularity, analyse_singularity, forbidden_rates
@@ -176,7 +176,7 @@ def equivalent_jacobian(split: SplitJacobian) -> EquivalentJacobian:
     partition, J = split.partition, split.tool_jacobian
     actuated, passive = partition.actuated, partition.passive
     scaled = partition.scaled(split.constraint_jacobian)
-    factors = factorise(scaled.take(passive, axis=1), norm(scaled))
+    factors = partition.factorise(scaled.take(passive, axis=1), norm(scaled))
     if factors.rank < partition.passive_rank:
         raise _singular(analyse_singularity(split.constraint_jacobian, J, partition))
     if factors.rank < scaled.shape[0]:
@@ -252,7 +252,7 @@ def _refuse_felt_idle_motion(
 ) -> None:
     scaled_tool = partition.scaled_tool(tool_jacobian)
     felt = scaled_tool[:, partition.passive] @ factors.null_space
-    motions = factorise(felt, norm(scaled_tool))
+    motions = partition.factorise(felt, norm(scaled_tool))
     if motions.rank == 0:
         return
     idle = partition.column_scale[partition.passive] * (factors.null_space @ motions.right[0])

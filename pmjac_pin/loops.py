@@ -96,9 +96,19 @@ class LoopSystem:
         One for each of the p rows, e.g. ``"coupler_tip-rocker_tip x"``.
     row_units : tuple of str
         "m", "rad" or "m²" for each row.
+    row_loops : tuple of str
+        What each row's loop joins, e.g. ``"coupler_tip-rocker_tip"``.
     """
 
-    __slots__ = ("_closures", "_couplings", "_lengths", "_nv", "row_names", "row_units")
+    __slots__ = (
+        "_closures",
+        "_couplings",
+        "_lengths",
+        "_nv",
+        "row_loops",
+        "row_names",
+        "row_units",
+    )
 
     def __init__(
         self, model: pin.Model, loops: Sequence[Loop], values: Mapping[str, float]
@@ -108,6 +118,7 @@ class LoopSystem:
         self._couplings: list[tuple[int, Coupling]] = []
         names: list[str] = []
         units: list[str] = []
+        owners: list[str] = []
         self._lengths: dict[int, float] = {}
         for loop in loops:
             prefix = "-".join(loop.ends)
@@ -116,18 +127,21 @@ class LoopSystem:
                 self._couplings.append((len(names), coupling))
                 names.append(f"{prefix} ratio")
                 units.append(coupling.unit)
+                owners.append(prefix)
                 continue
             blocks = []
-            for block in _blocks(loop, values):
+            for block in loop_blocks(loop, values):
                 rows = slice(len(names), len(names) + len(block.names))
                 blocks.append((rows, block))
                 if isinstance(block, Distance):
                     self._lengths[rows.start] = block.length
                 names += [f"{prefix} {row}" for row in block.names]
                 units += [block.unit] * len(block.names)
+                owners += [prefix] * len(block.names)
             self._closures.append(_closure(model, loop, tuple(blocks)))
         self.row_names = tuple(names)
         self.row_units = tuple(units)
+        self.row_loops = tuple(owners)
 
     def row_scale(self, length: float) -> Array:
         """Return what turns each row into metres of gap, to first order, shape (p,).
@@ -185,7 +199,8 @@ class LoopSystem:
                 jacobian[rows] -= pin.skew(residual[rows]) @ turning
 
 
-def _blocks(loop: FrameLoops, values: Mapping[str, float]) -> list[Rows]:
+def loop_blocks(loop: FrameLoops, values: Mapping[str, float]) -> list[Rows]:
+    """Return the blocks of rows that a loop between frames consists of."""
     if isinstance(loop, DistanceLoop):
         return [Distance(loop.resolved_length(values))]
     return [_position(loop), *_orientation(loop)]

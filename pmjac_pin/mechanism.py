@@ -7,29 +7,27 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-import msgspec
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from pmjac_pin.assembly import Parts, assemble_pose, build_parts
+from pmjac_pin.assembly import build_parts
 from pmjac_pin.checks import as_numbers
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.coordinates import JointCoordinates
 from pmjac_pin.direct_kinematics import Guess, close
 from pmjac_pin.errors import (
     ArgumentError,
     unknown_name,
 )
 from pmjac_pin.loop_spec import Loop
+from pmjac_pin.parts import Parts
+from pmjac_pin.pinocchio_model import Constraint, RobotWrapper, own_model
+from pmjac_pin.pose_assembly import assemble_pose
 from pmjac_pin.read_only import read_only
 from pmjac_pin.recut import recut_parts
 from pmjac_pin.spec import (
     JointValue,
     MechanismSpec,
-    Tool,
-    decode_spec,
-    encode_spec,
 )
 from pmjac_pin.urdf import Urdf
 
@@ -66,22 +64,25 @@ class Mechanism:
     @classmethod
     def from_pinocchio(
         cls,
-        model: pin.Model,
-        loops: Iterable[Loop],
+        model: pin.Model | RobotWrapper,
+        loops: Iterable[Loop | Constraint],
         actuated: Iterable[str],
         tool: str | Sequence[str],
         *,
         passive: Iterable[str] | None = None,
         home: ArrayLike | Mapping[str, JointValue] | None = None,
         name: str = "",
+        tolerance: float | None = None,
     ) -> Mechanism:
         """Make a mechanism of a Pinocchio model that you already hold.
 
         Parameters
         ----------
-        model : pin.Model
+        model : pin.Model or RobotWrapper
             The cut tree; copied.
-        loops : iterable of PointLoop or DistanceLoop
+        loops : iterable of PointLoop, RevoluteLoop, ...
+            Or Pinocchio's own constraint models: point anchors and frame anchors, alone or in a
+            ``pin.ConstraintModel``, and ``pin.RigidConstraintModel``.
         actuated : iterable of str
             Motor joints, in the order of the columns of K and J.
         tool : str or three str
@@ -92,6 +93,9 @@ class Mechanism:
             Joint values near which the loops are assembled; neutral when None.
         name : str, optional
             The model's own when empty.
+        tolerance : float, optional
+            The gap in m up to which the loops count as closed, where the model's numbers are
+            rounded; 1e-12 m when None.
 
         Raises
         ------
@@ -104,21 +108,9 @@ class Mechanism:
         >>> pj.Mechanism.from_pinocchio(arm, [], arm.names[1:], "effector_body", name="arm")
         Mechanism(arm, actuated=(shoulder1_joint, ...), 0 passive, 0 loops, mobility 6)
         """
-        if not isinstance(model, pin.Model):
-            raise ArgumentError(f"model must be a pinocchio.Model, got {type(model).__name__}")
-        own = model.copy()
-        try:
-            spec = MechanismSpec(
-                name=name or own.name or "mechanism",
-                actuated=_names("actuated", actuated),
-                passive=None if passive is None else _names("passive", passive),
-                tool=_tool(tool),
-                loops=_loops(loops),
-                poses={"home": _home_pose(own, home)},
-            )
-            spec = decode_spec(encode_spec(spec))  # checks the types, as in a model file
-        except (TypeError, ValueError, msgspec.MsgspecError) as error:
-            raise ArgumentError(str(error)) from None
+        own, spec = own_model(
+            model, loops, actuated, tool, passive=passive, home=home, name=name, tolerance=tolerance
+        )
         return cls(build_parts(own, spec, {}))
 
     @property
@@ -226,6 +218,40 @@ class Mechanism:
                 q = assemble_pose(parts, start, name)
             self._poses[name] = Configuration._of_q(self, q)
         return self._poses[name]
+
+    def moved(self, pose: str = "home") -> Mapping[str, float]:
+        """Return how far each degree of freedom had to move to close a pose's loops.
+
+        Parameters
+        ----------
+        pose : str
+            A name of `poses`.
+
+        Returns
+        -------
+        mapping of str to float
+            By the names of `actuated` and `passive`: the closed pose less the values that the
+            model file gives, m or rad.
+
+        Raises
+        ------
+        UnknownNameError, ClosureError
+            As `pose`.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> moved = pj.load("four_bar").moved()
+        >>> {name: round(value, 3) for name, value in moved.items()}
+        {'theta1': 0.0, 'phi1': 0.024, 'phi2': 0.007}
+        """
+        parts, closed = self._parts, self.pose(pose)
+        given = parts.coordinates.q(self.spec.poses[pose], parts.home_q if pose != "home" else None)
+        change = pin.difference(parts.model, given, closed.q)
+        partition = parts.problem.partition
+        columns = np.concatenate([partition.actuated, partition.passive])
+        names = self.actuated + self.passive
+        return MappingProxyType(dict(zip(names, change[columns].tolist(), strict=True)))
 
     def close(
         self, actuated: ArrayLike, guess: Guess = "home", *, enforce_limits: bool = True
@@ -393,42 +419,6 @@ class Mechanism:
             f"{len(self.spec.loops)} loop{'s' * (len(self.spec.loops) != 1)}, "
             f"mobility {self.mobility})"
         )
-
-
-def _names(what: str, names: Iterable[str]) -> tuple[str, ...]:
-    if isinstance(names, str):
-        raise ArgumentError(f"{what} is a list of joint names, got the string {names!r}")
-    return tuple(names)
-
-
-def _loops(loops: Iterable[Loop]) -> tuple[Loop, ...]:
-    if isinstance(loops, Loop) or not isinstance(loops, Iterable):
-        raise ArgumentError(f"loops is a list of PointLoop, RevoluteLoop, ..., got {loops!r}")
-    return tuple(loops)
-
-
-def _tool(tool: str | Sequence[str]) -> Tool:
-    if isinstance(tool, str):
-        return Tool(frame=tool)
-    if not isinstance(tool, Sequence) or len(tool) != 3:
-        raise ArgumentError(f"a tool is one frame or three, got {tool!r}")
-    return Tool(points=(tool[0], tool[1], tool[2]))
-
-
-def _home_pose(
-    model: pin.Model, home: ArrayLike | Mapping[str, JointValue] | None
-) -> dict[str, JointValue]:
-    if isinstance(home, Mapping):
-        return {
-            name: tuple(np.atleast_1d(as_numbers(value, f"the value of joint {name!r}")).tolist())
-            for name, value in home.items()
-        }
-    if home is None:
-        return {}
-    q = as_numbers(home, "home")
-    if q.shape != (model.nq,):
-        raise ArgumentError(f"home has nq = {model.nq} entries, got shape {q.shape}")
-    return JointCoordinates(model).pose(q)
 
 
 def _rebuild(

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pmjac_pin.checks import as_numbers
 from pmjac_pin.errors import ArgumentError
-from pmjac_pin.factorisation import factorise, norm
+from pmjac_pin.factorisation import RANK_TOLERANCE, Factorisation, factorise, norm
 from pmjac_pin.read_only import ReadOnlyArrays, read_only
 
 Array = NDArray[np.float64]
@@ -42,6 +42,8 @@ class Partition(ReadOnlyArrays):
         Generic ranks of K*, of [K K*] and of the tool's motion: the largest seen.
     kept_rows : ndarray of int, shape (m,)
         Independent rows of η, chosen at the home pose.
+    rank_tolerance : float
+        Relative size up to which singular values count as zero.
     """
 
     actuated: Index
@@ -55,6 +57,7 @@ class Partition(ReadOnlyArrays):
     constraint_rank: int = 0
     tool_rank: int = 0
     kept_rows: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
+    rank_tolerance: float = RANK_TOLERANCE
 
     @cached_property
     def _scale(self) -> Array:
@@ -124,6 +127,10 @@ class Partition(ReadOnlyArrays):
         )
         return partition.with_ranks_of([(constraint, tool)])
 
+    def factorise(self, matrix: Array, size: float) -> Factorisation:
+        """Factorise a matrix without dimension; `size` is that of what it is a part of."""
+        return factorise(matrix, size, self.rank_tolerance)
+
     def scaled(self, constraint_jacobian: Array) -> Array:
         """Return [K K*], shape (p, nv), without dimension: rows in m, a rotation by 1/length."""
         scaled: Array = constraint_jacobian * self._scale
@@ -140,9 +147,9 @@ class Partition(ReadOnlyArrays):
         if self.kept_rows.size == scaled.shape[0]:
             return self.kept_rows
         size = norm(scaled)
-        if factorise(scaled[self.kept_rows], size).rank == self.kept_rows.size:
+        if self.factorise(scaled[self.kept_rows], size).rank == self.kept_rows.size:
             return self.kept_rows
-        return independent_rows(scaled, factorise(scaled, size).rank)
+        return independent_rows(scaled, self.factorise(scaled, size).rank)
 
     def with_ranks_of(self, poses: Sequence[tuple[Array, Array]]) -> Partition:
         """Return the partition with the generic ranks and kept rows of these closed poses.
@@ -166,10 +173,10 @@ class Partition(ReadOnlyArrays):
     def _ranks(self, constraint_jacobian: Array, tool_jacobian: Array) -> tuple[int, int, int]:
         scaled = self.scaled(constraint_jacobian)
         size = norm(scaled)
-        whole = factorise(scaled, size)
-        passive = factorise(scaled[:, self.passive], size)
+        whole = self.factorise(scaled, size)
+        passive = self.factorise(scaled[:, self.passive], size)
         scaled_tool = self.scaled_tool(tool_jacobian)
-        tool = factorise(scaled_tool @ whole.null_space, norm(scaled_tool))
+        tool = self.factorise(scaled_tool @ whole.null_space, norm(scaled_tool))
         return passive.rank, whole.rank, tool.rank
 
 

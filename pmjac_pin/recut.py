@@ -16,7 +16,7 @@ import pinocchio as pin
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
-from pmjac_pin.assembly import Parts, build_parts
+from pmjac_pin.assembly import build_parts
 from pmjac_pin.errors import ArgumentError, unknown_name
 from pmjac_pin.frames import find_frame
 from pmjac_pin.linkage import Edge, build, edges_of
@@ -32,6 +32,7 @@ from pmjac_pin.loop_spec import (
     SphericalLoop,
     UniversalLoop,
 )
+from pmjac_pin.parts import Parts
 from pmjac_pin.spec import JointValue, MechanismSpec
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.factorisation import RANK_TOLERANCE, factorise, norm
+from pmjac_pin.factorisation import norm
 from pmjac_pin.partition import Partition
 from pmjac_pin.read_only import ReadOnlyArrays
 
@@ -139,15 +139,15 @@ def analyse_singularity(
     """
     scaled = partition.scaled(constraint_jacobian)
     size = norm(scaled)
-    passive = factorise(scaled[:, partition.passive], size)
-    whole = factorise(scaled, size)
+    passive = partition.factorise(scaled[:, partition.passive], size)
+    whole = partition.factorise(scaled, size)
     scaled_tool = partition.scaled_tool(tool_jacobian)
-    tool = factorise(scaled_tool @ whole.null_space, norm(scaled_tool))
+    tool = partition.factorise(scaled_tool @ whole.null_space, norm(scaled_tool))
     forbidden = forbidden_rates(passive.left_null_space, scaled, partition)
     free = partition.column_scale[partition.passive, None] * passive.null_space
     return Singularity(
         singular_values=passive.singular_values / (size or 1.0),
-        tolerance=RANK_TOLERANCE,
+        tolerance=partition.rank_tolerance,
         rank=passive.rank,
         generic_rank=partition.passive_rank,
         constraint_rank=whole.rank,
@@ -169,9 +169,9 @@ def forbidden_rates(left_null_space: Array, scaled: Array, partition: Partition)
     actuated = partition.actuated
     defect = left_null_space.T @ scaled[:, actuated]
     size = norm(scaled)
-    if norm(defect) <= RANK_TOLERANCE * size:
+    if norm(defect) <= partition.rank_tolerance * size:
         return np.zeros((actuated.size, 0))
-    row_space = factorise(defect, size)
+    row_space = partition.factorise(defect, size)
     directions = row_space.right[: row_space.rank].T / partition.column_scale[actuated, None]
     orthonormal: Array = np.linalg.qr(directions)[0]
     largest = np.argmax(np.abs(orthonormal), axis=0)

@@ -296,7 +296,7 @@ class TestFromPinocchio:
             (
                 {"loops": [("a", "b")]},
                 pj.ArgumentError,
-                "Expected `object`, got `array` - at `$.loop[0]`",
+                "loop 1 is a tuple; PointLoop, RevoluteLoop, ... or a point or frame anchor",
             ),
             (
                 {"loops": [pj.DistanceLoop(frames=("crank", "rocker_tip"), length=100.0)]},
@@ -313,6 +313,60 @@ class TestFromPinocchio:
     def test_not_a_model(self):
         with pytest.raises(pj.ArgumentError, match=r"model must be a pinocchio\.Model, got str"):
             pj.Mechanism.from_pinocchio("four_bar.urdf", [], ["theta1"], "tool")
+
+    def anchor(self, kind, model):
+        ends = [model.frames[model.getFrameId(name)] for name in ("coupler_tip", "rocker_tip")]
+        places = [part for end in ends for part in (end.parentJoint, end.placement)]
+        if kind is pin.RigidConstraintModel:
+            return kind(pin.ContactType.CONTACT_3D, model, *places)
+        return kind(model, *places)
+
+    @pytest.mark.parametrize(
+        "kind", [pin.PointAnchorConstraintModel, pin.RigidConstraintModel, "wrapped"]
+    )
+    def test_constraints_that_a_user_already_has(self, kind):
+        model = pj.load("four_bar").model
+        wrapped = kind == "wrapped"
+        constraint = self.anchor(pin.PointAnchorConstraintModel if wrapped else kind, model)
+        loop = pin.ConstraintModel(constraint) if wrapped else constraint
+        mechanism = self.four_bar(loops=[loop])
+        expected = pj.load("four_bar").home.jacobian()
+        np.testing.assert_allclose(mechanism.home.jacobian().K, expected.K, atol=1e-14)
+        np.testing.assert_allclose(mechanism.home.jacobian().J_eq, expected.J_eq, atol=1e-14)
+        assert pickle.loads(pickle.dumps(mechanism)) == mechanism
+
+    def test_a_frame_anchor(self):
+        """The rocker's own joint as a weld: the four-bar cut behind a hub."""
+        recut = pj.load("four_bar").recut("theta1")
+        model = recut.model
+        ends = [model.frames[model.getFrameId(name)] for name in recut.spec.loops[-1].frames]
+        places = [part for end in ends for part in (end.parentJoint, end.placement)]
+        anchor = pin.FrameAnchorConstraintModel(model, *places)
+        mechanism = pj.Mechanism.from_pinocchio(
+            model, [anchor], ["theta1"], "coupler_midpoint", home=recut.home.q
+        )
+        np.testing.assert_allclose(
+            mechanism.home.jacobian().J_eq, recut.home.jacobian().J_eq, atol=1e-12
+        )
+
+    def test_a_robot_wrapper(self):
+        robot = pin.RobotWrapper(pj.load("four_bar").model)
+        loops = [pj.PointLoop(frames=("coupler_tip", "rocker_tip"))]
+        mechanism = pj.Mechanism.from_pinocchio(
+            robot, loops, ["theta1"], "coupler_midpoint", home=pj.load("four_bar").home.q
+        )
+        assert mechanism.mobility == 1
+
+    def test_constraints_that_would_be_misread(self):
+        model = pj.load("four_bar").model
+        constraint = self.anchor(pin.PointAnchorConstraintModel, model)
+        constraint.desired_constraint_offset = np.array([0.0, 0.1, 0.0])
+        with pytest.raises(pj.ArgumentError, match="with a desired offset"):
+            self.four_bar(loops=[constraint])
+        bigger = pin.buildSampleModelManipulator()
+        away = pin.PointAnchorConstraintModel(bigger, 1, pin.SE3.Identity(), 6, pin.SE3.Identity())
+        with pytest.raises(pj.ArgumentError, match="fixed to joint 6; the model has 4"):
+            self.four_bar(loops=[away])
 
     def test_two_joints_of_one_name(self):
         model = pj.load("serial_2r").model

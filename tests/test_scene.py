@@ -357,7 +357,7 @@ def test_the_ellipsoid_is_the_jacobians(name, scale, rng):
             get = pj.EquivalentJacobian.velocity_ellipsoid
             if kind == "angular":
                 get = pj.EquivalentJacobian.angular_ellipsoid
-            ellipsoid, unit_at_home = get(jacobian), get(home).radii[0]
+            ellipsoid, unit_at_home = get(jacobian), get(home).radii[0] or 1.0
             surface = items[f"ellipsoids/{kind}/surface"].transform
             tool = pose.tool_pose.translation
             np.testing.assert_allclose(surface[:3, 3], tool, atol=1e-12)

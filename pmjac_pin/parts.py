@@ -1,0 +1,36 @@
+"""Parts: what a Mechanism is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from pmjac_pin.closure_problem import ClosureProblem
+from pmjac_pin.coordinates import JointCoordinates
+from pmjac_pin.kinematics import Kinematics
+from pmjac_pin.spec import MechanismSpec
+from pmjac_pin.urdf import Urdf
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Parts:
+    """What a Mechanism is made of; nothing of it ever changes.
+
+    `urdf` is what the model was built of, the parameters' moves included, kept for its visuals;
+    None where there was only a Pinocchio model.
+    """
+
+    model: pin.Model
+    spec: MechanismSpec
+    values: Mapping[str, float]
+    coordinates: JointCoordinates
+    kinematics: Kinematics
+    problem: ClosureProblem
+    home_q: Array
+    urdf: Urdf | None = None

@@ -1,0 +1,107 @@
+"""Closing the loops of a pose that a model file gives, which may be wide open."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.closure_problem import ClosureProblem
+from pmjac_pin.coordinates import JointCoordinates
+from pmjac_pin.damped_closure import Assembled, assemble
+from pmjac_pin.errors import ClosureError, LimitError
+from pmjac_pin.parts import Parts
+from pmjac_pin.spec import LARGEST_TOLERANCE, MechanismSpec
+
+Array = NDArray[np.float64]
+
+# How easily the motors move, beside the passive joints, to assemble a pose: not at all, then
+# reluctantly, then like the others.
+_MOTOR_WEIGHTS = (0.0, 0.1, 1.0)
+
+
+def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
+    """Close the loops near q, within the joints' limits.
+
+    The motors stay where they are, or move as little as it takes.
+
+    Raises
+    ------
+    ClosureError
+        With the smallest gap found and the loop that stays open most, or with the joints that
+        would have to leave their limits.
+    """
+    problem = parts.problem
+    found = []
+    for motor_weight in _MOTOR_WEIGHTS:
+        weights = motor_weights(problem, motor_weight)
+        found.append(assemble(problem, q, weights, room=parts.coordinates.room))
+        if found[-1].gap <= problem.tolerance:
+            return _beyond_the_end(parts, q, found[-1].q) if motor_weight else found[-1].q
+    raise _open(parts, q, min(found, key=lambda pose: pose.gap), pose)
+
+
+def motor_weights(problem: ClosureProblem, motor_weight: float) -> Array:
+    """Return how easily each degree of freedom moves: passive ones 1, motors as given."""
+    weights = np.ones(problem.partition.column_scale.size)
+    weights[problem.partition.actuated] = motor_weight
+    return weights
+
+
+def check_motors(coordinates: JointCoordinates, q: Array, spec: MechanismSpec, what: str) -> None:
+    """Raise LimitError where a motor is outside its limits; the message starts with `what`."""
+    columns = coordinates.columns(spec.actuated)
+    values = coordinates.values(q)[columns]
+    for name in coordinates.outside(values, columns):
+        value, (lower, upper) = values[spec.actuated.index(name)], coordinates.limits(name)
+        message = f"{what} motor {name!r} = {value:g} outside its limits [{lower:g}, {upper:g}]"
+        raise LimitError(message, joint=name, value=float(value), lower=lower, upper=upper)
+
+
+def _beyond_the_end(parts: Parts, start: Array, found: Array) -> Array:
+    """Return the pose with motors moved half as far again as it takes, where that closes.
+
+    Where the motors have to move, the nearest closed pose is at the end of the reach: singular.
+    """
+    problem, coordinates = parts.problem, parts.coordinates
+    actuated = problem.partition.actuated
+    motors, moved = (coordinates.values(q)[actuated] for q in (start, found))
+    beyond = moved + 0.5 * (moved - motors)
+    q = coordinates.with_values(start, actuated, beyond)
+    pose = assemble(problem, q, motor_weights(problem, 0.0), room=coordinates.room)
+    closed = pose.gap <= problem.tolerance and not coordinates.outside(beyond, actuated)
+    return pose.q if closed else found
+
+
+def _open(parts: Parts, q: Array, best: Assembled, pose: str) -> ClosureError:
+    """Say which loop stays open, or which joints would have to leave their limits."""
+    problem, coordinates = parts.problem, parts.coordinates
+    what = f"{parts.spec.name}: the pose {pose!r}"
+    freely = assemble(problem, q, motor_weights(problem, 1.0))
+    columns = np.arange(problem.partition.column_scale.size)
+    outside = coordinates.outside(coordinates.values(freely.q), columns)
+    if freely.gap <= problem.tolerance and outside:
+        beyond = "; ".join(_beyond_limits(coordinates, freely.q, name) for name in outside)
+        message = f"{what} closes only with {beyond}"
+        return ClosureError(message, residual_norm=best.gap, q=best.q)
+    residual = np.abs(problem.evaluate(best.q)[0] * problem.partition.row_scale)
+    row, loops = int(np.argmax(residual)), parts.kinematics.loops
+    message = (
+        f"{what} does not assemble: the loops stay open by {best.gap:.3g} m at best, most at "
+        f"{loops.row_names[row]!r}; give joint values nearer to a closed pose, or other lengths"
+    )
+    if best.gap <= LARGEST_TOLERANCE:
+        message += f", or a `tolerance` of {_rounded_up(best.gap):g} where numbers are rounded"
+    return ClosureError(message, residual_norm=best.gap, q=best.q, loop=loops.row_loops[row])
+
+
+def _rounded_up(gap: float) -> float:
+    """Return the next power of ten."""
+    return float(10.0 ** math.ceil(math.log10(gap)))
+
+
+def _beyond_limits(coordinates: JointCoordinates, q: Array, name: str) -> str:
+    value = float(coordinates.values(q)[coordinates.columns([name])[0]])
+    lower, upper = coordinates.limits(name)
+    return f"{name!r} = {value:g} outside its limits [{lower:g}, {upper:g}]"

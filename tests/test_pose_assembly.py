@@ -1,0 +1,110 @@
+"""Closing the loops of poses that are given wide open."""
+
+from __future__ import annotations
+
+import mechanisms
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import pmjac_pin as pj
+
+
+def four_bar(home, limits=(-100.0, 100.0), loops=None, **changes):
+    """The four-bar with its rocker limited, from an open start."""
+    model = pj.load("four_bar").model
+    column = model.joints[model.getJointId("phi1")].idx_q
+    model.lowerPositionLimit[column], model.upperPositionLimit[column] = limits
+    loops = loops or [pj.PointLoop(frames=("coupler_tip", "rocker_tip"))]
+    return pj.Mechanism.from_pinocchio(
+        model, loops, ["theta1"], "coupler_midpoint", home=home, name="bar", **changes
+    )
+
+
+@pytest.mark.parametrize("open_by", [1e-6, 1e-3, 0.1, 1.0])
+def test_an_open_pose_is_closed_with_the_motors_at_rest(open_by, rng):
+    closed = pj.load("four_bar").home
+    for _ in range(5):
+        start = closed.q + open_by * rng.uniform(-1, 1, 3)
+        start[list(closed.mechanism.model.names).index("theta1") - 1] = closed.actuated[0]
+        mechanism = four_bar(start)
+        assert mechanism.home.actuated[0] == closed.actuated[0]
+        assert mechanism.home.residual_norm <= 1e-12
+        moved = mechanism.moved()
+        assert moved["theta1"] == 0.0
+        names = list(mechanism.model.names)[1:]
+        change = [moved[name] for name in names]
+        np.testing.assert_allclose(start + change, mechanism.home.q, atol=1e-12)
+
+
+def test_the_joints_stay_within_their_limits():
+    """From the other side of a limit, the loops close on the mode that respects it."""
+    closed = pj.load("four_bar").home
+    phi1 = closed.joint_values["phi1"]
+    other = four_bar({"theta1": closed.actuated[0], "phi1": -phi1 + 0.3, "phi2": -1.0})
+    assert other.home.joint_values["phi1"] < 0
+    kept = four_bar(
+        {"theta1": closed.actuated[0], "phi1": -phi1 + 0.3, "phi2": -1.0}, limits=(0.2, 3.0)
+    )
+    assert 0.2 <= kept.home.joint_values["phi1"] <= 3.0
+    np.testing.assert_allclose(kept.home.tool_pose.translation, closed.tool_pose.translation)
+
+
+def test_a_limit_that_no_closed_pose_respects_is_named():
+    with pytest.raises(
+        pj.ClosureError, match=r"closes only with 'phi1' = .* outside its limits \[0\.5, 0\.6\]"
+    ):
+        four_bar({"theta1": 0.9, "phi1": 2.0, "phi2": 0.0}, limits=(0.5, 0.6))
+
+
+def test_motors_move_as_little_as_it_takes():
+    """A rocker-rocker asked for a crank angle beyond its reach: the nearest that closes."""
+    reach = 1.37156
+    mechanism = mechanisms.rocker_rocker()
+    home = {"theta1": reach + 0.1, "phi1": 2.0, "phi2": 0.5}
+    bar = pj.Mechanism.from_pinocchio(
+        mechanism.model, mechanism.spec.loops, ["theta1"], "coupler_midpoint", home=home
+    )
+    moved = bar.moved()["theta1"]
+    assert -0.3 < moved < -0.1
+    assert bar.home.singularity().kind == "regular"
+
+
+def test_the_loop_that_stays_open_is_named():
+    mechanism = mechanisms.three_crank_parallelogram()
+    model = mechanism.model
+    frame = model.frames[model.getFrameId("tip3")]
+    model.addFrame(
+        pin.Frame("far", frame.parentJoint, pin.SE3(np.eye(3), np.array([9.0, 0, 0])), frame.type)
+    )
+    loops = [mechanism.spec.loops[0], pj.PointLoop(frames=("point3", "far"))]
+    with pytest.raises(pj.ClosureError) as caught:
+        pj.Mechanism.from_pinocchio(model, loops, ["theta1"], "point3", home=mechanism.home.q)
+    assert "most at 'point3-far" in str(caught.value)
+    assert caught.value.loop == "point3-far"
+    assert caught.value.residual_norm > 1.0
+
+
+@pytest.mark.parametrize("tilt", [3.7e-6, 1e-4])
+def test_rounded_angles_need_a_tolerance_and_say_so(tilt):
+    """An axis that is off by the rounding of rpy="1.5708": the loop cannot quite close."""
+    model = pj.load("four_bar").model
+    joint = model.getJointId("phi2")
+    model.jointPlacements[joint] = model.jointPlacements[joint] * pin.SE3(
+        pin.exp3(np.array([tilt, 0.4 * tilt, 0.0])), np.zeros(3)
+    )
+    arguments = (model, [pj.PointLoop(frames=("coupler_tip", "rocker_tip"))], ["theta1"])
+    home = pj.load("four_bar").home
+    with pytest.raises(pj.ClosureError, match="`tolerance`"):
+        pj.Mechanism.from_pinocchio(*arguments, "coupler_midpoint", home=home.q)
+    mechanism = pj.Mechanism.from_pinocchio(
+        *arguments, "coupler_midpoint", home=home.q, tolerance=10 * tilt
+    )
+    assert mechanism.mobility == 1
+    expected = home.jacobian().J_eq
+    J_eq = mechanism.home.jacobian().J_eq
+    np.testing.assert_allclose(J_eq, expected, atol=20 * tilt)
+    far = mechanism.close([2.0])
+    np.testing.assert_allclose(
+        far.jacobian().J_eq, pj.load("four_bar").close([2.0]).jacobian().J_eq, atol=20 * tilt
+    )
