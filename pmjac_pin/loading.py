@@ -15,7 +15,7 @@ from pmjac_pin.catalog import find_model_file
 from pmjac_pin.errors import ArgumentError, ClosureError, ModelFileError, PmjacError
 from pmjac_pin.linkage import with_spherical
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.source import read_source
+from pmjac_pin.source import Source, read_source
 from pmjac_pin.spec import MechanismSpec
 from pmjac_pin.urdf import Urdf
 
@@ -62,8 +62,17 @@ def load(
     >>> pj.load("four_bar", parameters={"l1": 1.2}).parameters["l1"]
     1.2
     """
-    path = find_model_file(name_or_path)
-    source = read_source(path, actuated, tool)
+    return build(read_source(find_model_file(name_or_path), actuated, tool), parameters)
+
+
+def build(source: Source, parameters: Mapping[str, float] | None = None) -> Mechanism:
+    """Return the mechanism that a file describes, at these values of its parameters.
+
+    Raises
+    ------
+    ModelFileError, ClosureError, UnknownNameError, ArgumentError
+        As in `load`.
+    """
     spec = source.spec
     values = spec.parameter_values(parameters)
     try:
@@ -74,7 +83,7 @@ def load(
     except (ClosureError, ModelFileError):
         raise
     except PmjacError as error:
-        raise ModelFileError(f"{path}: {error}", path=str(path)) from error
+        raise ModelFileError(f"{source.path}: {error}", path=str(source.path)) from error
 
 
 def _home_on_the_way(

@@ -36,6 +36,8 @@ class Source:
 
     Attributes
     ----------
+    path : Path
+        The file.
     spec : MechanismSpec
     urdf : Urdf
         The cut tree at the parameters' defaults.
@@ -43,6 +45,7 @@ class Source:
         One sentence for each decision that the reader of another format took.
     """
 
+    path: Path
     spec: MechanismSpec
     urdf: Urdf
     notes: tuple[str, ...] = ()
@@ -69,7 +72,7 @@ def read_source(
     motors = None if actuated is None else _names(actuated)
     if path.suffix.lower() in SUFFIXES[1:]:
         model = _foreign(path, motors or ())
-        return Source(model.spec(motors, tool), model.urdf, model.notes)
+        return Source(path, model.spec(motors, tool), model.urdf, model.notes)
     spec = read_model_file(path)
     urdf = read_urdf(find_urdf(spec.urdf, path))
     if motors is not None:
@@ -77,7 +80,7 @@ def read_source(
         spec = msgspec.structs.replace(spec, actuated=check_motors(urdf, motors), passive=None)
     if tool is not None:
         spec = msgspec.structs.replace(spec, tool=Tool(frame=check_frame(urdf, tool)))
-    return Source(spec, urdf)
+    return Source(path, spec, urdf)
 
 
 def _foreign(path: Path, motors: tuple[str, ...]) -> ForeignModel:
