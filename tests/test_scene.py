@@ -405,7 +405,7 @@ def test_an_unbounded_force_is_clipped_and_marked():
         np.linalg.svd(surface)[1], size * np.array([LIMIT, LIMIT, 0.35]), rtol=1e-9
     )
     texts = [items[f"ellipsoids/force/axis{n}/label"].shape.text for n in (1, 2, 3)]
-    assert texts[:2] == ["∞ N", "∞ N"]
+    assert texts[:2] == ["∞ N, cut", "∞ N, cut"]
     along = items["ellipsoids/force/axis3/head"].transform[:3, 2]
     velocity = mechanism.home.jacobian().Jv_eq[:, 0]
     np.testing.assert_allclose(np.cross(along, velocity), 0, atol=1e-9)
