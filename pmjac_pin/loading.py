@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.source import Source, read_source
 from pmjac_pin.spec import MechanismSpec
 from pmjac_pin.urdf import Urdf
+from pmjac_pin.urdf_locking import lock_joints
 
 _PARAMETER_STEPS = 12
 _LEAST_SHARE = 0.4  # of home's σ_min: below, the motors move on the way to other parameters
@@ -27,6 +29,7 @@ def load(
     name_or_path: str | Path,
     parameters: Mapping[str, float] | None = None,
     *,
+    locked: Iterable[str] | Mapping[str, float] = (),
     actuated: Iterable[str] | None = None,
     tool: str | None = None,
 ) -> Mechanism:
@@ -39,6 +42,9 @@ def load(
         or with a YAML file beside it (.urdf), of MJCF (.xml) or of SDF (.sdf).
     parameters : mapping of str to float, optional
         Values for parameters that the model file declares, m or rad.
+    locked : iterable of str, or mapping of str to float, optional
+        Joints to hold, beside those that the model file locks: at their values in the home pose,
+        or at the values given, rad or m.
     actuated : iterable of str, optional
         The motors, in the order of the columns of K and J, instead of those that the file tells.
     tool : str, optional
@@ -62,7 +68,8 @@ def load(
     >>> pj.load("four_bar", parameters={"l1": 1.2}).parameters["l1"]
     1.2
     """
-    return build(read_source(find_model_file(name_or_path), actuated, tool), parameters)
+    source = read_source(find_model_file(name_or_path), actuated, tool)
+    return build(replace(source, spec=source.spec.with_locked(locked)), parameters)
 
 
 def build(source: Source, parameters: Mapping[str, float] | None = None) -> Mechanism:
@@ -76,7 +83,7 @@ def build(source: Source, parameters: Mapping[str, float] | None = None) -> Mech
     spec = source.spec
     values = spec.parameter_values(parameters)
     try:
-        urdf = source.urdf.moved(spec.moves(values))
+        urdf = _set(source.urdf, spec, values)
         start = _home_on_the_way(source.urdf, spec, values)
         parts = build_parts(_pinocchio_model(urdf, spec), spec, values, urdf, start)
         return Mechanism(parts, notes=source.notes)
@@ -99,11 +106,16 @@ def _home_on_the_way(
         return None
     for share in np.arange(_PARAMETER_STEPS) / _PARAMETER_STEPS:
         between = {name: start + share * (values[name] - start) for name, start in defaults.items()}
-        model = _pinocchio_model(urdf.moved(spec.moves(between)), spec)
+        model = _pinocchio_model(_set(urdf, spec, between), spec)
         with contextlib.suppress(ClosureError):  # parameters in between need not close
             q, smallest = home_pose(model, spec, between, q, least)
             least = least or _LEAST_SHARE * smallest
     return q
+
+
+def _set(plain: Urdf, spec: MechanismSpec, values: Mapping[str, float]) -> Urdf:
+    """Return the URDF with its parameters at these values and its locked joints fixed."""
+    return lock_joints(plain.moved(spec.moves(values)), spec.locked)
 
 
 def _pinocchio_model(urdf: Urdf, spec: MechanismSpec) -> pin.Model:

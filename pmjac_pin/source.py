@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 
 import msgspec
 
@@ -15,19 +14,12 @@ from pmjac_pin.errors import ArgumentError
 from pmjac_pin.formats.extended_urdf import closure_yaml_beside, read_extended_urdf
 from pmjac_pin.formats.foreign_model import ForeignModel, check_frame, check_motors
 from pmjac_pin.formats.looped_urdf import read_looped_urdf
+from pmjac_pin.formats.sdf import read_sdf
 from pmjac_pin.model_file import read_model_file
 from pmjac_pin.spec import MechanismSpec, Tool
 from pmjac_pin.urdf import Urdf, read_urdf
 
-# Imported when a file of the format is read.
-_READERS: Mapping[str, tuple[str, str]] = MappingProxyType(
-    {
-        ".xml": ("pmjac_pin.formats.mjcf", "read_mjcf"),
-        ".mjcf": ("pmjac_pin.formats.mjcf", "read_mjcf"),
-        ".sdf": ("pmjac_pin.formats.sdf", "read_sdf"),
-    }
-)
-SUFFIXES = (".toml", ".urdf", *_READERS)
+SUFFIXES = (".toml", ".urdf", ".sdf", ".xml", ".mjcf")
 
 
 @dataclass(frozen=True)
@@ -84,13 +76,15 @@ def read_source(
 
 
 def _foreign(path: Path, motors: tuple[str, ...]) -> ForeignModel:
-    suffix = path.suffix.lower()
-    if suffix == ".urdf":
-        if closure_yaml_beside(path) is not None:
+    match path.suffix.lower():
+        case ".urdf" if closure_yaml_beside(path) is None:
+            return read_looped_urdf(path, motors)
+        case ".urdf":
             return read_extended_urdf(path, motors)
-        return read_looped_urdf(path, motors)
-    module, function = _READERS[suffix]
-    model: ForeignModel = getattr(importlib.import_module(module), function)(path)
+        case ".sdf":
+            return read_sdf(path, motors)
+    mjcf = importlib.import_module("pmjac_pin.formats.mjcf")
+    model: ForeignModel = mjcf.read_mjcf(path)
     return model
 
 

@@ -87,6 +87,22 @@ def cycle():
     return robot(*links, link("foot"), *joints.values())
 
 
+def turned():
+    """The coupler is the parent of both its joints: one is turned round to hang it up."""
+    p = points()
+    links = [link(name) for name in ("ground", "crank", "end", "coupler", "rocker", "pin", TOOL)]
+    joints = (
+        joint("theta1", "revolute", "ground", "crank", p["A"]),
+        joint("end", "fixed", "crank", "end", p["B"]),
+        joint("phi2", "revolute", "coupler", "end", p["B"] - p["M"]),
+        joint("phi1", "revolute", "ground", "rocker", p["D"]),
+        joint("weld", "fixed", "coupler", "pin", p["C"] - p["M"]),
+        joint("hinge", "revolute", "rocker", "pin", p["C"] - p["D"]),
+        joint("tool", "fixed", "coupler", TOOL),
+    )
+    return robot(*links, *joints)
+
+
 def with_element(element, attributes=""):
     links, joints = chain(attributes)
     return robot(*links, *joints.values(), element)

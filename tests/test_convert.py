@@ -44,7 +44,9 @@ def test_looped_urdf(machine, tmp_path):
     assert (model_file, urdf) == (tmp_path / "mine.toml", tmp_path / "mine.urdf")
     same(pj.load(model_file), pj.load(machine, **LOOPED))
     text = model_file.read_text()
-    assert text.startswith("# From machine.urdf.\n# joint 'hinge' leads to link 'pin' as 'weld'")
+    assert text.startswith(
+        "# From machine.urdf.\n# joint 'hinge' leads to link 'pin', which 'weld'"
+    )
     assert sorted(path.name for path in tmp_path.iterdir()) == ["given", "mine.toml", "mine.urdf"]
 
 
@@ -183,7 +185,7 @@ def test_the_command(machine, tmp_path, capsys, monkeypatch):
 
 def test_notes_in_a_report(machine, capsys):
     assert main(("report", str(machine), "--actuated=theta1", f"--tool={looped.TOOL}")) == 0
-    assert "Note: joint 'hinge' leads to link 'pin' as 'weld' does" in capsys.readouterr().out
+    assert "Note: joint 'hinge' leads to link 'pin', which 'weld' holds" in capsys.readouterr().out
 
 
 def test_the_command_asks_for_what_the_file_does_not_tell(machine, capsys):

@@ -57,6 +57,7 @@ LOOPED = {
     ),
     "endless hinge": looped.two_parents(kind="continuous"),
     "cycle": looped.cycle(),
+    "turned": looped.turned(),
     "loop": looped.with_element(looped.loop_element()),
     "loop, other way": looped.with_element(looped.loop_element(axis='<axis xyz="0 0 -2"/>')),
     "ball": looped.with_element(looped.loop_element("spherical", "")),
@@ -93,7 +94,9 @@ def test_the_first_joint_to_a_link_keeps_it(read, order, cut):
     assert cut not in [joint.name for joint in model.urdf.joints]
     other = "weld" if cut == "hinge" else "hinge"
     closed = "revolute" if cut == "hinge" else "fixed"
-    expected = f"joint {cut!r} leads to link 'pin' as {other!r} does: cut, and closed as {closed}"
+    expected = (
+        f"joint {cut!r} leads to link 'pin', which {other!r} holds: cut, and closed as {closed}"
+    )
     assert model.notes == (expected,)
 
 
@@ -120,7 +123,7 @@ def test_a_floating_joint_closes_nothing(read):
     model = read(looped.two_parents(kind="floating"))
     assert model.loops == ()
     assert model.notes[0] == (
-        "joint 'hinge' leads to link 'pin' as 'weld' does: holds nothing: left out"
+        "joint 'hinge' leads to link 'pin', which 'weld' holds: holds nothing: left out"
     )
 
 
@@ -128,8 +131,21 @@ def test_in_a_cycle_the_first_link_is_the_base(read):
     model = read(looped.cycle())
     assert model.urdf.links[0] == "ground"
     assert model.notes == (
-        "joint 'weld' leads to link 'ground' as it leads to the base: cut, and closed as fixed",
+        "joint 'weld' leads to link 'ground', which is the base: cut, and closed as fixed",
     )
+
+
+def test_a_turned_joint_keeps_its_value(write):
+    """The coupler may hang on a joint of which it is the parent."""
+    path = write(looped.turned())
+    model = read_looped_urdf(path)
+    assert model.notes[0] == "joint 'phi2' is turned round, as none leads to 'coupler'"
+    turned = pj.load(path, actuated=["theta1"], tool=TOOL).close([0.2])
+    plain = write(looped.two_parents(), "plain.urdf")
+    straight = pj.load(plain, actuated=["theta1"], tool=TOOL).close([0.2])
+    # One file turns the coupler against the crank by phi2, the other the crank against the coupler.
+    assert turned.joint_values["phi2"] == pytest.approx(-straight.joint_values["phi2"])
+    np.testing.assert_allclose(turned.jacobian().J_eq, straight.jacobian().J_eq, atol=1e-9)
 
 
 def test_motors_are_not_cut(write, refusal):
@@ -143,7 +159,7 @@ def test_motors_are_not_cut(write, refusal):
     assert isinstance(read_looped_urdf(write(marked)).loops[0], pj.FrameLoop)
     assert refusal(looped.two_parents(), motors=["weld", "hinge"]) == (
         "joint 'hinge' is a motor or geared by <mimic>, and would have to be cut, since another "
-        "such joint leads to link 'pin', or it leads to the base"
+        "such joint holds link 'pin', or it is the base"
     )
 
 

@@ -65,20 +65,28 @@ def test_a_urdf_beside_nothing_is_read_with_its_loops(tmp_path, name):
     assert source.notes
 
 
-@pytest.mark.parametrize(
-    ("suffix", "module", "function"),
-    [(".xml", "mjcf", "read_mjcf"), (".mjcf", "mjcf", "read_mjcf"), (".sdf", "sdf", "read_sdf")],
-)
-def test_readers_are_imported_when_needed(path, tmp_path, monkeypatch, suffix, module, function):
+@pytest.mark.parametrize("suffix", [".xml", ".mjcf"])
+def test_mjcf_is_imported_when_needed(path, tmp_path, monkeypatch, suffix):
     def reader(given: Path) -> ForeignModel:
         assert given == tmp_path / f"machine{suffix}"
         return read_looped_urdf(path)
 
-    stand_in = types.ModuleType(module)
-    setattr(stand_in, function, reader)
-    monkeypatch.setitem(sys.modules, f"pmjac_pin.formats.{module}", stand_in)
+    stand_in = types.ModuleType("mjcf")
+    stand_in.read_mjcf = reader
+    monkeypatch.setitem(sys.modules, "pmjac_pin.formats.mjcf", stand_in)
     other = pj.load(tmp_path / f"machine{suffix}", actuated=["theta1"], tool=looped.TOOL)
     assert other.mobility == 1
+
+
+def test_sdf(tmp_path):
+    path = tmp_path / "arm.sdf"
+    path.write_text(
+        '<sdf version="1.7"><model name="arm"><link name="base"/><link name="rod"/>'
+        '<joint name="swing" type="revolute"><parent>base</parent><child>rod</child>'
+        "<axis><xyz>0 0 1</xyz></axis></joint></model></sdf>"
+    )
+    mechanism = pj.load(path, actuated=["swing"], tool="rod")
+    assert mechanism.notes[0].startswith("no joint holds the model to the world")
 
 
 def test_parameters_are_those_of_a_model_file(path):

@@ -1,69 +1,100 @@
-"""Cutting a graph: what stays is a tree that reaches everything, whatever the order."""
+"""Which joints stay in the tree and which are cut."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from pmjac_pin.formats.spanning_tree import cut_joints
-from pmjac_pin.urdf_checks import UrdfJoint
+from pmjac_pin.formats.spanning_tree import spanning_tree
 
 
-def joints(*ends):
-    return [UrdfJoint(f"{pair}{k}", "revolute", *pair) for k, pair in enumerate(ends)]
+def test_a_tree_is_left_as_it_is() -> None:
+    tree = spanning_tree("abcd", [("b", "d"), ("a", "b"), ("a", "c")])
+    assert (tree.root, tree.cut, tree.apart) == ("a", (), ())
+    assert {(item.above, item.below) for item in tree.branches} == {
+        ("a", "b"),
+        ("a", "c"),
+        ("b", "d"),
+    }
+    assert not any(item.turned for item in tree.branches)
 
 
-def cuts(links, *ends, motors=()):
-    return [joint.name for joint in cut_joints(links, joints(*ends), motors)]
+@pytest.mark.parametrize("last", [[("c", "d"), ("b", "d")], [("b", "d"), ("c", "d")]])
+def test_of_two_joints_with_one_child_the_first_keeps_it(last: list[tuple[str, str]]) -> None:
+    tree = spanning_tree("abcd", [("a", "b"), ("a", "c"), *last])
+    assert tree.cut == (3,)
+    assert (tree.branches[-1].above, tree.branches[-1].below) == last[0]
 
 
-@pytest.mark.parametrize(
-    ("links", "ends", "expected"),
-    [
-        ("ABC", ("AB", "BC"), []),
-        ("ABC", ("AB", "BC", "AC"), ["AC2"]),
-        ("ABC", ("AC", "AB", "BC"), ["BC2"]),
-        ("ABC", ("AB", "BC", "CA"), ["CA2"]),  # a cycle: the file's first link is the base
-        ("CBA", ("AB", "BC", "CA"), ["BC1"]),
-        ("AB", ("AB", "AB"), ["AB1"]),
-        # B's first joint comes from C, which only B leads to: A could reach neither.
-        ("ABC", ("CB", "AB", "BC"), ["CB0"]),
-        ("ABCD", ("AB", "AC", "BD", "CD"), ["CD3"]),
-    ],
-)
-def test_the_first_joint_to_a_link_stays(links, ends, expected):
-    assert cuts(links, *ends) == expected
+def test_joints_named_first_are_cut_last() -> None:
+    joints = [("a", "b"), ("a", "c"), ("c", "d"), ("b", "d")]
+    assert spanning_tree("abcd", joints, first=[3]).cut == (2,)
+    assert spanning_tree("abcd", joints, first=[2, 3]).cut == (3,)
 
 
-def test_motors_are_cut_last():
-    assert cuts("ABC", "AB", "BC", "AC", motors={"AC2"}) == ["BC1"]
+def test_the_first_joint_does_not_keep_a_link_that_only_another_leads_to() -> None:
+    """b would hang on c, which hangs on b."""
+    tree = spanning_tree("abc", [("c", "b"), ("b", "c"), ("a", "b")])
+    assert (tree.root, tree.cut) == ("a", (0,))
+    assert not any(item.turned for item in tree.branches)
 
 
-def reached(base, kept):
-    links = {base}
-    while more := {joint.child for joint in kept if joint.parent in links} - links:
-        links |= more
-    return links
-
-
-@pytest.mark.parametrize("seed", range(200))
-def test_what_stays_is_one_tree(seed):
-    rng = np.random.default_rng(seed)
-    count = int(rng.integers(2, 9))
-    links = [f"L{k}" for k in range(count)]
-    tree = [(int(rng.integers(0, k)), k) for k in range(1, count)]
-    more = [tuple(rng.choice(count, 2, replace=False)) for _ in range(int(rng.integers(0, 12)))]
-    if not seed % 2:
-        more = [pair for pair in more if pair[1] != 0]
-    ends = [*tree, *more]
-    rng.shuffle(ends)
-    graph = [
-        UrdfJoint(f"j{k}", "revolute", links[first], links[second])
-        for k, (first, second) in enumerate(ends)
+def test_a_joint_that_all_else_hangs_on_is_turned_round() -> None:
+    """d is a parent only: its second joint is cut, and the first turned to carry it."""
+    tree = spanning_tree("abcd", [("a", "b"), ("a", "c"), ("d", "b"), ("d", "c")], root="a")
+    assert tree.cut == (3,)
+    assert [(item.above, item.below, item.turned) for item in tree.branches] == [
+        ("a", "b", False),
+        ("a", "c", False),
+        ("b", "d", True),
     ]
-    motors = {joint.name for joint in graph if rng.random() < 0.2}
-    gone = cut_joints(links, graph, motors)
-    kept = [joint for joint in graph if joint not in gone]
-    assert len({joint.child for joint in kept}) == len(kept) == count - 1
-    assert reached(links[0], kept) == set(links)
-    assert gone == cut_joints(links, graph, motors)
+
+
+def test_a_cycle_of_joints_is_cut_at_its_last() -> None:
+    tree = spanning_tree("abc", [("a", "b"), ("b", "c"), ("c", "a")])
+    assert (tree.root, tree.cut) == ("a", (2,))
+
+
+def test_joints_above_the_root_are_turned_round() -> None:
+    tree = spanning_tree("abc", [("a", "b"), ("b", "c")], root="c")
+    assert [(item.below, item.turned) for item in tree.branches] == [("b", True), ("a", True)]
+
+
+def test_links_that_no_joint_joins_are_apart_with_their_loops() -> None:
+    tree = spanning_tree("abcd", [("a", "b"), ("c", "d"), ("d", "c")])
+    assert (tree.apart, tree.cut) == (("c", "d"), ())
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_every_graph_gives_a_tree_and_as_many_loops_as_it_has_cycles(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    links = [f"l{k}" for k in range(rng.integers(2, 12))]
+    joints = []
+    for _ in range(rng.integers(1, 20)):
+        parent, child = rng.choice(len(links), 2, replace=False)
+        joints.append((links[parent], links[child]))
+    tree = spanning_tree(links, joints)
+    reached = [tree.root]
+    for branch in tree.branches:
+        assert branch.above in reached
+        assert branch.below not in reached
+        ends = (branch.below, branch.above) if branch.turned else (branch.above, branch.below)
+        assert joints[branch.joint] == ends
+        reached.append(branch.below)
+    assert sorted([*reached, *tree.apart]) == sorted(links)
+    there = [k for k, (parent, _) in enumerate(joints) if parent in reached]
+    assert len(tree.cut) == len(there) - len(reached) + 1
+    assert sorted([*tree.cut, *(branch.joint for branch in tree.branches)]) == there
+    assert all(set(joints[k]) <= set(reached) for k in tree.cut)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_no_joint_is_turned_round_where_all_links_are_led_to(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    links = [f"l{k}" for k in range(rng.integers(2, 12))]
+    tree = [(links[rng.integers(k)], links[k]) for k in range(1, len(links))]
+    more = [tuple(rng.choice(links, 2, replace=False)) for _ in range(rng.integers(12))]
+    joints = [(str(one), str(other)) for one, other in rng.permutation([*tree, *more])]
+    found = spanning_tree(links, joints, root=links[0])
+    assert not any(branch.turned for branch in found.branches)
+    assert len(found.branches) == len(links) - 1

@@ -8,6 +8,7 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 import pinocchio as pin
 
+from pmjac_pin.errors import ModelFileError
 from pmjac_pin.loop_spec import (
     CylindricalLoop,
     FrameLoop,
@@ -18,7 +19,7 @@ from pmjac_pin.loop_spec import (
     SphericalLoop,
 )
 from pmjac_pin.table import Vector
-from pmjac_pin.urdf_xml import written
+from pmjac_pin.urdf_xml import label, written
 
 _ALONG: Mapping[str, type] = {
     "revolute": RevoluteLoop,
@@ -49,17 +50,46 @@ class Anchors:
         """Return the name of a frame at this place on a link: the link's own, where it is that."""
         if placement.isIdentity(0.0):
             return link
-        name = unused(f"{closing}_on_{link}", self._links)
-        weld = unused(f"{name}_fixed", self._joints)
+        name = self._link(f"{closing}_on_{link}")
+        self._weld(link, name, placement)
+        return name
+
+    def turn(self, joint: Element, placement: pin.SE3) -> None:
+        """Hang a joint's parent on its child: T·M(q), with its axis turned, is M(q) and then T⁻¹.
+
+        One degree of freedom keeps its value.
+        """
+        parent, child = joint.find("parent"), joint.find("child")
+        if parent is None or child is None:
+            raise ModelFileError(f"{label(joint)} has no parent or no child")
+        below, above = parent.get("link", ""), child.get("link", "")
+        for origin in joint.findall("origin"):
+            joint.remove(origin)
+        parent.set("link", above)
+        child.set("link", below)
+        if not placement.isIdentity(0.0):
+            child.set("link", self._link(f"{joint.get('name')}_on_{below}"))
+            self._weld(child.get("link", ""), below, placement.inverse())
+        if joint.get("type") in ("revolute", "continuous", "prismatic"):
+            axis = joint.find("axis")
+            if axis is None:
+                axis = SubElement(joint, "axis", xyz="1 0 0")
+            axis.set("xyz", written(-float(x) for x in axis.get("xyz", "").split()))
+
+    def _link(self, name: str) -> str:
+        name = unused(name, self._links)
         self._links.add(name)
-        self._joints.add(weld)
         SubElement(self._robot, "link", name=name)
-        joint = SubElement(self._robot, "joint", name=weld, type="fixed")
+        return name
+
+    def _weld(self, parent: str, child: str, placement: pin.SE3) -> None:
+        name = unused(f"{child}_fixed", self._joints)
+        self._joints.add(name)
+        joint = SubElement(self._robot, "joint", name=name, type="fixed")
         rpy = pin.rpy.matrixToRpy(placement.rotation)
         SubElement(joint, "origin", xyz=written(placement.translation), rpy=written(rpy))
-        SubElement(joint, "parent", link=link)
-        SubElement(joint, "child", link=name)
-        return name
+        SubElement(joint, "parent", link=parent)
+        SubElement(joint, "child", link=child)
 
 
 def placement_of(origin: Element) -> pin.SE3:

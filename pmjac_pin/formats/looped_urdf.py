@@ -23,7 +23,7 @@ from pmjac_pin.formats.joint_dialects import (
     opened_limits,
 )
 from pmjac_pin.formats.loop_elements import TAGS, Closing, read_closings, read_gears
-from pmjac_pin.formats.spanning_tree import cut_joints
+from pmjac_pin.formats.spanning_tree import SpanningTree, spanning_tree
 from pmjac_pin.loop_spec import JointLoop, Loop, X
 from pmjac_pin.text_file import at_file, read_text
 from pmjac_pin.urdf import MAXIMAL_SIZE, parse_urdf
@@ -93,28 +93,31 @@ def read_robot(robot: Element, path: Path, motors: Collection[str]) -> ForeignMo
     checked.extend([checked_joint(joint, names) for joint in joints])
     geared = {name for gear in gears for name in gear.joints}
     wanted = {name for name, given in independent.items() if given}
-    cuts = _cuts(list(names), joints_of(checked), {*motors, *wanted, *geared})
-    gone = {joint.name for joint in cuts}
-    tree = [joint for joint in joints_of(checked) if joint.name not in gone]
-    for element in (*elements, *(joint for joint in joints if joint.get("name") in gone)):
+    given = joints_of(checked)
+    tree = _tree(list(names), given, {*motors, *wanted, *geared})
+    for element in (*elements, *(joints[number] for number in tree.cut)):
         robot.remove(element)
     anchors = Anchors(robot)
-    cut_loops = _closed(cuts, checked, balls, anchors)
+    for branch in tree.branches:
+        if branch.turned:
+            anchors.turn(joints[branch.joint], _placement(checked[branch.joint]))
+    cut_loops = [_closed(given[number], checked[number], balls, anchors) for number in tree.cut]
     closings = read_closings(elements, names, anchors)
-    home, home_notes = home_within_limits(checked, tree)
+    kept = [joint for number, joint in enumerate(given) if number not in tree.cut]
+    home, home_notes = home_within_limits(checked, kept)
     loops = (*cut_loops, *(closing.loop for closing in closings), *gears)
     return ForeignModel(
         name=path.stem,
         urdf=parse_urdf(tostring(robot, encoding="unicode"), str(path)),
         loops=tuple(loop for loop in loops if loop is not None),
-        spherical=tuple(joint.name for joint in tree if joint.name in balls),
+        spherical=tuple(joint.name for joint in kept if joint.name in balls),
         home=home,
-        actuated=_actuated(tree, independent, gears),
+        actuated=_actuated(kept, independent, gears),
         notes=(
             *limit_notes,
             *home_notes,
-            *_cut_notes(cuts, tree, balls),
-            *_closing_notes(closings, tree),
+            *_tree_notes(tree, given, balls),
+            *_closing_notes(closings, kept),
         ),
     )
 
@@ -130,54 +133,55 @@ def _actuated(
     return tuple(name for name in single if name not in followers and independent.get(name, True))
 
 
-def _cuts(
-    links: Sequence[str], joints: Sequence[UrdfJoint], kept: Collection[str]
-) -> tuple[UrdfJoint, ...]:
+def _tree(links: Sequence[str], joints: Sequence[UrdfJoint], kept: Collection[str]) -> SpanningTree:
     for joint in joints:
         if joint.parent == joint.child:
             message = f"joint {joint.name!r} joins link {joint.parent!r} with itself"
             raise ModelFileError(message)
-    cuts = cut_joints(links, joints, kept)
-    for joint in cuts:
-        if joint.name in kept:
-            got = f"joint {joint.name!r} is a motor or geared by <mimic>, and would have to be cut"
-            why = f"another such joint leads to link {joint.child!r}, or it leads to the base"
-            raise ModelFileError(f"{got}, since {why}")
-    return cuts
+    ends = [(joint.parent, joint.child) for joint in joints]
+    first = [number for number, joint in enumerate(joints) if joint.name in kept]
+    tree = spanning_tree(links, ends, first=first)
+    for joint in (joints[number] for number in tree.cut if number in first):
+        got = f"joint {joint.name!r} is a motor or geared by <mimic>, and would have to be cut"
+        why = f"another such joint holds link {joint.child!r}, or it is the base"
+        raise ModelFileError(f"{got}, since {why}")
+    return tree
 
 
 def _closed(
-    cuts: Sequence[UrdfJoint], checked: Element, balls: Collection[str], anchors: Anchors
-) -> list[Loop | None]:
-    """Return the loops that do what the joints did that were cut."""
-    elements = {joint.get("name"): joint for joint in checked}
-    loops: list[Loop | None] = []
-    for joint in cuts:
-        element = elements[joint.name]
-        origin, axis = element.find("origin"), element.find("axis")
-        place = placement_of(origin) if origin is not None else pin.SE3.Identity()
-        x, y, z = X if axis is None else map(float, axis.get("xyz", "").split())
-        kind = "spherical" if joint.name in balls else joint.type
-        if kind == "floating":
-            loops.append(None)
-            continue
-        frames = (anchors.add(joint.name, joint.parent, place), joint.child)
-        loops.append(loop_of_kind(kind, frames, (x, y, z)))
-    return loops
+    joint: UrdfJoint, element: Element, balls: Collection[str], anchors: Anchors
+) -> Loop | None:
+    """Return the loop that does what a joint did that was cut."""
+    kind = "spherical" if joint.name in balls else joint.type
+    if kind == "floating":
+        return None
+    axis = element.find("axis")
+    x, y, z = X if axis is None else map(float, axis.get("xyz", "").split())
+    frames = (anchors.add(joint.name, joint.parent, _placement(element)), joint.child)
+    return loop_of_kind(kind, frames, (x, y, z))
 
 
-def _cut_notes(
-    cuts: Sequence[UrdfJoint], tree: Sequence[UrdfJoint], balls: Collection[str]
+def _placement(joint: Element) -> pin.SE3:
+    origin = joint.find("origin")
+    return pin.SE3.Identity() if origin is None else placement_of(origin)
+
+
+def _tree_notes(
+    tree: SpanningTree, joints: Sequence[UrdfJoint], balls: Collection[str]
 ) -> list[str]:
-    above = {joint.child: joint for joint in tree}
-    notes = []
-    for joint in cuts:
+    """Say which joints were turned round, and which were cut for what."""
+    above = {branch.below: joints[branch.joint].name for branch in tree.branches}
+    notes = [
+        f"joint {joints[branch.joint].name!r} is turned round, as none leads to {branch.below!r}"
+        for branch in tree.branches
+        if branch.turned
+    ]
+    for joint in (joints[number] for number in tree.cut):
         kind = "spherical" if joint.name in balls else joint.type
         done = "holds nothing: left out" if kind == "floating" else f"cut, and closed as {kind}"
         other = above.get(joint.child)
-        why = "as it leads to the base" if other is None else f"as {other.name!r} does"
-        leads = f"joint {joint.name!r} leads to link {joint.child!r} {why}"
-        notes.append(f"{leads}: {done}")
+        why = "which is the base" if other is None else f"which {other!r} holds"
+        notes.append(f"joint {joint.name!r} leads to link {joint.child!r}, {why}: {done}")
     return notes
 
 
