@@ -1,0 +1,101 @@
+"""TreeUrdf: writing a URDF whose links are placed where they are with all joints at zero."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable
+from dataclasses import dataclass
+from xml.etree.ElementTree import Element, SubElement, tostring
+
+import pinocchio as pin
+
+from pmjac_pin.urdf_xml import written
+
+WITHOUT_LIMIT = 1e16  # m, rad, N, N m, m/s or rad/s: what SDFormat writes for none
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The axis of a joint in its own frame, and its limits in m or rad, where it has them."""
+
+    axis: Iterable[float] | None = None
+    limits: tuple[float, float] | None = None
+
+
+STILL = Motion()
+
+
+class TreeUrdf:
+    """A URDF in the making.
+
+    Parameters
+    ----------
+    name : str
+        The robot's name.
+    root : str
+        Its first link.
+    placement : pin.SE3
+        Of the root, in the coordinates in which all other placements are given.
+
+    Examples
+    --------
+    >>> tree = TreeUrdf("pendulum", "ground", pin.SE3.Identity())
+    >>> hinge = pin.XYZQUATToSE3([0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
+    >>> ends = ("ground", tree.link("rod", hinge))
+    >>> tree.joint("swing", "continuous", ends, Motion(axis=(0.0, 1.0, 0.0)))
+    >>> "<origin xyz=" in tree.text()
+    True
+    """
+
+    def __init__(self, name: str, root: str, placement: pin.SE3) -> None:
+        self._robot = Element("robot", name=name)
+        self._placements: dict[str, pin.SE3] = {}
+        self._joints: set[str] = set()
+        self.link(root, placement)
+
+    def link(self, name: str, placement: pin.SE3) -> str:
+        """Add a link and return its name, which has a number at its end if it was taken."""
+        name = _unused(name, self._placements)
+        SubElement(self._robot, "link", name=name)
+        self._placements[name] = placement
+        return name
+
+    def joint(self, name: str, kind: str, ends: tuple[str, str], motion: Motion = STILL) -> None:
+        """Add a joint from a link that is there to another; its frame is the second's."""
+        joint = SubElement(self._robot, "joint", name=name, type=kind)
+        self._joints.add(name)
+        parent, child = ends
+        SubElement(joint, "parent", link=parent)
+        SubElement(joint, "child", link=child)
+        SubElement(
+            joint, "origin", origin(self._placements[parent].actInv(self._placements[child]))
+        )
+        if motion.axis is not None:
+            SubElement(joint, "axis", xyz=written(motion.axis))
+        if motion.limits is not None:
+            lower, upper = (written([limit]) for limit in motion.limits)
+            without = written([WITHOUT_LIMIT])
+            limit = {"lower": lower, "upper": upper, "effort": without, "velocity": without}
+            SubElement(joint, "limit", limit)
+
+    def fixed(self, parent: str, name: str, placement: pin.SE3) -> str:
+        """Add a link that is fixed to another, and return its name."""
+        name = self.link(name, placement)
+        self.joint(_unused(f"{name}_fixed", self._joints), "fixed", (parent, name))
+        return name
+
+    def text(self) -> str:
+        """Return the URDF."""
+        return tostring(self._robot, encoding="unicode")
+
+
+def origin(placement: pin.SE3) -> dict[str, str]:
+    """Return the attributes of URDF's <origin>."""
+    rpy = pin.rpy.matrixToRpy(placement.rotation)
+    return {"xyz": written(placement.translation), "rpy": written(rpy)}
+
+
+def _unused(name: str, names: Container[str]) -> str:
+    number, unused = 2, name
+    while unused in names:
+        unused, number = f"{name}_{number}", number + 1
+    return unused
