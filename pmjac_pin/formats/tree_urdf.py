@@ -49,13 +49,14 @@ class TreeUrdf:
     def __init__(self, name: str, root: str, placement: pin.SE3) -> None:
         self._robot = Element("robot", name=name)
         self._placements: dict[str, pin.SE3] = {}
+        self._links: dict[str, Element] = {}
         self._joints: set[str] = set()
         self.link(root, placement)
 
     def link(self, name: str, placement: pin.SE3) -> str:
         """Add a link and return its name, which has a number at its end if it was taken."""
         name = _unused(name, self._placements)
-        SubElement(self._robot, "link", name=name)
+        self._links[name] = SubElement(self._robot, "link", name=name)
         self._placements[name] = placement
         return name
 
@@ -82,6 +83,15 @@ class TreeUrdf:
         name = self.link(name, placement)
         self.joint(_unused(f"{name}_fixed", self._joints), "fixed", (parent, name))
         return name
+
+    def visual(self, link: str, placement: pin.SE3, shape: Element, rgba: str | None) -> None:
+        """Add a shape to a link, in the link's frame."""
+        visual = SubElement(self._links[link], "visual")
+        SubElement(visual, "origin", origin(placement))
+        SubElement(visual, "geometry").append(shape)
+        if rgba is not None:
+            material = SubElement(visual, "material", name=rgba)
+            SubElement(material, "color", rgba=rgba)
 
     def text(self) -> str:
         """Return the URDF."""
