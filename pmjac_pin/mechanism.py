@@ -177,6 +177,11 @@ class Mechanism:
         return self._parts.problem.partition.length
 
     @property
+    def tolerance(self) -> float:
+        """The gap in m below which loops count as closed: 1e-12, or more for a large machine."""
+        return self._parts.problem.tolerance
+
+    @property
     def poses(self) -> tuple[str, ...]:
         """Names of the poses, each a start for `close`."""
         return tuple(self.spec.poses)
