@@ -289,6 +289,26 @@ def test_before_names_had_to_differ_a_link_and_a_joint_may_share_one(read) -> No
     assert_close(found["b_on_b"], pose(1, 1, 0))
 
 
+def test_names_that_the_reader_makes_up_are_not_those_of_the_file(read) -> None:
+    body = link("a") + link("j_on_b", "1 0 0 0 0 0") + link("b", "0 1 0 0 0 0")
+    pose_of_j = "<pose>0 0 1 0 0 0</pose>"
+    text = body + joint("j", "a", "b", inside=pose_of_j + AXIS) + joint("k", "b", "j_on_b")
+    found = placements(read(sdf(text)))
+    assert_close(found["j_on_b"], pose(1, 0, 0))
+    assert_close(found["j_on_b_2"], pose(0, 1, 1))
+    assert_close(found["b"], pose(0, 1, 0))
+
+
+def test_a_motor_is_not_cut(read, tmp_path: Path) -> None:
+    read(
+        sdf(
+            LINKS + FOUR_BAR.format(name="tip", parent="b", child="c", kind="revolute", inside=AXIS)
+        )
+    )
+    (loop,) = read_sdf(tmp_path / "robot.sdf", motors=["tip"]).loops
+    assert loop.ends == ("rocker_on_world", "rocker_on_c")
+
+
 TWO = link("a") + link("b")
 ERRORS = {
     "root": ("<robot name='r'/>", "the root element is <robot>; an SDF's is <sdf>"),
@@ -317,6 +337,7 @@ ERRORS = {
     "huge pose": (sdf(link("a", "1 2 1e300 0 0 0")), "of magnitude 1e+09 or less"),
     "quaternion": (sdf(link("a", "0 " * 7, 'rotation_format="quat_xyzw"')), "has length 0, not 1"),
     "rotation": (sdf(link("a", "", 'rotation_format="dcm"')), "euler_rpy and quat_xyzw are read"),
+    "joint on itself": (sdf(TWO + joint("j", "a", "j")), "each other: 'j' -> 'j'"),
     "degrees": (sdf(link("a", "", 'degrees="perhaps"')), "'perhaps' is neither true nor false"),
     "relative to": (sdf(TWO + link("c", "", 'relative_to="aa"')), "the frame 'aa' does not exist"),
     "relative to itself": (sdf(link("a", "", 'relative_to="a"')), "each other: 'a' -> 'a'"),
@@ -358,7 +379,7 @@ ERRORS = {
     ),
     "gearbox": (
         sdf(TWO + joint("j", "a", "b") + joint("g", "a", "b", "gearbox", CROSS.format("1 0 0"))),
-        "needs <gearbox_reference_body>",
+        "has no <gearbox_reference_body>",
     ),
     "entities": ('<!DOCTYPE x [<!ENTITY a "b">]>' + sdf(TWO), "DOCTYPE"),
     "external": ('<!DOCTYPE x [<!ENTITY a SYSTEM "file:///etc/passwd">]>' + sdf("&a;"), "DOCTYPE"),

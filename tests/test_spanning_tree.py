@@ -26,6 +26,19 @@ def test_of_two_joints_with_one_child_the_first_keeps_it(last: list[tuple[str, s
     assert (tree.branches[-1].above, tree.branches[-1].below) == last[0]
 
 
+def test_joints_named_first_are_cut_last() -> None:
+    joints = [("a", "b"), ("a", "c"), ("c", "d"), ("b", "d")]
+    assert spanning_tree("abcd", joints, first=[3]).cut == (2,)
+    assert spanning_tree("abcd", joints, first=[2, 3]).cut == (3,)
+
+
+def test_the_first_joint_does_not_keep_a_link_that_only_another_leads_to() -> None:
+    """b would hang on c, which hangs on b."""
+    tree = spanning_tree("abc", [("c", "b"), ("b", "c"), ("a", "b")])
+    assert (tree.root, tree.cut) == ("a", (0,))
+    assert not any(item.turned for item in tree.branches)
+
+
 def test_a_joint_that_all_else_hangs_on_is_turned_round() -> None:
     """d is a parent only: its second joint is cut, and the first turned to carry it."""
     tree = spanning_tree("abcd", [("a", "b"), ("a", "c"), ("d", "b"), ("d", "c")], root="a")
@@ -73,3 +86,15 @@ def test_every_graph_gives_a_tree_and_as_many_loops_as_it_has_cycles(seed: int) 
     assert len(tree.cut) == len(there) - len(reached) + 1
     assert sorted([*tree.cut, *(branch.joint for branch in tree.branches)]) == there
     assert all(set(joints[k]) <= set(reached) for k in tree.cut)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_no_joint_is_turned_round_where_all_links_are_led_to(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    links = [f"l{k}" for k in range(rng.integers(2, 12))]
+    tree = [(links[rng.integers(k)], links[k]) for k in range(1, len(links))]
+    more = [tuple(rng.choice(links, 2, replace=False)) for _ in range(rng.integers(12))]
+    joints = [(str(one), str(other)) for one, other in rng.permutation([*tree, *more])]
+    found = spanning_tree(links, joints, root=links[0])
+    assert not any(branch.turned for branch in found.branches)
+    assert len(found.branches) == len(links) - 1

@@ -138,7 +138,7 @@ class _Walk:
         elif name := element.get("name", ""):
             body.sites.append(Site(name, self._names.site(name), placement))
         else:
-            body.sites.append(Site("", self._names.link(f"{body.name}_site"), placement))
+            body.sites.append(Site("", self._names.new(f"{body.name}_site"), placement))
 
     def _joint(self, element: Element, within: _Within) -> MjcfJoint:
         where, body = _where(element, within), within.body
@@ -150,14 +150,14 @@ class _Walk:
             raise ModelFileError(f"{where}: {what}")
         if body.joints and body.joints[0].kind == "free":
             raise ModelFileError(f"{where}: the body moves freely already")
-        name = element.get("name") or self._names.joint(f"{body.name}_{kind}")
+        name = element.get("name") or self._names.new(f"{body.name}_{kind}")
         if kind == "ball" and element.get("range") is not None:
             self.notes.append(f"the range of ball joint {name!r} is left out")
         return read_joint(where, element, (name, kind), within.placement, self._compiler)
 
     def _body(self, element: Element, within: _Within) -> None:
         parent, where = within.body.name, _where(element, within)
-        name = element.get("name") or self._names.link(f"{parent}_body")
+        name = element.get("name") or self._names.new(f"{parent}_body")
         body = Body(name, parent, within.placement * self._compiler.placement(where, element))
         self.bodies.append(body)
         if truth(where, "mocap", element.get("mocap", "false")):

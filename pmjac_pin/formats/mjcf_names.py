@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from xml.etree.ElementTree import Element
 
 from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.formats.tree_urdf import unused_name
 from pmjac_pin.urdf_xml import shown
 
 WORLD = "world"
@@ -23,6 +24,11 @@ class Names:
     root : Element
         <mujoco>.
 
+    Attributes
+    ----------
+    taken : set of str
+        All names so far.
+
     Raises
     ------
     ModelFileError
@@ -33,21 +39,16 @@ class Names:
         bodies, sites, joints = (_given(root, tags) for tags in (["body"], ["site"], _JOINTS))
         if WORLD in bodies:
             raise ModelFileError("a body is named 'world'; that name is the ground's")
-        self._links = {WORLD, *bodies, *(sites - bodies)}
-        self._joints = set(joints)
-        self._bodies = bodies
+        self.taken = {WORLD, *bodies, *sites, *joints}
+        self._bodies = {WORLD, *bodies}
 
-    def link(self, wish: str) -> str:
-        """Return a new name for a link."""
-        return _taken(wish, self._links)
-
-    def joint(self, wish: str) -> str:
-        """Return a new name for a joint."""
-        return _taken(wish, self._joints)
+    def new(self, wish: str) -> str:
+        """Return a new name for a link or a joint."""
+        return unused_name(wish, self.taken)
 
     def site(self, name: str) -> str:
         """Return the link that a named site becomes."""
-        return self.link(f"{name}_site") if name in self._bodies | {WORLD} else name
+        return self.new(f"{name}_site") if name in self._bodies else name
 
 
 def find_name(what: str, name: str, known: Mapping[str, str]) -> str:
@@ -74,12 +75,3 @@ def _given(root: Element, tags: list[str]) -> set[str]:
                 raise ModelFileError(f"two of <{tags[0]}> are named {shown(name)}")
             seen.add(name)
     return seen
-
-
-def _taken(wish: str, names: set[str]) -> str:
-    """Return this name, with a number at its end if it is taken; it is taken from now on."""
-    number, name = 2, wish
-    while name in names:
-        name, number = f"{wish}_{number}", number + 1
-    names.add(name)
-    return name

@@ -45,15 +45,15 @@ class MjcfTree:
     def __init__(
         self, name: str, bodies: Sequence[Body], names: Names, counted: Container[str]
     ) -> None:
-        self.urdf = TreeUrdf(name, WORLD, pin.SE3.Identity())
+        self.urdf = TreeUrdf(name, WORLD, pin.SE3.Identity(), names.taken)
         self.qpos0 = {WORLD: pin.SE3.Identity()}
         self._zero = {WORLD: pin.SE3.Identity()}
-        self._names, self._counted = names, counted
+        self._counted = counted
         for body in bodies:
             if body.name != WORLD:
                 self._add(body)
             for site in body.sites:
-                self._fix(body.name, site.link, site.placement)
+                self.urdf.fixed(body.name, site.link, self._zero[body.name] * site.placement)
             for geom in body.geoms:
                 if (geometry := shape(geom.element)) is not None:
                     colour = geom.element.get("rgba")
@@ -63,12 +63,7 @@ class MjcfTree:
         """Return a frame at this place of a body: its own, where it is that."""
         if placement.isIdentity(0.0):
             return body
-        return self._fix(body, self._names.link(wish), placement)
-
-    def _fix(self, body: str, link: str, placement: pin.SE3) -> str:
-        self.urdf.link(link, self._zero[body] * placement)
-        self.urdf.joint(self._names.joint(f"{link}_fixed"), "fixed", (body, link))
-        return link
+        return self.urdf.fixed(body, self.urdf.unused(wish), self._zero[body] * placement)
 
     def _add(self, body: Body) -> None:
         self.qpos0[body.name] = self.qpos0[body.parent] * body.placement
@@ -80,14 +75,13 @@ class MjcfTree:
             elif joint.kind in SCALAR:
                 placement = placement * anchor * joint.motion(0.0) * anchor.inverse()
             at_origin = joint is body.joints[-1] and not joint.anchor.any()
-            link = body.name if at_origin else self._names.link(f"{joint.name}_on_{body.name}")
+            link = body.name if at_origin else self.urdf.unused(f"{joint.name}_on_{body.name}")
             self.urdf.link(link, placement * anchor)
             self._move(joint, (above, link))
             above = link
         self._zero[body.name] = placement
         if above != body.name:
-            self.urdf.link(body.name, placement)
-            self.urdf.joint(self._names.joint(f"{body.name}_fixed"), "fixed", (above, body.name))
+            self.urdf.fixed(above, body.name, placement)
 
     def _move(self, joint: MjcfJoint, ends: tuple[str, str]) -> None:
         kind, limits = _TYPES[joint.kind], joint.limits

@@ -26,16 +26,26 @@ def coupling(gearbox: SdfJoint, tree: Sequence[SdfJoint]) -> JointLoop:
         No joint of the tree turns these links about these axes.
     """
     where = label(gearbox.element)
-    body = text_of(where, gearbox.element, "gearbox_reference_body")
-    text = text_of(where, gearbox.element, "gearbox_ratio")
-    if not body or not text:
-        raise ModelFileError(f"{where} needs <gearbox_reference_body> and <gearbox_ratio>")
-    (ratio,) = numbers_in(f"{where}, <gearbox_ratio>", text)
+    (ratio,) = numbers_in(f"{where}, <gearbox_ratio>", _text(gearbox, "gearbox_ratio"))
+    body = _text(gearbox, "gearbox_reference_body")
     (first, one), (second, other) = (
         _turning(gearbox, tree, body, link, number)
         for number, link in enumerate((gearbox.parent, gearbox.child))
     )
     return JointLoop(joints=(first, second), ratio=-ratio * one * other)
+
+
+def coupled_links(gearbox: SdfJoint) -> tuple[set[str], set[str]]:
+    """Return the two pairs of links whose turns against each other a gearbox couples."""
+    body = _text(gearbox, "gearbox_reference_body")
+    return {body, gearbox.parent}, {body, gearbox.child}
+
+
+def _text(gearbox: SdfJoint, tag: str) -> str:
+    where = label(gearbox.element)
+    if not (text := text_of(where, gearbox.element, tag)):
+        raise ModelFileError(f"{where} has no <{tag}>; a gearbox needs it")
+    return text
 
 
 def _turning(

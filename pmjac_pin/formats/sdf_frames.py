@@ -8,7 +8,7 @@ the attribute `relative_to` was called `frame`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element
 
@@ -33,7 +33,7 @@ class Frame:
     where : str
         How messages call it.
     attached_to : str
-        The frame that carries it; a link carries itself.
+        The frame that carries it; for a link its own.
     relative_to : str
         The frame that places it.
     placement : pin.SE3
@@ -52,6 +52,8 @@ class Frames:
     Parameters
     ----------
     given : mapping of str to Frame
+        All of them, the links' among them.
+    links : sequence of str
     canonical : str
         The link that carries the model's frame.
 
@@ -61,10 +63,10 @@ class Frames:
         A frame that does not exist, or one that is placed relative to itself in the end.
     """
 
-    def __init__(self, given: Mapping[str, Frame], canonical: str) -> None:
+    def __init__(self, given: Mapping[str, Frame], links: Sequence[str], canonical: str) -> None:
         self._given = given
         self._placements = {MODEL: pin.SE3.Identity()}
-        self._links = {MODEL: canonical, WORLD: WORLD}
+        self._links = {MODEL: canonical, WORLD: WORLD} | {link: link for link in links}
         for name in given:
             chain = self._chain(name, self._placements, "relative_to")
             for other in reversed(chain):
@@ -72,9 +74,8 @@ class Frames:
                 self._placements[other] = self._placements[frame.relative_to] * frame.placement
         for name in given:
             chain = self._chain(name, self._links, "attached_to")
-            ends = given[chain[-1]].attached_to if chain else ""
-            for other in chain:
-                self._links[other] = self._links.get(ends, ends)
+            for other in reversed(chain):
+                self._links[other] = self._links[given[other].attached_to]
 
     def placement(self, name: str, where: str) -> pin.SE3:
         """Return a frame's placement in the model's frame."""
@@ -101,8 +102,6 @@ class Frames:
             chain[name] = None
             frame = self._given[name]
             above = getattr(frame, towards)
-            if towards == "attached_to" and above == name:
-                break
             if above not in done:
                 self._known(above, self._given, frame.where)
             name = above

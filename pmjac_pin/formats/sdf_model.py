@@ -56,7 +56,7 @@ def read_model(sdf: Element) -> SdfModel:
     if canonical is not None and canonical not in names:
         known = did_you_mean(canonical, names)
         raise ModelFileError(f"the canonical link {shown(canonical)} does not exist{known}")
-    frames = Frames(dict(_given(links, joints, extra)), canonical or names[0])
+    frames = Frames(dict(_given(links, joints, extra)), names, canonical or names[0])
     read = tuple(read_joint(joint, frames, version) for joint in joints)
     held = any(joint.parent == WORLD for joint in read)
     return SdfModel(

@@ -7,15 +7,13 @@ one with the link's name at its frame.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
-
-import pinocchio as pin
 
 from pmjac_pin.errors import ModelFileError
 from pmjac_pin.formats.sdf_frames import WORLD
 from pmjac_pin.formats.sdf_joints import AXIS_TAGS, Axis, SdfJoint
+from pmjac_pin.formats.sdf_model import SdfModel
 from pmjac_pin.formats.spanning_tree import Branch
 from pmjac_pin.formats.tree_urdf import Motion, TreeUrdf
 from pmjac_pin.loop_spec import (
@@ -36,10 +34,7 @@ class SdfTree:
 
     Parameters
     ----------
-    name : str
-        The model's.
-    links : mapping of str to pin.SE3
-        Where each link is with all joints at zero, in the model's frame; "world" is one of them.
+    model : SdfModel
 
     Attributes
     ----------
@@ -50,12 +45,14 @@ class SdfTree:
         The nearest to zero, for joints whose limits leave zero out.
     """
 
-    def __init__(self, name: str, links: Mapping[str, pin.SE3]) -> None:
-        self.urdf = TreeUrdf(name, WORLD, links[WORLD])
+    def __init__(self, model: SdfModel) -> None:
+        self._model, self._links = model, model.links
+        self._joints = {joint.name for joint in model.joints}
+        taken = {*model.links, *model.frames, *self._joints}
+        self.urdf = TreeUrdf(model.name, WORLD, model.links[WORLD], taken)
         self.loops: list[Loop] = []
         self.spherical: list[str] = []
         self.home: dict[str, float] = {}
-        self._links = links
 
     def add(self, joint: SdfJoint, branch: Branch) -> None:
         """Add a joint of the tree and the link that it carries."""
@@ -74,20 +71,29 @@ class SdfTree:
     def cut(self, joint: SdfJoint) -> None:
         """Add a loop in a joint's stead."""
         first, second = (
-            self.urdf.fixed(link, f"{joint.name}_on_{link}", joint.placement)
+            self.urdf.fixed(link, self._at(joint, link), joint.placement)
             for link in (joint.parent, joint.child)
         )
         self.loops.append(_loop(joint, (first, second)))
 
+    def add_frame(self, name: str) -> None:
+        """Add a <frame> to the link that carries it, by another name if that one is taken."""
+        link, placement = self._model.frames[name]
+        shared = name in self._links or name in self._joints
+        self.urdf.fixed(link, self.urdf.unused(name) if shared else name, placement)
+
     def _link(self, link: str) -> str:
         return self.urdf.link(link, self._links[link])
+
+    def _at(self, joint: SdfJoint, link: str) -> str:
+        return self.urdf.unused(f"{joint.name}_on_{link}")
 
     def _body(self, joint: SdfJoint, link: str) -> str:
         """Add a link of the URDF at the joint's frame, and the model's link fixed to it."""
         offset = self._links[link].actInv(joint.placement)
         if offset.isIdentity(_SAME):
             return self.urdf.link(link, joint.placement)
-        body = self.urdf.link(f"{joint.name}_on_{link}", joint.placement)
+        body = self.urdf.link(self._at(joint, link), joint.placement)
         self.urdf.fixed(body, link, self._links[link])
         return body
 
@@ -99,13 +105,13 @@ class SdfTree:
 
     def _add_cross(self, joint: SdfJoint, branch: Branch) -> None:
         """Add a universal joint as two revolute ones, with the cross between them."""
-        cross = self.urdf.link(f"{joint.name}_cross", joint.placement)
+        cross = self.urdf.link(self.urdf.unused(f"{joint.name}_cross"), joint.placement)
         links = (branch.above, cross, self._body(joint, branch.below))
         axes = list(zip(AXIS_TAGS, joint.axes, strict=True))
         for (tag, axis), ends in zip(
             axes[::-1] if branch.turned else axes, pairwise(links), strict=True
         ):
-            name = f"{joint.name}_{tag}"
+            name = self.urdf.unused(f"{joint.name}_{tag}")
             self._moving(name, "revolute", ends, _seen(axis, branch.turned))
 
 

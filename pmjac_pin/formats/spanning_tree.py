@@ -1,17 +1,17 @@
 """Cutting a graph of links and joints into a tree and loops, always at the same joints.
 
-The rule, in the order of the file:
+The rule, where `first` joints come before the others, and each in the order of the file:
 
-1. A joint stays in the tree, from its parent to its child, if no earlier joint has that child
-   and if it closes no cycle. So of several joints with one child the first keeps it.
-2. What is left over: a joint that joins two parts which nothing joins so far stays in the tree
-   all the same, turned round where it has to be.
-3. All others are cut.
+1. A link that directed joints lead to from the root keeps the first joint that leads to it,
+   unless other links could then not be reached any more.
+2. What is left over, such as a platform that is the parent of all its joints, is taken joint by
+   joint as it comes within reach; a joint is turned round only where none leads there forwards.
+3. All other joints are cut.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 
@@ -57,7 +57,10 @@ class SpanningTree:
 
 
 def spanning_tree(
-    links: Sequence[str], joints: Sequence[tuple[str, str]], root: str | None = None
+    links: Sequence[str],
+    joints: Sequence[tuple[str, str]],
+    root: str | None = None,
+    first: Collection[int] = (),
 ) -> SpanningTree:
     """Choose which joints of a graph make a tree; the others close loops.
 
@@ -69,48 +72,97 @@ def spanning_tree(
     root : str, optional
         The link that is held; when None the first link that is no joint's child, or the first
         link of all where every one is.
+    first : collection of int, optional
+        Joints, by their place in the sequence, that are cut last: motors.
 
     Examples
     --------
     A four-bar whose coupler is the child of two joints:
 
-    >>> tree = spanning_tree("abcd", [("a", "b"), ("a", "d"), ("b", "c"), ("d", "c")])
-    >>> tree.root, tree.cut, [branch.below for branch in tree.branches]
-    ('a', (3,), ['b', 'd', 'c'])
+    >>> joints = [("a", "b"), ("a", "d"), ("b", "c"), ("d", "c")]
+    >>> spanning_tree("abcd", joints).cut
+    (3,)
+    >>> spanning_tree("abcd", joints, first=[3]).cut
+    (2,)
     """
-    children = {child for _, child in joints}
     if root is None:
+        children = {child for _, child in joints}
         root = next((link for link in links if link not in children), links[0])
-    kept = _kept(links, joints, root)
-    branches = _from_root(joints, kept, root)
+    order = sorted(range(len(joints)), key=lambda number: number not in first)
+    above = _leading(joints, order, root)
+    kept = {candidates[0] for candidates in above.values()}
+    kept |= set(_joined({root, *above}, joints, order))
+    branches = tuple(_from_root(joints, kept, root))
     reached = {root, *(branch.below for branch in branches)}
     return SpanningTree(
         root=root,
         branches=branches,
-        cut=tuple(k for k in range(len(joints)) if k not in kept and joints[k][1] in reached),
+        cut=tuple(k for k, (parent, _) in enumerate(joints) if k not in kept and parent in reached),
         apart=tuple(link for link in links if link not in reached),
     )
 
 
-def _kept(links: Iterable[str], joints: Sequence[tuple[str, str]], root: str) -> set[int]:
-    """Return the joints of the tree: rule 1, then rule 2."""
-    parts = _Parts(links)
-    kept, taken = set(), {root}
-    for number, (parent, child) in enumerate(joints):
-        if child not in taken and parts.merge(parent, child):
-            taken.add(child)
-            kept.add(number)
-    kept.update(number for number, ends in enumerate(joints) if parts.merge(*ends))
-    return kept
+def _leading(
+    joints: Sequence[tuple[str, str]], order: Sequence[int], root: str
+) -> dict[str, list[int]]:
+    """Return the one joint that leads to each link that joints lead to from the root: rule 1."""
+    above: dict[str, list[int]] = {}
+    for number in order:
+        above.setdefault(joints[number][1], []).append(number)
+    above.pop(root, None)
+    reached = _led_to(joints, above, root)
+    above = {link: candidates for link, candidates in above.items() if link in reached}
+    for link, candidates in above.items():
+        if len(candidates) > 1:
+            above[link] = [
+                next(
+                    number
+                    for number in candidates
+                    if len(_led_to(joints, {**above, link: [number]}, root)) == len(reached)
+                )
+            ]
+    return above
 
 
-def _from_root(joints: Sequence[tuple[str, str]], kept: set[int], root: str) -> tuple[Branch, ...]:
-    """Return the kept joints that the root reaches, each seen from there, nearest first."""
+def _led_to(
+    joints: Sequence[tuple[str, str]], above: Mapping[str, Sequence[int]], root: str
+) -> set[str]:
+    below: dict[str, list[str]] = {}
+    for link, candidates in above.items():
+        for number in candidates:
+            below.setdefault(joints[number][0], []).append(link)
+    found, waiting = {root}, [root]
+    while waiting:
+        new = [link for link in below.get(waiting.pop(), ()) if link not in found]
+        found.update(new)
+        waiting += new
+    return found
+
+
+def _joined(
+    reached: set[str], joints: Sequence[tuple[str, str]], order: Sequence[int]
+) -> Iterator[int]:
+    """Yield the joints that join what is not reached yet to what is: rule 2."""
+    reached = set(reached)
+    while True:
+        ends = [(number, joints[number]) for number in order]
+        forwards = (k for k, (one, other) in ends if one in reached and other not in reached)
+        backwards = (k for k, (one, other) in ends if other in reached and one not in reached)
+        number = next(forwards, next(backwards, None))
+        if number is None:
+            return
+        reached.update(joints[number])
+        yield number
+
+
+def _from_root(
+    joints: Sequence[tuple[str, str]], kept: Collection[int], root: str
+) -> Iterator[Branch]:
+    """Yield the kept joints, each seen from the root, nearest first."""
     at: dict[str, list[int]] = {}
     for number in sorted(kept):
         for link in joints[number]:
             at.setdefault(link, []).append(number)
-    branches: list[Branch] = []
     seen, level = {root}, [root]
     while level:
         above = level.pop(0)
@@ -120,24 +172,4 @@ def _from_root(joints: Sequence[tuple[str, str]], kept: set[int], root: str) -> 
             if below not in seen:
                 seen.add(below)
                 level.append(below)
-                branches.append(Branch(number, above, below, turned=below == parent))
-    return tuple(branches)
-
-
-class _Parts:
-    """Links in parts that grow together (union-find)."""
-
-    def __init__(self, links: Iterable[str]) -> None:
-        self._up = {link: link for link in links}
-
-    def merge(self, one: str, other: str) -> bool:
-        """Make one part of the two links' parts; False if they are in one already."""
-        one, other = self._top(one), self._top(other)
-        self._up[other] = one
-        return one != other
-
-    def _top(self, link: str) -> str:
-        while self._up[link] != link:
-            self._up[link] = self._up[self._up[link]]
-            link = self._up[link]
-        return link
+                yield Branch(number, above, below, turned=below == parent)

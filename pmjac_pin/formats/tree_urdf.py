@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement, tostring
 
@@ -35,6 +35,8 @@ class TreeUrdf:
         Its first link.
     placement : pin.SE3
         Of the root, in the coordinates in which all other placements are given.
+    taken : iterable of str, optional
+        Names that `unused` leaves alone, for what is still to come.
 
     Examples
     --------
@@ -46,24 +48,28 @@ class TreeUrdf:
     True
     """
 
-    def __init__(self, name: str, root: str, placement: pin.SE3) -> None:
+    def __init__(self, name: str, root: str, placement: pin.SE3, taken: Iterable[str] = ()) -> None:
         self._robot = Element("robot", name=name)
         self._placements: dict[str, pin.SE3] = {}
         self._links: dict[str, Element] = {}
-        self._joints: set[str] = set()
+        self._taken = set(taken)
         self.link(root, placement)
 
+    def unused(self, name: str) -> str:
+        """Return this name, with a number at its end if a link or a joint has it."""
+        return unused_name(name, self._taken)
+
     def link(self, name: str, placement: pin.SE3) -> str:
-        """Add a link and return its name, which has a number at its end if it was taken."""
-        name = _unused(name, self._placements)
+        """Add a link and return its name."""
         self._links[name] = SubElement(self._robot, "link", name=name)
         self._placements[name] = placement
+        self._taken.add(name)
         return name
 
     def joint(self, name: str, kind: str, ends: tuple[str, str], motion: Motion = STILL) -> None:
         """Add a joint from a link that is there to another; its frame is the second's."""
         joint = SubElement(self._robot, "joint", name=name, type=kind)
-        self._joints.add(name)
+        self._taken.add(name)
         parent, child = ends
         SubElement(joint, "parent", link=parent)
         SubElement(joint, "child", link=child)
@@ -80,8 +86,7 @@ class TreeUrdf:
 
     def fixed(self, parent: str, name: str, placement: pin.SE3) -> str:
         """Add a link that is fixed to another, and return its name."""
-        name = self.link(name, placement)
-        self.joint(_unused(f"{name}_fixed", self._joints), "fixed", (parent, name))
+        self.joint(self.unused(f"{name}_fixed"), "fixed", (parent, self.link(name, placement)))
         return name
 
     def visual(self, link: str, placement: pin.SE3, shape: Element, rgba: str | None) -> None:
@@ -104,8 +109,16 @@ def origin(placement: pin.SE3) -> dict[str, str]:
     return {"xyz": written(placement.translation), "rpy": written(rpy)}
 
 
-def _unused(name: str, names: Container[str]) -> str:
+def unused_name(name: str, taken: set[str]) -> str:
+    """Return this name, with a number at its end if it is taken; from now on it is.
+
+    Examples
+    --------
+    >>> unused_name("rod", {"rod", "rod_2"})
+    'rod_3'
+    """
     number, unused = 2, name
-    while unused in names:
+    while unused in taken:
         unused, number = f"{name}_{number}", number + 1
+    taken.add(unused)
     return unused
