@@ -151,6 +151,25 @@ def classes(eulerseq: str) -> str:
     return mjcf(_CLASSES, equality, _DEFAULTS.format(eulerseq=eulerseq), motor("j1"))
 
 
+# A rod between two sliders, with balls at both ends: it spins, which no motor feels.
+BALL_ROD = mjcf(
+    body(
+        "left",
+        '<joint name="l" type="slide" axis="0 1 0" ref=".2"/>'
+        + body("rod", '<joint name="ball" type="ball"/>', 'pos="0 0 .5" euler="0 20 10"'),
+    )
+    + body(
+        "right",
+        '<joint name="r" type="slide" axis="1 1 0"/>'
+        '<joint name="turn" axis="0 1 1" pos="0 .1 .3"/>',
+        'pos="2 0 0"',
+    )
+    + body("hand", '<joint name="h" axis="0 1 0"/>', 'pos="1 1 0"'),
+    '<connect body1="rod" body2="right" anchor="1.5 .2 .4"/>',
+    after=motor("l", "turn"),
+)
+
+
 MODELS = {
     "four-bar": FOUR_BAR,
     "welded four-bar": WELDED_FOUR_BAR,
@@ -158,5 +177,6 @@ MODELS = {
     "sites": SITES,
     "welds": WELDS,
     "gears": GEARS,
+    "ball rod": BALL_ROD,
     **{f"classes {order}": classes(order) for order in ("xyz", "zyx", "XYZ", "xZy", "YxX")},
 }

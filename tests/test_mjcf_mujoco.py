@@ -108,3 +108,55 @@ def test_loop_equations_are_the_rows_of_efc_J(pair, rng) -> None:
 def test_loops_given_by_bodies_are_closed_at_qpos0(pair) -> None:
     residual, _ = equations(pair).loop_equations(pair.q(pair.mj.qpos0))
     np.testing.assert_allclose(residual, 0.0, atol=1e-13)
+
+
+def columns(pair: Pair, names: tuple[str, ...]) -> np.ndarray:
+    return np.array([pair.pin.joints[pair.pin.getJointId(name)].idx_v for name in names])
+
+
+def equivalent(pair: Pair, q: np.ndarray, actuated: tuple[str, ...], body: str) -> np.ndarray:
+    """J − J* K*⁺ K of MuJoCo's matrices."""
+    qpos = pair.qpos(q)
+    constraint, tool = pair.constraint_jacobian(qpos), pair.tool_jacobian(qpos, body)
+    motors = columns(pair, actuated)
+    passive = np.setdiff1d(np.arange(pair.pin.nv), motors)
+    rates = -np.linalg.pinv(constraint[:, passive], rcond=1e-9) @ constraint[:, motors]
+    np.testing.assert_allclose(constraint[:, passive] @ rates, -constraint[:, motors], atol=1e-10)
+    return tool[:, motors] + tool[:, passive] @ rates
+
+
+@pytest.mark.parametrize(
+    ("pair", "tool"),
+    [("four-bar", "coupler"), ("welded four-bar", "tip"), ("ball rod", "right")],
+    indirect=["pair"],
+)
+def test_the_equivalent_jacobian_is_that_of_efc_J(pair, tool, rng) -> None:
+    mechanism = pair.mechanism(tool=tool)
+    start = mechanism.home.actuated
+    for _ in range(5):
+        found = mechanism.close(start + rng.uniform(-0.2, 0.2, start.size))
+        wanted = equivalent(pair, found.q, mechanism.actuated, tool)
+        np.testing.assert_allclose(found.jacobian().J_eq, wanted, atol=1e-10)
+
+
+LEG = ("hip-roll", "hip-yaw", "hip-pitch", "knee", "foot", "shin", "heel-spring")
+
+
+def test_the_feet_of_cassie_move_as_mujoco_says(tmp_path, monkeypatch, rng) -> None:
+    """Held at the pelvis; its springs count as motors, so that they are held with these."""
+    monkeypatch.chdir(tmp_path)
+    text = peer_model(CASSIE).read_text()
+    pair = Pair(written(tmp_path, text.replace("<freejoint/>", "")))
+    actuated = tuple(f"{side}-{joint}" for side in ("left", "right") for joint in LEG)
+    for foot in ("left-foot", "right-foot"):
+        mechanism = pair.mechanism(actuated, foot)
+        assert (mechanism.mobility, len(mechanism.rows)) == (16, 12)
+        assert mechanism.home.residual_norm < 1e-12
+        motors = mechanism.home.actuated
+        inside = np.array(
+            [np.mean(np.clip(mechanism.limits(name), -0.5, 0.5)) for name in actuated]
+        )
+        for share in (0.0, 0.05, 0.1):
+            found = mechanism.close(motors + share * (inside - motors))
+            wanted = equivalent(pair, found.q, actuated, foot)
+            np.testing.assert_allclose(found.jacobian().J_eq, wanted, atol=1e-10)

@@ -6,11 +6,10 @@ Of everything else only actuators (which joints are motors), the keyframe "home"
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
-from pmjac_pin.errors import LimitError, ModelFileError
+from pmjac_pin.errors import ModelFileError, PmjacError
 from pmjac_pin.formats.foreign_model import ForeignModel
 from pmjac_pin.formats.mjcf_actuators import read_motors
 from pmjac_pin.formats.mjcf_bodies import read_bodies
@@ -22,7 +21,7 @@ from pmjac_pin.formats.mjcf_frames import Compiler
 from pmjac_pin.formats.mjcf_home import read_home
 from pmjac_pin.formats.mjcf_names import Names
 from pmjac_pin.formats.mjcf_tree import MjcfTree
-from pmjac_pin.urdf import Urdf, parse_urdf
+from pmjac_pin.urdf import parse_urdf
 from pmjac_pin.urdf_locking import lock_joints
 
 
@@ -44,8 +43,8 @@ def read_mjcf(path: Path) -> ForeignModel:
     root = read_mujoco(path)
     try:
         return _foreign_model(root, path)
-    except ModelFileError as error:
-        if error.path:
+    except PmjacError as error:
+        if isinstance(error, ModelFileError) and error.path:
             raise
         raise ModelFileError(f"{path}: {error}", path=str(path)) from None
 
@@ -65,17 +64,10 @@ def _foreign_model(root: Element, path: Path) -> ForeignModel:
     notes += [*left_out, *(f"joint {joint!r} is held at {held[joint]:g}" for joint in held)]
     return ForeignModel(
         name=name,
-        urdf=_locked(parse_urdf(tree.urdf.text(), str(path)), held),
+        urdf=lock_joints(parse_urdf(tree.urdf.text(), str(path)), held),
         loops=(*closures, *couplings),
         spherical=tuple(joint.name for joint in joints.values() if joint.kind == "ball"),
         home=home,
         actuated=motors,
         notes=(*notes, *idle, *moved),
     )
-
-
-def _locked(urdf: Urdf, held: Mapping[str, float]) -> Urdf:
-    try:
-        return lock_joints(urdf, held)
-    except LimitError as error:
-        raise ModelFileError(f"an <equality> holds a joint outside its range: {error}") from None

@@ -16,6 +16,8 @@ from pmjac_pin.formats.mjcf_names import WORLD, Names
 from pmjac_pin.urdf_checks import MAXIMAL_LINKS
 from pmjac_pin.urdf_xml import shown
 
+MAXIMAL_GEOMS = 2000
+
 _IGNORED = ("camera", "light", "inertial", "plugin")
 _READ = ("body", "frame", "geom", "site", "joint", "freejoint", *_IGNORED)
 _GENERATED = ("attach", "composite", "flexcomp", "replicate")
@@ -40,10 +42,14 @@ class Site:
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A body: its parent's name, and its pose on the parent at MuJoCo's qpos0."""
+    """A body: its parent's name, and its pose on the parent at MuJoCo's qpos0.
+
+    `stem` is the nearest name that the file gives, from which those of nameless bodies are made.
+    """
 
     name: str
     parent: str
+    stem: str
     placement: pin.SE3
     joints: list[MjcfJoint] = field(default_factory=list)
     sites: list[Site] = field(default_factory=list)
@@ -86,8 +92,9 @@ class _Walk:
 
     def __init__(self, compiler: Compiler, defaults: Defaults, names: Names) -> None:
         self._compiler, self._defaults, self._names = compiler, defaults, names
-        self.bodies = [Body(WORLD, "", pin.SE3.Identity())]
+        self.bodies = [Body(WORLD, "", WORLD, pin.SE3.Identity())]
         self.notes: list[str] = []
+        self._geoms = 0
 
     def into(self, element: Element, within: _Within) -> None:
         """Read what a body holds, then its bodies, as MuJoCo counts the joints."""
@@ -134,11 +141,18 @@ class _Walk:
             return
         placement = within.placement * self._compiler.placement(_where(child, within), element)
         if child.tag == "geom":
-            body.geoms.append(Fixture(element, placement))
+            self._draw(Fixture(element, placement), body)
         elif name := element.get("name", ""):
             body.sites.append(Site(name, self._names.site(name), placement))
         else:
             body.sites.append(Site("", self._names.new(f"{body.name}_site"), placement))
+
+    def _draw(self, geom: Fixture, body: Body) -> None:
+        self._geoms += 1
+        if self._geoms <= MAXIMAL_GEOMS:
+            body.geoms.append(geom)
+        elif self._geoms == MAXIMAL_GEOMS + 1:
+            self.notes.append(f"only the first {MAXIMAL_GEOMS} geoms are kept for the picture")
 
     def _joint(self, element: Element, within: _Within) -> MjcfJoint:
         where, body = _where(element, within), within.body
@@ -156,9 +170,10 @@ class _Walk:
         return read_joint(where, element, (name, kind), within.placement, self._compiler)
 
     def _body(self, element: Element, within: _Within) -> None:
-        parent, where = within.body.name, _where(element, within)
-        name = element.get("name") or self._names.new(f"{parent}_body")
-        body = Body(name, parent, within.placement * self._compiler.placement(where, element))
+        parent, given, where = within.body, element.get("name", ""), _where(element, within)
+        name = given or self._names.new(f"{parent.stem}_body")
+        placement = within.placement * self._compiler.placement(where, element)
+        body = Body(name, parent.name, given or parent.stem, placement)
         self.bodies.append(body)
         if truth(where, "mocap", element.get("mocap", "false")):
             self.notes.append(f"mocap body {name!r} stands still")

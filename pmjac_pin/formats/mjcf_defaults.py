@@ -10,6 +10,7 @@ from pmjac_pin.formats.mjcf_frames import ORIENTATIONS
 from pmjac_pin.urdf_xml import shown
 
 _MAIN = "main"
+_READ = ("equality", "geom", "joint", "site")
 
 Attributes = dict[str, str]
 
@@ -69,7 +70,7 @@ class Defaults:
         own = self._classes[name]
         nested = [child for child in section if child.tag == "default"]
         for child in section:
-            if child.tag != "default":
+            if child.tag in _READ:
                 own[child.tag] = _overlaid(own.get(child.tag, {}), child.attrib)
         for child in nested:
             if not (inner := child.get("class", "")):

@@ -19,6 +19,7 @@ from pmjac_pin.formats.mjcf_frames import Compiler, truth
 from pmjac_pin.formats.mjcf_names import WORLD, find_name
 from pmjac_pin.formats.mjcf_tree import MjcfTree
 from pmjac_pin.loop_spec import FrameLoop, Loop, PointLoop
+from pmjac_pin.urdf_checks import MAXIMAL_LINKS
 from pmjac_pin.urdf_xml import numbers, shown
 
 _READ = ("connect", "weld", "joint")
@@ -40,7 +41,8 @@ def active_equalities(root: Element, defaults: Defaults) -> tuple[list[Element],
         where = called(element)
         if element.tag not in (*_READ, *_NOT_READ):
             known = did_you_mean(element.tag, _READ)
-            raise ModelFileError(f"<equality> holds an unknown <{element.tag}>{known}")
+            what = f"<equality> holds an unknown <{shown(element.tag)[1:-1]}>"
+            raise ModelFileError(f"{what}{known}")
         if not truth(where, "active", element.get("active", "true")):
             notes.append(f"{where} is not active, and left out")
         elif element.tag in _NOT_READ:
@@ -48,6 +50,9 @@ def active_equalities(root: Element, defaults: Defaults) -> tuple[list[Element],
             raise ModelFileError(f"{where} is not read, only {', '.join(_READ)} are; {todo}")
         else:
             active.append(element)
+    if len(active) > MAXIMAL_LINKS:
+        what = f"{len(active)} equality constraints are too many"
+        raise ModelFileError(f"{what}; at most {MAXIMAL_LINKS} are read")
     return active, notes
 
 

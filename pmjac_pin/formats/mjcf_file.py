@@ -50,7 +50,9 @@ class _Reader:
             for section in expanded:
                 if section.tag not in _SECTIONS:
                     known = did_you_mean(section.tag, _SECTIONS)
-                    raise ModelFileError(f"<{section.tag}> is no section of MJCF{known}")
+                    raise ModelFileError(
+                        f"<{shown(section.tag)[1:-1]}> is no section of MJCF{known}"
+                    )
         except ModelFileError as error:
             raise _at(self._path, error) from None
         return expanded
