@@ -58,10 +58,12 @@ class Pair:
         """The value of each joint that an equality holds by itself: y₀ + a₀."""
         values = {}
         for number in self.active():
-            for name in self.geared(number):
-                if not self.pin.existJointName(name):
-                    reference = self.mj.qpos0[self.mj.joint(name).qposadr[0]]
-                    values[name] = float(reference + self.mj.eq_data[number, 0])
+            if self.mj.eq_type[number] != JOINT:
+                continue
+            joint = self.mj.joint(self.mj.eq_obj1id[number])
+            if not self.pin.existJointName(joint.name):
+                reference = self.mj.qpos0[joint.qposadr[0]]
+                values[joint.name] = float(reference + self.mj.eq_data[number, 0])
         return values
 
     def active(self) -> list[int]:

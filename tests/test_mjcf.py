@@ -141,9 +141,11 @@ def test_what_is_left_out_is_noted(read) -> None:
         body("a", '<joint name="o" type="ball" range="0 20"/>') + body("m", "", 'mocap="true"'),
         '<weld body1="a" active="false"/><tendon name="t" tendon1="x" active="false"/>',
     )
+    text = text.replace("<worldbody>", '<option><flag equality="disable"/></option><worldbody>')
     assert read(text).notes == (
         "the range of ball joint 'o' is left out",
         "mocap body 'm' stands still",
+        "<flag> disables the constraints; they are read all the same",
         "<weld body1='a'> is not active, and left out",
         "<tendon> 't' is not active, and left out",
     )
@@ -259,6 +261,11 @@ BAD = {
     "section": ("<mujoco><wordlbody/></mujoco>", "no section of MJCF; did you mean 'worldbody'"),
     "element": (world(body("a", "<jiont/>")), "body 'a' holds an unknown <jiont>.* 'joint'"),
     "element in a frame": (world("<frame><bodi/></frame>"), "unknown <bodi>; did you mean 'body'"),
+    "misspelt joint": (world(body("a", '<joint rf="3"/>')), "attribute 'rf'; did you mean 'ref'"),
+    "misspelt body": (world(body("a", "", 'Pos="1 2 3"')), "body 'a' has .* 'Pos'; .* 'pos'"),
+    "misspelt default": (world("", '<default><joint ais="1 0 0"/></default>'), "mean 'axis'"),
+    "misspelt anchor": (mjcf("", '<connect body1="a" achor="1 2 3"/>'), "did you mean 'anchor'"),
+    "misspelt option": (world("", '<compiler agle="radian"/>'), "did you mean 'angle'"),
     "replicate": (world("<replicate count='3'/>"), "<replicate> is not read; save the model"),
     "composite": (world(body("a", "<composite/>")), "<composite> is not read"),
     "global": (world("", '<compiler coordinate="global"/>'), "only local coordinates are read"),

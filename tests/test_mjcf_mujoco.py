@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
+from xml.etree.ElementTree import Element
 
 import numpy as np
 import pinocchio as pin
 import pytest
 from mjcf_models import MODELS
-from mujoco_oracle import Pair
+from mujoco_oracle import Pair, mujoco
 from peer_models import peer_model
 
+from pmjac_pin.formats.mjcf import read_mjcf
+from pmjac_pin.formats.mjcf_attributes import check_attributes
 from pmjac_pin.kinematics import Kinematics
 from pmjac_pin.loop_spec import FrameLoop, JointLoop
 from pmjac_pin.loops import LoopSystem
@@ -160,3 +164,38 @@ def test_the_feet_of_cassie_move_as_mujoco_says(tmp_path, monkeypatch, rng) -> N
             found = mechanism.close(motors + share * (inside - motors))
             wanted = equivalent(pair, found.q, actuated, foot)
             np.testing.assert_allclose(found.jacobian().J_eq, wanted, atol=1e-10)
+
+
+def schema() -> Element:
+    """One of each element that MuJoCo knows, with all its attributes."""
+    stack: list[tuple[int, Element]] = []
+    for line in mujoco.mj_printSchema(False, False).splitlines():
+        indent = len(line) - len(line.lstrip())
+        if started := re.match(r" *(\S+) \(.\)(.*)", line):
+            element, words = Element(started[1].replace("(world)", "world")), started[2]
+            while stack and stack[-1][0] >= indent:
+                stack.pop()
+            if stack:
+                stack[-1][1].append(element)
+            stack.append((indent, element))
+        else:
+            words = line
+        for attribute in words.split():
+            stack[-1][1].set(attribute, "1")
+    return stack[0][1]
+
+
+def test_every_attribute_of_mujoco_passes_for_well_spelt() -> None:
+    root = schema()
+    world = root.find("worldbody")
+    world.append(Element("body", world.attrib))
+    for path in ("worldbody/body", "worldbody/joint", "default/joint", "equality/weld"):
+        assert len(root.find(path).attrib) > 5
+    check_attributes(root)
+
+
+def test_every_section_of_mujoco_is_known(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    sections = "".join(f"<{section.tag}/>" for section in schema())
+    path = written(tmp_path, f"<mujoco>{sections}</mujoco>")
+    assert read_mjcf(path).urdf.links == ("world",)

@@ -12,6 +12,7 @@ from xml.etree.ElementTree import Element
 from pmjac_pin.errors import ModelFileError, PmjacError
 from pmjac_pin.formats.foreign_model import ForeignModel
 from pmjac_pin.formats.mjcf_actuators import read_motors
+from pmjac_pin.formats.mjcf_attributes import check_attributes
 from pmjac_pin.formats.mjcf_bodies import read_bodies
 from pmjac_pin.formats.mjcf_couplings import read_couplings
 from pmjac_pin.formats.mjcf_defaults import Defaults
@@ -50,6 +51,7 @@ def read_mjcf(path: Path) -> ForeignModel:
 
 
 def _foreign_model(root: Element, path: Path) -> ForeignModel:
+    check_attributes(root)
     name = root.get("model") or path.stem
     compiler, defaults, names = Compiler.of(root), Defaults(root), Names(root)
     bodies, notes = read_bodies(root, compiler, defaults, names)

@@ -36,6 +36,9 @@ def active_equalities(root: Element, defaults: Defaults) -> tuple[list[Element],
         One that holds and is none of a loop's.
     """
     active, notes = [], []
+    for flag in root.iterfind("option/flag"):
+        if "disable" in (flag.get("equality"), flag.get("constraint")):
+            notes.append("<flag> disables the constraints; they are read all the same")
     for given in root.iterfind("equality/*"):
         element = defaults.complete(given, tag="equality")
         where = called(element)
