@@ -16,7 +16,7 @@ from pmjac_pin.errors import ArgumentError, ClosureError, ModelFileError, PmjacE
 from pmjac_pin.linkage import with_spherical
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model_file import read_model_file
-from pmjac_pin.spec import MechanismSpec
+from pmjac_pin.spec import JointValue, MechanismSpec
 from pmjac_pin.urdf import Urdf, read_urdf
 from pmjac_pin.urdf_locking import lock_joints
 
@@ -28,7 +28,7 @@ def load(
     name_or_path: str | Path,
     parameters: Mapping[str, float] | None = None,
     *,
-    locked: Iterable[str] | Mapping[str, float] = (),
+    locked: Iterable[str] | Mapping[str, JointValue] = (),
 ) -> Mechanism:
     """Load a mechanism of the catalogue, or a model file of your own.
 
@@ -38,7 +38,7 @@ def load(
         A name from `list_mechanisms`, or the path of a model file.
     parameters : mapping of str to float, optional
         Values for parameters that the model file declares, m or rad.
-    locked : iterable of str, or mapping of str to float, optional
+    locked : iterable of str, or mapping of str to float or floats, optional
         Joints to hold, beside those that the model file locks: at their values in the home pose,
         or at the values given, rad or m.
 
