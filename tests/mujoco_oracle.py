@@ -10,10 +10,11 @@ import pinocchio as pin
 import pytest
 
 from pmjac_pin.assembly import build_parts
-from pmjac_pin.formats.foreign_model import ForeignModel
 from pmjac_pin.formats.mjcf import read_mjcf
 from pmjac_pin.linkage import with_spherical
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.urdf import Urdf
+from pmjac_pin.urdf_locking import lock_joints
 
 mujoco: Any = pytest.importorskip("mujoco", reason="the oracle is MuJoCo")
 
@@ -21,24 +22,26 @@ JOINT = int(mujoco.mjtEq.mjEQ_JOINT)
 FREE, BALL = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL)
 
 
-def built(found: ForeignModel) -> pin.Model:
-    model = pin.buildModelFromXML(found.urdf.kinematic_xml())
-    return with_spherical(model, found.spherical) if found.spherical else model
+def built(urdf: Urdf, spherical: tuple[str, ...]) -> pin.Model:
+    model = pin.buildModelFromXML(urdf.kinematic_xml())
+    return with_spherical(model, spherical) if spherical else model
 
 
 class Pair:
-    """One file, read by MuJoCo and by us."""
+    """One file, read by MuJoCo and by us; some joints may be locked in our home pose."""
 
-    def __init__(self, path: Path) -> None:
-        self.found = read_mjcf(path)
-        self.pin = built(self.found)
+    def __init__(self, path: Path, locked: tuple[str, ...] = ()) -> None:
+        self.found, self.locked = read_mjcf(path), locked
+        home = {name: self.found.home.get(name, 0.0) for name in locked}
+        self.urdf = lock_joints(self.found.urdf, home)
+        self.pin = built(self.urdf, self.found.spherical)
         self.mj = mujoco.MjModel.from_xml_path(str(path))
         self.mj.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         self.data = mujoco.MjData(self.mj)
 
     def mechanism(self, actuated: tuple[str, ...] | None = None, tool: str = "") -> Mechanism:
         spec = self.found.spec(actuated, tool or self.found.urdf.links[-1])
-        return Mechanism(build_parts(self.pin, spec, {}, self.found.urdf))
+        return Mechanism(build_parts(self.pin, spec.with_locked(self.locked), {}, self.urdf))
 
     def joints(self) -> list[tuple[Any, Any]]:
         """MuJoCo's joints with ours; a joint that we fixed is left out."""
