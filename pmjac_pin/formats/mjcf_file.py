@@ -10,7 +10,7 @@ from pmjac_pin.errors import ModelFileError, did_you_mean
 from pmjac_pin.text_file import read_text
 from pmjac_pin.urdf_xml import MAXIMAL_NESTING, parse_xml, shown
 
-MAXIMAL_SIZE = 20_000_000  # bytes
+MAXIMAL_SIZE = 5_000_000  # bytes; elements take a hundred times that in memory
 MAXIMAL_INCLUDES = 50
 
 _SECTIONS = (
