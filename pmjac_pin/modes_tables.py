@@ -70,7 +70,7 @@ def _row(mode: ModeReport) -> tuple[str, ...]:
         f"{mode.residual_norm:.1e}",
         brief(mode.smallest),
         _SIGNS[mode.sign],
-        f"{100.0 * mode.share:.1f}",
+        f"{100.0 * mode.share:.2f}",
         mirror,
     )
 

@@ -103,6 +103,7 @@ def make_report(
     return Report(
         mechanism=encodable(mechanism.name),
         description=mechanism.spec.description,
+        notes=tuple(map(encodable, mechanism.notes)),
         parameters=parameter_values(mechanism),
         dimensions=_dimensions(mechanism, split),
         pose=pose,

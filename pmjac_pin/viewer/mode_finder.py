@@ -45,7 +45,7 @@ class _Found:
             modes = find_modes(mechanism, theta, np.random.default_rng(seed), True, aim)
             report = make_modes_report(mechanism, theta, modes)
             text = f"{count(report)} Complete? {report.complete.statement}."
-            return cls(text, modes, report.modes, Recognition(mechanism, modes))
+            return cls(text, modes, report.modes, Recognition(modes))
         except PmjacError as error:
             return cls(str(error))
         except Exception:
