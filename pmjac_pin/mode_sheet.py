@@ -53,7 +53,10 @@ _MARKS = {  # marker, size in points, face and edge
 }
 _LAYERS = {"link": 0, "rod": 0, "rail": 0, "motor rail": 0, "slider": 1, "anchor": 3}
 
-_PANEL, _CAPTION = 2.6, 0.45  # inches: width of a drawing, height of what stands above it
+# Inches: the width of a drawing where there is room, the height of what stands above it, and
+# the widest sheet.
+_PANEL, _CAPTION, _WIDEST = 2.6, 0.5, 10.4
+_SMALL = 0.8  # of that width: drawings with smaller letters
 _PAGE = 0.75  # height over width
 _MOST_COLUMNS = 8
 
@@ -107,12 +110,17 @@ def modes_figure(modes: AssemblyModes, report: ModesReport) -> Figure:
     low, high = seen.min(axis=0), seen.max(axis=0)
     margin = _MARGIN * float((high - low).max())
     low, high = low - margin, high + margin
-    sheet, panels = _new_sheet(report, len(modes), float((high - low)[1] / (high - low)[0]))
+    height = float((high - low)[1] / (high - low)[0])
+    columns = _columns(len(modes), min(max(height, 0.3), 2.0))
+    sheet, panels = _new_sheet(report, columns, min(max(height, 0.3), 2.0))
+    scale = min(1.0, _WIDEST / columns / _PANEL)
     for axes, figure, mode in zip(panels, figures, report.modes, strict=True):
-        _draw(axes, figure, view)
+        _draw(axes, figure, view, scale)
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
         axes.set_axis_off()
-        axes.set_title(as_it_is(_caption(mode)), fontsize=8.5, linespacing=1.3)
+        small = scale < _SMALL
+        caption = _caption(mode, "\n" if small else ", ")
+        axes.set_title(as_it_is(caption), fontsize=7.0 if small else 8.5, linespacing=1.3)
     return sheet
 
 
@@ -163,11 +171,10 @@ def _columns(count: int, height: float) -> int:
     return min(range(min(count, 2), min(count, _MOST_COLUMNS) + 1), key=cost)
 
 
-def _new_sheet(report: ModesReport, count: int, height: float) -> tuple[Figure, list[Axes]]:
-    height = min(max(height, 0.3), 2.0)
-    columns = _columns(count, height)
-    rows = -(-count // columns)
-    width = min(max(columns * _PANEL, 5.2), 10.4)
+def _new_sheet(report: ModesReport, columns: int, height: float) -> tuple[Figure, list[Axes]]:
+    """Return a figure and one panel a mode, as high over wide as said."""
+    rows = -(-len(report.modes) // columns)
+    width = min(max(columns * _PANEL, 2 * _PANEL), _WIDEST)
     # Of a title in bold and a footer in a smaller type: characters to the inch.
     title = [f"Assembly modes of {report.mechanism}"]
     title += wrapped(motor_values(report.motors), round(11.0 * width)).split("\n")
@@ -176,21 +183,22 @@ def _new_sheet(report: ModesReport, count: int, height: float) -> tuple[Figure, 
     size = (width, rows * (height * width / columns + _CAPTION) + room)
     figure: Any = new_figure("\n".join(title), size, fontsize=11)
     figure.supxlabel(as_it_is("\n".join(footer)), fontsize=7.5, color=_DARK)
+    count = len(report.modes)
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes in panels[count:]:
         axes.remove()
     return figure, list(panels[:count])
 
 
-def _caption(mode: ModeReport) -> str:
+def _caption(mode: ModeReport, between: str) -> str:
     names = f" ({', '.join(mode.poses)})" if mode.poses else ""
     mirror = f", mirror image of {mode.mirror_image}" if mode.mirror_image else ""
     facts = [f"σ = {brief(mode.smallest)}"] if math.isfinite(mode.smallest) else []
     facts += [_SIGNS[mode.sign]] if mode.sign is not None else []
-    return f"{mode.number}{names}{mirror}\n{', '.join(facts)}"
+    return f"{mode.number}{names}{mirror}\n{between.join(facts)}"
 
 
-def _draw(axes: Any, figure: StickFigure, view: Array) -> None:
+def _draw(axes: Any, figure: StickFigure, view: Array, scale: float) -> None:
     """Draw from far to near, marks after bodies; what is behind the ground's plate before it."""
     behind = _behind_the_ground(figure, view[2])
 
@@ -204,13 +212,14 @@ def _draw(axes: Any, figure: StickFigure, view: Array) -> None:
         outline = (stroke.points @ view[:2].T).T
         if outline.shape[1] == 1:
             marker, size, face, edge = _MARKS[stroke.kind]
-            axes.plot(*outline, marker, ms=size, mfc=face, mec=edge, mew=1.0, zorder=rank)
+            style = {"ms": scale * size, "mfc": face, "mec": edge, "mew": scale}
+            axes.plot(*outline, marker, zorder=rank, **style)
         else:
-            _draw_body(axes, stroke, outline, rank)
+            _draw_body(axes, stroke, outline, rank, scale)
     origin, *ends = figure.tool @ view[:2].T
     for end, colour in zip(ends, _AXES, strict=True):
         line = np.column_stack([origin, end])
-        axes.plot(*line, color=colour, lw=1.3, zorder=len(figure.strokes))
+        axes.plot(*line, color=colour, lw=1.3 * scale, zorder=len(figure.strokes))
 
 
 def _behind_the_ground(figure: StickFigure, eye: Array) -> Callable[[Array], bool]:
@@ -223,12 +232,12 @@ def _behind_the_ground(figure: StickFigure, eye: Array) -> Callable[[Array], boo
     return lambda point: bool((point - middle) @ normal < -depth)
 
 
-def _draw_body(axes: Any, stroke: Stroke, outline: Array, order: int) -> None:
+def _draw_body(axes: Any, stroke: Stroke, outline: Array, order: int, scale: float) -> None:
     colour, width = _BARS[stroke.kind]
     round_off = {"solid_capstyle": "round", "solid_joinstyle": "round"}
     closed = outline if outline.shape[1] == 2 else np.column_stack([outline, outline[:, :1]])
     if stroke.kind != "ground":
-        axes.plot(*closed, color="white", lw=width + 2.0, zorder=order, **round_off)
+        axes.plot(*closed, color="white", lw=scale * (width + 2.0), zorder=order, **round_off)
     if stroke.is_plate:
         axes.fill(*outline, facecolor=colour, alpha=0.18, linewidth=0, zorder=order)
-    axes.plot(*closed, color=colour, lw=width, zorder=order, **round_off)
+    axes.plot(*closed, color=colour, lw=scale * width, zorder=order, **round_off)

@@ -34,6 +34,20 @@ def test_every_mode_has_a_panel_and_its_title(lecture):
         assert title.endswith("det K* > 0" if positive else "det K* < 0")
 
 
+def test_forty_still_have_room_for_their_titles():
+    mechanism = pj.load("four_bar")
+    few = mechanism.assembly_modes([0.9], rng=0)
+    many = pj.AssemblyModes(
+        few.configurations * 20, few.shares * 20, few.starts, few.complete, (None,) * 40
+    )
+    figure = plot_modes(many)
+    figure.draw_without_rendering()
+    boxes = [axes.title.get_window_extent() for axes in figure.axes]
+    assert len(boxes) == 40
+    apart = [not a.overlaps(b) for k, a in enumerate(boxes) for b in boxes[:k]]
+    assert all(apart)
+
+
 def test_all_panels_have_one_scale_and_nothing_is_cut_off(lecture):
     panels = plot_modes(lecture).axes
     limits = {(axes.get_xlim(), axes.get_ylim()) for axes in panels}
