@@ -4,6 +4,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from pmjac_pin.catalog import list_mechanisms
+from pmjac_pin.certificates.certificate import Certificate
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.ellipse import Ellipse
 from pmjac_pin.ellipsoid import Ellipsoid
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
 __all__ = [
     "ArgumentError",
     "AssemblyModes",
+    "Certificate",
     "ClosureError",
     "Completeness",
     "Configuration",
