@@ -100,7 +100,7 @@ def make_report(
     split = configuration.split_jacobian(frame)
     jacobian, refusal = _equivalent(configuration, frame)
     return Report(
-        mechanism=_encodable(mechanism.name),
+        mechanism=encodable(mechanism.name),
         description=mechanism.spec.description,
         parameters=_parameters(mechanism),
         dimensions=_dimensions(mechanism, split),
@@ -121,7 +121,8 @@ def make_report(
     )
 
 
-def _encodable(name: str) -> str:
+def encodable(name: str) -> str:
+    """Return a name as valid text."""
     # A name may be that of a file, which may hold bytes that are no text.
     return name.encode("utf-8", "backslashreplace").decode()
 
