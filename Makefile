@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: demo test bench lint clean
+.PHONY: demo test bench screenshots readme lint clean
 
 demo: .venv/ready
 	$(BIN)/pmjac demo
@@ -13,6 +13,12 @@ test: .venv/ready
 bench: .venv/ready
 	$(BIN)/python benchmarks/bench_jacobian.py
 	$(BIN)/python benchmarks/bench_page.py
+
+screenshots: .venv/ready
+	$(BIN)/python docs/make_screenshots.py
+
+readme: .venv/ready
+	$(BIN)/python scripts/update_readme.py
 
 lint: .venv/ready
 	$(BIN)/ruff check .

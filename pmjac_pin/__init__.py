@@ -37,6 +37,7 @@ from pmjac_pin.loop_spec import (
     UniversalLoop,
 )
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.modes.assembly_modes import AssemblyModes, Completeness
 from pmjac_pin.partition import Partition
 from pmjac_pin.singularity import Singularity
 from pmjac_pin.spec import MechanismSpec
@@ -46,7 +47,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ArgumentError",
+    "AssemblyModes",
     "ClosureError",
+    "Completeness",
     "Configuration",
     "CylindricalLoop",
     "Diagnosis",

@@ -17,15 +17,15 @@ from typing import Annotated, TypeAlias
 import numpy as np
 from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
-from pmjac_pin.blocks import Block, Table, Verbatim
+from pmjac_pin.blocks import Block, Verbatim
 from pmjac_pin.catalog import list_mechanisms
+from pmjac_pin.catalogue_table import catalogue_table, poses_table
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.demo import FIGURE, demo_blocks, run_demo
 from pmjac_pin.diagnosis_maker import check
 from pmjac_pin.diagnosis_tables import diagnosis_blocks
 from pmjac_pin.errors import ArgumentError, LimitError, PmjacError
 from pmjac_pin.loading import load
-from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.pose_figure import save_pose_figure
 from pmjac_pin.report import to_json
 from pmjac_pin.report_maker import make_report
@@ -84,18 +84,9 @@ Settings: TypeAlias = Annotated[
 
 @app.command(name="list")
 def list_command() -> Output:
-    """Show the mechanisms that come with the library."""
+    """Show the mechanisms that come with the library, and their poses."""
     mechanisms = [load(name) for name in list_mechanisms()]
-    sizes = ("name", "motors\nn", "passive\nm_p", "loops", "mobility", "poses")
-    return [
-        Table(
-            "",
-            ("name", "description"),
-            tuple((m.name, m.spec.description) for m in mechanisms),
-            "<<",
-        ),
-        Table("", sizes, tuple(map(_sizes, mechanisms)), "<>>>><"),
-    ]
+    return [catalogue_table(mechanisms), poses_table(mechanisms)]
 
 
 @app.command(name="report")
@@ -279,13 +270,3 @@ def _parameters(settings: Iterable[str]) -> dict[str, float]:
             message = f"--set takes NAME=NUMBER, such as l1=1.2; got {item!r}"
             raise ArgumentError(message) from None
     return parameters
-
-
-def _sizes(mechanism: Mechanism) -> tuple[str, ...]:
-    counts = (
-        len(mechanism.actuated),
-        len(mechanism.passive),
-        len(mechanism.spec.loops),
-        mechanism.mobility,
-    )
-    return (mechanism.name, *map(str, counts), ", ".join(mechanism.poses))

@@ -64,6 +64,7 @@ class JointCoordinates:
         "_model",
         "_neutral",
         "_translating",
+        "angles",
         "lower",
         "names",
         "rotational",
@@ -87,12 +88,14 @@ class JointCoordinates:
         self.rotational = _rotational(model)
         self.wraps = np.zeros(model.nv, dtype=bool)
         self.lower, self.upper = np.full(model.nv, -np.inf), np.full(model.nv, np.inf)
+        self.angles = np.zeros(model.nv, dtype=bool)
         self._entries_of = np.zeros(model.nv, dtype=np.intp)
         self._translating = [joint for joint in joints if joint.kind in _TRANSLATIONS]
         for joint in joints:
             self.wraps[joint.idx_v] = (joint.nq, joint.nv) == (2, 1)
             self._entries_of[joint.idx_v] = joint.idx_q
             if joint.nq == 1:
+                self.angles[joint.idx_v] = joint.kind.startswith("JointModelR")
                 self.lower[joint.idx_v] = model.lowerPositionLimit[joint.idx_q]
                 self.upper[joint.idx_v] = model.upperPositionLimit[joint.idx_q]
 

@@ -29,7 +29,7 @@ def close(mechanism: Mechanism, actuated: Any, guess: Guess, enforce_limits: boo
     parts = mechanism._parts
     values = motor_values(parts, actuated)
     if enforce_limits:
-        _check_limits(parts, values)
+        check_limits(parts, values)
     start = _start(mechanism, guess, values)
 
     columns = parts.problem.partition.actuated
@@ -55,7 +55,8 @@ def motor_values(parts: Parts, actuated: Any) -> Array:
     return values
 
 
-def _check_limits(parts: Parts, values: Array) -> None:
+def check_limits(parts: Parts, values: Array) -> None:
+    """Raise LimitError where a motor value is outside its joint's limits."""
     for name in parts.coordinates.outside(values, parts.problem.partition.actuated):
         value = float(values[parts.spec.actuated.index(name)])
         lower, upper = parts.coordinates.limits(name)

@@ -182,7 +182,7 @@ def equivalent_jacobian(split: SplitJacobian) -> EquivalentJacobian:
     if factors.rank < scaled.shape[0]:
         _refuse_forbidden(factors, scaled, partition)
     if factors.rank < passive.size:
-        _refuse_felt_idle_motion(factors, J, partition)
+        refuse_felt_idle_motion(factors, J, partition)
     rates = factors.solve(scaled.take(actuated, axis=1))
     rates *= partition.rate_scale
     J_eq = J.take(actuated, axis=1) + J.take(passive, axis=1) @ rates
@@ -247,9 +247,10 @@ def _refuse_forbidden(factors: Factorisation, scaled: Array, partition: Partitio
     )
 
 
-def _refuse_felt_idle_motion(
+def refuse_felt_idle_motion(
     factors: Factorisation, tool_jacobian: Array, partition: Partition
 ) -> None:
+    """Raise IdleMotionError where the tool moves with the null space of K*."""
     scaled_tool = partition.scaled_tool(tool_jacobian)
     felt = scaled_tool[:, partition.passive] @ factors.null_space
     motions = partition.factorise(felt, norm(scaled_tool))

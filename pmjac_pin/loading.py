@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -18,12 +18,18 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model_file import read_model_file
 from pmjac_pin.spec import MechanismSpec
 from pmjac_pin.urdf import Urdf, read_urdf
+from pmjac_pin.urdf_locking import lock_joints
 
 _PARAMETER_STEPS = 12
 _LEAST_SHARE = 0.4  # of home's σ_min: below, the motors move on the way to other parameters
 
 
-def load(name_or_path: str | Path, parameters: Mapping[str, float] | None = None) -> Mechanism:
+def load(
+    name_or_path: str | Path,
+    parameters: Mapping[str, float] | None = None,
+    *,
+    locked: Iterable[str] | Mapping[str, float] = (),
+) -> Mechanism:
     """Load a mechanism of the catalogue, or a model file of your own.
 
     Parameters
@@ -32,6 +38,9 @@ def load(name_or_path: str | Path, parameters: Mapping[str, float] | None = None
         A name from `list_mechanisms`, or the path of a model file.
     parameters : mapping of str to float, optional
         Values for parameters that the model file declares, m or rad.
+    locked : iterable of str, or mapping of str to float, optional
+        Joints to hold, beside those that the model file locks: at their values in the home pose,
+        or at the values given, rad or m.
 
     Raises
     ------
@@ -51,11 +60,11 @@ def load(name_or_path: str | Path, parameters: Mapping[str, float] | None = None
     1.2
     """
     path = find_model_file(name_or_path)
-    spec = read_model_file(path)
+    spec = read_model_file(path).with_locked(locked)
     values = spec.parameter_values(parameters)
     try:
         plain = read_urdf(find_urdf(spec.urdf, path))
-        urdf = plain.moved(spec.moves(values))
+        urdf = _set(plain, spec, values)
         start = _home_on_the_way(plain, spec, values)
         return Mechanism(build_parts(_pinocchio_model(urdf, spec), spec, values, urdf, start))
     except (ClosureError, ModelFileError):
@@ -77,11 +86,16 @@ def _home_on_the_way(
         return None
     for share in np.arange(_PARAMETER_STEPS) / _PARAMETER_STEPS:
         between = {name: start + share * (values[name] - start) for name, start in defaults.items()}
-        model = _pinocchio_model(urdf.moved(spec.moves(between)), spec)
+        model = _pinocchio_model(_set(urdf, spec, between), spec)
         with contextlib.suppress(ClosureError):  # parameters in between need not close
             q, smallest = home_pose(model, spec, between, q, least)
             least = least or _LEAST_SHARE * smallest
     return q
+
+
+def _set(plain: Urdf, spec: MechanismSpec, values: Mapping[str, float]) -> Urdf:
+    """Return the URDF with its parameters at these values and its locked joints fixed."""
+    return lock_joints(plain.moved(spec.moves(values)), spec.locked)
 
 
 def _pinocchio_model(urdf: Urdf, spec: MechanismSpec) -> pin.Model:

@@ -136,7 +136,7 @@ class LoopSystem:
                 owners.append(prefix)
                 continue
             blocks = []
-            for block in _blocks(loop, values):
+            for block in loop_blocks(loop, values):
                 rows = slice(len(names), len(names) + len(block.names))
                 blocks.append((rows, block))
                 if isinstance(block, Distance):
@@ -228,7 +228,8 @@ class LoopSystem:
                 jacobian[rows] -= pin.skew(residual[rows]) @ turning
 
 
-def _blocks(loop: FrameLoops, values: Mapping[str, float]) -> list[Rows]:
+def loop_blocks(loop: FrameLoops, values: Mapping[str, float]) -> list[Rows]:
+    """Return the blocks of rows that a loop between frames consists of."""
     if isinstance(loop, DistanceLoop):
         return [Distance(loop.resolved_length(values))]
     return [_position(loop), *_orientation(loop)]

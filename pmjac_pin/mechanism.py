@@ -20,6 +20,8 @@ from pmjac_pin.errors import (
     unknown_name,
 )
 from pmjac_pin.loop_spec import Loop
+from pmjac_pin.modes.assembly_modes import AssemblyModes
+from pmjac_pin.modes.find import Aim, find_modes, generator
 from pmjac_pin.parts import Parts
 from pmjac_pin.pinocchio_model import Constraint, RobotWrapper, own_model
 from pmjac_pin.pose_assembly import assemble_pose
@@ -177,6 +179,11 @@ class Mechanism:
         return self._parts.problem.partition.length
 
     @property
+    def tolerance(self) -> float:
+        """The gap in m below which loops count as closed: 1e-12, or more for a large machine."""
+        return self._parts.problem.tolerance
+
+    @property
     def poses(self) -> tuple[str, ...]:
         """Names of the poses, each a start for `close`."""
         return tuple(self.spec.poses)
@@ -235,9 +242,9 @@ class Mechanism:
         Examples
         --------
         >>> import pmjac_pin as pj
-        >>> moved = pj.load("four_bar").moved()
+        >>> moved = pj.load("four_bar", {"l1": 1.2}).moved()
         >>> {name: round(value, 3) for name, value in moved.items()}
-        {'theta1': 0.0, 'phi1': 0.024, 'phi2': 0.007}
+        {'theta1': 0.0, 'phi1': -0.064, 'phi2': -0.034}
         """
         parts, closed = self._parts, self.pose(pose)
         given = parts.coordinates.q(self.spec.poses[pose], parts.home_q if pose != "home" else None)
@@ -356,6 +363,61 @@ class Mechanism:
         """
         residual, jacobian = self._parts.kinematics.loop_equations(self._checked(q))
         return read_only(residual), read_only(jacobian)
+
+    def assembly_modes(
+        self,
+        actuated: ArrayLike,
+        *,
+        rng: np.random.Generator | int,
+        limits: bool = True,
+        unseen: float = 2e-3,
+        confidence: float = 0.99,
+        most_starts: int = 200_000,
+    ) -> AssemblyModes:
+        """Find all closed poses at these motor values: the solutions of direct kinematics.
+
+        Damped Newton from random starts, thousands at once, until the share of the start space
+        that leads to poses not seen yet is bounded as asked for. Poses that differ by full
+        turns, by the sign of a quaternion or by idle motions are one.
+
+        Parameters
+        ----------
+        actuated : array_like, shape (n,)
+            Motor values, m or rad, in the order of `actuated`.
+        rng : numpy.random.Generator or int
+            For the starts; a seed makes a generator. The modes do not depend on it, nor does
+            their order, as long as all are found.
+        limits : bool
+            Keep within the joints' limits, passive ones too.
+        unseen : float
+            The share of the start space that may lead to modes not found.
+        confidence : float
+            Of this bound.
+        most_starts : int
+            Where the search gives up on the bound.
+
+        Returns
+        -------
+        AssemblyModes
+            A sequence of Configurations; `complete` says what its completeness rests on.
+
+        Raises
+        ------
+        ArgumentError, LimitError
+        IdleMotionError
+            The tool moves with all motors locked: there are no separate modes.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> modes = pj.load("four_bar").assembly_modes([0.9], rng=0)
+        >>> [round(float(mode.passive[0]), 4) for mode in modes]
+        [-2.4793, 2.0236]
+        >>> modes.complete.kind
+        'statistics'
+        """
+        aim = Aim(unseen, confidence, most_starts)
+        return find_modes(self, actuated, generator(rng), limits, aim)
 
     def configuration(self, q: ArrayLike) -> Configuration:
         """Return the configuration at this q.

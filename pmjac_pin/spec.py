@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import Any, Literal
 
 import msgspec
+from msgspec.structs import replace
 
 from pmjac_pin.errors import (
     ArgumentError,
@@ -132,6 +133,8 @@ class MechanismSpec(Table, frozen=True, kw_only=True):
     tool : Tool
     loops : tuple of PointLoop, DistanceLoop, ...
         ``[[loop]]`` in the file; `pmjac_pin.loop_spec` has all kinds.
+    locked : mapping of str to float
+        Joints that are held, at these values in rad or m: springs at rest, brakes.
     spherical : tuple of str
         Joints that the URDF writes as ``floating`` for want of a ball joint: they only turn.
     tolerance : float or None
@@ -149,6 +152,7 @@ class MechanismSpec(Table, frozen=True, kw_only=True):
     passive: tuple[Name, ...] | None = None
     tool: Tool
     loops: tuple[Loop, ...] = msgspec.field(default=(), name="loop")
+    locked: dict[str, float] = msgspec.field(default_factory=dict)
     spherical: tuple[Name, ...] = ()
     tolerance: float | None = None
     poses: dict[str, dict[str, JointValue]]
@@ -166,6 +170,7 @@ class MechanismSpec(Table, frozen=True, kw_only=True):
             raise ArgumentError("`actuated` is empty: name at least one motor joint")
         if both := sorted(set(self.actuated) & set(self.passive or ())):
             raise ArgumentError(f"joint {both[0]!r} is listed as actuated and as passive")
+        self._check_locked()
         if "home" not in self.poses:
             named = ", ".join(self.poses) or "none"
             raise ArgumentError(f"`poses.home` is missing; there are: {named}")
@@ -179,6 +184,43 @@ class MechanismSpec(Table, frozen=True, kw_only=True):
         lengths = [loop.length for loop in self.loops if isinstance(loop, DistanceLoop)]
         in_a_length = any(isinstance(length, Mapping) and parameter in length for length in lengths)
         return bool(self.parameters[parameter].moves) or in_a_length
+
+    def _check_locked(self) -> None:
+        uses = {"actuated": self.actuated, "passive": self.passive or ()}
+        for name in self.locked:
+            for use, names in (*uses.items(), *((f"poses.{k}", v) for k, v in self.poses.items())):
+                if name in names:
+                    raise ArgumentError(f"joint {name!r} is locked; remove it from `{use}`")
+
+    def with_locked(self, joints: Iterable[str] | Mapping[str, float]) -> MechanismSpec:
+        """Return the spec with these joints held, and so in no pose and not among `passive`.
+
+        Parameters
+        ----------
+        joints : iterable of str, or mapping of str to float
+            Their names, for those that are held at their values in the home pose (0 where it
+            has none), or their values in rad or m.
+
+        Raises
+        ------
+        ArgumentError
+            A motor, a joint of several degrees of freedom, or a value that is no number.
+        """
+        names = [] if isinstance(joints, str) or not isinstance(joints, Iterable) else list(joints)
+        if joints and not (names and all(isinstance(name, str) for name in names)):
+            raise ArgumentError(f"`locked` is a list of joints or a mapping, got {joints!r}")
+        home = {**self.locked, **self.poses["home"]}
+        given = joints if isinstance(joints, Mapping) else {k: home.get(k, 0.0) for k in names}
+        held = {name: _held_at(name, value) for name, value in given.items()}
+        return replace(
+            self,
+            locked={**self.locked, **held},
+            passive=self.passive and tuple(name for name in self.passive if name not in held),
+            poses={
+                pose: {name: value for name, value in values.items() if name not in held}
+                for pose, values in self.poses.items()
+            },
+        )
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (decode_spec, (encode_spec(self),))
@@ -233,6 +275,12 @@ def _refuse_repeated(key: str, names: Iterable[str]) -> None:
         if name in seen:
             raise ArgumentError(f"joint {name!r} is listed twice in `{key}`")
         seen.add(name)
+
+
+def _held_at(name: str, value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise ArgumentError(f"joint {name!r} is locked at one number, got {value!r}")
+    return float(value)
 
 
 def _check_length(loop: Loop, parameters: Mapping[str, Parameter]) -> None:

@@ -49,8 +49,8 @@ def checked_robot(robot: Element) -> Element:
     _check_root(robot)
     links, joints = robot.findall("link"), robot.findall("joint")
     _check_size(links, joints)
-    names = _checked_names(links)
-    _checked_names(joints)
+    names = checked_names(links)
+    checked_names(joints)
     copy = Element("robot", name=robot.get("name", ""))
     # Element.extend hides the error of an iterator: give it lists.
     copy.extend([_checked_link(link) for link in links])
@@ -99,7 +99,8 @@ def _check_size(links: Sequence[Element], joints: Sequence[Element]) -> None:
         raise ModelFileError(f"{got}; at most {MAXIMAL_VELOCITIES} are computed with ({why})")
 
 
-def _checked_names(elements: Sequence[Element]) -> Collection[str]:
+def checked_names(elements: Sequence[Element]) -> Collection[str]:
+    """Return the names of elements of one tag: there, readable, and different."""
     seen: dict[str, None] = {}
     for number, element in enumerate(elements, start=1):
         name, where = element.get("name"), f"<{element.tag}> number {number}"

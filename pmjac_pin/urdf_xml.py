@@ -58,16 +58,21 @@ def numbers(
     text = default if element is None else element.get(attribute, default)
     if text is None:
         raise ModelFileError(f"{where} has no `{attribute}`")
+    return numbers_in(f"{where}: `{attribute}`", text, count=count, largest=largest)
+
+
+def numbers_in(what: str, text: str, *, count: int = 1, largest: float = LARGEST) -> list[float]:
+    """Return the numbers of a text: finite, so many, and none of them beyond `largest`."""
     try:
         values = [float(word) for word in text.split()] if _is_plain(text) else []
     except ValueError:
         values = []
     if len(values) != count or not all(map(math.isfinite, values)):
         wanted = "a finite number" if count == 1 else f"{count} finite numbers"
-        raise ModelFileError(f"{where}: `{attribute}` is {shown(text)}, not {wanted}")
+        raise ModelFileError(f"{what} is {shown(text)}, not {wanted}")
     if max(map(abs, values)) > largest:
         limit = f"of magnitude {largest:g} or less"
-        raise ModelFileError(f"{where}: `{attribute}` is {shown(text)}; numbers {limit} are read")
+        raise ModelFileError(f"{what} is {shown(text)}; numbers {limit} are read")
     return values
 
 

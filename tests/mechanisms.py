@@ -10,8 +10,20 @@ import pinocchio as pin
 import pmjac_pin as pj
 
 CRANK_ROCKER = (4.0, 1.0, 3.0, 3.5)  # l0, l1, l2, l3
-CLOSED = ("four_bar", "three_rps", "three_rps_ss")
-CATALOGUE = ("four_bar", "serial_2r", "three_rps", "three_rps_ss", "ur5")
+CATALOGUE = (
+    "five_bar",
+    "four_bar",
+    "planar_3rpr",
+    "planar_3rrr",
+    "serial_2r",
+    "slider_crank",
+    "three_rps",
+    "three_rps_ss",
+    "ur5",
+    "watt_six_bar",
+)
+OPEN = ("serial_2r", "ur5")
+CLOSED = tuple(name for name in CATALOGUE if name not in OPEN)
 
 
 NON_GRASHOF = (4.0, 3.0, 2.5, 2.0)

@@ -34,7 +34,7 @@ def test_every_mechanism_loads_with_all_its_poses(name):
     ("name", "message"),
     [
         ("four_baar", "unknown mechanism 'four_baar'; did you mean 'four_bar'?"),
-        ("stewart", "unknown mechanism 'stewart'; there are: four_bar, serial_2r, three_rps"),
+        ("xyz", f"unknown mechanism 'xyz'; there are: {', '.join(mechanisms.CATALOGUE[:3])}"),
         ("", "unknown mechanism ''; there are: "),
     ],
 )

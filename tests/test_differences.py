@@ -31,7 +31,8 @@ def near_singular(mechanism, rng):
             mechanism.close(mechanism.home.actuated + 6 * direction, enforce_limits=False)
         except pj.ClosureError as error:
             path = error.reached.actuated - mechanism.home.actuated
-            poses.append(mechanism.close(mechanism.home.actuated + 0.999 * path))
+            near = mechanism.home.actuated + 0.999 * path
+            poses.append(mechanism.close(near, enforce_limits=False))
         except pj.LimitError:
             continue
     return poses

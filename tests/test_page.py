@@ -48,6 +48,13 @@ def browser():
         browser.close()
 
 
+# meshcat follows the size of its frame with the next event.
+LAID_OUT = """(() => {
+  const scene = document.getElementById("scene");
+  return scene.contentWindow.viewer.renderer.domElement.clientHeight === scene.clientHeight;
+})()"""
+
+
 @pytest.fixture
 def open_page(browser):
     """Open pages; at the end none of them may have complained."""
@@ -66,6 +73,7 @@ def open_page(browser):
         page.goto(viewer.url)
         wait(page, "window.pmjac && pmjac.ready")
         wait(page, "document.getElementById('scene').contentWindow.viewer")
+        wait(page, LAID_OUT)
         return page
 
     yield opened
@@ -294,6 +302,24 @@ def test_snapshot_and_reset_view(viewer, open_page, tmp_path):
     assert picture(page) == first
 
 
+def test_reset_view_frames_what_is_shown_now(open_page):
+    with pj.view(pj.load("four_bar").home, open_browser=False, port=0) as viewer:
+        page = open_page(viewer)
+        before = picture(page)
+        page.fill("#motor-0-value", "3.1")
+        page.press("#motor-0-value", "Enter")
+        quiet(page)
+        page.click("#reset")
+        quiet(page)
+        edge = pixels(page)
+        ground = np.abs(edge - edge[:, :1]).max(axis=2) > 25
+        assert not ground[:, [0, -1]].any()
+        page.click("#home")
+        page.click("#reset")
+        quiet(page)
+        assert picture(page) == before
+
+
 VISIBLE = """() => {
   const inner = document.getElementById("scene").contentWindow;
   const image = new inner.Image();
@@ -373,7 +399,7 @@ def test_keyboard_alone(viewer, open_page):
         style = page.evaluate("getComputedStyle(document.activeElement).outlineStyle")
         assert style == "solid", visited[-1]
     motors = [f"motor-{k}{end}" for k in range(3) for end in ("", "-value")]
-    assert visited == ["home", "reset", "snapshot", "pose", *motors, "linear", "angular",
+    assert visited == ["home", "reset", "snapshot", "pose", "names", *motors, "linear", "angular",
                        "force", "scale"]  # fmt: skip
     page.focus("#motor-0")
     page.keyboard.press("ArrowRight")
@@ -431,6 +457,39 @@ def test_nothing_overlaps_and_nothing_is_too_wide(open_page, name, size):
         assert smallest >= 11
         panel = page.evaluate("document.querySelector('.panel').scrollWidth")
         assert panel <= page.evaluate("document.querySelector('.panel').clientWidth")
+        page.close()
+
+
+LABELS = """() => {
+  const inner = document.getElementById("scene").contentWindow;
+  inner.viewer.render();
+  const found = [];
+  inner.viewer.scene.traverseVisible((object) => {
+    if (object.isSprite) found.push([object.userData.text, ...object.userData.rectangle]);
+  });
+  return [inner.innerWidth, inner.innerHeight, found];
+}"""
+
+
+@pytest.mark.parametrize("size", [DESKTOP, TELEPHONE], ids=["desktop", "telephone"])
+@pytest.mark.parametrize("name", pj.list_mechanisms())
+def test_no_label_lies_on_another_or_outside(open_page, name, size):
+    with pj.view(pj.load(name).home, open_browser=False, port=0) as viewer:
+        page = open_page(viewer, size)
+        wait(page, f"({LABELS})()[2].length > 0")
+        width, height, labels = page.evaluate(f"({LABELS})()")
+        texts = [text for text, *_ in labels]
+        assert set(texts) >= set(viewer.configuration.mechanism.actuated)
+        for k, (text, left, top, across, down) in enumerate(labels):
+            assert left >= 0 and top >= 0, text  # noqa: PT018
+            assert left + across <= width, text
+            assert top + down <= height, text
+            for other, x, y, w, h in labels[k + 1 :]:
+                apart = left + across <= x or x + w <= left or top + down <= y or y + h <= top
+                assert apart, (text, other)
+        page.uncheck("#names")
+        quiet(page)
+        wait(page, f"({LABELS})()[2].length === {len(texts) - len(viewer.configuration.actuated)}")
         page.close()
 
 

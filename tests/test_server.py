@@ -57,6 +57,13 @@ def test_the_files_of_the_page(viewer):
         assert "frame-ancestors 'self'" in headers["Content-Security-Policy"]
 
 
+def test_every_file_of_the_page_is_served(viewer):
+    page = Path(pj.__file__).parent / "viewer" / "page"
+    for file in page.iterdir():
+        path = "" if file.name == "index.html" else f"page/{file.name}"
+        assert fetch(viewer.url + path)[2] == file.read_bytes()
+
+
 def test_nothing_is_fetched_from_elsewhere():
     page = Path(pj.__file__).parent / "viewer" / "page"
     for file in page.iterdir():
@@ -247,7 +254,7 @@ def test_a_long_message_is_answered_and_an_absurd_one_ends_its_connection(viewer
 def _nonsense(rng):
     """Yield messages: valid ones with bytes changed, wrong types and values, and noise."""
     values = [
-        "NaN", "Infinity", "-Infinity", "1e999", "-1e400", '"1"', "null", "true", "[]", "{}",
+        "NaN", "Infinity", "-Infinity", "1e999", "-1e400", '"1"', "true", "[]", "{}",
         "99", "-99", "1e308", "[1]", "0x10", "1_0", "٣", "--1", "1e", ".5", "",
     ]  # fmt: skip
     keys = ["command", "values", "id", "name", "linear", "scale", "__proto__", "type", "é", ""]
@@ -383,6 +390,93 @@ def test_fifty_cycles_leak_nothing(mechanism):
     gc.collect()
     assert threading.active_count() == threads
     assert _open_files() <= files
+
+
+def _update_for_ever(viewer, configuration, endings):
+    try:
+        while True:
+            viewer.update(configuration)
+    except BaseException as error:
+        endings.append(error)
+
+
+def test_an_update_while_it_is_closed_never_hangs(mechanism):
+    """Whether it still gets through or not, it comes back."""
+    for _ in range(10):
+        viewer = pj.view(mechanism.home, open_browser=False, port=0)
+        endings = []
+        arguments = (viewer, mechanism.home, endings)
+        threads = [
+            threading.Thread(target=_update_for_ever, args=arguments, daemon=True) for _ in range(3)
+        ]
+        for thread in threads:
+            thread.start()
+        viewer.close()
+        for thread in threads:
+            thread.join(10)
+        assert [str(error) for error in endings] == ["the viewer has been closed"] * 3
+        assert all(isinstance(error, pj.PmjacError) for error in endings)
+
+
+def test_a_body_is_not_even_received(viewer):
+    head = (
+        f"POST / HTTP/1.1\r\nHost: 127.0.0.1:{viewer.port}\r\nContent-Length: 100000000\r\n\r\n"
+    ).encode()
+    with socket.create_connection(("127.0.0.1", viewer.port), timeout=10) as client:
+        client.sendall(head)
+        assert client.recv(4096).startswith(b"HTTP/1.1 400")
+
+
+FORKED = """
+import os, time, pmjac_pin as pj
+viewer = pj.view(pj.load("four_bar").home, open_browser=False, port=0)
+child = os.fork()
+if not child:
+    try:
+        viewer.update(viewer.configuration)
+    except pj.PmjacError as error:
+        os.write(1, f"child {error}\\n".encode())
+    time.sleep(60)
+os.write(1, f"url {viewer.url} {child}\\n".encode())
+time.sleep(60)
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
+def test_a_forked_process_does_not_keep_the_port():
+    parent = _child(["-c", FORKED])
+    with parent.stdout, parent.stderr:
+        try:
+            said = dict(parent.stdout.readline().split(maxsplit=1) for _ in range(2))
+            url, child = said["url"].split()
+            assert said["child"] == "the viewer has been closed\n"
+        finally:
+            parent.kill()
+            parent.wait(10)
+        try:
+            port = int(url.rsplit(":", 1)[1].rstrip("/"))
+            with socket.socket() as client:
+                assert client.connect_ex(("127.0.0.1", port)) != 0
+        finally:
+            os.kill(int(child), signal.SIGKILL)
+
+
+CLOSED_TWICE = """
+import os, signal, threading, pmjac_pin as pj
+viewer = pj.view(pj.load("four_bar").home, open_browser=False, port=0)
+signal.signal(signal.SIGTERM, lambda *_: viewer.close())
+viewer._server.call(lambda hub: threading.Timer(0.02, os.kill, (os.getpid(), 15)).start())
+viewer._server._loop.call_soon_threadsafe(lambda: __import__("time").sleep(0.3))
+viewer.close()
+print("closed", viewer.closed)
+"""
+
+
+def test_a_signal_handler_may_close_it_too():
+    child = _child(["-c", CLOSED_TWICE])
+    with child.stdout, child.stderr:
+        assert child.wait(20) == 0
+        assert child.stdout.read() == "closed True\n"
 
 
 def test_closing_does_not_wait_for_browsers(viewer):

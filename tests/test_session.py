@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 
+import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -70,6 +71,95 @@ def test_the_end_of_the_range_can_be_left_again():
 
 
 @pytest.mark.parametrize(
+    ("mechanism", "beyond", "back"),
+    [
+        (pj.load("three_rps"), [1.0, 3.0, 1.0], [1.0, 1.5, 1.0]),
+        (mechanisms.rocker_rocker(), [3.0], [1.0]),
+    ],
+    ids=lambda value: getattr(value, "name", None),
+)
+def test_a_first_pose_at_the_end_of_the_range_can_be_left(mechanism, beyond, back):
+    """No path led to it, so that nothing says on which of the two modes to go back."""
+    with pytest.raises(pj.ClosureError) as caught:
+        mechanism.close(beyond)
+    end = caught.value.reached
+    started, shown = Session(end, SceneOptions()), Session(mechanism.home, SceneOptions())
+    shown.show(end)
+    for session in (started, shown):
+        session.obey(Move(values=back))
+        assert session.notice.kind == ""
+        home = mechanism.close(back)
+        np.testing.assert_allclose(session.configuration.q, home.q, atol=1e-9)
+
+
+def test_beyond_a_fold_there_is_no_way_from_it_either():
+    mechanism = mechanisms.rocker_rocker()
+    with pytest.raises(pj.ClosureError) as caught:
+        mechanism.close([3.0])
+    session = Session(caught.value.reached, SceneOptions())
+    session.obey(Move(values=[3.0]))
+    assert session.notice.kind == "stop"
+    assert session.configuration.actuated == pytest.approx(caught.value.reached.actuated)
+
+
+def test_at_the_end_of_a_range_no_motor_moves_that_was_not_asked_to():
+    session = session_of()
+    session.obey(Move(values=[None, 3.0, None]))
+    end = session.configuration.actuated
+    for _ in range(5):
+        session.obey(Move(values=[session.configuration.actuated[0] - 0.02, None, None]))
+        np.testing.assert_allclose(session.configuration.actuated[1:], end[1:], atol=2e-3)
+
+
+def test_values_seen_at_the_end_and_sent_again_are_no_trap():
+    session = session_of()
+    session.obey(Move(values=[1.0, 3.0, 1.0]))
+    session.obey(Move(values=session.configuration.actuated.tolist()))
+    session.obey(Move(values=[None, 1.5, None]))
+    home = session.mechanism.close([1.0, 1.5, 1.0])
+    np.testing.assert_allclose(session.configuration.q, home.q, atol=1e-9)
+
+
+def test_where_branches_cross_the_way_back_is_open():
+    parallelogram = pj.load("four_bar", {"l0": 3.0, "l1": 1.0, "l2": 3.0, "l3": 1.0})
+    session = Session(parallelogram.home, SceneOptions())
+    before = session.configuration.actuated
+    session.obey(Move(values=[0.0]))
+    assert session.readout().warning.level == "singular"
+    session.obey(Move(values=before.tolist()))
+    np.testing.assert_allclose(session.configuration.q, parallelogram.home.q, atol=1e-9)
+
+
+def test_two_pages_move_two_motors():
+    session = session_of()
+    session.obey(Move(values=[1.1, None, None]))
+    session.obey(Move(values=[None, 0.9, None]))
+    np.testing.assert_allclose(session.configuration.actuated, [1.1, 0.9, 1.0])
+
+
+def test_a_mechanism_without_a_jacobian_is_shown_all_the_same():
+    session = Session(mechanisms.over_actuated_four_bar().home, SceneOptions())
+    readout = session.readout()
+    assert readout.J_eq is None
+    assert readout.refusal
+
+
+def test_a_pose_that_does_not_close_is_left_out(monkeypatch):
+    mechanism = pj.load("three_rps")
+    pose = type(mechanism).pose
+
+    def broken(self, name):
+        if name == "lecture_b":
+            raise pj.ClosureError("it does not close", residual_norm=1.0, q=None)
+        return pose(self, name)
+
+    monkeypatch.setattr(type(mechanism), "pose", broken)
+    session = Session(mechanism.home, SceneOptions())
+    assert session.state(about=True).about.poses == ("home", "lecture_a")
+    session.obey(Move(values=[1.1, 1.0, 1.0]))
+
+
+@pytest.mark.parametrize(
     "values",
     [
         [],
@@ -110,7 +200,7 @@ def test_options_choose_what_is_drawn():
         return {name for item in items for name in item.name.split("/")}
 
     before = drawn()
-    session.obey(Options(linear=True, angular=True, force=False, scale=2.0))
+    session.obey(Options(linear=True, angular=True, force=False, names=True, scale=2.0))
     assert drawn() - before
     assert session.state().drawn.scale == 2.0
 
@@ -215,16 +305,20 @@ def test_motors_without_limits_get_sensible_sliders():
 
 def test_the_first_view_holds_everything():
     session = session_of(angular=True)
-    framing = session.framing
+    framing = session.framing()
     items = [item for item in session.scene().items if item.visible]
-    radius = math.hypot(framing.width, framing.height, framing.depth)
+    eye, extremes = np.array(framing.eye), np.array(framing.extremes)
+    right = np.cross((0.0, 0.0, 1.0), eye)
+    right /= np.linalg.norm(right)
+    view = np.array([right, np.cross(eye, right), eye])
     for item in items:
-        assert np.linalg.norm(item.transform[:3, 3] - framing.centre) <= radius
+        x, y, z = view @ (item.transform[:3, 3] - framing.centre)
+        assert (extremes >= np.array([abs(x), abs(y), z]) - 1e-8).all(axis=1).any()
     assert np.linalg.norm(framing.eye) == pytest.approx(1.0)
 
 
 def test_a_flat_mechanism_is_looked_at_from_above():
-    assert session_of("four_bar").framing.eye[2] > 0.8
+    assert session_of("four_bar").framing().eye[2] > 0.8
 
 
 @pytest.mark.parametrize(
@@ -244,10 +338,13 @@ def test_a_flat_mechanism_is_looked_at_from_above():
         '{"command": "move", "values": ["1", "1", "1"]}',
         '{"command": "move", "values": [NaN, 1, 1]}',
         '{"command": "move", "values": [1, 1, true]}',
-        '{"command": "move", "values": [1, 1, null]}',
-        '{"command": "options", "linear": 1, "angular": false, "force": false, "scale": 1}',
-        '{"command": "options", "linear": true, "angular": false, "force": false, "scale": 0}',
-        '{"command": "options", "linear": true, "angular": false, "force": false, "scale": 1e9}',
+        '{"command": "move", "values": [1, 1, "null"]}',
+        '{"command": "options", "linear": 1, "angular": false, "force": false, '
+        '"names": true, "scale": 1}',
+        '{"command": "options", "linear": true, "angular": false, "force": false, '
+        '"names": true, "scale": 0}',
+        '{"command": "options", "linear": true, "angular": false, "force": false, '
+        '"names": true, "scale": 1e9}',
         '{"command": "home", "id": -1}',
         '{"command": "home", "id": 1.5}',
         '{"command": "home", "id": ' + "9" * 40 + "}",

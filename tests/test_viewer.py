@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import threading
+from html.parser import HTMLParser
 from types import SimpleNamespace
 
 import msgspec
@@ -75,6 +76,20 @@ def test_an_exception_ends_the_server(mechanism):
     assert viewer.closed
 
 
+def test_waiting_ends_with_the_viewer(mechanism):
+    viewer = pj.view(mechanism.home, open_browser=False, port=0)
+    threading.Timer(0.1, viewer.close).start()
+    viewer.wait()
+    assert viewer.closed
+
+
+def test_names_that_javascript_knows_are_no_harm(mechanism):
+    drawing = Drawing()
+    item = Item("links/constructor/__proto__", Sphere(), (0.0, 0.0, 0.0, 1.0), scaled(1.0))
+    paths = {command["path"] for command in decoded(drawing.update([item]))}
+    assert paths == {"/pmjac/_links/_constructor/___proto__"}
+
+
 def test_a_closed_viewer(mechanism, tmp_path):
     viewer = pj.view(mechanism.home, open_browser=False, port=0)
     viewer.close()
@@ -101,6 +116,14 @@ def test_save_html(viewer, mechanism, tmp_path):
     assert [file.name for file in tmp_path.iterdir()] == ["x.html"]
 
 
+def test_save_html_keeps_the_mode_of_a_file(viewer, tmp_path):
+    path = tmp_path / ("x" * 250 + ".html")
+    path.touch()
+    path.chmod(0o600)
+    viewer.save_html(path)
+    assert path.stat().st_mode & 0o777 == 0o600
+
+
 def test_a_file_that_cannot_be_written(viewer, tmp_path):
     with pytest.raises(OSError, match="nowhere"):
         viewer.save_html(tmp_path / "nowhere" / "x.html")
@@ -115,24 +138,33 @@ def test_in_a_notebook(viewer):
     assert html.startswith("<iframe srcdoc=")
     assert 'sandbox="allow-scripts"' in html
     assert html.count("<iframe") == 1
+    assert f'<a href="{viewer.url}"' in html
+    viewer.close()
+    assert "<a href" not in viewer._repr_html_()
 
 
 @pytest.mark.parametrize("name", ['a"><script>alert(1)</script>', "</title>", "</script>", "ü"])
-def test_names_are_escaped(name, viewer, mechanism):
+def test_names_are_escaped(name):
     other = pj.Mechanism.from_pinocchio(
         pj.load("serial_2r").model, [], ["theta1", "theta2"], "tip", name=name
     )
     with pj.view(other.home, open_browser=False, port=0) as viewer:
         html = viewer._repr_html_()
-        assert html.count('"') == 8
-        assert "<script>" not in html
+    tags = []
+    parser = HTMLParser()
+    parser.handle_starttag = lambda tag, attributes: tags.append((tag, dict(attributes)))
+    parser.feed(html)
+    assert [tag for tag, _ in tags] == ["iframe", "p", "a"]
+    assert tags[0][1]["title"] == name
+    assert set(tags[0][1]) == {"srcdoc", "title", "sandbox", "style"}
 
 
-def test_the_browser_is_opened_when_asked_and_never_in_tests(mechanism, monkeypatch):
+def test_the_browser_is_opened_when_asked_and_never_in_tests(mechanism, monkeypatch, caplog):
     opened = []
     monkeypatch.setattr(viewer_module.webbrowser, "open", lambda url: bool(opened.append(url)) or 1)
-    with pj.view(mechanism.home, port=0):
+    with pj.view(mechanism.home, port=0) as viewer:
         assert not opened
+        assert viewer.url in caplog.text  # so that it is seen
     with pj.view(mechanism.home, open_browser=True, port=0) as viewer:
         assert opened == [viewer.url]
     monkeypatch.setattr(viewer_module.sys, "ps1", ">>> ", raising=False)

@@ -42,12 +42,15 @@ def run(installed, tmp_path, *arguments):
 
 
 @pytest.mark.slow
-def test_the_wheel_holds_models_urdfs_and_types(installed, tmp_path):
+def test_the_wheel_holds_models_urdfs_types_and_the_page(installed, tmp_path):
     code = "import pmjac_pin as pj; print(pj.__file__, *pj.list_mechanisms(), sep='\\n')"
     where, *names = run(installed, tmp_path, "-c", code).split()
     assert Path(where).is_relative_to(installed)
     assert tuple(names) == pj.list_mechanisms()
     assert (installed / "pmjac_pin" / "py.typed").exists()
+    page = Path("pmjac_pin", "viewer", "page")
+    mine = {file.name for file in (ROOT / page).iterdir()}
+    assert {file.name for file in (installed / page).iterdir()} == mine
 
 
 @pytest.mark.slow

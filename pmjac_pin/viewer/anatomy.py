@@ -46,12 +46,12 @@ class Anatomy:
     """
 
     def __init__(self, mechanism: Mechanism) -> None:
-        parts = mechanism._parts
+        urdf = mechanism._parts.urdf
         self.mechanism = mechanism
-        self.model: pin.Model = parts.model.copy()
+        self.model: pin.Model = mechanism.model
         self.bodies = Bodies(self.model)
-        self.home = self.bodies.placements(parts.home_q)
-        self.visuals: list[Visual] = [] if parts.urdf is None else read_visuals(parts.urdf)
+        self.home = self.bodies.placements(mechanism.home.q)
+        self.visuals: list[Visual] = [] if urdf is None else read_visuals(urdf)
 
     @property
     def joints(self) -> range:

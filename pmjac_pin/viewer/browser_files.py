@@ -10,7 +10,23 @@ from pmjac_pin.errors import MissingDependencyError
 PAGE = Path(__file__).parent / "page"
 
 #: What of it the server hands out.
-PAGE_FILES = ("app.js", "fit.js", "scene.html", "scene.js", "style.css")
+PAGE_FILES = (
+    "app.js",
+    "connection.js",
+    "elements.js",
+    "fit.js",
+    "labels.js",
+    "motors.js",
+    "numbers.js",
+    "options.js",
+    "picture.js",
+    "readout.js",
+    "scene.html",
+    "scene.js",
+    "sections.js",
+    "status.js",
+    "style.css",
+)
 
 
 def meshcat_files() -> Path:

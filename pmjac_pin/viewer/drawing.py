@@ -21,10 +21,6 @@ Command = tuple[str, bytes]
 
 ROOT = "/pmjac"
 
-_CANVAS = 256  # pixels: the side of meshcat's text texture
-_LARGEST_FONT = 44  # pixels on that canvas
-_LETTER_WIDTH = 0.56  # of a font's size, on average
-_LETTER_HEIGHT = 0.72  # of a font's size
 # Three.js stands its cylinders along y: a quarter turn about x puts them along z.
 _UPRIGHT = [1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1]
 _AS_IT_IS = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
@@ -53,7 +49,7 @@ class Drawing:
         hidden = {path for path, visible in self._visible.items() if visible}
         for item in items:
             if item.visible:
-                path = f"{ROOT}/{item.name}"
+                path = _path(item.name)
                 hidden.discard(path)
                 self._draw(path, item, changed)
         for path in hidden:
@@ -69,11 +65,10 @@ class Drawing:
         if self._shapes.get(path) != item.shape:
             self._shapes[path] = item.shape
             changed.append((f"object {path}", _set_object(path, item.shape, item.colour)))
-        matrix = _matrix(item)
-        values = matrix.tobytes()
+        values = item.transform.tobytes()
         if self._matrices.get(path) != values:
             self._matrices[path] = values
-            changed.append((f"transform {path}", _set_transform(path, matrix)))
+            changed.append((f"transform {path}", _set_transform(path, item.transform)))
         if not self._visible.get(path):
             self._show(path, True, changed)
 
@@ -82,19 +77,9 @@ class Drawing:
         changed.append(_property(path, "visible", visible))
 
 
-def _matrix(item: Item) -> Array:
-    """Return the item's transform; a text's scale becomes that of its square texture."""
-    if not isinstance(item.shape, Text):
-        return item.transform
-    matrix = item.transform.copy()
-    matrix[:3, :3] *= _CANVAS / (_LETTER_HEIGHT * _font_size(item.shape.text))
-    return matrix
-
-
-def _font_size(text: str) -> int:
-    """Return the size in pixels at which a text fits its canvas."""
-    fitting = int(_CANVAS / (_LETTER_WIDTH * max(len(text), 1)))
-    return max(8, min(_LARGEST_FONT, fitting))
+def _path(name: str) -> str:
+    """Return a path that is safe for meshcat, to which "constructor" is no name for a child."""
+    return f"{ROOT}/_" + name.replace("/", "/_")
 
 
 def _set_transform(path: str, matrix: Array) -> bytes:
@@ -103,14 +88,14 @@ def _set_transform(path: str, matrix: Array) -> bytes:
 
 
 def _set_object(path: str, shape: Shape, colour: Colour) -> bytes:
-    made = _label(shape.text) if isinstance(shape, Text) else _mesh(shape, colour)
+    made = _label(shape.text, colour) if isinstance(shape, Text) else _mesh(shape, colour)
     made["metadata"] = {"version": 4.5, "type": "Object"}
     return msgspec.msgpack.encode({"type": "set_object", "path": path, "object": made})
 
 
 def _mesh(shape: Box | Cylinder | Cone | Sphere, colour: Colour) -> dict[str, Any]:
     geometry, material = _identity(), _identity()
-    red, green, blue, opacity = colour
+    opacity = colour[3]
     clear = opacity < 1.0
     return {
         "geometries": [{"uuid": geometry, **_geometry(shape)}],
@@ -119,9 +104,7 @@ def _mesh(shape: Box | Cylinder | Cone | Sphere, colour: Colour) -> dict[str, An
                 "uuid": material,
                 # Not Phong's: without a graphics card it takes half as long again to draw.
                 "type": "MeshLambertMaterial",
-                "color": int(
-                    sum(round(255 * c) << s for c, s in ((red, 16), (green, 8), (blue, 0)))
-                ),
+                "color": _hexadecimal(colour),
                 "transparent": clear,
                 "opacity": opacity,
                 # What is inside a clear surface is seen through it.
@@ -150,18 +133,19 @@ def _geometry(shape: Box | Cylinder | Cone | Sphere) -> dict[str, Any]:
     return {"type": "CylinderGeometry", **size}
 
 
-def _label(text: str) -> dict[str, Any]:
-    """Return a sprite, which always faces the eye, with the text as its texture."""
+def _label(text: str, colour: Colour) -> dict[str, Any]:
+    """Return a sprite, which always faces the eye; labels.js writes the text and finds it room."""
     texture, material = _identity(), _identity()
     return {
         "geometries": [],
         "textures": [
+            # What a browser without labels.js shows: meshcat's own small letters.
             {
                 "uuid": texture,
                 "type": "_text",
                 "text": text,
-                "font_size": _font_size(text),
-                "font_face": "system-ui, sans-serif",
+                "font_size": 24,
+                "font_face": "sans-serif",
             }
         ],
         "materials": [
@@ -180,8 +164,14 @@ def _label(text: str) -> dict[str, Any]:
             "material": material,
             "matrix": _AS_IT_IS,
             "renderOrder": 1,
+            "userData": {"text": text, "colour": f"#{_hexadecimal(colour):06x}"},
         },
     }
+
+
+def _hexadecimal(colour: Colour) -> int:
+    red, green, blue = (round(255 * part) for part in colour[:3])
+    return (red << 16) + (green << 8) + blue
 
 
 def _identity() -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.ellipsoid import Ellipsoid
-from pmjac_pin.errors import ClosureError, ForbiddenRatesError, IdleMotionError, SingularError
+from pmjac_pin.errors import ClosureError, NoJacobianError
 from pmjac_pin.jacobian import EquivalentJacobian
 from pmjac_pin.viewer.anatomy import Anatomy
 from pmjac_pin.viewer.layers import SPECK, Drawing, Pose, lettering, specks, words
@@ -70,7 +70,8 @@ class EllipsoidLayer:
             transforms[7:] = lettering(tips, LETTERS * self._size)
             visible[:] = [True, *(3 * [n < ellipsoid.rank for n in range(3)])]
             for n, radius in enumerate(ellipsoid.radii[: ellipsoid.rank].tolist()):
-                texts[7 + n] = label(radius, ellipsoid.unit)
+                cut = radius * self.automatic * pose.scale > LIMIT * self._size
+                texts[7 + n] = label(radius, ellipsoid.unit) + ", cut" * cut
         specks(transforms, visible, pose.tool, SPECK * self._size)
         return Drawing(transforms, visible, texts)
 
@@ -98,7 +99,7 @@ def find_jacobian(configuration: Configuration) -> EquivalentJacobian | None:
     """Return the equivalent Jacobian, or nothing where none exists."""
     try:
         return configuration.jacobian()
-    except (SingularError, IdleMotionError, ForbiddenRatesError):
+    except NoJacobianError:
         return None
 
 

@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.viewer.shapes import Item, Text
+from pmjac_pin.viewer.shapes import Item
 
 Array = NDArray[np.float64]
 
@@ -20,7 +20,12 @@ _FLAT = 0.2
 _FACING = {0: (0.93, -0.25, 0.27), 1: (0.16, -0.95, 0.27), 2: (0.0, -0.42, 0.91)}
 
 _CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
-_LETTER = 0.3  # half the width of a letter, relative to its height
+_ANGLES = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)
+_RIM = np.stack([np.cos(_ANGLES), np.sin(_ANGLES), np.ones(16)], axis=1)
+_ENDS = np.concatenate([_RIM, _RIM * (1.0, 1.0, -1.0)])
+# Of a ball: three great circles.
+_CIRCLES = np.concatenate([np.roll(_RIM * (1.0, 1.0, 0.0), turn, axis=1) for turn in range(3)])
+_HULLS = {0: _CORNERS, 2: _ENDS, 3: _CIRCLES}  # by the number of round axes
 
 
 class Framing(msgspec.Struct, frozen=True):
@@ -29,55 +34,62 @@ class Framing(msgspec.Struct, frozen=True):
     Attributes
     ----------
     centre : tuple of float
-        In the world, m.
+        In the world, m: what the camera looks at.
     eye : tuple of float
         Unit direction from the centre to the eye, in the world.
-    width, height, depth : float
-        Half the size of the picture as seen from there, m.
+    extremes : tuple of tuple of float
+        Points that have to be in the picture, m from the centre: how far to the side, how far
+        up or down, how far towards the eye. All others are seen if these are.
     field_of_view : float
         Degrees, vertical.
     """
 
     centre: tuple[float, ...]
     eye: tuple[float, ...]
-    width: float
-    height: float
-    depth: float
+    extremes: tuple[tuple[float, ...], ...]
     field_of_view: float = 40.0
 
 
 def frame(items: Iterable[Item]) -> Framing:
     """Return the framing of all visible items."""
-    visible = [item for item in items if item.visible]
-    boxes = [_corners(item) for item in visible]
-    points = np.concatenate(boxes) if boxes else np.zeros((1, 3))
-    spread = np.ptp(points, axis=0)
-    thinnest = int(np.argmin(spread))
-    flat = spread[thinnest] < _FLAT * np.sort(spread)[1]
-    eye = np.array(_FACING[thinnest] if flat else _OBLIQUE)
-    eye /= np.linalg.norm(eye)
+    hulls = [_hull(item) for item in items if item.visible]
+    points = np.concatenate(hulls) if hulls else np.zeros((1, 3))
+    eye = _direction(points)
     right = np.cross((0.0, 0.0, 1.0), eye)
     right /= np.linalg.norm(right)
     view = np.array([right, np.cross(eye, right), eye])
     seen = points @ view.T
-    margins = np.zeros_like(seen)
-    margins[:, :2] = np.concatenate([_margins(item) for item in visible] or [np.zeros((1, 2))])
-    low, high = (seen - margins).min(axis=0), (seen + margins).max(axis=0)
-    smallest = 1e-6 + 1e-3 * float(np.abs(points).max())
-    width, height, depth = np.maximum(0.5 * (high - low), smallest).tolist()
-    centre = view.T @ (0.5 * (low + high))
-    return Framing(tuple(centre.tolist()), tuple(eye.tolist()), width, height, depth)
+    middle = 0.5 * (seen.min(axis=0) + seen.max(axis=0))
+    extremes = _extremes(seen - middle, 1e-9 + 1e-3 * float(np.ptp(points, axis=0).max()))
+    return Framing(
+        centre=tuple((view.T @ middle).tolist()),
+        eye=tuple(eye.tolist()),
+        extremes=tuple(map(tuple, extremes.tolist())),
+    )
 
 
-def _corners(item: Item) -> Array:
-    corners: Array = (_CORNERS * item.shape.half_extents) @ item.transform[:3, :3].T
-    return corners + item.transform[:3, 3]
+def _direction(points: Array) -> Array:
+    spread = np.ptp(points, axis=0)
+    thinnest = int(np.argmin(spread))
+    flat = spread[thinnest] < _FLAT * np.sort(spread)[1]
+    eye = np.array(_FACING[thinnest] if flat else _OBLIQUE)
+    unit: Array = eye / np.linalg.norm(eye)
+    return unit
 
 
-def _margins(item: Item) -> Array:
-    """Return half the width and height of a text at its place; of all else nothing."""
-    margins = np.zeros((8, 2))
-    if isinstance(item.shape, Text):
-        letter = float(np.linalg.norm(item.transform[:3, 0]))
-        margins[:] = (letter * _LETTER * len(item.shape.text), 0.7 * letter)
-    return margins
+def _extremes(seen: Array, smallest: float) -> Array:
+    """Return the points that no other one exceeds in width, height and depth at once."""
+    reach = np.column_stack([np.maximum(np.abs(seen[:, :2]), smallest), seen[:, 2]])
+    found = np.zeros((0, 3))
+    # What exceeds a point has the larger sum, and is met before it.
+    for point in reach[np.argsort(-reach.sum(axis=1), kind="stable")]:
+        if not (found >= point).all(axis=1).any():
+            found = np.vstack([found, point])
+    return found
+
+
+def _hull(item: Item) -> Array:
+    """Return points about an item in the world, shape (k, 3); of a text its place."""
+    hull = _HULLS[item.shape.round_axes] * item.shape.half_extents
+    points: Array = hull @ item.transform[:3, :3].T + item.transform[:3, 3]
+    return points

@@ -11,13 +11,16 @@ from pathlib import Path
 
 import tornado.web
 import tornado.websocket
+from tornado.iostream import IOStream
 
 from pmjac_pin.viewer.browser_files import PAGE, PAGE_FILES, meshcat_files
 from pmjac_pin.viewer.hub import Hub
 from pmjac_pin.viewer.messages import MAXIMAL_SIZE
 
 #: Beyond this a message is not even received: the connection ends with code 1009.
-_ABSURD_SIZE = 16 * MAXIMAL_SIZE
+ABSURD_SIZE = 16 * MAXIMAL_SIZE
+
+_MOST_SOCKETS = 128  # two a page
 
 # meshcat's viewer styles its controls inline.
 _POLICY = (
@@ -70,8 +73,10 @@ class Missing(Guarded):
         raise tornado.web.HTTPError(404)
 
 
-class _Socket(Guarded, tornado.websocket.WebSocketHandler):
+class Browser(Guarded, tornado.websocket.WebSocketHandler):
     """A WebSocket of one of our own pages."""
+
+    _stream: IOStream | None = None
 
     def initialize(self, hub: Hub) -> None:
         """Take what the application has for it."""
@@ -87,6 +92,8 @@ class _Socket(Guarded, tornado.websocket.WebSocketHandler):
         super().prepare()
         if "Origin" not in self.request.headers:
             raise tornado.web.HTTPError(403)
+        if len(self.settings["sockets"]) >= _MOST_SOCKETS:
+            raise tornado.web.HTTPError(503)
 
     async def send(self, message: str | bytes) -> None:
         """Send, and wait until it is on its way."""
@@ -108,6 +115,11 @@ class _Socket(Guarded, tornado.websocket.WebSocketHandler):
         self.settings["sockets"].discard(self)
         self.hub.remove(self)
 
+    def forget(self) -> None:
+        """Close the socket in a forked process; the connection lives on in this one."""
+        if self._stream is not None and self._stream.socket is not None:
+            self._stream.socket.close()
+
     def abort(self) -> None:
         """End the connection without waiting for the browser's farewell."""
         if self._stream is not None:
@@ -123,7 +135,7 @@ class Page(Guarded):
         self.finish((PAGE / "index.html").read_bytes())
 
 
-class SceneSocket(_Socket):
+class SceneSocket(Browser):
     """``/scene``: the drawing commands for meshcat's viewer."""
 
     def join(self) -> None:
@@ -134,7 +146,7 @@ class SceneSocket(_Socket):
         """Ignore: meshcat's viewer speaks only when asked for an image."""
 
 
-class ControlSocket(_Socket):
+class ControlSocket(Browser):
     """``/control``: the page's commands, and what it shows."""
 
     def join(self) -> None:
@@ -149,8 +161,8 @@ class ControlSocket(_Socket):
             self.hub.remove(self)
 
 
-def make_application(hub: Hub, port: int) -> tornado.web.Application:
-    """Return the application for a server on this port of 127.0.0.1."""
+def make_application(hub: Hub, port: int, sockets: set[Browser]) -> tornado.web.Application:
+    """Return the application for a server on this port of 127.0.0.1; it keeps `sockets`."""
     page_files = "|".join(map(re.escape, PAGE_FILES))
     return tornado.web.Application(
         [
@@ -163,7 +175,7 @@ def make_application(hub: Hub, port: int) -> tornado.web.Application:
         default_handler_class=Missing,
         host=f"127.0.0.1:{port}",
         hosts=frozenset({f"127.0.0.1:{port}", f"localhost:{port}"}),
-        sockets=set(),
-        websocket_max_message_size=_ABSURD_SIZE,
+        sockets=sockets,
+        websocket_max_message_size=ABSURD_SIZE,
         log_function=lambda handler: None,
     )

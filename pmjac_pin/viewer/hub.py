@@ -16,8 +16,7 @@ from tornado.websocket import WebSocketClosedError
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import PmjacError
 from pmjac_pin.viewer.drawing import Drawing
-from pmjac_pin.viewer.framing import frame
-from pmjac_pin.viewer.messages import Refusal, decode, encode
+from pmjac_pin.viewer.messages import Frame, Refusal, decode, encode
 from pmjac_pin.viewer.session import Session
 from pmjac_pin.viewer.static_page import Picture
 
@@ -84,14 +83,13 @@ class Hub:
 
     def picture(self) -> Picture:
         """Return what is shown now, framed anew."""
-        framing = frame(self.session.scene().items)
         commands = [command for _, command in self.drawing.commands()]
-        return Picture(self.session.mechanism.name, commands, framing)
+        return Picture(self.session.mechanism.name, commands, self.session.framing())
 
     def add_page(self, page: object, send: Send) -> None:
         """Tell a page that has just been opened everything."""
         self._pages[page] = outbox = Outbox(send, list)
-        outbox.put([("about", encode(self.session.state(about=True)))])
+        outbox.put([("about", encode(self.session.state(about=True, framing=True)))])
 
     def add_scene(self, scene: object, send: Send) -> None:
         """Draw the whole picture in a meshcat viewer that has just been opened."""
@@ -110,14 +108,16 @@ class Hub:
         try:
             command = decode(message)
             number = command.id
+            if isinstance(command, Frame):
+                return encode(self.session.state(number, framing=True))
             self.session.obey(command)
+            self._publish(page)
+            return encode(self.session.state(number))
         except PmjacError as error:
             return encode(Refusal(number, str(error)))
         except Exception:
             _logger.exception("a command of the page failed")
             return encode(Refusal(number, "the command failed; see the log of the server"))
-        self._publish(page)
-        return encode(self.session.state(number))
 
     def show(self, configuration: Configuration) -> None:
         """Go to a configuration and tell all browsers."""

@@ -42,7 +42,6 @@ FIRST_RADIUS, SECOND_RADIUS = 0.03, 0.045
 ROD_RADIUS, GAP_RADIUS = 0.015, 0.008
 FRAME_LENGTH = 0.15
 LETTERS = 0.055
-_NAME_SHIFT = 0.06
 
 
 def joint_layer(anatomy: Anatomy) -> Attached:
@@ -68,13 +67,12 @@ def rail_layer(anatomy: Anatomy) -> Lines:
 
 
 def motor_names(anatomy: Anatomy) -> Labels:
-    """Return the motors' names beside them."""
+    """Return the motors' names, at them."""
     motors = sorted(anatomy.motors)
     names = [str(anatomy.model.names[motor]) for motor in motors]
     return Labels(
         parts=distinct([words(f"names/{part_of_path(name)}", name, WORDS) for name in names]),
         points=Points.of([anatomy.root(motor) for motor in motors]),
-        shift=np.full(3, _NAME_SHIFT * anatomy.size),
         height=LETTERS * anatomy.size,
     )
 

@@ -105,16 +105,15 @@ class Attached:
 
 @dataclass(frozen=True, eq=False)
 class Labels:
-    """Words beside points of bodies, `shift` away in world axes."""
+    """Words at points of bodies."""
 
     parts: Sequence[Part]
     points: Points
-    shift: Array
     height: float
 
     def draw(self, pose: Pose) -> Drawing:
-        """Put the words beside the points."""
-        positions = self.points.at(pose.placements) + self.shift
+        """Put the words at the points."""
+        positions = self.points.at(pose.placements)
         return Drawing(lettering(positions, self.height), np.ones(len(positions), dtype=bool))
 
 

@@ -28,9 +28,9 @@ class _Command(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_fiel
 
 
 class Move(_Command, frozen=True, tag="move", kw_only=True):
-    """Move the motors to these values, m or rad."""
+    """Move the motors to these values, m or rad; those that are None stay where they are."""
 
-    values: list[float]
+    values: list[float | None]
 
 
 class Home(_Command, frozen=True, tag="home"):
@@ -44,15 +44,20 @@ class Pose(_Command, frozen=True, tag="pose", kw_only=True):
 
 
 class Options(_Command, frozen=True, tag="options", kw_only=True):
-    """Choose which ellipsoids are drawn, and how large."""
+    """Choose which ellipsoids are drawn, how large, and whether motors are named."""
 
     linear: bool
     angular: bool
     force: bool
+    names: bool
     scale: Scale
 
 
-Command: TypeAlias = Move | Home | Pose | Options
+class Frame(_Command, frozen=True, tag="frame"):
+    """Say how to frame what is shown now; nothing changes."""
+
+
+Command: TypeAlias = Move | Home | Pose | Options | Frame
 
 
 class Motor(msgspec.Struct, frozen=True):
@@ -73,7 +78,6 @@ class About(msgspec.Struct, frozen=True):
     motors: tuple[Motor, ...]
     poses: tuple[str, ...]
     home: Readout
-    framing: Framing
 
 
 class Notice(msgspec.Struct, frozen=True):
@@ -89,6 +93,7 @@ class Drawn(msgspec.Struct, frozen=True):
     linear: bool
     angular: bool
     force: bool
+    names: bool
     scale: float
 
 
@@ -102,6 +107,7 @@ class State(msgspec.Struct, frozen=True, kw_only=True, tag="state", tag_field="t
     notice: Notice
     drawn: Drawn
     about: About | None = None
+    framing: Framing | None = None
 
 
 class Refusal(msgspec.Struct, frozen=True, tag="error", tag_field="type"):

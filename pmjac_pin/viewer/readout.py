@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.ellipsoid import Ellipsoid
-from pmjac_pin.errors import SingularError
+from pmjac_pin.errors import NoJacobianError
 from pmjac_pin.factorisation import norm
-from pmjac_pin.jacobian import EquivalentJacobian, SplitJacobian
+from pmjac_pin.jacobian import EquivalentJacobian
 from pmjac_pin.singularity import Singularity
-from pmjac_pin.viewer.free_motion import NEAR_SINGULAR
+from pmjac_pin.viewer.free_motion import NEAR_SINGULAR, easiest_motions
 
 Array = NDArray[np.float64]
 Vector = tuple[float, ...]
@@ -129,7 +129,7 @@ def make_readout(configuration: Configuration) -> Readout:
 def _equivalent(configuration: Configuration) -> tuple[EquivalentJacobian | None, str | None]:
     try:
         return configuration.jacobian(), None
-    except SingularError as error:
+    except NoJacobianError as error:
         return None, str(error)
 
 
@@ -155,7 +155,7 @@ def _warning(
     if singularity.kind != "regular":
         return Warning("singular", f"At {_KINDS[singularity.kind]}{_consequence(singularity)}.")
     if singularity.smallest < NEAR_SINGULAR:
-        names = _moving(*_weakest_motion(configuration.split_jacobian(), singularity))
+        names = _moving(singularity.passive_names, easiest_motions(configuration)[:, 0])
         text = f"Near a gain singularity: with all motors locked, {names} almost come free."
         return Warning("near", text)
     if jacobian is not None and _tool_share(jacobian) < NEAR_SINGULAR:
@@ -170,17 +170,6 @@ def _consequence(singularity: Singularity) -> str:
     if singularity.lost > 0:
         return ": the tool has lost a motion"
     return ": branches of motion meet here"
-
-
-def _weakest_motion(
-    split: SplitJacobian, singularity: Singularity
-) -> tuple[tuple[str, ...], Array]:
-    """Return the passive rates that the loops resist least, with their names."""
-    partition = split.partition
-    passive = partition.passive
-    scaled = partition.scaled(split.constraint_jacobian)[:, passive]
-    direction = np.linalg.svd(scaled)[2][singularity.generic_rank - 1]
-    return partition.passive_names, partition.column_scale[passive] * direction
 
 
 def _moving(names: tuple[str, ...], rates: Array) -> str:

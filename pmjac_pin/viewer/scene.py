@@ -65,6 +65,8 @@ class SceneOptions:
         The tool's frame.
     labels : bool
         All text: the motors' names, the values of the ellipsoids' axes.
+    names : bool
+        The motors' names.
     """
 
     linear: bool = True
@@ -73,6 +75,7 @@ class SceneOptions:
     scale: float = 1.0
     frames: bool = True
     labels: bool = True
+    names: bool = True
 
     def __post_init__(self) -> None:
         if not 0.0 < self.scale < math.inf:
@@ -181,7 +184,7 @@ class SceneMaker:
         yield from self._always
         if options.frames:
             yield self._tool
-        if options.labels:
+        if options.labels and options.names:
             yield self._names
         for kind in _ellipsoids_of(options):
             yield self._ellipsoids[kind]

@@ -7,19 +7,23 @@ from __future__ import annotations
 
 import asyncio
 import atexit
+import concurrent.futures
+import contextlib
 import errno
 import logging
 import os
 import socket
 import threading
+import weakref
 from collections.abc import Callable
+from numbers import Integral
 from typing import TypeVar
 
 import tornado.httpserver
 import tornado.ioloop
 
 from pmjac_pin.errors import ArgumentError, PmjacError
-from pmjac_pin.viewer.handlers import make_application
+from pmjac_pin.viewer.handlers import ABSURD_SIZE, Browser, make_application
 from pmjac_pin.viewer.hub import Hub
 
 _logger = logging.getLogger(__name__)
@@ -30,6 +34,8 @@ ADDRESS = "127.0.0.1"
 DEFAULT_PORT = 7000
 _ATTEMPTS = 100
 _PATIENCE = 5.0  # seconds
+_LARGEST_BODY = 1024  # bytes: no request of ours has any
+_IDLE = 30.0  # seconds
 
 
 class Server:
@@ -63,11 +69,11 @@ class Server:
         self.url = f"http://{ADDRESS}:{self.port}/"
         if wanted not in (0, self.port):
             _logger.warning("port %d is in use: serving on %d", wanted, self.port)
-        self._stopping = threading.Lock()
         self._ready = threading.Event()
         self._failure: BaseException | None = None
         self._loop = asyncio.new_event_loop()
         self._finish: asyncio.Event | None = None
+        self._browsers: set[Browser] = set()
         name = f"pmjac viewer {self.port}"
         self._thread = threading.Thread(target=self._serve, name=name, daemon=True)
         self._thread.start()
@@ -75,6 +81,7 @@ class Server:
         if self._failure is not None:
             raise self._failure
         atexit.register(self.stop)
+        _servers.add(self)
 
     @property
     def running(self) -> bool:
@@ -89,25 +96,45 @@ class Server:
         PmjacError
             The server has been stopped.
         """
+        future: concurrent.futures.Future[Result] = concurrent.futures.Future()
 
-        async def run() -> Result:
-            return function(self.hub)
+        def run() -> None:
+            try:
+                future.set_result(function(self.hub))
+            except BaseException as error:
+                future.set_exception(error)
 
-        coroutine = run()
+        closed = PmjacError("the viewer has been closed")
+        if not self.running:
+            raise closed
         try:
-            future = asyncio.run_coroutine_threadsafe(coroutine, self._loop)
-        except RuntimeError:
-            coroutine.close()
-            raise PmjacError("the viewer has been closed") from None
+            self._loop.call_soon_threadsafe(run)
+        except RuntimeError:  # closed meanwhile
+            raise closed from None
+        while not future.done() and self.running:
+            concurrent.futures.wait([future], timeout=0.1)
+        if not future.done():
+            raise closed
         return future.result()
 
     def stop(self) -> None:
         """End thread, connections and loop; return when they have ended. May be repeated."""
         atexit.unregister(self.stop)
-        with self._stopping:
-            if self.running and self._finish is not None:
+        # Without a lock: a signal handler may close what its own thread is just closing.
+        if self.running and self._finish is not None:
+            with contextlib.suppress(RuntimeError):  # it has ended meanwhile
                 self._loop.call_soon_threadsafe(self._finish.set)
-                self._thread.join(_PATIENCE)
+            self._thread.join(_PATIENCE)
+
+    def wait(self) -> None:
+        """Return when the server has ended."""
+        self._thread.join()
+
+    def forget(self) -> None:
+        """Close, in a process forked from this one, what belongs to this one."""
+        self._socket.close()
+        for browser in self._browsers:
+            browser.forget()
 
     def _serve(self) -> None:
         asyncio.set_event_loop(self._loop)
@@ -125,16 +152,22 @@ class Server:
 
     async def _main(self) -> None:
         self._finish = asyncio.Event()
-        application = make_application(self.hub, self.port)
-        server = tornado.httpserver.HTTPServer(application)
+        application = make_application(self.hub, self.port, self._browsers)
+        server = tornado.httpserver.HTTPServer(
+            application,
+            max_body_size=_LARGEST_BODY,
+            max_buffer_size=2 * ABSURD_SIZE,
+            body_timeout=_PATIENCE,
+            idle_connection_timeout=_IDLE,
+        )
         server.add_socket(self._socket)
         self._ready.set()
         await self._finish.wait()
         server.stop()
-        for browser in list(application.settings["sockets"]):
+        for browser in list(self._browsers):
             browser.close(1001, "the viewer has been closed")
         await asyncio.sleep(0.02)  # for the closing frames to go out
-        for browser in list(application.settings["sockets"]):
+        for browser in list(self._browsers):
             browser.abort()
         await server.close_all_connections()
         await _cancel_others()
@@ -147,10 +180,24 @@ async def _cancel_others() -> None:
     await asyncio.gather(*tasks, return_exceptions=True)
 
 
+_servers: weakref.WeakSet[Server] = weakref.WeakSet()
+
+
+def _forget_all() -> None:
+    for server in list(_servers):
+        server.forget()
+
+
+if hasattr(os, "register_at_fork"):
+    # Or the port would stay in use for as long as the child lives.
+    os.register_at_fork(after_in_child=_forget_all)
+
+
 def _bind(first: int) -> socket.socket:
     """Bind the first free port from this one on, 0 for any."""
-    if isinstance(first, bool) or not isinstance(first, int) or not 0 <= first <= 65535:
+    if isinstance(first, bool) or not isinstance(first, Integral) or not 0 <= first <= 65535:
         raise ArgumentError(f"a port is a whole number from 0 to 65535, got {first!r}")
+    first = int(first)
     last = min(first + _ATTEMPTS, 65536) if first else 1
     for port in range(first, last):
         try:

@@ -2,35 +2,34 @@
 
 from __future__ import annotations
 
+import logging
 import math
+from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ArgumentError, ClosureError
-from pmjac_pin.viewer.framing import frame
+from pmjac_pin.errors import ArgumentError, ClosureError, LimitError, PmjacError
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.viewer.framing import Framing, frame
+from pmjac_pin.viewer.leaving import beside_singularity, shortly_before
 from pmjac_pin.viewer.messages import (
     About,
     Command,
     Drawn,
     Home,
-    Motor,
     Move,
     Notice,
     Options,
     Pose,
     State,
 )
+from pmjac_pin.viewer.motors import FARTHEST, motors_of
 from pmjac_pin.viewer.readout import Readout, make_readout
 from pmjac_pin.viewer.scene import Scene, SceneMaker, SceneOptions
 
-Array = NDArray[np.float64]
-
-#: A motor without limits takes no value beyond this, m or rad.
-FARTHEST = 1e4
-
 _NOTHING = Notice("", "")
+_logger = logging.getLogger(__name__)
 
 
 class Session:
@@ -54,8 +53,6 @@ class Session:
         Why the last motion ended early, if it did.
     pose : str or None
         The name of the pose, if it is a named one.
-    framing : Framing
-        Of the scene at the beginning: the first view.
     """
 
     def __init__(self, configuration: Configuration, options: SceneOptions) -> None:
@@ -63,12 +60,12 @@ class Session:
         self.configuration = configuration
         self.options = options
         self.notice = _NOTHING
+        self._poses = dict(_assembled_poses(self.mechanism))
         self.pose = self._name_of(configuration)
         self._maker = SceneMaker(self.mechanism)
         self._start = configuration
-        self._motors = _motors(configuration)
+        self._motors = motors_of(self.mechanism)
         self._home_readout = make_readout(self.mechanism.home)
-        self.framing = frame(self.scene().items)
 
     def obey(self, command: Command) -> None:
         """Carry out a command of a page.
@@ -90,32 +87,63 @@ class Session:
                     linear=command.linear,
                     angular=command.angular,
                     force=command.force,
+                    names=command.names,
                     scale=command.scale,
                 )
 
-    def move(self, values: list[float]) -> None:
-        """Move the motors, on this assembly mode, as far as the loops close.
+    def move(self, values: Sequence[float | None]) -> None:
+        """Move motors, on this assembly mode, as far as the loops close.
+
+        Parameters
+        ----------
+        values : sequence of float or None
+            One for each motor, m or rad; None where it stays.
 
         Raises
         ------
         ArgumentError
             Another number of values, a value that is not finite, or one beyond the limits.
         """
-        if not all(map(math.isfinite, values)):
-            raise ArgumentError("motor values must be finite numbers")
-        for motor, value in zip(self._motors, values, strict=False):
-            if not motor.limited and abs(value) > FARTHEST:
-                raise ArgumentError(f"{motor.name} = {value:g} is beyond ±{FARTHEST:g}")
+        target = self._target(values)
         try:
-            self.show(self.mechanism.close(values, guess=self._start))
+            found, notice = self._close(target), _NOTHING
+        except LimitError as error:
+            limits = f"[{error.lower:g}, {error.upper:g}]"
+            message = f"{error.joint} = {error.value:g} is outside its limits {limits}"
+            raise ArgumentError(message) from None
         except ClosureError as error:
-            if getattr(error, "reached", None) is None:
+            if error.reached is None:
                 raise
-            start = self._start
-            self.show(error.reached)
-            # From the end of a mode no path leads back: the next motion starts where this did.
-            self._start = start
-            self.notice = Notice("stop", self._reason(values, error))
+            found, notice = error.reached, Notice("stop", self._reason(target, error))
+        ended = bool(notice.kind) or found.singularity().is_singular
+        self._set(found, shortly_before(self._start, found) if ended else found, notice)
+
+    def _target(self, values: Sequence[float | None]) -> list[float]:
+        count = len(self._motors)
+        if len(values) != count:
+            raise ArgumentError(f"{count} motor values expected, got {len(values)}")
+        now = self.configuration.actuated.tolist()
+        target = [was if value is None else value for was, value in zip(now, values, strict=True)]
+        for motor, value in zip(self._motors, target, strict=True):
+            if not math.isfinite(value):
+                raise ArgumentError("motor values must be finite numbers")
+            farthest = max(FARTHEST, -motor.lower, motor.upper)
+            if abs(value) > farthest:
+                message = f"{motor.name} = {value:g} is beyond ±{farthest:g} {motor.unit}"
+                raise ArgumentError(message)
+        return target
+
+    def _close(self, target: list[float]) -> Configuration:
+        try:
+            return self.mechanism.close(target, guess=self._start)
+        except ClosureError as error:
+            if error.share > 0.0 or not self._start.singularity().is_singular:
+                raise
+            # The first pose, or one that Python has sent, was singular itself.
+            beside = beside_singularity(self._start, np.asarray(target))
+            if beside is None:
+                raise
+            return self.mechanism.close(target, guess=beside)
 
     def show(self, configuration: Configuration) -> None:
         """Go to a configuration of this mechanism.
@@ -128,9 +156,12 @@ class Session:
         if configuration.mechanism != self.mechanism:
             theirs, ours = configuration.mechanism.name, self.mechanism.name
             raise ArgumentError(f"a configuration of {theirs!r}; this viewer shows {ours!r}")
+        self._set(configuration, configuration, _NOTHING)
+
+    def _set(self, configuration: Configuration, start: Configuration, notice: Notice) -> None:
         self.configuration = configuration
-        self._start = configuration
-        self.notice = _NOTHING
+        self._start = start
+        self.notice = notice
         self.pose = self._name_of(configuration)
 
     def scene(self) -> Scene:
@@ -139,15 +170,21 @@ class Session:
 
     def _name_of(self, configuration: Configuration) -> str | None:
         # The same value, not an equal one: other assembly modes share the motor values.
-        named = ((name, self.mechanism.pose(name)) for name in self.mechanism.poses)
+        named = self._poses.items()
         return next((name for name, pose in named if np.array_equal(pose.q, configuration.q)), None)
 
     def readout(self) -> Readout:
         """Return the numbers at the current pose."""
         return make_readout(self.configuration)
 
-    def state(self, number: int | None = None, *, about: bool = False) -> State:
-        """Return all that the page shows; with `about`, also what never changes."""
+    def framing(self) -> Framing:
+        """Return how a camera sees all that is shown now."""
+        return frame(self.scene().items)
+
+    def state(
+        self, number: int | None = None, *, about: bool = False, framing: bool = False
+    ) -> State:
+        """Return all that the page shows; on wish what never changes, and the framing."""
         return State(
             id=number,
             pose=self.pose,
@@ -158,9 +195,11 @@ class Session:
                 bool(self.options.linear),
                 bool(self.options.angular),
                 bool(self.options.force),
+                bool(self.options.names),
                 float(self.options.scale),
             ),
             about=self._about() if about else None,
+            framing=self.framing() if framing else None,
         )
 
     def _about(self) -> About:
@@ -168,45 +207,29 @@ class Session:
             mechanism=self.mechanism.name,
             description=self.mechanism.spec.description,
             motors=self._motors,
-            poses=self.mechanism.poses,
+            poses=tuple(self._poses),
             home=self._home_readout,
-            framing=self.framing,
         )
 
     def _reason(self, values: list[float], error: ClosureError) -> str:
         """Say in one or two sentences why a motion has stopped."""
-        reached = self.configuration.actuated
+        reached = error.reached.actuated
         stopped = ", ".join(
             f"{motor.name} stops at {there:.4f} {motor.unit}"
             for motor, wanted, there in zip(self._motors, values, reached, strict=True)
             if abs(wanted - there) > 1e-9
         )
-        problem = self.mechanism._parts.problem
-        if error.residual_norm <= problem.tolerance:
+        if error.residual_norm <= self.mechanism.tolerance:
             rest = "The loops do close beyond, but on another assembly mode."
         else:
             rest = "The loops do not close beyond."
         return f"End of the reachable range: {stopped}. {rest}"
 
 
-def _motors(configuration: Configuration) -> tuple[Motor, ...]:
-    """Return the motors; one without limits gets a slider of a sensible range."""
-    mechanism = configuration.mechanism
-    coordinates = mechanism._parts.coordinates
-    columns = mechanism._parts.problem.partition.actuated
-    motors = []
-    for name, column, home in zip(
-        mechanism.actuated, columns, mechanism.home.actuated, strict=True
-    ):
-        lower, upper = float(coordinates.lower[column]), float(coordinates.upper[column])
-        turns = mechanism.units[name] == "rad"
-        if coordinates.wraps[column]:
-            reach, middle = math.pi, 0.0
-        else:
-            reach = 2.0 * math.pi if turns else 2.0 * mechanism.characteristic_length
-            middle = 0.0 if turns else float(home)
-        limited = max(-lower, upper) < FARTHEST
-        low = lower if lower > -FARTHEST else middle - reach
-        high = upper if upper < FARTHEST else middle + reach
-        motors.append(Motor(name, mechanism.units[name], low, max(high, low), limited))
-    return tuple(motors)
+def _assembled_poses(mechanism: Mechanism) -> Iterator[tuple[str, Configuration]]:
+    """Yield the named poses; other parameters may leave some that do not close."""
+    for name in mechanism.poses:
+        try:
+            yield name, mechanism.pose(name)
+        except PmjacError as error:
+            _logger.warning("the pose %r is left out: %s", name, error)

@@ -7,6 +7,7 @@ import contextlib
 import functools
 import html
 import os
+import shutil
 import uuid
 from dataclasses import dataclass
 from pathlib import Path
@@ -33,6 +34,8 @@ html, body {{ margin: 0; height: 100%; background: #f4f6f8; }}
 <script>
 var viewer = new MeshCat.Viewer(document.getElementById("pane"));
 viewer.gui.domElement.style.display = "none";
+{labels}
+tidyLabels(viewer);
 for (const command of [
 {commands}
 ]) {{
@@ -78,6 +81,7 @@ def static_page(picture: Picture) -> str:
         title=html.escape(picture.title),
         library=_library(),
         commands=encoded,
+        labels=(PAGE / "labels.js").read_text(encoding="utf-8"),
         fit=(PAGE / "fit.js").read_text(encoding="utf-8"),
         framing=msgspec.json.encode(picture.framing).decode(),
     )
@@ -87,9 +91,11 @@ def save_page(picture: Picture, path: str | os.PathLike[str]) -> None:
     """Write the page; a failure leaves a file that is already there untouched."""
     # Following links here, because the rename would replace the link and not its target.
     target = Path(path).resolve()
-    temporary = target.with_name(f".{target.name}.{uuid.uuid4().hex[:8]}")
+    temporary = target.with_name(f".pmjac-{uuid.uuid4().hex[:8]}")
     try:
         temporary.write_text(static_page(picture), encoding="utf-8")
+        if target.exists():
+            shutil.copymode(target, temporary)
         temporary.replace(target)
     except BaseException:
         with contextlib.suppress(OSError):
@@ -97,13 +103,18 @@ def save_page(picture: Picture, path: str | os.PathLike[str]) -> None:
         raise
 
 
-def notebook_frame(picture: Picture) -> str:
-    """Return a frame for a notebook, with the whole page in it."""
+def notebook_frame(picture: Picture, url: str | None) -> str:
+    """Return a frame for a notebook, with the whole page in it, and where it is live.
+
+    A notebook of somebody else's that is not trusted yet shows the words only.
+    """
     page = html.escape(static_page(picture), quote=True)
+    live = f'<a href="{url}" target="_blank">live page</a>' if url else "a still picture"
     style = "width: 100%; height: 480px; border: 1px solid #d5d9de; border-radius: 6px"
     return (
         f'<iframe srcdoc="{page}" title="{html.escape(picture.title, quote=True)}" '
         f'sandbox="allow-scripts" style="{style}"></iframe>'
+        f"<p>{html.escape(picture.title)}: {live}</p>"
     )
 
 

@@ -103,6 +103,10 @@ class Viewer:
         """End the server; return when it has ended. May be repeated."""
         self._server.stop()
 
+    def wait(self) -> None:
+        """Return when the viewer has been closed: for the end of a script, until Ctrl-C."""
+        self._server.wait()
+
     @property
     def closed(self) -> bool:
         """Whether the server has ended."""
@@ -111,12 +115,14 @@ class Viewer:
     def _picture(self) -> Picture:
         try:
             return self._server.call(lambda hub: hub.picture())
-        except PmjacError:  # closed: nothing changes any more
-            return self._hub.picture()
+        except PmjacError:
+            if not self.closed:
+                raise
+            return self._hub.picture()  # nothing changes any more
 
     def _repr_html_(self) -> str:
         """Return a still picture for a notebook: it is kept with the notebook."""
-        return notebook_frame(self._picture())
+        return notebook_frame(self._picture(), None if self.closed else self.url)
 
     def __enter__(self) -> Self:
         return self
@@ -141,6 +147,7 @@ def view(
     linear: bool = True,
     angular: bool = False,
     force: bool = False,
+    names: bool = True,
 ) -> Viewer:
     """Show a mechanism and its ellipsoids in the browser; return at once.
 
@@ -148,16 +155,19 @@ def view(
     ----------
     configuration : Configuration
     open_browser : bool, optional
-        When None: in an interactive session with a display.
+        When None: in an interactive session with a display; elsewhere the address is logged,
+        which shows it on stderr.
     port : int, optional
         The first port to try, 7000 when None; 0 for any that is free.
     linear, angular, force : bool
         Which ellipsoids to draw at the tool.
+    names : bool
+        Whether to write the motors' names beside them.
 
     Returns
     -------
     Viewer
-        Its `url` is the page's.
+        Its `url` is the page's. A script that ends takes the page with it: `wait` keeps both.
 
     Raises
     ------
@@ -165,10 +175,12 @@ def view(
     PmjacError
         No port is free.
     """
-    options = SceneOptions(linear=linear, angular=angular, force=force)
+    options = SceneOptions(linear=linear, angular=angular, force=force, names=names)
     viewer = Viewer(configuration, options, port)
     if _is_interactive() if open_browser is None else open_browser:
         _open(viewer.url)
+    elif open_browser is None:
+        _logger.warning("%s: %s", configuration.mechanism.name, viewer.url)
     return viewer
 
 

@@ -3,6 +3,7 @@
 
 var viewer = new MeshCat.Viewer(document.getElementById("pane"));
 viewer.gui.domElement.style.display = "none";
+tidyLabels(viewer);
 const handleOne = viewer.handle_command.bind(viewer);
 viewer.handle_command = (command) => {
   if (Array.isArray(command)) command.forEach(handleOne);

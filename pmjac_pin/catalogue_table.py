@@ -1,0 +1,36 @@
+"""The mechanisms by their numbers: freedoms, motors, loops, rank and what each of them teaches."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from pmjac_pin.blocks import Table
+from pmjac_pin.mechanism import Mechanism
+
+_HEADER = ("name", "degrees\nof\nfreedom", "motors", "loops\n(rows)", "rank", "what it is")
+
+
+def catalogue_table(mechanisms: Iterable[Mechanism]) -> Table:
+    """Show mechanisms, one a row: nv − rank degrees of freedom, and the rank of [K K*] at home.
+
+    Where the rank is below the number of rows, some of the loop equations are redundant.
+    """
+    return Table("", _HEADER, tuple(map(_row, mechanisms)), "<>>>><")
+
+
+def poses_table(mechanisms: Iterable[Mechanism]) -> Table:
+    """Show the named poses of mechanisms: what ``--from`` takes."""
+    rows = tuple((mechanism.name, ", ".join(mechanism.poses)) for mechanism in mechanisms)
+    return Table("", ("name", "poses"), rows, "<<")
+
+
+def _row(mechanism: Mechanism) -> tuple[str, ...]:
+    loops, rows = len(mechanism.spec.loops), len(mechanism.rows)
+    return (
+        mechanism.name,
+        str(mechanism.mobility),
+        str(len(mechanism.actuated)),
+        f"{loops} ({rows})" if loops else "0",
+        str(mechanism.nv - mechanism.mobility),
+        mechanism.spec.description,
+    )

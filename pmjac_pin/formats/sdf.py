@@ -1,0 +1,117 @@
+"""SDFormat: a model whose joints may close loops, as a cut tree and its loops.
+
+Read are the links, joints and frames of one model, SDFormat 1.4 to 1.12. Every link and every
+joint is placed where it is with all joints at zero, so that all loops are closed there, to
+rounding. Inertials, shapes, sensors and plugins are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from pathlib import Path
+
+from pmjac_pin.errors import ModelFileError
+from pmjac_pin.formats.foreign_model import ForeignModel
+from pmjac_pin.formats.sdf_couplings import coupled_links, coupling
+from pmjac_pin.formats.sdf_frames import WORLD
+from pmjac_pin.formats.sdf_joints import AXIS_TAGS, SdfJoint
+from pmjac_pin.formats.sdf_model import SdfModel, read_model
+from pmjac_pin.formats.sdf_tree import SdfTree
+from pmjac_pin.formats.spanning_tree import SpanningTree, spanning_tree
+from pmjac_pin.text_file import read_text
+from pmjac_pin.urdf import parse_urdf
+from pmjac_pin.urdf_xml import parse_xml
+
+MAXIMAL_SIZE = 20_000_000  # bytes
+
+
+def read_sdf(path: Path, motors: Collection[str] = ()) -> ForeignModel:
+    """Read an SDFormat file with one model.
+
+    Of several joints with the same child the first in the file stays in the tree, and the others
+    become loops of their kind: revolute, prismatic, spherical, universal or frame. Where no joint
+    holds a link to the world, the canonical link, or else the first that is no joint's child, is
+    held at its pose in the file. Links that no joint joins to it are left out.
+
+    Parameters
+    ----------
+    path : Path
+    motors : collection of str, optional
+        Joints that stay in the tree before others do.
+
+    Raises
+    ------
+    ModelFileError
+        The message starts with the file's path and names the element at fault.
+    """
+    text = read_text(path, MAXIMAL_SIZE)
+    try:
+        return _foreign_model(read_model(parse_xml(text)), path, motors)
+    except ModelFileError as error:
+        if error.path:
+            raise
+        raise ModelFileError(f"{path}: {error}", path=str(path)) from None
+
+
+def _foreign_model(model: SdfModel, path: Path, motors: Collection[str]) -> ForeignModel:
+    gearboxes = [joint for joint in model.joints if joint.kind == "gearbox"]
+    joints = [joint for joint in model.joints if joint.kind != "gearbox"]
+    graph = _graph(model, joints, gearboxes, motors)
+    tree = SdfTree(model)
+    if graph.root != WORLD:
+        tree.urdf.fixed(WORLD, graph.root, model.links[graph.root])
+    for branch in graph.branches:
+        tree.add(joints[branch.joint], branch)
+    for number in graph.cut:
+        tree.cut(joints[number])
+    kept = [joints[branch.joint] for branch in graph.branches]
+    couplings = [
+        coupling(gearbox, kept) for gearbox in gearboxes if gearbox.child not in graph.apart
+    ]
+    for name, (link, _) in model.frames.items():
+        if link not in graph.apart:
+            tree.add_frame(name)
+    return ForeignModel(
+        name=model.name or path.stem,
+        urdf=parse_urdf(tree.urdf.text(), str(path)),
+        loops=(*tree.loops, *couplings),
+        spherical=tuple(tree.spherical),
+        home=tree.home,
+        notes=tuple(_notes(graph, joints, tree)),
+    )
+
+
+def _graph(
+    model: SdfModel,
+    joints: Sequence[SdfJoint],
+    gearboxes: Sequence[SdfJoint],
+    motors: Collection[str],
+) -> SpanningTree:
+    """Return the tree, with motors and the joints that gearboxes couple in it before others."""
+    pairs = [pair for gearbox in gearboxes for pair in coupled_links(gearbox)]
+    first = [
+        number
+        for number, joint in enumerate(joints)
+        if {joint.name, *(f"{joint.name}_{tag}" for tag in AXIS_TAGS)} & set(motors)
+        or {joint.parent, joint.child} in pairs
+    ]
+    links = [link for link in model.links if link != WORLD or model.root == WORLD]
+    return spanning_tree(links, [(item.parent, item.child) for item in joints], model.root, first)
+
+
+def _notes(graph: SpanningTree, joints: Sequence[SdfJoint], tree: SdfTree) -> Iterator[str]:
+    if graph.root != WORLD:
+        yield f"no joint holds the model to the world; link {graph.root!r} is held at its pose"
+    if graph.apart:
+        yield f"left out, since no joint joins them to the rest: {', '.join(graph.apart)}"
+    above = {branch.below: joints[branch.joint].name for branch in graph.branches}
+    for branch in graph.branches:
+        if branch.turned:
+            turned = f"joint {joints[branch.joint].name!r} carries its parent {branch.below!r}"
+            yield f"{turned}, which hangs on nothing else"
+    for joint in (joints[number] for number in graph.cut):
+        other = f"joint {above[joint.child]!r}" if joint.child in above else "the base"
+        cut = f"joint {joint.name!r} is cut into a loop of kind {joint.kind}, without its limits"
+        yield f"{cut}: {other} holds its child {joint.child!r} already"
+    for name, value in tree.home.items():
+        yield f"the file has joint {name!r} at 0, outside its limits: home starts at {value:g}"

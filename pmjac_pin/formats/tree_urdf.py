@@ -1,0 +1,103 @@
+"""TreeUrdf: writing a URDF whose links are placed where they are with all joints at zero."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from xml.etree.ElementTree import Element, SubElement, tostring
+
+import pinocchio as pin
+
+from pmjac_pin.urdf_xml import written
+
+WITHOUT_LIMIT = 1e16  # m, rad, N, N m, m/s or rad/s: what SDFormat writes for none
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The axis of a joint in its own frame, and its limits in m or rad, where it has them."""
+
+    axis: Iterable[float] | None = None
+    limits: tuple[float, float] | None = None
+
+
+STILL = Motion()
+
+
+class TreeUrdf:
+    """A URDF in the making.
+
+    Parameters
+    ----------
+    name : str
+        The robot's name.
+    root : str
+        Its first link.
+    placement : pin.SE3
+        Of the root, in the coordinates in which all other placements are given.
+    taken : iterable of str, optional
+        Names that `unused` leaves alone, for what is still to come.
+
+    Examples
+    --------
+    >>> tree = TreeUrdf("pendulum", "ground", pin.SE3.Identity())
+    >>> hinge = pin.XYZQUATToSE3([0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
+    >>> ends = ("ground", tree.link("rod", hinge))
+    >>> tree.joint("swing", "continuous", ends, Motion(axis=(0.0, 1.0, 0.0)))
+    >>> "<origin xyz=" in tree.text()
+    True
+    """
+
+    def __init__(self, name: str, root: str, placement: pin.SE3, taken: Iterable[str] = ()) -> None:
+        self._robot = Element("robot", name=name)
+        self._placements: dict[str, pin.SE3] = {}
+        self._taken = set(taken)
+        self.link(root, placement)
+
+    def unused(self, name: str) -> str:
+        """Return this name, with a number at its end if a link or a joint has it."""
+        number, unused = 2, name
+        while unused in self._taken:
+            unused, number = f"{name}_{number}", number + 1
+        self._taken.add(unused)
+        return unused
+
+    def link(self, name: str, placement: pin.SE3) -> str:
+        """Add a link and return its name."""
+        SubElement(self._robot, "link", name=name)
+        self._placements[name] = placement
+        self._taken.add(name)
+        return name
+
+    def joint(self, name: str, kind: str, ends: tuple[str, str], motion: Motion = STILL) -> None:
+        """Add a joint from a link that is there to another; its frame is the second's."""
+        joint = SubElement(self._robot, "joint", name=name, type=kind)
+        self._taken.add(name)
+        parent, child = ends
+        SubElement(joint, "parent", link=parent)
+        SubElement(joint, "child", link=child)
+        SubElement(
+            joint, "origin", origin(self._placements[parent].actInv(self._placements[child]))
+        )
+        if motion.axis is not None:
+            SubElement(joint, "axis", xyz=written(motion.axis))
+        if motion.limits is not None:
+            lower, upper = (written([limit]) for limit in motion.limits)
+            without = written([WITHOUT_LIMIT])
+            limit = {"lower": lower, "upper": upper, "effort": without, "velocity": without}
+            SubElement(joint, "limit", limit)
+
+    def fixed(self, parent: str, name: str, placement: pin.SE3) -> str:
+        """Add a link that is fixed to another, and return its name."""
+        self.joint(self.unused(f"{name}_fixed"), "fixed", (parent, self.link(name, placement)))
+        return name
+
+    def text(self) -> str:
+        """Return the URDF."""
+        return tostring(self._robot, encoding="unicode")
+
+
+def origin(placement: pin.SE3) -> dict[str, str]:
+    """Return the attributes of URDF's <origin>."""
+    rpy = pin.rpy.matrixToRpy(placement.rotation)
+    return {"xyz": written(placement.translation), "rpy": written(rpy)}

@@ -1,0 +1,79 @@
+"""AssemblyModes: all closed poses found at given motor values, and what that rests on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.configuration import Configuration
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Completeness:
+    """What it rests on that no assembly mode is missing.
+
+    Attributes
+    ----------
+    kind : {"proof", "statistics", "neither"}
+    statement : str
+        One sentence.
+    unseen : float
+        Upper bound on the share of the start space that leads to modes not found; 0 for a proof.
+    confidence : float
+        Probability that this bound holds, for statistics; 1 for a proof.
+    """
+
+    kind: Literal["proof", "statistics", "neither"]
+    statement: str
+    unseen: float
+    confidence: float
+
+    def __str__(self) -> str:
+        return self.statement
+
+
+@dataclass(frozen=True, eq=False)
+class AssemblyModes(Sequence[Configuration]):
+    """The assembly modes at given motor values: a sequence of Configurations, always sorted alike.
+
+    Attributes
+    ----------
+    configurations : tuple of Configuration
+        By the tool's height, then by x, y and its orientation.
+    shares : tuple of float
+        The share of random starts that led to each.
+    starts : int
+        How many starts were tried.
+    complete : Completeness
+        Whether that is all of them, and what this rests on.
+    mirror_images : tuple of (int or None)
+        For each mode, the index of the one that is its mirror image in the plane of the base.
+    """
+
+    configurations: tuple[Configuration, ...]
+    shares: tuple[float, ...]
+    starts: int
+    complete: Completeness
+    mirror_images: tuple[int | None, ...]
+
+    @overload
+    def __getitem__(self, index: int) -> Configuration: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Configuration, ...]: ...
+    def __getitem__(self, index: int | slice) -> Configuration | tuple[Configuration, ...]:
+        return self.configurations[index]
+
+    def __len__(self) -> int:
+        return len(self.configurations)
+
+    def __iter__(self) -> Iterator[Configuration]:
+        return iter(self.configurations)
+
+    def __repr__(self) -> str:
+        return f"AssemblyModes({len(self)} modes, {self.complete})"

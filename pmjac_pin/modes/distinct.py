@@ -1,0 +1,94 @@
+"""Distinct: which closed poses are the same machine in the same place.
+
+Two rows of q are one pose where all bodies are: a turn of 2π and the sign of a quaternion do not
+show there. Nor does what spins idly: what the loops let move with all motors locked, at every
+pose, is left out of the comparison.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.closure import closed_point
+from pmjac_pin.modes.many_poses import ManyPoses
+from pmjac_pin.parts import Parts
+
+Array = NDArray[np.float64]
+
+_SAME = 1e-5  # of the characteristic length, and rad: two roots that meet are known to √1e-12
+_AT_REST = 1e-6  # rate of a body, beside that of an idle motion, that does not count as moving
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Signatures:
+    """What tells poses apart: the bodies' positions and axes, without dimension."""
+
+    tree: ManyPoses
+    length: float
+    at_rest: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, parts: Parts, tree: ManyPoses) -> Signatures:
+        """Return the signatures of a mechanism, its idle motions taken from home."""
+        partition = parts.problem.partition
+        factors = closed_point(parts.problem, parts.home_q).factors
+        idle = np.zeros((partition.column_scale.size, factors.null_space.shape[1]))
+        idle[partition.passive] = factors.null_space
+        idle *= partition.column_scale[:, None]
+        poses = tree.poses(parts.home_q[None])
+        mask = tree.moved_by[:, None, :]
+        angular = (poses.angular[0] * mask) @ idle
+        linear = (poses.linear[0] * mask) @ idle
+        linear -= np.cross(poses.positions[:, 0, :, None], angular, axis=1)
+        scale = _AT_REST / partition.length
+        places = np.abs(linear).max(axis=2, initial=0.0) <= scale * partition.length
+        turns = np.abs(angular).max(axis=(1, 2), initial=0.0) <= scale
+        axes = np.repeat(turns[:, None], 9, axis=1)
+        return cls(tree, partition.length, np.hstack([places, axes]).ravel())
+
+    def __call__(self, q: Array) -> Array:
+        """Return the signature of each row of q, shape (b, entries)."""
+        poses = self.tree.poses(q)
+        bodies, count = poses.positions.shape[:2]
+        places = poses.positions.transpose(1, 0, 2) / self.length
+        axes = poses.rotations.transpose(1, 0, 2, 3).reshape(count, bodies, 9)
+        whole = np.concatenate([places, axes], axis=2).reshape(count, 12 * bodies)
+        return whole[:, self.at_rest]
+
+
+class Distinct:
+    """The poses met so far, each once, and how often each was met.
+
+    Attributes
+    ----------
+    q : list of ndarray, shape (nq,)
+    hits : list of int
+    """
+
+    def __init__(self, signatures: Signatures) -> None:
+        self._signatures = signatures
+        self._known: list[Array] = []
+        self.q: list[Array] = []
+        self.hits: list[int] = []
+
+    def add(self, rows: Array) -> bool:
+        """Count closed poses (b, nq); tell whether any of them is new."""
+        signatures, before = self._signatures(rows), len(self.q)
+        for index, known in enumerate(self._known):
+            same = self._same(signatures, known)
+            self.hits[index] += int(same.sum())
+            rows, signatures = rows[~same], signatures[~same]
+        while len(rows):
+            same = self._same(signatures, signatures[0])
+            self.q.append(rows[0])
+            self._known.append(signatures[0])
+            self.hits.append(int(same.sum()))
+            rows, signatures = rows[~same], signatures[~same]
+        return len(self.q) > before
+
+    @staticmethod
+    def _same(signatures: Array, known: Array) -> NDArray[np.bool_]:
+        return np.asarray(np.abs(signatures - known).max(axis=1, initial=0.0) <= _SAME)

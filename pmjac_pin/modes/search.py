@@ -1,0 +1,107 @@
+"""Search: closed poses from many random starts, and how much of the start space is settled.
+
+Damped Newton (Levenberg–Marquardt) runs from all starts of a batch at once. The share p of the
+start space that leads to poses not seen yet is bounded with a confidence 1 − δ: had n starts in
+a row, drawn after the last new pose, met none, then (1 − p)ⁿ ≥ δ, hence p ≤ −ln δ / n. The k-th
+such question gets δₖ = 6δ/(πk)², so that all of them together err with probability δ at most.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.modes.many_loops import ManyLoops
+from pmjac_pin.modes.many_poses import ManyPoses
+from pmjac_pin.partition import Partition
+
+Array = NDArray[np.float64]
+
+_STEPS = 60  # of one start
+_CLOSED = 1e-9  # of the characteristic length: Pinocchio's Newton does the rest
+_LONGEST_STRIDE = 1.0  # of one step, in characteristic lengths; a rad counts as one
+_STUCK = 1e8  # damping at which a start is given up
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ManyClosures:
+    """The loop equations over many poses, in the scales of a partition."""
+
+    tree: ManyPoses
+    loops: ManyLoops
+    partition: Partition
+
+    def closed(self, starts: Array) -> Array:
+        """Return the rows of q that close the loops, of those that starts (b, nq) lead to."""
+        partition = self.partition
+        q, found = starts, []
+        damping = np.full(len(q), 1e-2)
+        error, rows = self._scaled(q)
+        gap = np.linalg.norm(error, axis=1)
+        for _ in range(_STEPS):
+            done = gap <= _CLOSED * partition.length
+            found.append(q[done])
+            going = ~done & (damping < _STUCK)
+            if not going.any():
+                break
+            q, error, rows = q[going], error[going], rows[going]
+            gap, damping = gap[going], damping[going]
+            trial = self.tree.moved(q, self._step(error, rows, damping * gap / partition.length))
+            trial_error, trial_rows = self._scaled(trial)
+            trial_gap = np.linalg.norm(trial_error, axis=1)
+            better = trial_gap < gap
+            q = np.where(better[:, None], trial, q)
+            error = np.where(better[:, None], trial_error, error)
+            rows = np.where(better[:, None, None], trial_rows, rows)
+            gap = np.where(better, trial_gap, gap)
+            damping = np.where(better, np.maximum(damping / 5.0, 1e-9), damping * 5.0)
+        return np.concatenate(found)
+
+    def _scaled(self, q: Array) -> tuple[Array, Array]:
+        """Return η in m and K* on the scaled columns."""
+        residual, jacobian = self.loops.evaluate(q)
+        partition = self.partition
+        columns = partition.column_scale[partition.passive]
+        K_star = jacobian[:, :, partition.passive] * columns
+        return residual * partition.row_scale, K_star * partition.row_scale[:, None]
+
+    def _step(self, error: Array, rows: Array, damping: Array) -> Array:
+        """Return v (b, nv): −(KᵀK + λ)⁻¹ Kᵀη on the passive columns, not too long."""
+        partition = self.partition
+        across = rows.transpose(0, 2, 1)
+        square = across @ rows
+        diagonal = np.einsum("bii->bi", square)
+        largest = diagonal.max(axis=1)
+        diagonal += ((damping + 1e-12) * largest)[:, None]
+        step = -np.linalg.solve(square, across @ error[:, :, None])[:, :, 0]
+        stride = np.linalg.norm(step, axis=1) / (_LONGEST_STRIDE * partition.length)
+        step /= np.maximum(stride, 1.0)[:, None]
+        velocity = np.zeros((len(error), partition.column_scale.size))
+        velocity[:, partition.passive] = step * partition.column_scale[partition.passive]
+        return velocity
+
+
+def unseen_share(starts: int, question: int, confidence: float) -> float:
+    """Return the bound on the share of start space whose pose has not been seen.
+
+    Parameters
+    ----------
+    starts : int
+        In a row without a new pose, drawn after the last new one.
+    question : int
+        How many such rows have been begun.
+    confidence : float
+        1 − δ.
+
+    Examples
+    --------
+    >>> round(unseen_share(4000, 1, 0.99), 6)
+    0.001276
+    """
+    if starts == 0:
+        return 1.0
+    error = 6.0 * (1.0 - confidence) / (math.pi * question) ** 2
+    return min(1.0, -math.log(error) / starts)

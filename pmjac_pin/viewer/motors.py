@@ -1,0 +1,38 @@
+"""Motors: what a slider has to know of each of them."""
+
+from __future__ import annotations
+
+import math
+
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.viewer.messages import Motor
+
+#: A motor without limits takes no value beyond this, m or rad.
+FARTHEST = 1e4
+_ENDLESS = 1e12  # no machine has such a limit
+
+
+def motors_of(mechanism: Mechanism) -> tuple[Motor, ...]:
+    """Return the motors in their order; one without limits gets a slider of a sensible range.
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> motors_of(pj.load("three_rps"))[0]
+    Motor(name='l1', unit='m', lower=0.1, upper=3.0, limited=True)
+    """
+    model = mechanism.model
+    motors = []
+    for name, home in zip(mechanism.actuated, mechanism.home.actuated.tolist(), strict=True):
+        unit, (lower, upper) = mechanism.units[name], mechanism.limits(name)
+        if model.joints[model.getJointId(name)].nq == 2:  # cosine and sine: it turns endlessly
+            reach, middle = math.pi, 0.0
+        elif unit == "rad":
+            reach, middle = 2.0 * math.pi, 0.0
+        else:
+            reach, middle = 2.0 * mechanism.characteristic_length, home
+        limited = max(-lower, upper) < _ENDLESS
+        low = lower if lower > -_ENDLESS else middle - reach
+        high = upper if upper < _ENDLESS else middle + reach
+        motors.append(Motor(name, unit, low, max(high, low), limited))
+    return tuple(motors)

@@ -1,0 +1,68 @@
+// The conversation with Python: one command in flight; of those that wait, the newest counts.
+
+export class Connection {
+  #socket = null;
+  #nextId = 1;
+  #inFlight = null;
+  #waiting = new Map();  // by what they do
+
+  // `listener` has state(message, mine), refused(message) and lost().
+  constructor(listener) {
+    this.listener = listener;
+    this.#socket = new WebSocket(`ws://${location.host}/control`);
+    this.#socket.onmessage = (event) => this.#receive(JSON.parse(event.data));
+    this.#socket.onclose = () => this.#end();
+  }
+
+  get idle() {
+    return this.#inFlight === null && this.#waiting.size === 0;
+  }
+
+  // Where the motors are being sent: null for those that are where they were last told to be.
+  get heading() {
+    return merged(this.#inFlight?.values, this.#waiting.get("move")?.values);
+  }
+
+  // Those that wait, newer than any answer.
+  get moving() {
+    return this.#waiting.get("move")?.values ?? null;
+  }
+
+  send(command) {
+    if (this.#socket.readyState !== WebSocket.OPEN) return;
+    const { command: kind, values } = command;
+    const older = this.#waiting.get(kind)?.values;
+    this.#waiting.delete(kind);  // the newest goes to the end
+    this.#waiting.set(kind, values ? { ...command, values: merged(older, values) } : command);
+    this.#pump();
+  }
+
+  #pump() {
+    if (this.#inFlight !== null || this.#waiting.size === 0) return;
+    const [[kind, command]] = this.#waiting;
+    this.#waiting.delete(kind);
+    this.#inFlight = { ...command, id: this.#nextId++ };
+    this.#socket.send(JSON.stringify(this.#inFlight));
+  }
+
+  #receive(message) {
+    const mine = message.id !== null && message.id === this.#inFlight?.id;
+    if (mine) this.#inFlight = null;
+    if (message.type === "error") this.listener.refused(message.message);
+    else this.listener.state(message, mine);
+    this.#pump();
+    document.dispatchEvent(new CustomEvent("pmjac-update", { detail: message }));
+  }
+
+  #end() {
+    this.#inFlight = null;
+    this.#waiting.clear();
+    this.listener.lost();
+  }
+}
+
+// Of two lists of motor values the newer ones, where there are any.
+function merged(older, newer) {
+  if (!older || !newer) return newer ?? older ?? null;
+  return newer.map((value, index) => value ?? older[index]);
+}

@@ -1,0 +1,86 @@
+// A slider and a box for each motor.
+
+import { $, broken, element } from "./elements.js";
+import { decimalsOfRange, fixed, niceStep } from "./numbers.js";
+
+const DIRECTIONS = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 };
+
+export class Motors {
+  #rows = [];
+
+  // `motors` from Python; `actions` has target(index), go(values), restore() and complain(text).
+  constructor(motors, actions) {
+    this.actions = actions;
+    this.#rows = motors.map((motor, index) => this.#build(motor, index));
+    $("motors").replaceChildren(...this.#rows.map((row) => row.row));
+  }
+
+  // Numbers say what is; a slider that is being dragged stands where it is wanted.
+  show(values, wanted) {
+    this.#rows.forEach(({ slider, box, digits, motor }, index) => {
+      slider.value = wanted?.[index] ?? values[index];
+      const text = fixed(values[index], digits);
+      slider.setAttribute("aria-valuetext", `${text} ${motor.unit}`);
+      if (box.dataset.dirty) return;
+      const plain = text.replace("−", "-");
+      if (box.value !== plain) box.value = plain;
+      box.removeAttribute("aria-invalid");
+    });
+  }
+
+  #build(motor, index) {
+    const id = `motor-${index}`;
+    const digits = decimalsOfRange(motor.upper - motor.lower);
+    const range = motor.limited ? `limits ${fixed(motor.lower, digits)} to ${fixed(motor.upper, digits)}` : "no limits";
+    const label = element("label", { for: id, title: motor.name }, ...broken(motor.name));
+    const slider = element("input", { type: "range", id, min: motor.lower, max: motor.upper, step: "any" });
+    const box = element("input", {
+      type: "text", inputmode: "decimal", id: `${id}-value`, autocomplete: "off", spellcheck: "false",
+      "aria-label": `${motor.name}, exact value in ${motor.unit}, ${range}`,
+    });
+    const ends = [motor.lower, motor.upper].map((value) => element("span", {}, fixed(value, 2)));
+    const limits = element("div", { class: "limits", title: range, "aria-hidden": "true" }, ...ends);
+    const row = element("div", { class: "motor" }, label, slider, box, element("span", { class: "unit" }, motor.unit), limits);
+    const built = { row, slider, box, digits, motor, index, step: niceStep(motor.upper - motor.lower) };
+    this.#listen(built);
+    return built;
+  }
+
+  #listen(row) {
+    const { slider, box, index } = row;
+    slider.addEventListener("input", () => this.#move(index, slider.valueAsNumber));
+    slider.addEventListener("keydown", (event) => this.#arrow(event, row));
+    box.addEventListener("keydown", (event) => {
+      if (event.key === "Enter") this.#typed(row);
+      else if (event.key === "Escape") { box.dataset.dirty = ""; this.actions.restore(); }
+      else if (event.key === "ArrowUp" || event.key === "ArrowDown") { box.dataset.dirty = ""; this.#arrow(event, row); }
+    });
+    box.addEventListener("input", () => { box.dataset.dirty = "yes"; });
+    box.addEventListener("blur", () => { if (box.dataset.dirty) this.#typed(row); });
+  }
+
+  #move(index, value) {
+    // Other motors may be moved by another page just now.
+    this.actions.go(this.#rows.map((row) => (row.index === index ? value : null)));
+  }
+
+  #arrow(event, { index, step, motor }) {
+    const direction = DIRECTIONS[event.key];
+    if (direction === undefined || event.altKey || event.ctrlKey || event.metaKey) return;
+    event.preventDefault();
+    const by = direction * step * (event.shiftKey ? 0.1 : 1);
+    this.#move(index, Math.min(motor.upper, Math.max(motor.lower, this.actions.target(index) + by)));
+  }
+
+  #typed({ box, motor, index }) {
+    if (!box.dataset.dirty) return;  // it shows fewer digits than the value has
+    box.dataset.dirty = "";
+    const text = box.value.trim().replace("−", "-").replace(",", ".");
+    const value = text === "" ? NaN : Number(text);
+    if (Number.isFinite(value)) this.#move(index, value);
+    else {
+      box.setAttribute("aria-invalid", "true");
+      this.actions.complain(`“${box.value}” is no number; ${motor.name} stays where it is.`);
+    }
+  }
+}

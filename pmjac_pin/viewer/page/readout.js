@@ -1,0 +1,60 @@
+// The numbers: singular values, condition, residual and the table of J_eq.
+
+import { $, broken, element } from "./elements.js";
+import { decimalsFor, fixed, minus, relative } from "./numbers.js";
+
+const ROWS = [["v", "x", "m/s"], ["v", "y", "m/s"], ["v", "z", "m/s"], ["ω", "x", "rad/s"], ["ω", "y", "rad/s"], ["ω", "z", "rad/s"]];
+
+// Fixed for each kind of number, so that numbers do not jump.
+export function decimalsAt(home) {
+  const rows = home.J_eq ?? [];
+  return {
+    linear: decimalsFor(rows.slice(0, 3).flat()),
+    angular: decimalsFor(rows.slice(3).flat()),
+    Jv: decimalsFor(home.Jv_singular_values ?? []),
+    Jw: decimalsFor(home.Jw_singular_values ?? []),
+  };
+}
+
+export function buildJacobian(motors) {
+  const head = element("tr", {}, element("td", {}));
+  for (const motor of motors) {
+    head.append(element("th", { scope: "col", title: motor.name }, ...broken(motor.name), element("span", { class: "unit" }, `per ${motor.unit}/s`)));
+  }
+  const body = element("tbody");
+  for (const [letter, axis, unit] of ROWS) {
+    const name = element("th", { scope: "row" }, element("i", {}, letter), element("sub", {}, axis), " ", element("span", { class: "unit" }, unit));
+    body.append(element("tr", {}, name, ...motors.map(() => element("td"))));
+  }
+  $("jacobian").replaceChildren(element("thead", {}, head), body);
+  $("jacobian").classList.toggle("many", motors.length > 4);
+}
+
+export function showReadout(readout, decimals) {
+  put("sigma-v", (readout.Jv_singular_values ?? [null]).map((value) => fixed(value, decimals.Jv)));
+  put("sigma-w", (readout.Jw_singular_values ?? [null]).map((value) => fixed(value, decimals.Jw)));
+  put("smallest", [readout.loops ? relative(readout.smallest) : "no loops"]);
+  put("condition", [readout.loops ? (readout.condition === null ? "∞" : fixed(readout.condition, 1)) : "no loops"]);
+  put("residual", [minus(readout.residual.toExponential(1))]);
+  $("refusal").textContent = readout.refusal ? "There is no equivalent Jacobian at this pose." : "";
+  $("refusal").title = readout.refusal ?? "";
+  showJacobian(readout.J_eq, decimals);
+}
+
+function put(id, texts) {
+  const place = $(id);
+  if (place.children.length !== texts.length) {
+    // With blanks between them: they are read aloud, too.
+    place.replaceChildren(...texts.flatMap(() => [" ", element("span")]));
+  }
+  texts.forEach((text, index) => { place.children[index].textContent = text; });
+}
+
+function showJacobian(rows, decimals) {
+  [...$("jacobian").tBodies[0].rows].forEach((row, i) => {
+    const digits = i < 3 ? decimals.linear : decimals.angular;
+    [...row.cells].slice(1).forEach((cell, j) => {
+      cell.textContent = fixed(rows ? rows[i][j] : null, digits);
+    });
+  });
+}

@@ -1,0 +1,15 @@
+// The line under the picture: what has happened, and how near a singularity is.
+
+import { $ } from "./elements.js";
+
+const HINT = "Drag a slider, or type a value. Drag the picture to turn it.";
+
+// Text is set only when it changes, so that a screen reader says it once.
+export function say(kind, notice, warning = { level: "regular", text: "" }) {
+  const quiet = !notice && !warning.text;
+  $("status").className = `status ${kind} ${warning.level}`;
+  const texts = { notice: quiet ? HINT : notice, warning: warning.text };
+  for (const [id, text] of Object.entries(texts)) {
+    if ($(id).textContent !== text) $(id).textContent = text;
+  }
+}

@@ -1,0 +1,26 @@
+"""Write the table of mechanisms into README.md, between its two markers."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pmjac_pin as pj
+from pmjac_pin.catalogue_table import catalogue_table
+from pmjac_pin.markdown import markdown_table
+
+README = Path(__file__).parent.parent / "README.md"
+BLOCK = re.compile(r"(<!-- mechanisms -->\n).*(<!-- end of mechanisms -->)", re.DOTALL)
+
+
+def with_table(page: str) -> str:
+    """Return the page with the table of the catalogue as it is now."""
+    table = markdown_table(catalogue_table(map(pj.load, pj.list_mechanisms())))
+    page, count = BLOCK.subn(lambda found: f"{found[1]}\n{table}\n\n{found[2]}", page)
+    if count != 1:
+        raise SystemExit("README.md needs the two markers of the table of mechanisms, once")
+    return page
+
+
+if __name__ == "__main__":
+    README.write_text(with_table(README.read_text(encoding="utf-8")), encoding="utf-8")

@@ -1,0 +1,51 @@
+"""The table of mechanisms: its numbers, and the README in step with it."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import mechanisms
+import numpy as np
+import pytest
+
+import pmjac_pin as pj
+from pmjac_pin.catalogue_table import catalogue_table, poses_table
+from pmjac_pin.markdown import markdown_table
+
+README = Path(__file__).parent.parent / "README.md"
+
+
+def test_one_row_a_mechanism():
+    table = catalogue_table([pj.load("planar_3rpr"), pj.load("serial_2r")])
+    header = [" ".join(cell.split()) for cell in table.header]
+    assert header == ["name", "degrees of freedom", "motors", "loops (rows)", "rank", "what it is"]
+    assert [row[:5] for row in table.rows] == [
+        ("planar_3rpr", "3", "3", "3 (15)", "6"),
+        ("serial_2r", "2", "2", "0", "0"),
+    ]
+    assert len(table.align) == len(table.header)
+
+
+@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+def test_the_rank_is_that_of_the_constraint_jacobian(name):
+    mechanism = pj.load(name)
+    [row] = catalogue_table([mechanism]).rows
+    constraint = mechanism.home.jacobian().constraint_jacobian
+    assert int(row[4]) == (np.linalg.matrix_rank(constraint, tol=1e-9) if constraint.size else 0)
+    assert int(row[1]) + int(row[4]) == mechanism.nv
+    assert row[5] == mechanism.spec.description
+
+
+def test_poses_by_name():
+    rows = poses_table([pj.load("three_rps")]).rows
+    assert rows == (("three_rps", "home, lecture_a, lecture_b"),)
+
+
+def test_the_readme_is_in_step():
+    """After a change of the catalogue: `make readme`."""
+    table = markdown_table(catalogue_table(map(pj.load, pj.list_mechanisms())))
+    found = re.findall(
+        r"<!-- mechanisms -->\n\n(.*?)\n\n<!-- end of mechanisms -->", README.read_text(), re.DOTALL
+    )
+    assert found == [table]

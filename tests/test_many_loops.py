@@ -1,0 +1,73 @@
+"""The vectorised loop equations against Pinocchio's, one pose at a time."""
+
+from __future__ import annotations
+
+import mechanisms
+import numpy as np
+import pinocchio as pin
+import pytest
+from test_linkage import BALL
+from test_loops import LOOPS
+
+import pmjac_pin as pj
+from pmjac_pin.loops import LoopSystem
+from pmjac_pin.modes.many_loops import ManyLoops
+from pmjac_pin.modes.many_poses import ManyPoses
+
+
+def random_rows(model, rng, count=7):
+    neutral = pin.neutral(model)
+    return np.array(
+        [pin.integrate(model, neutral, rng.normal(size=model.nv)) for _ in range(count)]
+    )
+
+
+@pytest.mark.parametrize("name", [*mechanisms.CATALOGUE, "all kinds"])
+def test_poses_and_motions_are_pinocchios(name, rng):
+    model = pin.buildModelFromXML(BALL) if name == "all kinds" else pj.load(name).model
+    tree, data = ManyPoses(model), model.createData()
+    q = random_rows(model, rng)
+    poses = tree.poses(q)
+    for row in range(len(q)):
+        J = pin.computeJointJacobians(model, data, q[row])
+        for body, placement in enumerate(data.oMi):
+            np.testing.assert_allclose(poses.rotations[body, row], placement.rotation, atol=1e-13)
+            np.testing.assert_allclose(
+                poses.positions[body, row], placement.translation, atol=1e-13
+            )
+        np.testing.assert_allclose(poses.linear[row], J[:3], atol=1e-13)
+        np.testing.assert_allclose(poses.angular[row], J[3:], atol=1e-13)
+
+
+@pytest.mark.parametrize("name", ["three_rps", "ur5", "all kinds"])
+def test_moved_is_pinocchios_integrate(name, rng):
+    model = pin.buildModelFromXML(BALL) if name == "all kinds" else pj.load(name).model
+    q, v = random_rows(model, rng), rng.normal(size=(7, model.nv))
+    # A turning slide in SE(2) or SE(3) is Pinocchio's way; ours slides straight, then turns.
+    small = 1e-4 * v
+    moved = ManyPoses(model).moved(q, small)
+    for row in range(len(q)):
+        np.testing.assert_allclose(moved[row], pin.integrate(model, q[row], small[row]), atol=1e-7)
+
+
+def test_rows_vanish_with_pinocchios_and_so_do_their_derivatives(rng):
+    """At poses near closure, the derivative is the exact one up to the distance from it."""
+    model = pj.load("three_rps").model
+    values = {"a": 0.5}
+    system, tree = LoopSystem(model, LOOPS, values), ManyPoses(model)
+    many = ManyLoops(model, tree, LOOPS, values)
+    q = random_rows(model, rng)
+    residuals, jacobians = many.evaluate(q)
+    data, scratch = model.createData(), system.create_data()
+    for row in range(len(q)):
+        pin.computeJointJacobians(model, data, q[row])
+        residual, jacobian = system.evaluate(model, data, scratch, q[row])
+        system.to_world(scratch, residual, jacobian)
+        np.testing.assert_allclose(residuals[row], residual, atol=1e-12)
+        exact = [
+            k
+            for k, name in enumerate(system.row_names)
+            if not any(word in name for word in (" turn ", " tilt "))
+        ]
+        system.add_turning(model, data, residual, jacobian)
+        np.testing.assert_allclose(jacobians[row][exact], jacobian[exact], atol=1e-12)

@@ -1,0 +1,177 @@
+"""Assembly modes: all of them, each once, and an honest word on what that rests on."""
+
+from __future__ import annotations
+
+import hand_derived as hand
+import mechanisms
+import numpy as np
+import pytest
+
+import pmjac_pin as pj
+
+LECTURE_A = np.array(
+    [
+        (0.75931201, 0.28510144, 0.80278893),
+        (0.74709682, 0.48093603, 0.81110182),
+        (0.66831139, 0.64666409, -0.21037810),
+        (0.03951542, -0.69420756, -0.74615223),
+    ]
+)
+LECTURE_B = np.array([(0.4000, 0.7535, 0.2402), (1.0907, 0.5736, 0.2572)])
+
+
+def angles(modes):
+    """θ1, θ2, θ3 of the 3-RPS, by its own names."""
+    return np.array([[mode.joint_values[f"theta{k}"] for k in (1, 2, 3)] for mode in modes])
+
+
+def same_sets(found, expected, atol):
+    assert len(found) == len(expected)
+    for row in expected:
+        assert np.abs(np.asarray(found) - row).max(axis=1).min() <= atol
+
+
+@pytest.mark.parametrize("name", ["three_rps_ss", "three_rps"])
+def test_the_lectures_modes(name):
+    mechanism = pj.load(name)
+    modes = mechanism.assembly_modes([2 / 3, 3 / 5, 3 / 4], rng=1)
+    same_sets(angles(modes), np.vstack([LECTURE_A, -LECTURE_A]), 1e-8)
+    modes = mechanism.assembly_modes([0.5, 1.0, 2.0], rng=1)
+    same_sets(angles(modes), np.vstack([LECTURE_B, -LECTURE_B]), 6e-5)
+
+
+def test_mirror_images_have_opposite_angles():
+    modes = pj.load("three_rps_ss").assembly_modes([2 / 3, 3 / 5, 3 / 4], rng=2)
+    found = angles(modes)
+    for index, image in enumerate(modes.mirror_images):
+        np.testing.assert_allclose(found[image], -found[index], atol=1e-9)
+        assert modes.mirror_images[image] == index
+
+
+@pytest.mark.parametrize("theta1", [0.9, -2.0, 3.0])
+def test_the_four_bars_two_modes(theta1):
+    modes = pj.load("four_bar").assembly_modes([theta1], rng=3)
+    expected = [
+        hand.four_bar_closure(theta1, mechanisms.CRANK_ROCKER, branch)[:2] for branch in (1, -1)
+    ]
+    found = np.array([mode.passive for mode in modes])
+    turned = np.array(expected)
+    for row in turned:
+        apart = np.abs(np.exp(1j * found) - np.exp(1j * row)).max(axis=1)
+        assert apart.min() <= 1e-11
+    assert len(modes) == 2
+
+
+def test_out_of_reach_there_are_none():
+    modes = mechanisms.rocker_rocker().assembly_modes([2.5], rng=0)
+    assert (len(modes), modes.complete.kind) == (0, "statistics")
+    assert list(modes) == []
+
+
+def test_the_order_does_not_depend_on_the_seed():
+    mechanism = pj.load("three_rps")
+    one, other = (mechanism.assembly_modes([0.9, 1.0, 1.1], rng=seed) for seed in (1, 2))
+    assert len(one) == len(other)
+    for a, b in zip(one, other, strict=True):
+        np.testing.assert_allclose(a.tool_pose.homogeneous, b.tool_pose.homogeneous, atol=1e-9)
+
+
+def test_every_mode_is_closed_at_these_motors_and_certified():
+    theta = np.array([0.9, 1.0, 1.1])
+    for mode in pj.load("three_rps").assembly_modes(theta, rng=0):
+        np.testing.assert_array_equal(mode.actuated, theta)
+        assert mode.residual_norm <= 1e-12
+
+
+def test_idle_motions_make_no_modes_of_their_own():
+    """The S–S rod spins about itself: as many modes as with a distance in its place."""
+    with_body = mechanisms.rssr().assembly_modes([0.4], rng=0)
+    as_distance = mechanisms.rssr(rod=False).assembly_modes([0.4], rng=0)
+    assert len(with_body) == len(as_distance) == 2
+    for one, other in zip(with_body, as_distance, strict=True):
+        np.testing.assert_allclose(
+            one.tool_pose.homogeneous, other.tool_pose.homogeneous, atol=1e-9
+        )
+
+
+def test_the_modes_do_not_depend_on_the_cut():
+    mechanism = pj.load("three_rps")
+    theta = [0.9, 1.0, 1.1]
+    expected = mechanism.assembly_modes(theta, rng=0)
+    found = mechanism.recut("theta1").assembly_modes(theta, rng=0)
+    assert len(found) == len(expected)
+    for one, other in zip(found, expected, strict=True):
+        np.testing.assert_allclose(
+            one.tool_pose.homogeneous, other.tool_pose.homogeneous, atol=1e-9
+        )
+
+
+def test_limits_leave_modes_out():
+    mechanism = pj.load("three_rps_ss")
+    model = mechanism.model
+    for name in ("theta1", "theta2", "theta3"):
+        entry = model.joints[model.getJointId(name)].idx_q
+        model.lowerPositionLimit[entry], model.upperPositionLimit[entry] = 0.0, 3.0
+    limited = pj.Mechanism.from_pinocchio(
+        model,
+        [
+            pj.DistanceLoop(frames=pair, length=0.75**0.5)
+            for pair in (("S1", "S2"), ("S2", "S3"), ("S3", "S1"))
+        ],
+        mechanism.actuated,
+        ["S1", "S2", "S3"],
+        home={"l1": 1, "l2": 1, "l3": 1, "theta1": 1.0, "theta2": 1.0, "theta3": 1.0},
+    )
+    theta = [2 / 3, 3 / 5, 3 / 4]
+    assert len(limited.assembly_modes(theta, rng=0)) == 2
+    assert len(limited.assembly_modes(theta, rng=0, limits=False)) == 8
+
+
+def test_a_small_budget_is_admitted():
+    modes = pj.load("three_rps").assembly_modes([1, 1, 1.1], rng=0, most_starts=10)
+    assert modes.complete.kind == "neither"
+    assert "neither proof nor statistics" in str(modes.complete)
+
+
+def test_the_bound_holds_where_it_can_be_checked():
+    """A mode that few starts lead to: runs that stop without it are as rare as promised."""
+    from pmjac_pin.modes.search import unseen_share
+
+    rng, share, missed, runs = np.random.default_rng(0), 0.01, 0, 4000
+    for _ in range(runs):
+        first = rng.geometric(share)  # the start that meets it
+        starts = 0
+        while unseen_share(starts, 1, 0.9) > share:
+            starts += 1
+        missed += first > starts
+    assert missed / runs <= 0.1
+
+
+def test_a_machine_that_moves_by_itself_has_no_separate_modes():
+    mechanism = pj.load("planar_3rrr")
+    loose = pj.Mechanism.from_pinocchio(
+        mechanism.model,
+        mechanism.spec.loops,
+        mechanism.actuated[:1],
+        mechanism.spec.tool.frame,
+        home=mechanism.home.q,
+    )
+    with pytest.raises(pj.IdleMotionError, match="the tool is moved by a passive motion"):
+        loose.assembly_modes(mechanism.home.actuated[:1], rng=0, limits=False)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"unseen": 0.0}, "unseen is a share between 0 and 1, got 0.0"),
+        ({"confidence": 1.0}, "confidence is a share between 0 and 1"),
+        ({"most_starts": 0}, "most_starts must be positive"),
+        ({"rng": "dice"}, "rng is a numpy Generator or a whole number"),
+        ({"actuated": [1.0]}, r"3 motor values \(l1, l2, l3\) expected, got 1"),
+        ({"actuated": [1.0, 1.0, 9.0]}, "motor 'l3' = 9 is outside its limits"),
+    ],
+)
+def test_bad_arguments(arguments, message):
+    arguments = {"actuated": [1.0, 1.0, 1.0], "rng": 0, **arguments}
+    with pytest.raises(pj.ArgumentError, match=message):
+        pj.load("three_rps").assembly_modes(arguments.pop("actuated"), **arguments)

@@ -1,0 +1,142 @@
+"""Joints that are held: a URDF with them fixed, and what a mechanism makes of it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import pmjac_pin as pj
+from pmjac_pin.urdf import parse_urdf
+from pmjac_pin.urdf_locking import lock_joints
+
+CHAIN = """
+<robot name="chain">
+  <link name="base"/> <link name="arm"/> <link name="slide"/> <link name="tip"/>
+  <joint name="turn" type="revolute">
+    <parent link="base"/> <child link="arm"/> <origin xyz="1 2 3" rpy="0.3 1.5708 -2"/>
+    <axis xyz="1 -2 0.5"/> <limit lower="-1" upper="1" effort="1" velocity="1"/>
+    <dynamics damping="1"/>
+  </joint>
+  <joint name="push" type="prismatic">
+    <parent link="arm"/> <child link="slide"/> <axis xyz="0 2 1"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/>
+  </joint>
+  <joint name="spin" type="continuous">
+    <parent link="slide"/> <child link="tip"/> <origin xyz="0 0 1"/>
+  </joint>
+</robot>"""
+VALUES = {"turn": -0.7, "push": 0.4, "spin": 2.5}
+
+
+def tip(model: pin.Model, values: dict[str, float]) -> pin.SE3:
+    q = pin.neutral(model)
+    for name, value in values.items():
+        joint = model.joints[model.getJointId(name)]
+        q[joint.idx_q : joint.idx_q + joint.nq] = (
+            value if joint.nq == 1 else (np.cos(value), np.sin(value))
+        )
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, q)
+    return data.oMf[model.getFrameId("tip")].copy()
+
+
+@pytest.mark.parametrize("held", [["turn"], ["push"], ["spin"], ["turn", "spin"], list(VALUES)])
+def test_the_tree_is_where_it_was_with_these_joints_at_these_values(held: list[str]) -> None:
+    urdf = parse_urdf(CHAIN, "chain.urdf")
+    locked = lock_joints(urdf, {name: VALUES[name] for name in held})
+    assert [joint.name for joint in locked.joints if joint.type == "fixed"] == held
+    free = {name: value for name, value in VALUES.items() if name not in held}
+    found = tip(pin.buildModelFromXML(locked.kinematic_xml()), free)
+    wanted = tip(pin.buildModelFromXML(urdf.kinematic_xml()), VALUES)
+    np.testing.assert_allclose(found.homogeneous, wanted.homogeneous, atol=1e-14)
+
+
+def test_nothing_to_lock_gives_the_same_urdf() -> None:
+    urdf = parse_urdf(CHAIN, "chain.urdf")
+    assert lock_joints(urdf, {}) is urdf
+
+
+@pytest.mark.parametrize(
+    ("values", "error", "message"),
+    [
+        ({"trun": 0.0}, pj.UnknownNameError, "did you mean 'turn'"),
+        ({"turn": 1.5}, pj.LimitError, r"locked at 1.5, outside \[-1, 1\]"),
+    ],
+)
+def test_a_joint_that_cannot_be_locked_so(
+    values: dict[str, float], error: type[Exception], message: str
+) -> None:
+    with pytest.raises(error, match=message):
+        lock_joints(parse_urdf(CHAIN, "chain.urdf"), values)
+
+
+def test_only_joints_of_one_degree_of_freedom_are_locked() -> None:
+    text = CHAIN.replace('name="spin" type="continuous"', 'name="spin" type="floating"')
+    with pytest.raises(pj.ArgumentError, match="'spin' is floating"):
+        lock_joints(parse_urdf(text, "chain.urdf"), {"spin": 0.0})
+
+
+MODEL = """
+urdf = "chain.urdf"
+actuated = ["turn", "push"]
+tool.frame = "tip"
+[poses.home]
+turn = -0.7
+push = 0.4
+spin = 2.5
+"""
+
+
+@pytest.fixture
+def chain(tmp_path: Path) -> Path:
+    (tmp_path / "chain.urdf").write_text(CHAIN)
+    path = tmp_path / "chain.toml"
+    path.write_text(MODEL)
+    return path
+
+
+def test_a_mechanism_has_no_column_for_a_locked_joint(chain: Path) -> None:
+    free, held = pj.load(chain), pj.load(chain, locked=["spin"])
+    assert (free.passive, held.passive) == (("spin",), ())
+    assert held.spec.locked == {"spin": 2.5}
+    assert "spin" not in held.spec.poses["home"]
+    split = free.home.split_jacobian()
+    np.testing.assert_allclose(held.home.jacobian().Jv_eq, split.Jv, atol=1e-14)
+    np.testing.assert_allclose(held.home.jacobian().Jw_eq, split.Jw, atol=1e-14)
+    assert free.home.tool_pose.isApprox(held.home.tool_pose, 1e-12)
+
+
+def test_a_value_given_goes_before_the_home_poses(chain: Path) -> None:
+    assert pj.load(chain, locked={"spin": -1.0}).spec.locked == {"spin": -1.0}
+
+
+def test_a_model_file_locks_joints_itself(chain: Path) -> None:
+    held = pj.load(chain, locked=["spin"])
+    chain.write_text(MODEL.replace("spin = 2.5", "[locked]\nspin = 2.5"))
+    assert pj.load(chain) == pj.load(chain, locked=["spin"]) == held
+
+
+@pytest.mark.parametrize(
+    ("locked", "message"),
+    [
+        (["turn"], "joint 'turn' is locked; remove it from `actuated`"),
+        ("spin", "a list of joints or a mapping, got 'spin'"),
+        (5, "a list of joints or a mapping, got 5"),
+        ([["spin"]], "a list of joints or a mapping"),
+        ({"spin": "1"}, "joint 'spin' is locked at one number, got '1'"),
+        ({"spin": np.nan}, "finite"),
+        (["spinn"], "did you mean 'spin'"),
+    ],
+)
+def test_what_cannot_be_locked_in_a_mechanism(chain: Path, locked: object, message: str) -> None:
+    with pytest.raises(pj.PmjacError, match=message):
+        pj.load(chain, locked=locked)
+
+
+def test_a_locked_joint_has_no_value_in_a_pose(chain: Path) -> None:
+    chain.write_text(MODEL + "[locked]\nspin = 2.5")
+    with pytest.raises(pj.ModelFileError, match=r"remove it from `poses.home`"):
+        pj.load(chain)
