@@ -116,16 +116,16 @@ def _motion(motion: FreeMotion) -> tuple[str, ...]:
 def _poses(diagnosis: Diagnosis) -> Table:
     rows = []
     for pose in diagnosis.poses:
-        farthest = _NONE
-        if pose.moved:
-            name = max(pose.moved, key=lambda name: abs((pose.moved or {})[name]))
-            farthest = f"{name} {pose.moved[name]:+.3g}"
+        moved, farthest = max(
+            ((abs(by), f"{name} {by:+.3g}") for name, by in (pose.moved or {}).items()),
+            default=(0.0, _NONE),
+        )
         failed = "open" if diagnosis.failure or pose.failure else _NONE
         rows.append(
             (
                 pose.name,
                 brief(pose.gap_given),
-                farthest,
+                farthest if moved > _ROUNDING else _NONE,
                 pose.kind or failed,
                 _NONE if pose.smallest is None else brief(pose.smallest),
                 _NONE if pose.condition is None else brief(pose.condition),

@@ -71,6 +71,7 @@ class _Closure:
         # Without `calc` the constraint's Jacobian is silently the one of another q.
         self.constraint.calc(model, data, scratch)
         rates = self.constraint.jacobian(model, data, scratch)
+        rates = rates.reshape(rates.shape[0], -1)  # a vector where there is one degree of freedom
         if rates.shape[0] == 3:
             return Relative(scratch.constraint_position_error, rates)
         gap, turning = scratch.c1Mc2.translation, rates[3:]

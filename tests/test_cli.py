@@ -295,7 +295,7 @@ MISTAKES = {
     "report four_bar --frmae LOCAL": "Unknown option: --frmae. Did you mean --frame?",
     "report four_bar --no-json": "Unknown option: --no-json. Did you mean --json?",
     "report four_bar extra": "unexpected argument 'extra'",
-    "check foru_bar": "unknown mechanism 'foru_bar'; did you mean 'four_bar'?",
+    "check three_rsp": "unknown mechanism 'three_rsp'; did you mean 'three_rps' or 'three_rps_ss'?",
     "check four_bar --set l9=1": "unknown parameter 'l9'; there are: l0, l1, l2, l3",
     "check /none/here.toml": "/none/here.toml: No such file or directory",
     "list extra": "unexpected argument 'extra'",
