@@ -71,7 +71,7 @@ def build_parts(
 
 def _ranked(parts: Parts) -> Parts:
     problem, kinematics = parts.problem, parts.kinematics
-    snapshots = [kinematics.snapshot(q) for q in (parts.home_q, *_nearby(problem, parts.home_q))]
+    snapshots = [kinematics.snapshot(q) for q in (parts.home_q, *nearby(problem, parts.home_q))]
     ranked = problem.partition.with_ranks_of(
         [(snapshot.constraint_jacobian, snapshot.tool_jacobian) for snapshot in snapshots]
     )
@@ -164,7 +164,7 @@ def _length(model: pin.Model, q: Array) -> float:
     return spread or 1.0
 
 
-def _nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
+def nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
     """Return closed poses near home, in seeded random directions.
 
     First along motions that the loops allow, all joints free to close them again; then with

@@ -47,12 +47,15 @@ class Failure(msgspec.Struct, frozen=True):
         The loop that stays open most.
     gap : float or None
         The smallest gap of all loops that was found, m.
+    closes_at : dict of str to float or None
+        Values of the degrees of freedom at which the loops close after all, found from elsewhere.
     """
 
     code: str
     message: str
     loop: str | None = None
     gap: float | None = None
+    closes_at: Rates | None = None
 
 
 class Body(msgspec.Struct, frozen=True):
@@ -179,7 +182,7 @@ class DependentRow(msgspec.Struct, frozen=True):
 
 
 class Redundancy(msgspec.Struct, frozen=True):
-    """Redundant rows, p − r = Σ (pᵢ − rᵢ) + (Σ rᵢ − r).
+    """Redundant rows in general, p − r = Σ (pᵢ − rᵢ) + (Σ rᵢ − r).
 
     Attributes
     ----------
@@ -216,7 +219,7 @@ class FreeMotion(msgspec.Struct, frozen=True):
 
 
 class ActuationEntry(msgspec.Struct, frozen=True):
-    """What the motors command at home.
+    """What the motors command in general: at home or, where that is singular, near it.
 
     Attributes
     ----------
@@ -232,7 +235,7 @@ class ActuationEntry(msgspec.Struct, frozen=True):
     gained : int
         Those that come free at home only, a singularity.
     free_motions : tuple of FreeMotion
-        They span both.
+        They span the idle ones.
     felt : int
         Dimension of the tool twists that the free motions make.
     """
@@ -299,6 +302,8 @@ class Diagnosis(msgspec.Struct, frozen=True, kw_only=True):
         In m: what makes radians and metres comparable.
     tolerance : float or None
         The gap in m that the model file calls closed.
+    notes : tuple of str
+        What the reader of another format decided.
     """
 
     mechanism: str
@@ -315,6 +320,7 @@ class Diagnosis(msgspec.Struct, frozen=True, kw_only=True):
     poses: tuple[PoseEntry, ...]
     characteristic_length: float
     tolerance: float | None
+    notes: tuple[str, ...] = ()
 
     @property
     def severity(self) -> Severity:

@@ -10,7 +10,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.actuation import Actuation, analyse_actuation
+from pmjac_pin.actuation import analyse_actuation
+from pmjac_pin.assembly import nearby
 from pmjac_pin.diagnosis import (
     ActuationEntry,
     DependentRow,
@@ -35,11 +36,11 @@ from pmjac_pin.errors import ClosureError, LimitError, PmjacError
 from pmjac_pin.findings import find
 from pmjac_pin.loading import load
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.partition import Partition
+from pmjac_pin.other_starts import nearest_closed, starts
 from pmjac_pin.parts import Parts
 from pmjac_pin.redundancy import LoopRank, dependent_rows, loop_ranks
 from pmjac_pin.report_maker import encodable
-from pmjac_pin.singularity import Singularity
+from pmjac_pin.singularity import Singularity, analyse_singularity
 
 Array = NDArray[np.float64]
 
@@ -86,12 +87,11 @@ def check(source: str | Path | Mechanism | PmjacError, **options: Any) -> Diagno
 
 
 def _of_mechanism(mechanism: Mechanism) -> Diagnosis:
-    parts, home = mechanism._parts, mechanism.home
+    parts = mechanism._parts
     structure, partition = Structure.of(parts), parts.problem.partition
-    split = home.split_jacobian()
-    scaled = partition.scaled(split.constraint_jacobian)
+    q = _regular(parts)
+    scaled = partition.scaled(parts.kinematics.snapshot(q).constraint_jacobian)
     ranks = loop_ranks(scaled, parts.kinematics.loops.slices, partition)
-    actuation = analyse_actuation(split.constraint_jacobian, split.tool_jacobian, partition)
     diagnosis = Diagnosis(
         mechanism=encodable(mechanism.name),
         description=mechanism.spec.description,
@@ -102,10 +102,11 @@ def _of_mechanism(mechanism: Mechanism) -> Diagnosis:
         loops=loops(structure, ranks),
         mobility=mobility(structure, partition.constraint_rank),
         redundancy=_redundancy(scaled, ranks, parts),
-        actuation=_actuation(parts, actuation, home.singularity()),
+        actuation=_actuation(parts, q, mechanism.home.singularity().gained),
         poses=tuple(_pose(mechanism, name) for name in mechanism.poses),
         characteristic_length=partition.length,
         tolerance=mechanism.spec.tolerance,
+        notes=tuple(map(encodable, mechanism.notes)),
     )
     return msgspec.structs.replace(diagnosis, findings=find(diagnosis))
 
@@ -117,14 +118,18 @@ def _of_error(error: PmjacError) -> Diagnosis:
         raise error
     parts: Parts = cause.parts
     structure = Structure.of(parts)
+    tried = starts(parts, getattr(cause, "q", None))
+    closed, failure = nearest_closed(parts, tried), _failure(cause)
+    if closed is not None:
+        failure = msgspec.structs.replace(failure, closes_at=_values(parts, closed))
     diagnosis = Diagnosis(
         mechanism=encodable(parts.spec.name),
         description=parts.spec.description,
-        failure=_failure(cause),
+        failure=failure,
         bodies=bodies(structure),
         freedoms=freedoms(structure, None),
         tool=tool_frames(parts),
-        loops=loops(structure, None, getattr(cause, "q", None)),
+        loops=loops(structure, None, tried),
         mobility=mobility(structure, None),
         redundancy=None,
         actuation=None,
@@ -152,17 +157,38 @@ def _redundancy(scaled: Array, ranks: tuple[LoopRank, ...], parts: Parts) -> Red
     )
 
 
-def _actuation(parts: Parts, found: Actuation, singularity: Singularity) -> ActuationEntry:
+def _regular(parts: Parts) -> Array:
+    """Return the home pose or, where that is singular, one near it that is less so."""
     partition = parts.problem.partition
+    generic = (partition.constraint_rank, partition.passive_rank)
+
+    def ranks(q: Array) -> tuple[int, int]:
+        found = _singularity(parts, q)
+        return found.constraint_rank, found.rank
+
+    if ranks(parts.home_q) == generic:
+        return parts.home_q
+    return max((parts.home_q, *nearby(parts.problem, parts.home_q)), key=ranks)
+
+
+def _singularity(parts: Parts, q: Array) -> Singularity:
+    snapshot, partition = parts.kinematics.snapshot(q), parts.problem.partition
+    return analyse_singularity(snapshot.constraint_jacobian, snapshot.tool_jacobian, partition)
+
+
+def _actuation(parts: Parts, q: Array, gained: int) -> ActuationEntry:
+    partition, snapshot = parts.problem.partition, parts.kinematics.snapshot(q)
     motors, passive = partition.actuated_names, partition.passive_names
-    moving = _moving_bodies(parts, found.free, partition)
+    found = analyse_actuation(snapshot.constraint_jacobian, snapshot.tool_jacobian, partition)
+    singularity = _singularity(parts, q)
+    moving = _moving_bodies(parts, q, found.free)
     return ActuationEntry(
         motors=len(motors),
         allowed_rates=tuple(_by_name(motors, rates) for rates in found.allowed.T),
         forbidden_rates=tuple(_by_name(motors, rates) for rates in singularity.forbidden_rates.T),
         sufficient=tuple(motors[k] for k in found.sufficient),
         idle=singularity.idle,
-        gained=singularity.gained,
+        gained=gained,
         free_motions=tuple(
             FreeMotion(_by_name(passive, rates), names, bool(felt))
             for rates, names, felt in zip(found.free.T, moving, found.felt, strict=True)
@@ -171,9 +197,9 @@ def _actuation(parts: Parts, found: Actuation, singularity: Singularity) -> Actu
     )
 
 
-def _moving_bodies(parts: Parts, free: Array, partition: Partition) -> list[tuple[str, ...]]:
+def _moving_bodies(parts: Parts, q: Array, free: Array) -> list[tuple[str, ...]]:
     """Return the bodies that each passive motion moves."""
-    model, q = parts.model, parts.home_q
+    model, partition = parts.model, parts.problem.partition
     data, names = model.createData(), body_names(model)
     pin.computeJointJacobians(model, data, q)
     rates = np.zeros((model.nv, free.shape[1]))
@@ -210,6 +236,12 @@ def _failure(error: PmjacError) -> Failure:
     if isinstance(error, ClosureError | LimitError):
         return Failure("outside-limits", str(error))
     return Failure("not-built", str(error))
+
+
+def _values(parts: Parts, q: Array) -> Rates:
+    partition, values = parts.problem.partition, parts.coordinates.values(q)
+    columns = np.concatenate([partition.actuated, partition.passive])
+    return _by_name(partition.actuated_names + partition.passive_names, values[columns])
 
 
 def _by_name(names: tuple[str, ...], rates: Array) -> Rates:

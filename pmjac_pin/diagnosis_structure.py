@@ -7,18 +7,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.damped_closure import assemble
 from pmjac_pin.diagnosis import Body, Freedom, LoopEntry, Mobility
 from pmjac_pin.frames import find_frame
 from pmjac_pin.linkage import known_kind
 from pmjac_pin.loop_motion import LoopMotion, loop_motions
 from pmjac_pin.loop_spec import JointLoop, Loop
+from pmjac_pin.other_starts import gap_alone
 from pmjac_pin.parts import Parts
 from pmjac_pin.redundancy import LoopRank
 
@@ -122,13 +122,9 @@ def freedoms(structure: Structure, moved: Mapping[str, float] | None) -> tuple[F
 
 
 def loops(
-    structure: Structure, ranks: Sequence[LoopRank] | None, best: Array | None = None
+    structure: Structure, ranks: Sequence[LoopRank] | None, tried: Sequence[Array] = ()
 ) -> tuple[LoopEntry, ...]:
-    """Return every loop; without ranks, home does not assemble, and each is tried alone.
-
-    From the file's home pose, and from the best that was found for all loops together.
-    """
-    starts = [q for q in (structure.given, best) if q is not None]
+    """Return every loop; without ranks, home does not assemble, and each is tried alone."""
     parts = structure.parts
     system, spec = parts.kinematics.loops, parts.spec
     gaps = loop_gaps(parts, structure.given)
@@ -144,7 +140,7 @@ def loops(
             rank=ranks[k].rank if ranks else None,
             needed=ranks[k].needed if ranks else None,
             gap_given=gaps[k],
-            gap_alone=None if ranks else _gap_alone(structure, rows, starts),
+            gap_alone=None if ranks else gap_alone(parts, rows, tried),
         )
         for k, (name, loop, motion, rows) in enumerate(
             zip(structure.loop_names, spec.loops, structure.motions, system.slices, strict=True)
@@ -171,20 +167,6 @@ def loop_gaps(parts: Parts, q: Array) -> tuple[float, ...]:
     """Return how open each loop is at q, m."""
     gaps = parts.problem.evaluate(q)[0] * parts.problem.partition.row_scale
     return tuple(float(np.linalg.norm(gaps[rows])) for rows in parts.kinematics.loops.slices)
-
-
-def _gap_alone(structure: Structure, rows: slice, starts: Sequence[Array]) -> float:
-    """Return the gap that one loop can be brought to, all joints free and the others open."""
-    problem = structure.parts.problem
-
-    def evaluate(q: Array) -> tuple[Array, Array]:
-        residual, jacobian = problem.evaluate(q)
-        return residual[rows], jacobian[rows]
-
-    partition = replace(problem.partition, row_scale=problem.partition.row_scale[rows])
-    alone = replace(problem, evaluate=evaluate, partition=partition)
-    weights, room = np.ones(structure.parts.model.nv), structure.parts.coordinates.room
-    return min(assemble(alone, start, weights, room=room).gap for start in starts)
 
 
 def _ends(model: pin.Model, loop: Loop) -> set[int]:

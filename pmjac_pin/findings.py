@@ -28,6 +28,7 @@ def find(diagnosis: Diagnosis) -> tuple[Finding, ...]:
         redundancy_findings,
         count_findings,
         _tolerance,
+        _reader,
     )
     findings = [finding for rule in rules for finding in rule(diagnosis)]
     return tuple(sorted(findings, key=lambda finding: _ORDER.index(finding.severity)))
@@ -82,19 +83,21 @@ def _what_to_try(diagnosis: Diagnosis) -> str:
     least = 1e-9 * diagnosis.characteristic_length
     stuck = [loop.name for loop in diagnosis.loops if (loop.gap_alone or 0.0) > least]
     failure = diagnosis.failure
-    if stuck:
+    if failure and failure.closes_at:
+        values = ", ".join(f"{name} = {value:.4g}" for name, value in failure.closes_at.items())
+        cause = f"From elsewhere the loops close, at {values}: give values near to those."
+    elif stuck:
         plural = "s" if len(stuck) > 1 else ""
         cause = (
-            f"The loop{plural} {listed(stuck)} cannot close from here even alone, all joints free: "
+            f"The loop{plural} {listed(stuck)} did not close from here or around even alone, all "
+            "joints free: "
             "check its frames, the lengths along it and its joints' limits."
         )
-    elif len(diagnosis.loops) > 1:
+    else:
         cause = (
-            "Each loop closes alone, all together do not: check the lengths that they share, or "
+            "Each loop closes alone, all together did not: check the lengths that they share, or "
             "give joint values nearer to a closed pose."
         )
-    else:
-        cause = "The loop closes with other joint values: give values nearer to a closed pose."
     if failure and failure.gap is not None and failure.gap <= _WORTH_A_TOLERANCE:
         cause += " Where the model's numbers are rounded, a `tolerance` lets it pass."
     return cause
@@ -217,8 +220,8 @@ def _rates(rates: Mapping[str, float]) -> str:
 
 def _free(diagnosis: Diagnosis) -> Iterator[Finding]:
     actuation = diagnosis.actuation
-    if actuation is None or actuation.gained:
-        return  # at a singular home, what is idle and what came free cannot be told apart
+    if actuation is None:
+        return
     alone = {freedom.name for freedom in diagnosis.freedoms if not freedom.loops}
     for motion in actuation.free_motions:
         joints = [name for name, rate in motion.rates.items() if rate]
@@ -279,3 +282,8 @@ def _tolerance(diagnosis: Diagnosis) -> Iterator[Finding]:
         message = f"The file lets loops count as closed that are open by {diagnosis.tolerance:g} m."
         advice = "Numbers are good to that, no better; write the model's with all their digits."
         yield Finding("note", "tolerance", message, advice)
+
+
+def _reader(diagnosis: Diagnosis) -> Iterator[Finding]:
+    for note in diagnosis.notes:
+        yield Finding("note", "reader", note)

@@ -72,11 +72,11 @@ def equals(report, key, expected):
 def test_alone_it_shows_its_help(shown):
     text = shown()
     assert text == shown("--help")
-    for command in ("list", "report", "check", "plot", "demo"):
+    for command in ("list", "report", "check", "plot", "demo", "convert"):
         assert re.search(rf"│ {command} +\w", text)
 
 
-@pytest.mark.parametrize("command", ["list", "report", "check", "plot", "demo"])
+@pytest.mark.parametrize("command", ["list", "report", "check", "plot", "demo", "convert"])
 def test_help_of_a_command(shown, command):
     text = shown(command, "--help")
     assert f"Usage: pmjac {command}" in text
@@ -288,9 +288,9 @@ def test_names_that_matplotlib_or_json_would_trip_over(shown, tmp_path):
 MISTAKES = {
     "report fourr_bar": "unknown mechanism 'fourr_bar'; did you mean 'four_bar'?",
     "reprot four_bar": 'Unknown command "reprot". Did you mean "report"? '
-    "Available commands: list, report, check, plot, demo, view.",
+    "Available commands: list, report, check, plot, demo, view, convert.",
     "--nope": 'Unknown command "--nope". '
-    "Available commands: list, report, check, plot, demo, view.",
+    "Available commands: list, report, check, plot, demo, view, convert.",
     "report": 'Command "report" parameter MECHANISM requires an argument.',
     "report four_bar --frmae LOCAL": "Unknown option: --frmae. Did you mean --frame?",
     "report four_bar --no-json": "Unknown option: --no-json. Did you mean --json?",
@@ -361,7 +361,7 @@ def test_broken_model_files(run, tmp_path, content):
 
 
 def test_messages_of_several_lines_are_joined(monkeypatch, run):
-    def fail(name, parameters):
+    def fail(name, parameters, **options):
         raise pj.ModelFileError("first line\n  second line\n")
 
     monkeypatch.setattr("pmjac_pin.cli.load", fail)
@@ -378,7 +378,7 @@ def test_a_full_disk_names_the_file_asked_for(monkeypatch, run):
 
 
 def test_ctrl_c(monkeypatch, run):
-    def interrupt(name, parameters):
+    def interrupt(name, parameters, **options):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("pmjac_pin.cli.load", interrupt)

@@ -323,7 +323,7 @@ def test_an_impossible_closure_names_the_loop():
     # Crank 100 against ground 4, coupler 3 and rocker 3.5: 89.5 is missing.
     assert diagnosis.failure.gap >= 89.5 - 1e-9
     assert diagnosis.loops[0].gap_alone == pytest.approx(89.5, abs=1e-3)
-    assert "cannot close from here even alone" in found.advice
+    assert "did not close from here or around even alone" in found.advice
     assert diagnosis.mobility.mobility is None
     assert diagnosis.mobility.gruebler_in_groups == 1
     assert [freedom.home for freedom in diagnosis.freedoms] == [None] * 3
@@ -337,9 +337,49 @@ def test_loops_that_close_alone_but_not_together():
     ]
     loops = [("slider", "one_metre"), ("slider", "two_metres")]
     diagnosis = failed(joints, loops, ["slide"], "slider", {})
-    assert "Each loop closes alone, all together do not" in finding(diagnosis, "home-open").advice
+    assert "Each loop closes alone, all together did not" in finding(diagnosis, "home-open").advice
     assert max(loop.gap_alone for loop in diagnosis.loops) < 1e-9
     assert diagnosis.failure.gap == pytest.approx(np.sqrt(0.5), abs=1e-9)
+
+
+def stretched(home):
+    """A 3R arm of unit links whose tip is to reach a point on the line that it lies on."""
+    joints = [
+        ("a", "revolute", "ground", "one", (0, 0, 0), Z),
+        ("b", "revolute", "one", "two", (1, 0, 0), Z),
+        ("c", "revolute", "two", "three", (1, 0, 0), Z),
+        ("end", "fixed", "three", "tip", (1, 0, 0)),
+        ("base", "fixed", "ground", "target", (2, 0, 0)),
+    ]
+    return mechanisms.build(joints, [("tip", "target")], ["a"], "three", home)
+
+
+def test_where_the_loops_close_from_elsewhere_that_is_told():
+    """Stretched out, no joint moves the tip towards the target: the way in is to bend first."""
+    with pytest.raises(pj.ClosureError) as caught:
+        stretched({})
+    diagnosis = pj.check(caught.value)
+    values = diagnosis.failure.closes_at
+    assert values.keys() == {"a", "b", "c"}
+    assert "From elsewhere the loops close, at a = " in finding(diagnosis, "home-open").advice
+    closed = stretched(values)
+    assert max(map(abs, closed.moved().values())) < 1e-9
+
+
+def test_a_singular_home_is_not_taken_for_the_general_case():
+    """The folded parallelogram: redundant rows and idle motions are those of the poses near it."""
+    flat = {"l0": 2.0, "l1": 1.0, "l2": 2.0, "l3": 1.0}
+    model = pj.load("four_bar", flat).model
+    loops = pj.load("four_bar").spec.loops
+    mechanism = pj.Mechanism.from_pinocchio(
+        model, loops, ["theta1"], "coupler_midpoint", home=[0.0, 0.0, 0.0]
+    )
+    diagnosis = pj.check(mechanism)
+    assert "configuration space" in finding(diagnosis, "singular-pose").message
+    assert (diagnosis.redundancy.rows, diagnosis.actuation.idle) == (1, 0)
+    assert diagnosis.actuation.gained == 1
+    assert diagnosis.actuation.free_motions == ()
+    assert diagnosis.severity == "warning"
 
 
 @pytest.fixture

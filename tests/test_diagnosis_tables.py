@@ -1,4 +1,4 @@
-"""The page of `pmjac check`: nothing too wide, nothing lost, for whole and for broken mechanisms."""
+"""The page of `pmjac check`: nothing too wide, nothing lost, of whole and broken mechanisms."""
 
 from __future__ import annotations
 

@@ -6,6 +6,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from differences import difference_quotient
 
 import pmjac_pin as pj
 
@@ -49,26 +50,6 @@ def poses(request, mechanism, rng):
     if not found:
         pytest.skip("no singularity is met on a path from home")
     return found
-
-
-def difference_quotient(configuration, h):
-    """∂(tool twist)/∂θ by closing the loops at θ ± h, to fourth order."""
-    mechanism, theta = configuration.mechanism, configuration.actuated
-
-    def pose(step):
-        closed = mechanism.close(theta + step, guess=configuration, enforce_limits=False)
-        return closed.tool_pose
-
-    columns = []
-    for k in range(theta.size):
-        step = h * np.eye(theta.size)[k]
-        twist = np.zeros(6)
-        for weight, factor in ((8, 1), (-1, 2)):
-            ahead, behind = pose(factor * step), pose(-factor * step)
-            twist[:3] += weight * (ahead.translation - behind.translation)
-            twist[3:] += weight * pin.log3(ahead.rotation @ behind.rotation.T)
-        columns.append(twist / (12 * h))
-    return np.column_stack(columns)
 
 
 def test_j_eq_is_the_derivative_through_the_closure(poses):
