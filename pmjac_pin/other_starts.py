@@ -1,4 +1,4 @@
-"""Where a home pose does not assemble: do its loops close from elsewhere, all or each alone?"""
+"""Where a home pose does not assemble: whether its loops close from elsewhere, all or alone."""
 
 from __future__ import annotations
 
