@@ -17,7 +17,7 @@ from pmjac_pin.errors import ArgumentError, ClosureError, ModelFileError, PmjacE
 from pmjac_pin.linkage import with_spherical
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.source import Source, read_source
-from pmjac_pin.spec import MechanismSpec
+from pmjac_pin.spec import JointValue, MechanismSpec
 from pmjac_pin.urdf import Urdf
 from pmjac_pin.urdf_locking import lock_joints
 
@@ -29,7 +29,7 @@ def load(
     name_or_path: str | Path,
     parameters: Mapping[str, float] | None = None,
     *,
-    locked: Iterable[str] | Mapping[str, float] = (),
+    locked: Iterable[str] | Mapping[str, JointValue] = (),
     actuated: Iterable[str] | None = None,
     tool: str | None = None,
 ) -> Mechanism:
@@ -42,7 +42,7 @@ def load(
         or with a YAML file beside it (.urdf), of MJCF (.xml) or of SDF (.sdf).
     parameters : mapping of str to float, optional
         Values for parameters that the model file declares, m or rad.
-    locked : iterable of str, or mapping of str to float, optional
+    locked : iterable of str, or mapping of str to float or floats, optional
         Joints to hold, beside those that the model file locks: at their values in the home pose,
         or at the values given, rad or m.
     actuated : iterable of str, optional

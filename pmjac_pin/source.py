@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +13,7 @@ from pmjac_pin.errors import ArgumentError
 from pmjac_pin.formats.extended_urdf import closure_yaml_beside, read_extended_urdf
 from pmjac_pin.formats.foreign_model import ForeignModel, check_frame, check_motors
 from pmjac_pin.formats.looped_urdf import read_looped_urdf
+from pmjac_pin.formats.mjcf import read_mjcf
 from pmjac_pin.formats.sdf import read_sdf
 from pmjac_pin.model_file import read_model_file
 from pmjac_pin.spec import MechanismSpec, Tool
@@ -83,9 +83,7 @@ def _foreign(path: Path, motors: tuple[str, ...]) -> ForeignModel:
             return read_extended_urdf(path, motors)
         case ".sdf":
             return read_sdf(path, motors)
-    mjcf = importlib.import_module("pmjac_pin.formats.mjcf")
-    model: ForeignModel = mjcf.read_mjcf(path)
-    return model
+    return read_mjcf(path)
 
 
 def _names(names: Iterable[str]) -> tuple[str, ...]:

@@ -102,6 +102,7 @@ def test_list_shows_the_catalogue(shown):
             mechanism.spec.description.split()[0],
         ]
         assert re.search(rf"^{' +'.join(row)}", numbers, re.MULTILINE)
+        assert set(mechanism.spec.description.split()) <= set(numbers.split())
         assert re.search(rf"^{name} +{mechanism.poses[0]}", poses, re.MULTILINE)
     assert max(map(len, text.splitlines())) <= 80
 

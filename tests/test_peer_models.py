@@ -11,7 +11,10 @@ import pmjac_pin as pj
 from pmjac_pin.source import read_source
 
 # nq, nv, rows, rank [K K*], rank K*, mobility, idle passive motions, each with its tool
-URDF_PLUS = {"four_bar": ("link3", 3, 3, 5, 2, 2, 1, 0)}
+URDF_PLUS = {
+    "four_bar": ("link3", 3, 3, 5, 2, 2, 1, 0),
+    "six_bar": ("link3", 10, 5, 5, 2, 2, 3, 0),
+}
 EXTENDED = {
     "5bar_linkage": ("effector", 6, 6, 6, 3, 3, 3, 1),
     "5bar_linkage_iso3d": ("effector", 5, 5, 3, 3, 3, 2, 0),
@@ -67,7 +70,6 @@ def test_j_eq_is_the_derivative_through_the_closure(sample, rng):
 
 
 def test_every_joint_and_loop_of_the_six_bar_is_read():
-    """Flat at zero and open by 0.3 m: read here, assembled elsewhere."""
     source = read_source(peer_model("urdf_plus/six_bar.urdf"), tool="link3")
     ends = ("constraint1_on_link3", "constraint1_on_link5")
     assert source.spec.loops == (pj.RevoluteLoop(frames=ends),)

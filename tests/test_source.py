@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import pickle
-import sys
-import types
-from pathlib import Path
 
 import looped
+import mjcf_models
 import numpy as np
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.formats.foreign_model import ForeignModel
 from pmjac_pin.formats.looped_urdf import read_looped_urdf
 from pmjac_pin.source import read_source
 
@@ -66,16 +63,11 @@ def test_a_urdf_beside_nothing_is_read_with_its_loops(tmp_path, name):
 
 
 @pytest.mark.parametrize("suffix", [".xml", ".mjcf"])
-def test_mjcf_is_imported_when_needed(path, tmp_path, monkeypatch, suffix):
-    def reader(given: Path) -> ForeignModel:
-        assert given == tmp_path / f"machine{suffix}"
-        return read_looped_urdf(path)
-
-    stand_in = types.ModuleType("mjcf")
-    stand_in.read_mjcf = reader
-    monkeypatch.setitem(sys.modules, "pmjac_pin.formats.mjcf", stand_in)
-    other = pj.load(tmp_path / f"machine{suffix}", actuated=["theta1"], tool=looped.TOOL)
-    assert other.mobility == 1
+def test_mjcf_tells_its_motors(tmp_path, suffix):
+    path = tmp_path / f"machine{suffix}"
+    path.write_text(mjcf_models.FOUR_BAR)
+    mechanism = pj.load(path, tool="coupler")
+    assert (mechanism.actuated, mechanism.mobility) == (("t",), 1)
 
 
 def test_sdf(tmp_path):
