@@ -47,15 +47,12 @@ class Failure(msgspec.Struct, frozen=True):
         The loop that stays open most.
     gap : float or None
         The smallest gap of all loops that was found, m.
-    closes_at : dict of str to float or None
-        Values of the degrees of freedom at which the loops close after all, found from elsewhere.
     """
 
     code: str
     message: str
     loop: str | None = None
     gap: float | None = None
-    closes_at: Rates | None = None
 
 
 class Body(msgspec.Struct, frozen=True):

@@ -36,7 +36,6 @@ from pmjac_pin.errors import ClosureError, LimitError, PmjacError
 from pmjac_pin.findings import find
 from pmjac_pin.loading import load
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.other_starts import nearest_closed, starts
 from pmjac_pin.parts import Parts
 from pmjac_pin.redundancy import LoopRank, dependent_rows, loop_ranks
 from pmjac_pin.report_maker import encodable
@@ -118,18 +117,14 @@ def _of_error(error: PmjacError) -> Diagnosis:
         raise error
     parts: Parts = cause.parts
     structure = Structure.of(parts)
-    tried = starts(parts, getattr(cause, "q", None))
-    closed, failure = nearest_closed(parts, tried), _failure(cause)
-    if closed is not None:
-        failure = msgspec.structs.replace(failure, closes_at=_values(parts, closed))
     diagnosis = Diagnosis(
         mechanism=encodable(parts.spec.name),
         description=parts.spec.description,
-        failure=failure,
+        failure=_failure(cause),
         bodies=bodies(structure),
         freedoms=freedoms(structure, None),
         tool=tool_frames(parts),
-        loops=loops(structure, None, tried),
+        loops=loops(structure, None, getattr(cause, "q", None)),
         mobility=mobility(structure, None),
         redundancy=None,
         actuation=None,
@@ -236,12 +231,6 @@ def _failure(error: PmjacError) -> Failure:
     if isinstance(error, ClosureError | LimitError):
         return Failure("outside-limits", str(error))
     return Failure("not-built", str(error))
-
-
-def _values(parts: Parts, q: Array) -> Rates:
-    partition, values = parts.problem.partition, parts.coordinates.values(q)
-    columns = np.concatenate([partition.actuated, partition.passive])
-    return _by_name(partition.actuated_names + partition.passive_names, values[columns])
 
 
 def _by_name(names: tuple[str, ...], rates: Array) -> Rates:

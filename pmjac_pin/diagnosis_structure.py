@@ -7,19 +7,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from pmjac_pin.damped_closure import assemble
 from pmjac_pin.diagnosis import Body, Freedom, LoopEntry, Mobility
 from pmjac_pin.frames import find_frame
 from pmjac_pin.linkage import known_kind
 from pmjac_pin.loop_motion import LoopMotion, loop_motions
 from pmjac_pin.loop_spec import JointLoop, Loop
-from pmjac_pin.other_starts import gap_alone
 from pmjac_pin.parts import Parts
+from pmjac_pin.pose_assembly import motor_weights, shaken
 from pmjac_pin.redundancy import LoopRank
 
 Array = NDArray[np.float64]
@@ -122,9 +123,12 @@ def freedoms(structure: Structure, moved: Mapping[str, float] | None) -> tuple[F
 
 
 def loops(
-    structure: Structure, ranks: Sequence[LoopRank] | None, tried: Sequence[Array] = ()
+    structure: Structure, ranks: Sequence[LoopRank] | None, best: Array | None = None
 ) -> tuple[LoopEntry, ...]:
-    """Return every loop; without ranks, home does not assemble, and each is tried alone."""
+    """Return every loop; without ranks, home does not assemble, and each is tried alone.
+
+    `best` is then the pose of the smallest gap that was found, if any.
+    """
     parts = structure.parts
     system, spec = parts.kinematics.loops, parts.spec
     gaps = loop_gaps(parts, structure.given)
@@ -140,7 +144,7 @@ def loops(
             rank=ranks[k].rank if ranks else None,
             needed=ranks[k].needed if ranks else None,
             gap_given=gaps[k],
-            gap_alone=None if ranks else gap_alone(parts, rows, tried),
+            gap_alone=None if ranks else _gap_alone(parts, rows, best),
         )
         for k, (name, loop, motion, rows) in enumerate(
             zip(structure.loop_names, spec.loops, structure.motions, system.slices, strict=True)
@@ -167,6 +171,25 @@ def loop_gaps(parts: Parts, q: Array) -> tuple[float, ...]:
     """Return how open each loop is at q, m."""
     gaps = parts.problem.evaluate(q)[0] * parts.problem.partition.row_scale
     return tuple(float(np.linalg.norm(gaps[rows])) for rows in parts.kinematics.loops.slices)
+
+
+def _gap_alone(parts: Parts, rows: slice, best: Array | None) -> float:
+    """Return the smallest gap that one loop reaches, all joints free and the others left open."""
+    problem, least = parts.problem, math.inf
+
+    def evaluate(q: Array) -> tuple[Array, Array]:
+        residual, jacobian = problem.evaluate(q)
+        return residual[rows], jacobian[rows]
+
+    partition = replace(problem.partition, row_scale=problem.partition.row_scale[rows])
+    alone = replace(problem, evaluate=evaluate, partition=partition)
+    weights, room = motor_weights(problem, 1.0), parts.coordinates.room
+    known = [parts.home_q] if best is None else [parts.home_q, best]
+    for start in (*known, *shaken(problem, parts.home_q)):
+        least = min(least, assemble(alone, start, weights, room=room).gap)
+        if least <= problem.tolerance:
+            break
+    return least
 
 
 def _ends(model: pin.Model, loop: Loop) -> set[int]:

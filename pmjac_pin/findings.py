@@ -83,10 +83,7 @@ def _what_to_try(diagnosis: Diagnosis) -> str:
     least = 1e-9 * diagnosis.characteristic_length
     stuck = [loop.name for loop in diagnosis.loops if (loop.gap_alone or 0.0) > least]
     failure = diagnosis.failure
-    if failure and failure.closes_at:
-        values = ", ".join(f"{name} = {value:.4g}" for name, value in failure.closes_at.items())
-        cause = f"From elsewhere the loops close, at {values}: give values near to those."
-    elif stuck:
+    if stuck:
         plural = "s" if len(stuck) > 1 else ""
         cause = (
             f"The loop{plural} {listed(stuck)} did not close from here or around even alone, all "

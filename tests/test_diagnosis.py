@@ -342,30 +342,6 @@ def test_loops_that_close_alone_but_not_together():
     assert diagnosis.failure.gap == pytest.approx(np.sqrt(0.5), abs=1e-9)
 
 
-def stretched(home):
-    """A 3R arm of unit links whose tip is to reach a point on the line that it lies on."""
-    joints = [
-        ("a", "revolute", "ground", "one", (0, 0, 0), Z),
-        ("b", "revolute", "one", "two", (1, 0, 0), Z),
-        ("c", "revolute", "two", "three", (1, 0, 0), Z),
-        ("end", "fixed", "three", "tip", (1, 0, 0)),
-        ("base", "fixed", "ground", "target", (2, 0, 0)),
-    ]
-    return mechanisms.build(joints, [("tip", "target")], ["a"], "three", home)
-
-
-def test_where_the_loops_close_from_elsewhere_that_is_told():
-    """Stretched out, no joint moves the tip towards the target: the way in is to bend first."""
-    with pytest.raises(pj.ClosureError) as caught:
-        stretched({})
-    diagnosis = pj.check(caught.value)
-    values = diagnosis.failure.closes_at
-    assert values.keys() == {"a", "b", "c"}
-    assert "From elsewhere the loops close, at a = " in finding(diagnosis, "home-open").advice
-    closed = stretched(values)
-    assert max(map(abs, closed.moved().values())) < 1e-9
-
-
 def test_a_singular_home_is_not_taken_for_the_general_case():
     """The folded parallelogram: redundant rows and idle motions are those of the poses near it."""
     flat = {"l0": 2.0, "l1": 1.0, "l2": 2.0, "l3": 1.0}
