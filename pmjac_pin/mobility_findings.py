@@ -51,7 +51,8 @@ def count_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
         advice = "The formula in space does not know that a loop's axes share a direction or point."
         yield Finding("note", "mobility", message, advice)
         return
-    message += f" in space and {found.gruebler_in_groups} with each loop in its joints' own group"
+    if found.gruebler_in_groups != found.gruebler:
+        message += f" in space and {found.gruebler_in_groups} with each loop in its own group"
     if twice := _joined_twice(diagnosis):
         message += f": {' and '.join(map(repr, twice))} join the same two bodies."
         advice = "One loop of another kind (frame, revolute, ...) in their place counts right."

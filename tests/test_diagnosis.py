@@ -135,6 +135,29 @@ def test_nothing_is_wrong_with_the_3_rps():
     assert (plate.name, plate.joint, len(plate.loops)) == ("plate", "platform", 3)
 
 
+@pytest.mark.parametrize(
+    ("name", "group", "gruebler", "in_groups", "mobility"),
+    [
+        ("slider_crank", "planar", -2, 1, 1),
+        ("planar_3rrr", "planar", 0, 3, 3),
+        ("agile_eye", "spherical", -3, 3, 3),
+        ("bennett", "spatial", -2, -2, 1),
+        ("bricard", "spatial", 0, 0, 1),
+        ("sarrus", "spatial", 0, 0, 1),
+        ("stewart_gough", "spatial", 6, 6, 6),
+    ],
+)
+def test_the_counts_of_the_textbooks(name, group, gruebler, in_groups, mobility):
+    """Planar and spherical formulas are right; the paradoxical linkages defy them all."""
+    diagnosis = pj.check(name)
+    count = diagnosis.mobility
+    assert {loop.group for loop in diagnosis.loops} == {group}
+    found = (count.gruebler, count.gruebler_in_groups, count.mobility)
+    assert found == (gruebler, in_groups, mobility)
+    special = "special dimensions" in finding(diagnosis, "mobility").message
+    assert special == (in_groups != mobility)
+
+
 def test_special_dimensions_are_not_mistaken_for_a_planar_loop():
     diagnosis = pj.check(mechanisms.three_crank_parallelogram())
     count = diagnosis.mobility
