@@ -25,6 +25,25 @@ from pmjac_pin.report_maker import (
 )
 
 
+class CertificateReport(msgspec.Struct, frozen=True):
+    """Whether an exact solution is proven to be near: see `Certificate`.
+
+    Attributes
+    ----------
+    certified : bool
+    existence_radius : float
+        A solution is no farther than this, rad; infinite where none is proven.
+    uniqueness_radius : float
+        No second one is nearer than this, rad.
+    statement : str
+    """
+
+    certified: bool
+    existence_radius: float
+    uniqueness_radius: float
+    statement: str
+
+
 class ModeReport(msgspec.Struct, frozen=True, kw_only=True):
     """What tells one assembly mode from the others.
 
@@ -54,6 +73,7 @@ class ModeReport(msgspec.Struct, frozen=True, kw_only=True):
         The share of the random starts that led here.
     mirror_image : int or None
         Number of the mode that is its mirror image in the plane of the base.
+    certificate : CertificateReport
     """
 
     number: int
@@ -68,6 +88,7 @@ class ModeReport(msgspec.Struct, frozen=True, kw_only=True):
     sign: int | None
     share: float
     mirror_image: int | None
+    certificate: CertificateReport
 
 
 class CompletenessReport(msgspec.Struct, frozen=True):
@@ -185,4 +206,11 @@ def _mode(
         sign=sign,
         share=share,
         mirror_image=None if mirror is None else mirror + 1,
+        certificate=_certificate(mode),
     )
+
+
+def _certificate(mode: Configuration) -> CertificateReport:
+    found = mode.certificate()
+    radii = (found.existence_radius, found.uniqueness_radius)
+    return CertificateReport(bool(found), *radii, found.statement)

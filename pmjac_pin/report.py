@@ -207,7 +207,7 @@ class Report(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def to_json(report: msgspec.Struct) -> str:
-    """Write a report as strict JSON in ASCII, one line for each of its attributes.
+    """Write a report, or a diagnosis, as strict JSON in ASCII, one line for each of its attributes.
 
     JSON knows no infinity: infinite numbers become null. There are three: the radii of the
     force ellipsoid in directions that the structure bears by itself, and the singularity's

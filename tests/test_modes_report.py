@@ -41,6 +41,16 @@ def test_the_numbers_are_those_of_the_configurations(lecture):
     assert (report.starts, report.complete.statement) == (modes.starts, str(modes.complete))
 
 
+def test_the_certificates_are_those_of_the_configurations(lecture):
+    modes, report = lecture
+    for mode, found in zip(modes, report.modes, strict=True):
+        certificate = mode.certificate()
+        assert found.certificate.certified is bool(certificate) is True
+        assert found.certificate.existence_radius == certificate.existence_radius
+        assert found.certificate.uniqueness_radius == certificate.uniqueness_radius
+        assert found.certificate.statement == certificate.statement
+
+
 def test_a_mode_can_be_made_again_of_its_q(lecture):
     modes, report = lecture
     again = modes[0].mechanism.configuration(report.modes[0].q)
@@ -100,6 +110,7 @@ def test_a_singular_mode_has_no_sign():
     )
     [mode] = make_modes_report(mechanism, [end], modes).modes
     assert (mode.kind, mode.sign) == ("gain", 0)
+    assert not mode.certificate.certified
 
 
 def test_without_loops_there_is_one_mode_and_no_smallest_singular_value():
