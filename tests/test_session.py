@@ -15,8 +15,8 @@ from pmjac_pin.viewer.messages import (
     MAXIMAL_SIZE,
     Home,
     Move,
+    NamedPose,
     Options,
-    Pose,
     Refusal,
     decode,
     encode,
@@ -182,11 +182,11 @@ def test_a_value_that_is_none_changes_nothing(values):
 
 def test_poses_and_home():
     session = session_of()
-    session.obey(Pose(name="lecture_b"))
+    session.obey(NamedPose(name="lecture_b"))
     assert session.pose == "lecture_b"
     assert session.configuration is session.mechanism.pose("lecture_b")
     with pytest.raises(pj.UnknownNameError, match="did you mean 'lecture_b'"):
-        session.obey(Pose(name="lecture_c"))
+        session.obey(NamedPose(name="lecture_c"))
     assert session.pose == "lecture_b"
     session.obey(Home())
     assert session.pose == "home"
@@ -311,9 +311,12 @@ def test_the_first_view_holds_everything():
     right = np.cross((0.0, 0.0, 1.0), eye)
     right /= np.linalg.norm(right)
     view = np.array([right, np.cross(eye, right), eye])
-    for item in items:
-        x, y, z = view @ (item.transform[:3, 3] - framing.centre)
-        assert (extremes >= np.array([abs(x), abs(y), z]) - 1e-8).all(axis=1).any()
+    centres = np.array([item.transform[:3, 3] for item in items]) - framing.centre
+    x, y, z = view @ centres.T
+    for across, up in [(0.36, 0.36), (0.6, 0.36), (0.17, 0.36)]:  # windows of several shapes
+        distance = max(c + max(a / across, b / up) for a, b, c in extremes)
+        assert (np.abs(x) <= across * (distance - z) + 1e-9).all()
+        assert (np.abs(y) <= up * (distance - z) + 1e-9).all()
     assert np.linalg.norm(framing.eye) == pytest.approx(1.0)
 
 
