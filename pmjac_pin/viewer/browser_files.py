@@ -16,6 +16,7 @@ PAGE_FILES = (
     "elements.js",
     "fit.js",
     "labels.js",
+    "legend.js",
     "motors.js",
     "numbers.js",
     "options.js",
@@ -24,6 +25,8 @@ PAGE_FILES = (
     "scene.html",
     "scene.js",
     "sections.js",
+    "stage.css",
+    "stage.js",
     "status.js",
     "style.css",
 )
