@@ -69,7 +69,8 @@ class _Closure:
     def relative(self, model: pin.Model, data: pin.Data, scratch: Any) -> Relative:
         # Without `calc` the constraint's Jacobian is silently the one of another q.
         self.constraint.calc(model, data, scratch)
-        rates = self.constraint.jacobian(model, data, scratch)
+        # Pinocchio returns a single column as a vector.
+        rates = self.constraint.jacobian(model, data, scratch).reshape(-1, model.nv)
         if rates.shape[0] == 3:
             return Relative(scratch.constraint_position_error, rates)
         gap, turning = scratch.c1Mc2.translation, rates[3:]
@@ -194,7 +195,8 @@ class LoopSystem:
     ) -> None:
         """Add ω × η of the second anchor to the world's ∂η/∂v, in place: zero on closure."""
         for closure in self._closures:
-            turning = pin.getJointJacobian(model, data, closure.body, pin.LOCAL_WORLD_ALIGNED)[3:]
+            turning = pin.getJointJacobian(model, data, closure.body, pin.LOCAL_WORLD_ALIGNED)
+            turning = turning.reshape(6, -1)[3:]
             for rows in closure.vectors():
                 jacobian[rows] -= pin.skew(residual[rows]) @ turning
 

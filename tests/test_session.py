@@ -9,6 +9,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+import scipy.optimize
 
 import pmjac_pin as pj
 from pmjac_pin.viewer.messages import (
@@ -274,6 +275,64 @@ def test_a_loss_singularity_is_said_and_seen_coming():
     assert make_readout(near).warning.level == "near"
     warning = make_readout(there).warning
     assert (warning.level, "loss" in warning.text) == ("singular", True)
+
+
+@pytest.mark.parametrize(("elbow", "words"), [(0.0, "has rank 1"), (0.01, "is near rank 1")])
+def test_a_stretched_arm_has_lost_a_direction_of_velocity(elbow, words):
+    """It still turns, so that its twist has lost nothing."""
+    configuration = pj.load("serial_2r").close([0.5, elbow])
+    assert configuration.singularity().kind == "regular"
+    warning = make_readout(configuration).warning
+    assert warning.level == "loss"
+    assert f"[J_v]eq {words} instead of 2" in warning.text
+    assert "[J_ω]" not in warning.text
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+def test_a_warning_does_not_depend_on_the_size(size):
+    axis = (0, 0, 1)
+    arm = [
+        ("a", "revolute", "ground", "upper", (0, 0, 0), axis),
+        ("b", "revolute", "upper", "lower", (size, 0, 0), axis),
+        ("end", "fixed", "lower", "tip", (size, 0, 0)),
+    ]
+    mechanism = mechanisms.build(arm, [], ["a", "b"], "tip", {"a": 0.5, "b": 1.0})
+    levels = [make_readout(mechanism.close([0.5, elbow])).warning.level for elbow in (1.0, 0.0)]
+    assert levels == ["regular", "loss"]
+
+
+@pytest.mark.parametrize(("smallest", "level"), [(0.0101, "regular"), (0.0099, "near")])
+def test_near_means_within_a_hundredth(smallest, level):
+    mechanism = pj.load("three_rps")
+
+    def excess(l2):
+        return mechanism.close([1.0, l2, 1.0]).singularity().smallest - smallest
+
+    l2 = scipy.optimize.brentq(excess, 1.8, 1.9729, xtol=1e-12)
+    session = Session(mechanism.close([1.0, l2, 1.0]), SceneOptions())
+    assert session.readout().warning.level == level
+    shown = {item.name.split("/")[0] for item in session.scene().items if item.visible}
+    assert ("free" in shown) == (level == "near")
+
+
+def test_a_stop_is_said_in_the_same_words_wherever_beyond_the_target_is():
+    session = session_of()
+    notices = set()
+    for beyond in (1.98, 2.2, 2.9, 2.5):
+        session.obey(Move(values=[None, beyond, None]))
+        notices.add(session.notice)
+    (notice,) = notices
+    assert notice.stops == (0, 1, 0)
+
+
+def test_home_looks_as_it_did_at_first():
+    session = session_of("serial_2r")
+    first = [item.transform for item in session.scene().items]
+    for value in np.linspace(1.0, -1.0, 30):
+        session.obey(Move(values=[None, value]))
+        session.scene()
+    session.obey(Home())
+    np.testing.assert_array_equal([item.transform for item in session.scene().items], first)
 
 
 def test_a_warning_has_no_changing_numbers():
