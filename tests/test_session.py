@@ -379,8 +379,9 @@ def test_the_first_view_holds_everything():
     assert np.linalg.norm(framing.eye) == pytest.approx(1.0)
 
 
-def test_a_flat_mechanism_is_looked_at_from_above():
-    assert session_of("four_bar").framing().eye[2] > 0.8
+@pytest.mark.parametrize("name", ["four_bar", "five_bar", "planar_3rpr", "planar_3rrr"])
+def test_a_flat_mechanism_is_looked_at_from_above(name):
+    assert session_of(name).framing().eye[2] > 0.8
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,7 @@ from pmjac_pin.viewer.shapes import (
 
 # Shares of the mechanism's size.
 FIRST_RADIUS, SECOND_RADIUS = 0.03, 0.045
-FIRST_AXIS, SECOND_AXIS = 0.14, 0.11  # half the length: the first one's, thinner, looks out
+FIRST_AXIS, SECOND_AXIS = 0.08, 0.065  # half the length: the first one's, thinner, looks out
 AXIS_RADII = (0.006, 0.011)
 ROD_RADIUS, SLIDE_RADIUS, GAP_RADIUS = 0.015, 0.006, 0.008
 
