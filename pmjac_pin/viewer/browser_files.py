@@ -16,6 +16,7 @@ PAGE_FILES = (
     "elements.js",
     "fit.js",
     "labels.js",
+    "legend.js",
     "modes.css",
     "modes.js",
     "motors.js",
@@ -26,6 +27,8 @@ PAGE_FILES = (
     "scene.html",
     "scene.js",
     "sections.js",
+    "stage.css",
+    "stage.js",
     "status.js",
     "style.css",
 )

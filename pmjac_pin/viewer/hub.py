@@ -15,7 +15,7 @@ from tornado.websocket import WebSocketClosedError
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import PmjacError
-from pmjac_pin.viewer.drawing import Drawing
+from pmjac_pin.viewer.canvas import Canvas
 from pmjac_pin.viewer.messages import Frame, ModesCommand, Refusal, decode, encode
 from pmjac_pin.viewer.mode_finder import ModeFinder
 from pmjac_pin.viewer.session import Session
@@ -71,21 +71,21 @@ class Hub:
     Parameters
     ----------
     session : Session
-    drawing : Drawing
+    canvas : Canvas
         Still empty.
     """
 
-    def __init__(self, session: Session, drawing: Drawing) -> None:
+    def __init__(self, session: Session, canvas: Canvas) -> None:
         self.session = session
-        self.drawing = drawing
+        self.canvas = canvas
         self._pages: dict[object, Outbox[str]] = {}
         self._scenes: dict[object, Outbox[bytes]] = {}
         self._modes = ModeFinder(session, self._tell_modes)
-        drawing.update(session.scene().items)
+        canvas.update(session.scene().items)
 
     def picture(self) -> Picture:
         """Return what is shown now, framed anew."""
-        commands = [command for _, command in self.drawing.commands()]
+        commands = [command for _, command in self.canvas.commands()]
         return Picture(self.session.mechanism.name, commands, self.session.framing())
 
     def add_page(self, page: object, send: Send) -> None:
@@ -98,7 +98,7 @@ class Hub:
     def add_scene(self, scene: object, send: Send) -> None:
         """Draw the whole picture in a meshcat viewer that has just been opened."""
         self._scenes[scene] = outbox = Outbox(send, _array)
-        outbox.put(self.drawing.commands())
+        outbox.put(self.canvas.commands())
 
     def remove(self, browser: object) -> None:
         """Forget a page or a scene."""
@@ -136,7 +136,7 @@ class Hub:
         self._publish(None)
 
     def _publish(self, asking: object) -> None:
-        changed = self.drawing.update(self.session.scene().items)
+        changed = self.canvas.update(self.session.scene().items)
         for scene in self._scenes.values():
             scene.put(changed)
         others = [box for page, box in self._pages.items() if page is not asking]

@@ -38,7 +38,7 @@ class Home(_Command, frozen=True, tag="home"):
     """Go to the home pose."""
 
 
-class Pose(_Command, frozen=True, tag="pose", kw_only=True):
+class NamedPose(_Command, frozen=True, tag="pose", kw_only=True):
     """Go to a named pose."""
 
     name: str
@@ -73,7 +73,7 @@ class ShowMode(_Command, frozen=True, tag="mode", kw_only=True):
 
 
 ModesCommand: TypeAlias = FindModes | StopSearch | ShowMode
-Command: TypeAlias = Move | Home | Pose | Options | Frame | ModesCommand
+Command: TypeAlias = Move | Home | NamedPose | Options | Frame | ModesCommand
 
 
 class Motor(msgspec.Struct, frozen=True):
@@ -86,6 +86,13 @@ class Motor(msgspec.Struct, frozen=True):
     limited: bool
 
 
+class Key(msgspec.Struct, frozen=True):
+    """An entry of the legend: what is drawn in these colours, such as "#d55e00"."""
+
+    text: str
+    colours: tuple[str, ...]
+
+
 class About(msgspec.Struct, frozen=True):
     """What does not change while the page is open."""
 
@@ -94,13 +101,24 @@ class About(msgspec.Struct, frozen=True):
     motors: tuple[Motor, ...]
     poses: tuple[str, ...]
     home: Readout
+    legend: tuple[Key, ...]
 
 
 class Notice(msgspec.Struct, frozen=True):
-    """What the status line says: its kind is "", "stop" (end of the range) or "error"."""
+    """What the status line says.
+
+    Attributes
+    ----------
+    kind : str
+        "", or "stop" at the end of the range.
+    text : str
+    stops : tuple of int
+        Of a stop, for each motor: the side, 1 or −1, on which it cannot go on; 0 if it can.
+    """
 
     kind: str
     text: str
+    stops: tuple[int, ...] = ()
 
 
 class Drawn(msgspec.Struct, frozen=True):
