@@ -409,7 +409,7 @@ def test_keyboard_alone(viewer, open_page):
         assert style == "solid", visited[-1]
     motors = [f"motor-{k}{end}" for k in range(3) for end in ("", "-value")]
     buttons = ["scene", "home", "reset", "snapshot", "pose", "names"]
-    assert visited == [*buttons, *motors, "linear", "angular", "force", "scale"]
+    assert visited == [*buttons, *motors, "find-modes", "linear", "angular", "force", "scale"]
     page.focus("#motor-0")
     page.keyboard.press("ArrowRight")
     quiet(page)
