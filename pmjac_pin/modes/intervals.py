@@ -1,11 +1,11 @@
 """Interval arithmetic over arrays, rounded outwards: every result holds what it stands for.
 
-NumPy's +, −, ×, / round to the nearest double, so that a result z is off by at most |z|/2⁵³, or by
-less than 1e-300 where it underflows; an end is moved outwards by |z|/2⁵¹ + 1e-290, which also
+NumPy's +, −, ×, / round to the nearest double, so that a result z is off by at most u|z|, u = 2⁻⁵³,
+or by less than 1e-300 where it underflows; an end is moved outwards by 3u|z| + 1e-290, which also
 covers the rounding of that move. A sum of n products, in whatever order NumPy or BLAS takes them,
-is off by at most n/(2⁵³ − n) times the sum of their absolute values. NumPy's sine and cosine are
-taken to be right to 2⁻⁵⁰, eight units in the last place of a number near 1. What overflows is not
-a number, and such an end bounds nothing.
+is off by at most nu/(1 − nu) times the sum of their absolute values; its ends are moved by
+(n + 3)u times that. NumPy's sine and cosine are taken to be right to 2⁻⁵⁰, eight units in the last
+place of a number near 1. What overflows is not a number, and such an end bounds nothing.
 
 Source: S. M. Rump, Verification methods, Acta Numerica 19 (2010), sections 2, 3 and 5.
 """
@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
-_RELATIVE = 2.0**-51
+_UNIT = 2.0**-53
 _ABSOLUTE = 1e-290
 _TRIGONOMETRY = 2.0**-50
 _LARGEST_ANGLE = 1e6  # rad: beyond it, sine and cosine are anything in [−1, 1]
@@ -189,8 +189,8 @@ def hull(boxes: Intervals) -> Intervals:
 
 def _outward(lower: Array, upper: Array) -> Intervals:
     return Intervals(
-        lower - (np.abs(lower) * _RELATIVE + _ABSOLUTE),
-        upper + (np.abs(upper) * _RELATIVE + _ABSOLUTE),
+        lower - (np.abs(lower) * (3.0 * _UNIT) + _ABSOLUTE),
+        upper + (np.abs(upper) * (3.0 * _UNIT) + _ABSOLUTE),
     )
 
 
@@ -204,7 +204,7 @@ def _hull(*ends: Array) -> Intervals:
 
 def _spread(terms: int, size: Array) -> Array:
     """Return more than a sum of `terms` products of this absolute size can be off by."""
-    return size * ((terms + 4) * _RELATIVE) + _ABSOLUTE
+    return size * ((terms + 3) * _UNIT) + _ABSOLUTE
 
 
 def _wave(angles: Intervals, one: Array, other: Array, top: float) -> Intervals:

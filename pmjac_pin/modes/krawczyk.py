@@ -20,6 +20,7 @@ from pmjac_pin.partition import independent_rows
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
+Truth = NDArray[np.bool_]
 
 _RADII = 10.0 ** -np.arange(1.0, 9.5, 0.5)  # scaled: nested neighbourhoods that are tried at once
 
@@ -70,37 +71,48 @@ def enclose(loops: IntervalLoops, boxes: Intervals, scale: Array) -> list[Enclos
     each = np.arange(count)
     mode = image.meet(around)[smallest * count + each]  # a box where nothing is proven
     mode = _krawczyk(loops, kept, mode.middle, mode).meet(mode)
-    there = loops.evaluate(mode)
-    sizes = there.residual.magnitude / loops.tolerance
-    np.put_along_axis(sizes, kept, 0.0, axis=1)
+    possible, sizes = _at_root(loops, kept, mode)
     return [
         Enclosure(
             mode=mode[index],
             around=around[int(largest[index]) * count + index],
             kept=tuple(loops.names[row] for row in kept[index]),
-            left_out=float(sizes[index].max()),
+            left_out=float((sizes[index] / loops.tolerance).max()),
         )
-        if proven[:, index].any() and there.possible[index]
+        if proven[:, index].any() and possible[index]
         else None
         for index in range(count)
     ]
 
 
 def _krawczyk(loops: IntervalLoops, kept: Index, at: Array, boxes: Intervals) -> Intervals:
-    """Return K(X) of each box (n, k) about a point in it, infinite where J is singular."""
+    """Return K(X) of each box (n, k) about a point in it; infinite where the point is not."""
     each, middle = np.arange(len(kept))[:, None], Intervals.exact(at)
     jacobian = loops.evaluate(boxes).jacobian[each, kept]
     residual = loops.residual(middle)[each, kept]
-    square = jacobian.middle
-    regular = np.linalg.matrix_rank(square, tol=0.0) == kept.shape[1]
-    one = np.eye(kept.shape[1])
-    inverse = np.linalg.inv(np.where(regular[:, None, None], square, one))
-    spread = (Intervals.exact(one) - jacobian.after(inverse)) * (boxes - middle)[:, None]
-    image = middle - residual[:, :, None].after(inverse)[:, :, 0] + spread.sum(axis=2)
-    possible = (regular & boxes.holds(at).all(axis=1))[:, None]
-    return Intervals(
-        np.where(possible, image.lower, -np.inf), np.where(possible, image.upper, np.inf)
-    )
+    inverse: Array = np.linalg.pinv(jacobian.middle)
+    rest = Intervals.exact(np.eye(kept.shape[1])) - jacobian.after(inverse)
+    spread = (rest * (boxes - middle)[:, None]).sum(axis=2)
+    image = middle - residual[:, :, None].after(inverse)[:, :, 0] + spread
+    inside = np.asarray(boxes.holds(at).all(axis=1, keepdims=True))
+    return Intervals(np.where(inside, image.lower, -np.inf), np.where(inside, image.upper, np.inf))
+
+
+def _at_root(loops: IntervalLoops, kept: Index, mode: Intervals) -> tuple[Truth, Array]:
+    """Return whether the root of the kept rows can be a mode, and how far the other rows are off.
+
+    At the root φ, where the kept rows ηₖ vanish, each row is, for any matrix W,
+    η(φ) ∈ η(m) − W ηₖ(m) + (J − W Jₖ)(φ − m): with W Jₖ about J, nearly η(m) alone.
+    """
+    each, at = np.arange(len(kept))[:, None], Intervals.exact(mode.middle)
+    whole, residual = loops.evaluate(mode), loops.residual(at)
+    middle = whole.jacobian.middle
+    weights: Array = middle @ np.linalg.pinv(middle[each, kept])
+    rest = (whole.jacobian - whole.jacobian[each, kept].after(weights)) * (mode - at)[:, None]
+    off = residual - residual[each, kept][:, :, None].after(weights)[:, :, 0] + rest.sum(axis=2)
+    sizes = off.magnitude
+    np.put_along_axis(sizes, kept, 0.0, axis=1)
+    return whole.possible, sizes
 
 
 def _kept_rows_and_root(loops: IntervalLoops, boxes: Intervals) -> tuple[Index, Array]:
