@@ -1,4 +1,4 @@
-"""The command line: ``pmjac list``, ``report``, ``plot``, ``demo`` and ``view``.
+"""The command line: ``pmjac list``, ``report``, ``plot``, ``demo``, ``view`` and ``convert``.
 
 Exit status 0; 2 with one line on stderr when something is wrong; 130 on Ctrl-C.
 """
@@ -19,9 +19,11 @@ from pmjac_pin.blocks import Block, Verbatim
 from pmjac_pin.catalog import list_mechanisms
 from pmjac_pin.catalogue_table import catalogue_table, poses_table
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.convert import convert
 from pmjac_pin.demo import FIGURE, demo_blocks, run_demo
 from pmjac_pin.errors import ArgumentError, LimitError, PmjacError
 from pmjac_pin.loading import load
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.pose_figure import save_pose_figure
 from pmjac_pin.report import to_json
 from pmjac_pin.report_maker import make_report
@@ -53,7 +55,8 @@ app = App(
 )
 
 Name: TypeAlias = Annotated[
-    str, Parameter(help="A name that pmjac list shows, or the path of a model file.")
+    str,
+    Parameter(help="A name that pmjac list shows, or the path of a model file, URDF, MJCF or SDF."),
 ]
 At: TypeAlias = Annotated[str | None, Parameter(help="Motor values, m or rad, such as 0.5,1,2.")]
 From: TypeAlias = Annotated[
@@ -66,6 +69,12 @@ Frame: TypeAlias = Annotated[
 Settings: TypeAlias = Annotated[
     list[str] | None,
     Parameter(name="--set", help="Parameters, such as l1=1.2,l2=3; may be repeated."),
+]
+Actuated: TypeAlias = Annotated[
+    str | None, Parameter(help="The motors, such as a,b, instead of those that the file tells.")
+]
+ToolFrame: TypeAlias = Annotated[
+    str | None, Parameter(name="--tool", help="The tool's frame, instead of the file's.")
 ]
 
 
@@ -85,10 +94,13 @@ def report_command(
     from_: From = None,
     frame: Frame = "LOCAL_WORLD_ALIGNED",
     set_: Settings = None,
+    actuated: Actuated = None,
+    tool: ToolFrame = None,
     json: Annotated[bool, Parameter(help="Write JSON: all digits, SI units.")] = False,
 ) -> Output:
     """Show all that is known at one pose, as tables or as JSON."""
-    configuration, names = _configuration(mechanism, at, from_, set_)
+    loaded = _load(mechanism, set_, actuated, tool)
+    configuration, names = _configuration(loaded, at, from_)
     report = make_report(configuration, frame.upper(), **names)
     return f"{to_json(report)}\n" if json else report_blocks(report)
 
@@ -105,9 +117,12 @@ def plot_command(
     from_: From = None,
     frame: Frame = "LOCAL_WORLD_ALIGNED",
     set_: Settings = None,
+    actuated: Actuated = None,
+    tool: ToolFrame = None,
 ) -> Output:
     """Draw the velocity ellipsoid at one pose and its sections; print the file's path."""
-    configuration, names = _configuration(mechanism, at, from_, set_)
+    loaded = _load(mechanism, set_, actuated, tool)
+    configuration, names = _configuration(loaded, at, from_)
     report = make_report(configuration, frame.upper(), **names)
     ellipsoid = configuration.jacobian(frame.upper()).velocity_ellipsoid()
     save_pose_figure(report, ellipsoid, output)
@@ -134,18 +149,38 @@ def view_command(
     at: At = None,
     from_: From = None,
     set_: Settings = None,
+    actuated: Actuated = None,
+    tool: ToolFrame = None,
     port: Annotated[
         int | None, Parameter(help="The first port to try (default: 7000); 0 for any.")
     ] = None,
     no_browser: Annotated[bool, Parameter(help="Do not open a browser.")] = False,
 ) -> Output:
     """Show a live page with sliders, on this machine only, until Ctrl-C."""
-    configuration, _ = _configuration(mechanism, at, from_, set_)
+    configuration, _ = _configuration(_load(mechanism, set_, actuated, tool), at, from_)
     # Imported when needed: it brings a web server along.
     from pmjac_pin.viewer.serving import serve_until_interrupted  # noqa: PLC0415
 
     serve_until_interrupted(configuration, port, open_browser=not no_browser)
     return None
+
+
+@app.command(name="convert")
+def convert_command(
+    mechanism: Name,
+    /,
+    *,
+    output: Annotated[
+        Path, Parameter(name=["--output", "-o"], help="The new model file, such as mine.toml.")
+    ],
+    actuated: Actuated = None,
+    tool: ToolFrame = None,
+    force: Annotated[bool, Parameter(help="Replace files that exist.")] = False,
+) -> Output:
+    """Write a model file and its URDF from any format; print their paths."""
+    motors = _split(actuated)
+    written = convert(mechanism, output, actuated=motors, tool=tool, force=force)
+    return "".join(f"{one_line(str(path))}\n" for path in written)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -210,11 +245,20 @@ def _message(error: Exception) -> str:
     return str(error)
 
 
+def _load(
+    name: str, settings: Iterable[str] | None, actuated: str | None, tool: str | None
+) -> Mechanism:
+    return load(name, _parameters(settings or ()), actuated=_split(actuated), tool=tool)
+
+
+def _split(names: str | None) -> list[str] | None:
+    return None if names is None else [name.strip() for name in names.split(",")]
+
+
 def _configuration(
-    name: str, at: str | None, pose: str | None, settings: Iterable[str] | None
+    mechanism: Mechanism, at: str | None, pose: str | None
 ) -> tuple[Configuration, dict[str, str | None]]:
     """Return the configuration asked for, and which pose it is or was reached from."""
-    mechanism = load(name, parameters=_parameters(settings or ()))
     start = "home" if pose is None else pose
     if at is None:
         return mechanism.pose(start), {"pose": start, "start": None}

@@ -147,7 +147,8 @@ def build(
     model : pin.Model
         Its bodies, frames and inertias are taken; its joints are not.
     edges : iterable of Edge
-        A tree from body 0; bodies beyond those of `model` have no mass.
+        A tree from body 0. Bodies beyond those of `model` have no mass; those that no edge
+        leads to are left out.
     extra : mapping of str to (int, pin.SE3)
         Further frames: the body that carries it, and its place there.
     """
@@ -155,9 +156,13 @@ def build(
     tree.name, tree.gravity = model.name, model.gravity
     carriers = _hang(tree, list(edges))
     for body in range(1, model.njoints):
+        if body not in carriers:
+            continue
         joint, place = carriers[body]
         tree.appendBodyToJoint(joint, model.inertias[body], place)
     for frame in list(model.frames)[1:]:
+        if frame.parentJoint not in carriers:
+            continue
         # The joint that a frame was named after may be turned round or gone.
         kind = pin.FrameType.OP_FRAME if frame.type == pin.FrameType.JOINT else frame.type
         _add_frame(tree, frame.name, carriers[frame.parentJoint], frame.placement, kind)

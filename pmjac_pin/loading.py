@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,13 +12,13 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.assembly import build_parts, home_pose
-from pmjac_pin.catalog import find_model_file, find_urdf
+from pmjac_pin.catalog import find_model_file
 from pmjac_pin.errors import ArgumentError, ClosureError, ModelFileError, PmjacError
 from pmjac_pin.linkage import with_spherical
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.model_file import read_model_file
-from pmjac_pin.spec import MechanismSpec
-from pmjac_pin.urdf import Urdf, read_urdf
+from pmjac_pin.source import Source, read_source
+from pmjac_pin.spec import JointValue, MechanismSpec
+from pmjac_pin.urdf import Urdf
 from pmjac_pin.urdf_locking import lock_joints
 
 _PARAMETER_STEPS = 12
@@ -28,26 +29,34 @@ def load(
     name_or_path: str | Path,
     parameters: Mapping[str, float] | None = None,
     *,
-    locked: Iterable[str] | Mapping[str, float] = (),
+    locked: Iterable[str] | Mapping[str, JointValue] = (),
+    actuated: Iterable[str] | None = None,
+    tool: str | None = None,
 ) -> Mechanism:
-    """Load a mechanism of the catalogue, or a model file of your own.
+    """Load a mechanism of the catalogue, a model file of your own, or a file of another format.
 
     Parameters
     ----------
     name_or_path : str or Path
-        A name from `list_mechanisms`, or the path of a model file.
+        A name from `list_mechanisms`, or the path of a model file (.toml), of a URDF with loops
+        or with a YAML file beside it (.urdf), of MJCF (.xml) or of SDF (.sdf).
     parameters : mapping of str to float, optional
         Values for parameters that the model file declares, m or rad.
-    locked : iterable of str, or mapping of str to float, optional
+    locked : iterable of str, or mapping of str to float or floats, optional
         Joints to hold, beside those that the model file locks: at their values in the home pose,
         or at the values given, rad or m.
+    actuated : iterable of str, optional
+        The motors, in the order of the columns of K and J, instead of those that the file tells.
+    tool : str, optional
+        The tool's frame, instead of the one that the file tells.
 
     Raises
     ------
     UnknownNameError
-        No such mechanism or parameter.
+        No such mechanism, parameter, motor or frame.
     ModelFileError
-        The model file or its URDF cannot be read, or contradicts itself.
+        The file or its URDF cannot be read, contradicts itself, or does not say which joints
+        are motors and which frame is the tool.
     ArgumentError
         A parameter outside its range, or neither a name nor a path.
     ClosureError
@@ -59,18 +68,29 @@ def load(
     >>> pj.load("four_bar", parameters={"l1": 1.2}).parameters["l1"]
     1.2
     """
-    path = find_model_file(name_or_path)
-    spec = read_model_file(path).with_locked(locked)
+    source = read_source(find_model_file(name_or_path), actuated, tool)
+    return build(replace(source, spec=source.spec.with_locked(locked)), parameters)
+
+
+def build(source: Source, parameters: Mapping[str, float] | None = None) -> Mechanism:
+    """Return the mechanism that a file describes, at these values of its parameters.
+
+    Raises
+    ------
+    ModelFileError, ClosureError, UnknownNameError, ArgumentError
+        As in `load`.
+    """
+    spec = source.spec
     values = spec.parameter_values(parameters)
     try:
-        plain = read_urdf(find_urdf(spec.urdf, path))
-        urdf = _set(plain, spec, values)
-        start = _home_on_the_way(plain, spec, values)
-        return Mechanism(build_parts(_pinocchio_model(urdf, spec), spec, values, urdf, start))
+        urdf = _set(source.urdf, spec, values)
+        start = _home_on_the_way(source.urdf, spec, values)
+        parts = build_parts(_pinocchio_model(urdf, spec), spec, values, urdf, start)
+        return Mechanism(parts, notes=source.notes)
     except (ClosureError, ModelFileError):
         raise
     except PmjacError as error:
-        raise ModelFileError(f"{path}: {error}", path=str(path)) from error
+        raise ModelFileError(f"{source.path}: {error}", path=str(source.path)) from error
 
 
 def _home_on_the_way(

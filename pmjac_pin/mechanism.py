@@ -42,6 +42,11 @@ class Mechanism:
 
     A value: it can be shared between threads, copied, and pickled to other processes.
 
+    Attributes
+    ----------
+    notes : tuple of str
+        One sentence for each decision that the reader of a file of another format took.
+
     Examples
     --------
     >>> import pmjac_pin as pj
@@ -52,6 +57,7 @@ class Mechanism:
 
     _parts: Parts
     _poses: dict[str, Configuration] = field(default_factory=dict)
+    notes: tuple[str, ...] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
         if not isinstance(self._parts, Parts):
@@ -465,7 +471,8 @@ class Mechanism:
 
     def __reduce__(self) -> tuple[Any, ...]:
         parts = self._parts
-        return (_rebuild, (parts.model, parts.spec, dict(parts.values), parts.urdf))
+        values = dict(parts.values)
+        return (_rebuild, (parts.model, parts.spec, values, parts.urdf, self.notes))
 
     def __repr__(self) -> str:
         motors = ", ".join(self.actuated[:3]) + ", ..." * (len(self.actuated) > 3)
@@ -477,6 +484,10 @@ class Mechanism:
 
 
 def _rebuild(
-    model: pin.Model, spec: MechanismSpec, values: Mapping[str, float], urdf: Urdf | None
+    model: pin.Model,
+    spec: MechanismSpec,
+    values: Mapping[str, float],
+    urdf: Urdf | None,
+    notes: tuple[str, ...],
 ) -> Mechanism:
-    return Mechanism(build_parts(model, spec, values, urdf))
+    return Mechanism(build_parts(model, spec, values, urdf), notes=notes)

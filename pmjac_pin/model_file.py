@@ -42,9 +42,6 @@ def read_model_file(path: Path) -> MechanismSpec:
     ModelFileError
         The message starts with the file's path and names the key at fault.
     """
-    if path.suffix == ".urdf":
-        message = f"{path}: a URDF does not say how its loops close; a model file (.toml) does"
-        raise ModelFileError(message, path=str(path))
     text = read_text(path, MAXIMAL_SIZE)
     try:
         spec = msgspec.convert(tomllib.loads(text), MechanismSpec)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ Array = NDArray[np.float64]
 # How easily the motors move, beside the passive joints, to assemble a pose: not at all, then
 # reluctantly, then like the others.
 _MOTOR_WEIGHTS = (0.0, 0.1, 1.0)
+_SHAKES = (0.03, 0.03, 0.1, 0.1, 0.3, 0.3, 0.6, 0.6)  # rad or share of the length
 
 
 def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
@@ -39,7 +41,25 @@ def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
         found.append(assemble(problem, q, weights, room=parts.coordinates.room))
         if found[-1].gap <= problem.tolerance:
             return _beyond_the_end(parts, q, found[-1].q) if motor_weight else found[-1].q
-    raise _open(parts, q, min(found, key=lambda pose: pose.gap), pose)
+    best = min(found, key=lambda pose: pose.gap)
+    # A small gap that stays is the rounding of the model's numbers: no fold would cure it.
+    for start in _shaken(problem, q) if best.gap > LARGEST_TOLERANCE else ():
+        shaken = assemble(problem, start, motor_weights(problem, 1.0), room=parts.coordinates.room)
+        if shaken.gap <= problem.tolerance:
+            return shaken.q
+    raise _open(parts, q, best, pose)
+
+
+def _shaken(problem: ClosureProblem, q: Array) -> Iterator[Array]:
+    """Yield seeded random poses around q, further and further away.
+
+    From a pose that is straight or flat, as many are with all joints at zero, the gap does not
+    say which way the joints should fold.
+    """
+    rng = np.random.default_rng(0)
+    scale = problem.partition.column_scale * problem.partition.length
+    for size in _SHAKES:
+        yield problem.integrate(q, size * scale * rng.normal(size=scale.size))
 
 
 def motor_weights(problem: ClosureProblem, motor_weight: float) -> Array:

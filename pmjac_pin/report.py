@@ -154,6 +154,8 @@ class Report(msgspec.Struct, frozen=True, kw_only=True):
     Attributes
     ----------
     mechanism, description : str
+    notes : tuple of str
+        What the reader of a file of another format decided.
     parameters : tuple of ParameterValue
     dimensions : Dimensions
     pose : str or None
@@ -185,6 +187,7 @@ class Report(msgspec.Struct, frozen=True, kw_only=True):
 
     mechanism: str
     description: str
+    notes: tuple[str, ...]
     parameters: tuple[ParameterValue, ...]
     dimensions: Dimensions
     pose: str | None

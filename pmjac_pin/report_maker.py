@@ -102,6 +102,7 @@ def make_report(
     return Report(
         mechanism=_encodable(mechanism.name),
         description=mechanism.spec.description,
+        notes=tuple(map(_encodable, mechanism.notes)),
         parameters=_parameters(mechanism),
         dimensions=_dimensions(mechanism, split),
         pose=pose,

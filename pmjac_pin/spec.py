@@ -134,7 +134,8 @@ class MechanismSpec(Table, frozen=True, kw_only=True):
     loops : tuple of PointLoop, DistanceLoop, ...
         ``[[loop]]`` in the file; `pmjac_pin.loop_spec` has all kinds.
     locked : mapping of str to float
-        Joints that are held, at these values in rad or m: springs at rest, brakes.
+        Joints that are held, at these values in rad or m: springs at rest, brakes. A ``floating``
+        one, such as a walking robot's base, at its values as in a pose; at its origin where 0.
     spherical : tuple of str
         Joints that the URDF writes as ``floating`` for want of a ball joint: they only turn.
     tolerance : float or None
@@ -152,7 +153,7 @@ class MechanismSpec(Table, frozen=True, kw_only=True):
     passive: tuple[Name, ...] | None = None
     tool: Tool
     loops: tuple[Loop, ...] = msgspec.field(default=(), name="loop")
-    locked: dict[str, float] = msgspec.field(default_factory=dict)
+    locked: dict[str, JointValue] = msgspec.field(default_factory=dict)
     spherical: tuple[Name, ...] = ()
     tolerance: float | None = None
     poses: dict[str, dict[str, JointValue]]
@@ -188,23 +189,25 @@ class MechanismSpec(Table, frozen=True, kw_only=True):
     def _check_locked(self) -> None:
         uses = {"actuated": self.actuated, "passive": self.passive or ()}
         for name in self.locked:
+            if name in self.spherical:
+                raise ArgumentError(f"joint {name!r} is a ball joint; it cannot be locked")
             for use, names in (*uses.items(), *((f"poses.{k}", v) for k, v in self.poses.items())):
                 if name in names:
                     raise ArgumentError(f"joint {name!r} is locked; remove it from `{use}`")
 
-    def with_locked(self, joints: Iterable[str] | Mapping[str, float]) -> MechanismSpec:
+    def with_locked(self, joints: Iterable[str] | Mapping[str, JointValue]) -> MechanismSpec:
         """Return the spec with these joints held, and so in no pose and not among `passive`.
 
         Parameters
         ----------
-        joints : iterable of str, or mapping of str to float
+        joints : iterable of str, or mapping of str to float or floats
             Their names, for those that are held at their values in the home pose (0 where it
             has none), or their values in rad or m.
 
         Raises
         ------
         ArgumentError
-            A motor, a joint of several degrees of freedom, or a value that is no number.
+            A motor, a ball joint, or a value that is no number.
         """
         names = [] if isinstance(joints, str) or not isinstance(joints, Iterable) else list(joints)
         if joints and not (names and all(isinstance(name, str) for name in names)):
@@ -277,7 +280,13 @@ def _refuse_repeated(key: str, names: Iterable[str]) -> None:
         seen.add(name)
 
 
-def _held_at(name: str, value: object) -> float:
+def _held_at(name: str, value: object) -> JointValue:
+    if isinstance(value, tuple | list):
+        return tuple(_held_at_number(name, number) for number in value)
+    return _held_at_number(name, value)
+
+
+def _held_at_number(name: str, value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, Real):
         raise ArgumentError(f"joint {name!r} is locked at one number, got {value!r}")
     return float(value)

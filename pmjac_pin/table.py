@@ -16,7 +16,7 @@ Vector = tuple[float, float, float]
 Name = Annotated[str, msgspec.Meta(min_length=1)]
 
 
-class Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """A TOML table: immutable, every key known, every number finite."""
 
     def __post_init__(self) -> None:

@@ -37,6 +37,8 @@ def report_blocks(report: Report) -> Iterator[Block]:
     yield Heading(title(report))
     if report.description:
         yield Paragraph(report.description)
+    if report.notes:
+        yield Paragraph("\n".join(f"Note: {note}" for note in report.notes))
     yield Paragraph(_sizes(report))
     yield Paragraph(_origin(report))
     yield from _pose(report)

@@ -177,13 +177,15 @@ def _draw_grid(
         header_style="",
         show_header=any(text.plain for text in header),
     )
-    for text, side, width in zip(header, align, widths, strict=True):
+    names_stay_whole = widths[0] <= console.width // 3
+    for k, (text, side, width) in enumerate(zip(header, align, widths, strict=True)):
         number = side == ">"
         grid.add_column(
             text,
             justify="right" if number else "left",
             vertical="top",
             overflow="fold",
+            no_wrap=k == 0 and names_stay_whole,
             min_width=width if number else None,
             max_width=width,
         )

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from pmjac_pin.errors import ModelFileError
+from pmjac_pin.errors import ArgumentError, ModelFileError
 
 
 def read_text(path: Path, maximal_size: int) -> str:
@@ -30,3 +32,14 @@ def read_text(path: Path, maximal_size: int) -> str:
     if not text.strip():
         raise ModelFileError(f"{path}: the file is empty", path=str(path))
     return text
+
+
+@contextmanager
+def at_file(path: str) -> Iterator[None]:
+    """Put the file's path before the message of an error that does not have it yet."""
+    try:
+        yield
+    except (ModelFileError, ArgumentError) as error:
+        if isinstance(error, ModelFileError) and error.path:
+            raise
+        raise ModelFileError(f"{path}: {error}", path=path) from None

@@ -6,8 +6,7 @@ and pickled. What Pinocchio gets is `Urdf.kinematic_xml`, never the text itself.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -15,7 +14,7 @@ from xml.etree.ElementTree import Element, tostring
 
 from pmjac_pin.errors import ModelFileError, unknown_name
 from pmjac_pin.spec import Move
-from pmjac_pin.text_file import read_text
+from pmjac_pin.text_file import at_file, read_text
 from pmjac_pin.urdf_checks import UrdfJoint, checked_robot, joints_of
 from pmjac_pin.urdf_xml import label, numbers, only, parse_xml, written
 
@@ -69,7 +68,7 @@ class Urdf:
         >>> urdf.kinematic_xml()
         '<robot name="r"><link name="a" /></robot>'
         """
-        with _at(self.path):
+        with at_file(self.path):
             return tostring(checked_robot(parse_xml(self.text)), encoding="unicode")
 
     def moved(self, moves: Iterable[tuple[Move, float]]) -> Urdf:
@@ -89,7 +88,7 @@ class Urdf:
             A visual name that is not unique, a shape without the attribute, or a size that
             would not be positive.
         """
-        with _at(self.path):
+        with at_file(self.path):
             robot = parse_xml(self.text)
             steps = [(self._target(robot, move), move, delta) for move, delta in moves]
             steps = [step for step in steps if step[-1] != 0.0]
@@ -149,7 +148,7 @@ def parse_urdf(text: str, path: str) -> Urdf:
     >>> urdf.links
     ('base',)
     """
-    with _at(path):
+    with at_file(path):
         robot = parse_xml(text)
         kinematic = checked_robot(robot)
     return Urdf(
@@ -161,15 +160,6 @@ def parse_urdf(text: str, path: str) -> Urdf:
             name for visual in robot.iterfind("link/visual") if (name := visual.get("name"))
         ),
     )
-
-
-@contextmanager
-def _at(path: str) -> Iterator[None]:
-    """Put the file's path before the message of an error."""
-    try:
-        yield
-    except ModelFileError as error:
-        raise ModelFileError(f"{path}: {error}", path=path) from None
 
 
 def _add(

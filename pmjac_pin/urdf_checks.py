@@ -21,6 +21,7 @@ from pmjac_pin.urdf_xml import LARGEST, label, numbers, only, shown, written
 
 MAXIMAL_NAME = 200  # characters: near matches of longer names would take minutes
 MAXIMAL_LINKS = 1000
+MAXIMAL_JOINTS = 2000  # with those that close loops
 MAXIMAL_DEPTH = 150  # joints in a row: Pinocchio recurses, and 250 overflow a stack of 512 kB
 MAXIMAL_VELOCITIES = 200  # one pinocchio.Data takes 64 bytes times their cube: here 0.5 GB
 SHORTEST_AXIS = 1e-6
@@ -48,13 +49,13 @@ def checked_robot(robot: Element) -> Element:
     """Return what Pinocchio may read: links with inertials and joints, all of it checked."""
     _check_root(robot)
     links, joints = robot.findall("link"), robot.findall("joint")
-    _check_size(links, joints)
+    check_size(links, joints)
     names = checked_names(links)
     checked_names(joints)
     copy = Element("robot", name=robot.get("name", ""))
     # Element.extend hides the error of an iterator: give it lists.
     copy.extend([_checked_link(link) for link in links])
-    copy.extend([_checked_joint(joint, names) for joint in joints])
+    copy.extend([checked_joint(joint, names) for joint in joints])
     _check_tree(names, joints_of(copy))
     return copy
 
@@ -87,7 +88,8 @@ def _check_root(robot: Element) -> None:
             raise ModelFileError(f"<{tag}> is not read, since {why}; {todo}")
 
 
-def _check_size(links: Sequence[Element], joints: Sequence[Element]) -> None:
+def check_size(links: Sequence[Element], joints: Sequence[Element]) -> None:
+    """Refuse more links and joints than can be computed with."""
     if not links:
         raise ModelFileError("there is no <link>; a robot has at least one")
     if len(links) > MAXIMAL_LINKS:
@@ -97,6 +99,9 @@ def _check_size(links: Sequence[Element], joints: Sequence[Element]) -> None:
         got = f"the joints have {velocities} degrees of freedom"
         why = "the memory needed grows with their cube"
         raise ModelFileError(f"{got}; at most {MAXIMAL_VELOCITIES} are computed with ({why})")
+    if len(joints) > MAXIMAL_JOINTS:
+        got = f"{len(joints)} joints are too many"
+        raise ModelFileError(f"{got}; at most {MAXIMAL_JOINTS} are read")
 
 
 def checked_names(elements: Sequence[Element]) -> Collection[str]:
@@ -120,9 +125,10 @@ def checked_names(elements: Sequence[Element]) -> Collection[str]:
     return seen
 
 
-def _checked_origin(where: str, parent: Element) -> Element:
-    origin = only(where, parent, "origin")
-    where = f"{where}, <origin>"
+def checked_origin(where: str, parent: Element, tag: str = "origin") -> Element:
+    """Return an element's <origin>: the identity where there is none."""
+    origin = only(where, parent, tag)
+    where = f"{where}, <{tag}>"
     if origin is not None and origin.get("quat_xyzw") is not None:
         raise ModelFileError(f"{where}: `quat_xyzw` is not read; give `rpy`")
     copy = Element("origin")
@@ -134,7 +140,7 @@ def _checked_origin(where: str, parent: Element) -> Element:
 def _checked_link(link: Element) -> Element:
     where = label(link)
     for visual in link.iterfind("visual"):
-        _checked_origin(f"{where}, <visual>", visual)
+        checked_origin(f"{where}, <visual>", visual)
     copy = Element("link", name=link.get("name", ""))
     if (inertial := only(where, link, "inertial")) is not None:
         copy.append(_checked_inertial(f"{where}, <inertial>", inertial))
@@ -143,7 +149,7 @@ def _checked_link(link: Element) -> Element:
 
 def _checked_inertial(where: str, inertial: Element) -> Element:
     copy = Element("inertial")
-    copy.append(_checked_origin(where, inertial))
+    copy.append(checked_origin(where, inertial))
     mass, inertia = only(where, inertial, "mass"), only(where, inertial, "inertia")
     for tag, element in (("mass", mass), ("inertia", inertia)):
         if element is None:
@@ -169,7 +175,8 @@ def _not_negative(
     return written([value])
 
 
-def _checked_joint(joint: Element, links: Collection[str]) -> Element:
+def checked_joint(joint: Element, links: Collection[str]) -> Element:
+    """Return what Pinocchio may read of a joint between two of these links."""
     where, kind = label(joint), joint.get("type", "")
     if kind not in VELOCITIES:
         known = did_you_mean(kind, VELOCITIES)
@@ -178,9 +185,9 @@ def _checked_joint(joint: Element, links: Collection[str]) -> Element:
         why = "Pinocchio would ignore it and let the joint move freely"
         raise ModelFileError(f"{where}: <mimic> is not supported ({why}); remove it")
     copy = Element("joint", name=joint.get("name", ""), type=kind)
-    copy.append(_checked_origin(where, joint))
+    copy.append(checked_origin(where, joint))
     for tag in ("parent", "child"):
-        SubElement(copy, tag, link=_checked_end(where, joint, tag, links))
+        SubElement(copy, tag, link=checked_end(where, joint, tag, links))
     if kind not in ("fixed", "floating"):
         copy.append(_checked_axis(where, joint, kind))
     if VELOCITIES[kind] == 1:
@@ -189,7 +196,8 @@ def _checked_joint(joint: Element, links: Collection[str]) -> Element:
     return copy
 
 
-def _checked_end(where: str, joint: Element, tag: str, links: Collection[str]) -> str:
+def checked_end(where: str, joint: Element, tag: str, links: Collection[str]) -> str:
+    """Return the link that an element's child of that tag names."""
     element = only(where, joint, tag)
     name = None if element is None else element.get("link")
     if name is None:

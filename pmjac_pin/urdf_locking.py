@@ -9,27 +9,31 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.errors import ArgumentError, LimitError, unknown_name
+from pmjac_pin.spec import JointValue
 from pmjac_pin.urdf import Urdf, parse_urdf
 from pmjac_pin.urdf_xml import numbers, parse_xml, written
 
+_UNIT = 1e-6
 _AXIS = "1 0 0"  # URDF's, where a joint gives none
 
 
-def lock_joints(urdf: Urdf, values: Mapping[str, float]) -> Urdf:
+def lock_joints(urdf: Urdf, values: Mapping[str, JointValue]) -> Urdf:
     """Return the URDF with these joints fixed at these values.
 
     Parameters
     ----------
     urdf : Urdf
-    values : mapping of str to float
-        Revolute, continuous or prismatic joints, and their values in rad or m.
+    values : mapping of str to float or floats
+        Revolute, continuous or prismatic joints, and their values in rad or m. Floating joints,
+        and their translation in m with a rotation vector (6 numbers) or a quaternion xyzw (7);
+        0 for their origin.
 
     Raises
     ------
     UnknownNameError
         A joint that the URDF does not have.
     ArgumentError
-        A joint that does not have one degree of freedom.
+        A planar joint, or values that do not fit the joint.
     LimitError
         A value outside the joint's limits.
 
@@ -52,40 +56,65 @@ def lock_joints(urdf: Urdf, values: Mapping[str, float]) -> Urdf:
     return parse_urdf(tostring(robot, encoding="unicode"), urdf.path)
 
 
-def _lock(joint: Element, value: float) -> None:
+def _lock(joint: Element, value: JointValue) -> None:
     name, kind = joint.get("name", ""), joint.get("type", "")
-    if kind not in ("revolute", "continuous", "prismatic"):
-        wanted = "revolute, continuous and prismatic joints can be locked"
+    if kind == "floating":
+        _place(joint, _placement(name, value))
+    elif kind not in ("revolute", "continuous", "prismatic"):
+        wanted = "revolute, continuous, prismatic and floating joints can be locked"
         raise ArgumentError(f"joint {name!r} is {kind}; {wanted}")
-    if kind != "continuous":
-        lower, upper = (
-            numbers(name, joint.find("limit"), end, default="0", largest=np.inf)[0]
-            for end in ("lower", "upper")
-        )
-        if not lower <= value <= upper:
-            message = (
-                f"joint {name!r} cannot be locked at {value:g}, outside [{lower:g}, {upper:g}]"
-            )
-            raise LimitError(message, joint=name, value=value, lower=lower, upper=upper)
-    _move(joint, value, kind)
+    elif not isinstance(value, float | int):
+        raise ArgumentError(f"joint {name!r} is locked at one number, got {len(value)}")
+    else:
+        _check_limits(joint, value)
+        _place(joint, _motion(joint, value))
     for tag in ("axis", "limit", "dynamics"):
         for element in joint.findall(tag):
             joint.remove(element)
     joint.set("type", "fixed")
 
 
-def _move(joint: Element, value: float, kind: str) -> None:
-    """Turn or shift a joint's origin by the joint's motion at this value."""
-    origin, axis = joint.find("origin"), joint.find("axis")
-    direction = np.array(numbers("axis", axis, "xyz", default=_AXIS, count=3))
+def _check_limits(joint: Element, value: float) -> None:
+    if joint.get("type") == "continuous":
+        return
+    name = joint.get("name", "")
+    lower, upper = (
+        numbers(name, joint.find("limit"), end, default="0", largest=np.inf)[0]
+        for end in ("lower", "upper")
+    )
+    if not lower <= value <= upper:
+        message = f"joint {name!r} cannot be locked at {value:g}, outside [{lower:g}, {upper:g}]"
+        raise LimitError(message, joint=name, value=value, lower=lower, upper=upper)
+
+
+def _motion(joint: Element, value: float) -> pin.SE3:
+    """Return the motion of a joint of one degree of freedom at this value."""
+    direction = np.array(numbers("axis", joint.find("axis"), "xyz", default=_AXIS, count=3))
     step = value * direction / np.linalg.norm(direction)
+    if joint.get("type") == "prismatic":
+        return pin.SE3(np.eye(3), step)
+    return pin.SE3(pin.exp3(step), np.zeros(3))
+
+
+def _placement(name: str, value: JointValue) -> pin.SE3:
+    """Return where a floating joint is at its values, as a pose gives them."""
+    values = np.atleast_1d(np.array(value, dtype=float))
+    if values.shape == (1,) and values[0] == 0.0:
+        return pin.SE3.Identity()
+    if values.shape not in ((6,), (7,)):
+        raise ArgumentError(f"joint {name!r} is floating; it is locked at 6 or 7 numbers, or at 0")
+    if values.size == 6:
+        return pin.SE3(pin.exp3(values[3:]), values[:3])
+    if abs(np.linalg.norm(values[3:]) - 1.0) > _UNIT:
+        raise ArgumentError(f"the quaternion of joint {name!r} is not of unit length")
+    return pin.SE3(pin.Quaternion(values[3:]).normalized(), values[:3])
+
+
+def _place(joint: Element, motion: pin.SE3) -> None:
+    """Turn and shift a joint's origin by the joint's motion."""
+    origin = joint.find("origin")
     xyz, rpy = (numbers("origin", origin, key, default="0 0 0", count=3) for key in ("xyz", "rpy"))
-    at_zero = pin.SE3(pin.rpy.rpyToMatrix(np.array(rpy)), np.array(xyz))
-    if kind == "prismatic":
-        motion = pin.SE3(np.eye(3), step)
-    else:
-        motion = pin.SE3(pin.exp3(step), np.zeros(3))
-    there = at_zero * motion
+    there = pin.SE3(pin.rpy.rpyToMatrix(np.array(rpy)), np.array(xyz)) * motion
     if origin is None:
         origin = SubElement(joint, "origin")
     origin.set("xyz", written(there.translation))

@@ -11,12 +11,21 @@ import pmjac_pin as pj
 
 CRANK_ROCKER = (4.0, 1.0, 3.0, 3.5)  # l0, l1, l2, l3
 CATALOGUE = (
+    "agile_eye",
+    "ankle",
+    "bennett",
+    "bricard",
+    "delta",
+    "delta_rods",
     "five_bar",
     "four_bar",
     "planar_3rpr",
     "planar_3rrr",
+    "sarrus",
     "serial_2r",
     "slider_crank",
+    "stewart_gough",
+    "stewart_gough_dietmaier",
     "three_rps",
     "three_rps_ss",
     "ur5",

@@ -71,11 +71,11 @@ def equals(report, key, expected):
 def test_alone_it_shows_its_help(shown):
     text = shown()
     assert text == shown("--help")
-    for command in ("list", "report", "plot", "demo"):
+    for command in ("list", "report", "plot", "demo", "convert"):
         assert re.search(rf"│ {command} +\w", text)
 
 
-@pytest.mark.parametrize("command", ["list", "report", "plot", "demo"])
+@pytest.mark.parametrize("command", ["list", "report", "plot", "demo", "convert"])
 def test_help_of_a_command(shown, command):
     text = shown(command, "--help")
     assert f"Usage: pmjac {command}" in text
@@ -101,6 +101,7 @@ def test_list_shows_the_catalogue(shown):
             mechanism.spec.description.split()[0],
         ]
         assert re.search(rf"^{' +'.join(row)}", numbers, re.MULTILINE)
+        assert set(mechanism.spec.description.split()) <= set(numbers.split())
         assert re.search(rf"^{name} +{mechanism.poses[0]}", poses, re.MULTILINE)
     assert max(map(len, text.splitlines())) <= 80
 
@@ -261,8 +262,9 @@ def test_names_that_matplotlib_or_json_would_trip_over(shown, tmp_path):
 MISTAKES = {
     "report fourr_bar": "unknown mechanism 'fourr_bar'; did you mean 'four_bar'?",
     "reprot four_bar": 'Unknown command "reprot". Did you mean "report"? '
-    "Available commands: list, report, plot, demo, view.",
-    "--nope": 'Unknown command "--nope". Available commands: list, report, plot, demo, view.',
+    "Available commands: list, report, plot, demo, view, convert.",
+    "--nope": 'Unknown command "--nope". '
+    "Available commands: list, report, plot, demo, view, convert.",
     "report": 'Command "report" parameter MECHANISM requires an argument.',
     "report four_bar --frmae LOCAL": "Unknown option: --frmae. Did you mean --frame?",
     "report four_bar --no-json": "Unknown option: --no-json. Did you mean --json?",
@@ -329,7 +331,7 @@ def test_broken_model_files(run, tmp_path, content):
 
 
 def test_messages_of_several_lines_are_joined(monkeypatch, run):
-    def fail(name, parameters):
+    def fail(name, parameters, **options):
         raise pj.ModelFileError("first line\n  second line\n")
 
     monkeypatch.setattr("pmjac_pin.cli.load", fail)
@@ -346,7 +348,7 @@ def test_a_full_disk_names_the_file_asked_for(monkeypatch, run):
 
 
 def test_ctrl_c(monkeypatch, run):
-    def interrupt(name, parameters):
+    def interrupt(name, parameters, **options):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("pmjac_pin.cli.load", interrupt)

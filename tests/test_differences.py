@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from differences import difference_quotient
 
 import pmjac_pin as pj
 
@@ -25,10 +28,11 @@ def generic(mechanism, rng):
 def near_singular(mechanism, rng):
     """Poses close to where a path from home meets its first singularity; none if it never does."""
     poses = []
-    for _ in range(6):
+    reach, count = (6, 6) if mechanism.nv < 15 else (2, 2)  # long paths of large ones take long
+    for _ in range(count):
         direction = rng.normal(size=len(mechanism.actuated))
         try:
-            mechanism.close(mechanism.home.actuated + 6 * direction, enforce_limits=False)
+            mechanism.close(mechanism.home.actuated + reach * direction, enforce_limits=False)
         except pj.ClosureError as error:
             path = error.reached.actuated - mechanism.home.actuated
             near = mechanism.home.actuated + 0.999 * path
@@ -38,45 +42,41 @@ def near_singular(mechanism, rng):
     return poses
 
 
-@pytest.fixture(params=MECHANISMS)
+@pytest.fixture(scope="module", params=MECHANISMS)
 def mechanism(request):
     return MECHANISMS[request.param]()
 
 
-@pytest.fixture(params=[generic, near_singular])
-def poses(request, mechanism, rng):
-    found = request.param(mechanism, rng)
+@pytest.fixture(scope="module", params=[generic, near_singular])
+def poses(request, mechanism):
+    seed = list(f"{mechanism.name} {request.param.__name__}".encode())
+    found = request.param(mechanism, np.random.default_rng(seed))
     if not found:
         pytest.skip("no singularity is met on a path from home")
     return found
 
 
-def difference_quotient(configuration, h):
-    """∂(tool twist)/∂θ by closing the loops at θ ± h, to fourth order."""
-    mechanism, theta = configuration.mechanism, configuration.actuated
+def derivative(configuration):
+    """The difference quotient at that of three steps where it changes least to the next one.
 
-    def pose(step):
-        closed = mechanism.close(theta + step, guess=configuration, enforce_limits=False)
-        return closed.tool_pose
-
-    columns = []
-    for k in range(theta.size):
-        step = h * np.eye(theta.size)[k]
-        twist = np.zeros(6)
-        for weight, factor in ((8, 1), (-1, 2)):
-            ahead, behind = pose(factor * step), pose(-factor * step)
-            twist[:3] += weight * (ahead.translation - behind.translation)
-            twist[3:] += weight * pin.log3(ahead.rotation @ behind.rotation.T)
-        columns.append(twist / (12 * h))
-    return np.column_stack(columns)
+    Near a singularity rounding, divided by K*, spoils small steps, and the fold large ones.
+    """
+    smallest = min(1.0, configuration.singularity().smallest)
+    quotients = []
+    for factor in (1, 30, 1000):
+        try:
+            h = factor * (1e-3 * smallest**2 + 1e-7)
+            quotients.append(difference_quotient(configuration, h))
+        except pj.ClosureError:  # it reaches beyond the singularity
+            break
+    changes = [np.abs(second - first).max() for first, second in pairwise(quotients)]
+    return quotients[int(np.argmin(changes)) if changes else 0]
 
 
 def test_j_eq_is_the_derivative_through_the_closure(poses):
     for configuration in poses:
         J_eq = configuration.jacobian().J_eq
-        smallest = min(1.0, configuration.singularity().smallest)
-        quotient = difference_quotient(configuration, 1e-3 * smallest**2 + 1e-7)
-        assert np.abs(quotient - J_eq).max() <= 1e-6 * np.abs(J_eq).max()
+        assert np.abs(derivative(configuration) - J_eq).max() <= 1e-6 * np.abs(J_eq).max()
 
 
 def test_the_loops_stay_closed_to_first_order(poses):

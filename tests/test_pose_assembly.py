@@ -108,3 +108,21 @@ def test_rounded_angles_need_a_tolerance_and_say_so(tilt):
     np.testing.assert_allclose(
         far.jacobian().J_eq, pj.load("four_bar").close([2.0]).jacobian().J_eq, atol=20 * tilt
     )
+
+
+def test_a_flat_start_is_left():
+    """All joints at zero: the gap points along the links and does not say how to fold them."""
+    model = pin.buildModelFromXML(
+        mechanisms.tree(
+            ("a", "revolute", "ground", "one", (0, 0, 0), (0, 0, 1)),
+            ("b", "revolute", "one", "two", (1, 0, 0), (0, 0, 1)),
+            ("c", "revolute", "two", "three", (1, 0, 0), (0, 0, 1)),
+            ("d", "fixed", "three", "tip", (1, 0, 0)),
+            ("e", "fixed", "ground", "wall", (2.2, 0, 0)),
+        )
+    )
+    mechanism = pj.Mechanism.from_pinocchio(
+        model, [pj.PointLoop(frames=("tip", "wall"))], ["a"], "two", name="flat"
+    )
+    assert mechanism.home.residual_norm <= 1e-12
+    assert mechanism.home.singularity().kind == "regular"

@@ -138,6 +138,7 @@ def test_json_is_ascii_and_keeps_its_keys(homes):
     assert list(strict(text)) == [
         "mechanism",
         "description",
+        "notes",
         "parameters",
         "dimensions",
         "pose",

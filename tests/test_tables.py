@@ -51,7 +51,7 @@ def test_no_line_is_too_long_and_no_number_is_cut(reports, name, width):
         if matrix.rows and matrix.columns:
             shown = sorted(entry for row in numbers(matrix.values) for entry in row)
             [block] = [b for b in matrix_blocks(report, (key,)) if isinstance(b, Table)]
-            found = re.findall(r"-?\d\.\d{4}\b", drawn([block], width))
+            found = re.findall(r"-?\d\.\d{3,4}(?:e-\d\d)?\b", drawn([block], width))
             assert sorted(found) == shown
 
 

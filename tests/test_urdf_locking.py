@@ -73,10 +73,40 @@ def test_a_joint_that_cannot_be_locked_so(
         lock_joints(parse_urdf(CHAIN, "chain.urdf"), values)
 
 
-def test_only_joints_of_one_degree_of_freedom_are_locked() -> None:
-    text = CHAIN.replace('name="spin" type="continuous"', 'name="spin" type="floating"')
-    with pytest.raises(pj.ArgumentError, match="'spin' is floating"):
-        lock_joints(parse_urdf(text, "chain.urdf"), {"spin": 0.0})
+FLOATING = CHAIN.replace('name="spin" type="continuous"', 'name="spin" type="floating"')
+PLACES = {
+    "origin": (0.0, [0, 0, 0, 0, 0, 0, 1]),
+    "quaternion": ((1.0, 2.0, 3.0, 0.6, 0.0, 0.0, 0.8), [1, 2, 3, 0.6, 0, 0, 0.8]),
+    "rotation vector": ((1.0, 2.0, 3.0, 0.0, np.pi / 2, 0.0), [1, 2, 3, 0, 0.5**0.5, 0, 0.5**0.5]),
+}
+
+
+@pytest.mark.parametrize(("value", "q"), PLACES.values(), ids=PLACES)
+def test_a_floating_joint_is_held_where_a_pose_puts_it(value: object, q: list[float]) -> None:
+    urdf = parse_urdf(FLOATING, "chain.urdf")
+    model = pin.buildModelFromXML(urdf.kinematic_xml())
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, np.array([0.0, 0.0, *q]))
+    wanted = data.oMf[model.getFrameId("tip")]
+    found = tip(pin.buildModelFromXML(lock_joints(urdf, {"spin": value}).kinematic_xml()), {})
+    np.testing.assert_allclose(found.homogeneous, wanted.homogeneous, atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("kind", "value", "message"),
+    [
+        ("planar", 0.0, "'spin' is planar"),
+        ("floating", 1.0, "'spin' is floating; it is locked at 6 or 7 numbers, or at 0"),
+        ("floating", (1.0, 2.0), "locked at 6 or 7 numbers"),
+        ("floating", (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.0), "not of unit length"),
+        ("continuous", (1.0, 2.0), "'spin' is locked at one number, got 2"),
+    ],
+)
+def test_values_that_do_not_fit_the_joint(kind: str, value: object, message: str) -> None:
+    text = CHAIN.replace('name="spin" type="continuous"', f'name="spin" type="{kind}"')
+    text = text.replace('<origin xyz="0 0 1"/>', '<origin xyz="0 0 1"/><axis xyz="0 0 1"/>')
+    with pytest.raises(pj.ArgumentError, match=message):
+        lock_joints(parse_urdf(text, "chain.urdf"), {"spin": value})
 
 
 MODEL = """
@@ -128,6 +158,7 @@ def test_a_model_file_locks_joints_itself(chain: Path) -> None:
         ([["spin"]], "a list of joints or a mapping"),
         ({"spin": "1"}, "joint 'spin' is locked at one number, got '1'"),
         ({"spin": np.nan}, "finite"),
+        ({"spin": (0.0, 1.0)}, "locked at one number, got 2"),
         (["spinn"], "did you mean 'spin'"),
     ],
 )
@@ -140,3 +171,21 @@ def test_a_locked_joint_has_no_value_in_a_pose(chain: Path) -> None:
     chain.write_text(MODEL + "[locked]\nspin = 2.5")
     with pytest.raises(pj.ModelFileError, match=r"remove it from `poses.home`"):
         pj.load(chain)
+
+
+def test_a_base_that_moves_freely_is_held_in_its_home_pose(chain: Path) -> None:
+    (chain.parent / "chain.urdf").write_text(FLOATING)
+    chain.write_text(MODEL.replace("spin = 2.5", "spin = [1, 2, 3, 0, 0, 1, 0]"))
+    free, held = pj.load(chain), pj.load(chain, locked=["spin"])
+    assert held.spec.locked == {"spin": (1.0, 2.0, 3.0, 0.0, 0.0, 1.0, 0.0)}
+    assert held.passive == ()
+    assert free.home.tool_pose.isApprox(held.home.tool_pose, 1e-12)
+    chain.write_text(MODEL.replace("spin = 2.5", "[locked]\nspin = [1, 2, 3, 0, 0, 1, 0]"))
+    assert pj.load(chain) == held
+
+
+def test_a_ball_joint_is_not_locked(chain: Path) -> None:
+    (chain.parent / "chain.urdf").write_text(FLOATING)
+    chain.write_text('spherical = ["spin"]\n' + MODEL.replace("spin = 2.5", ""))
+    with pytest.raises(pj.ArgumentError, match="'spin' is a ball joint"):
+        pj.load(chain, locked=["spin"])

@@ -13,6 +13,7 @@ from pmjac_pin.urdf import Urdf
 
 _NO_VALUES: Mapping[str, JointValue] = MappingProxyType({})
 _MOST_CANDIDATES = 40
+MAXIMAL_LOOPS = 1000
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,11 @@ class ForeignModel:
     tolerance: float | None = None
     notes: tuple[str, ...] = ()
 
+    def __post_init__(self) -> None:
+        if (count := len(self.loops)) > MAXIMAL_LOOPS:
+            path, most = self.urdf.path, f"at most {MAXIMAL_LOOPS} are read"
+            raise ModelFileError(f"{path}: {count} loops are too many; {most}", path=path)
+
     def spec(self, actuated: Iterable[str] | None = None, tool: str | None = None) -> MechanismSpec:
         """Return the model file's contents, with motors and tool as given or as the file tells.
 
@@ -61,18 +67,14 @@ class ForeignModel:
             A joint or frame that the model does not have.
         """
         path = self.urdf.path
-        moving = tuple(joint.name for joint in self.urdf.joints if joint.type != "fixed")
         motors = self.actuated if actuated is None else tuple(actuated)
-        frame = tool or self.tool
+        frame = self.tool if tool is None else tool
         if not motors:
-            raise _missing(path, "which joints are motors", "actuated", moving)
+            raise _missing(path, "which joints are motors", "actuated", _moving(self.urdf))
         if not frame:
             raise _missing(path, "which frame is the tool", "tool", self.urdf.links)
-        for name in motors:
-            if name not in moving:
-                raise unknown_name("joint", name, moving)
-        if frame not in self.urdf.links:
-            raise unknown_name("frame", frame, self.urdf.links)
+        check_motors(self.urdf, motors)
+        check_frame(self.urdf, frame)
         return MechanismSpec(
             name=self.name,
             actuated=motors,
@@ -82,6 +84,26 @@ class ForeignModel:
             tolerance=self.tolerance,
             poses={"home": dict(self.home)},
         )
+
+
+def check_motors(urdf: Urdf, names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names, if all of them are joints that move."""
+    moving = _moving(urdf)
+    for name in names:
+        if name not in moving:
+            raise unknown_name("joint", name, moving)
+    return names
+
+
+def check_frame(urdf: Urdf, name: str) -> str:
+    """Return the name, if it is a link's or a joint's."""
+    if name not in (frames := (*urdf.links, *(joint.name for joint in urdf.joints))):
+        raise unknown_name("frame", name, frames)
+    return name
+
+
+def _moving(urdf: Urdf) -> tuple[str, ...]:
+    return tuple(joint.name for joint in urdf.joints if joint.type != "fixed")
 
 
 def _missing(path: str, what: str, option: str, candidates: tuple[str, ...]) -> ModelFileError:

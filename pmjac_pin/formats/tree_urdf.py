@@ -51,20 +51,17 @@ class TreeUrdf:
     def __init__(self, name: str, root: str, placement: pin.SE3, taken: Iterable[str] = ()) -> None:
         self._robot = Element("robot", name=name)
         self._placements: dict[str, pin.SE3] = {}
+        self._links: dict[str, Element] = {}
         self._taken = set(taken)
         self.link(root, placement)
 
     def unused(self, name: str) -> str:
         """Return this name, with a number at its end if a link or a joint has it."""
-        number, unused = 2, name
-        while unused in self._taken:
-            unused, number = f"{name}_{number}", number + 1
-        self._taken.add(unused)
-        return unused
+        return unused_name(name, self._taken)
 
     def link(self, name: str, placement: pin.SE3) -> str:
         """Add a link and return its name."""
-        SubElement(self._robot, "link", name=name)
+        self._links[name] = SubElement(self._robot, "link", name=name)
         self._placements[name] = placement
         self._taken.add(name)
         return name
@@ -92,6 +89,15 @@ class TreeUrdf:
         self.joint(self.unused(f"{name}_fixed"), "fixed", (parent, self.link(name, placement)))
         return name
 
+    def visual(self, link: str, placement: pin.SE3, shape: Element, rgba: str | None) -> None:
+        """Add a shape to a link, in the link's frame."""
+        visual = SubElement(self._links[link], "visual")
+        SubElement(visual, "origin", origin(placement))
+        SubElement(visual, "geometry").append(shape)
+        if rgba is not None:
+            material = SubElement(visual, "material", name=rgba)
+            SubElement(material, "color", rgba=rgba)
+
     def text(self) -> str:
         """Return the URDF."""
         return tostring(self._robot, encoding="unicode")
@@ -101,3 +107,18 @@ def origin(placement: pin.SE3) -> dict[str, str]:
     """Return the attributes of URDF's <origin>."""
     rpy = pin.rpy.matrixToRpy(placement.rotation)
     return {"xyz": written(placement.translation), "rpy": written(rpy)}
+
+
+def unused_name(name: str, taken: set[str]) -> str:
+    """Return this name, with a number at its end if it is taken; from now on it is.
+
+    Examples
+    --------
+    >>> unused_name("rod", {"rod", "rod_2"})
+    'rod_3'
+    """
+    number, unused = 2, name
+    while unused in taken:
+        unused, number = f"{name}_{number}", number + 1
+    taken.add(unused)
+    return unused

@@ -12,14 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.closure import closed_point
+from pmjac_pin.factorisation import RANK_TOLERANCE
 from pmjac_pin.modes.many_poses import ManyPoses
-from pmjac_pin.parts import Parts
+from pmjac_pin.modes.search_problem import SearchProblem
 
 Array = NDArray[np.float64]
 
 _SAME = 1e-5  # of the characteristic length, and rad: two roots that meet are known to √1e-12
 _AT_REST = 1e-6  # rate of a body, beside that of an idle motion, that does not count as moving
+_TRIED = 50  # closed poses among which the most regular is looked for
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,23 +32,27 @@ class Signatures:
     at_rest: NDArray[np.bool_]
 
     @classmethod
-    def of(cls, parts: Parts, tree: ManyPoses) -> Signatures:
-        """Return the signatures of a mechanism, its idle motions taken from home."""
-        partition = parts.problem.partition
-        factors = closed_point(parts.problem, parts.home_q).factors
-        idle = np.zeros((partition.column_scale.size, factors.null_space.shape[1]))
-        idle[partition.passive] = factors.null_space
-        idle *= partition.column_scale[:, None]
-        poses = tree.poses(parts.home_q[None])
-        mask = tree.moved_by[:, None, :]
+    def of(cls, problem: SearchProblem, rows: Array) -> Signatures:
+        """Return the signatures of a problem; its idle motions are those of a regular pose.
+
+        Parameters
+        ----------
+        problem : SearchProblem
+        rows : ndarray, shape (b, nq)
+            Closed poses, of which the most regular is taken.
+        """
+        if not len(rows):
+            rows = problem.base[None]
+        idle, row = _idle_motions(problem, rows)
+        poses = problem.tree.poses(rows[row][None])
+        mask = problem.tree.moved_by[:, None, :]
         angular = (poses.angular[0] * mask) @ idle
         linear = (poses.linear[0] * mask) @ idle
         linear -= np.cross(poses.positions[:, 0, :, None], angular, axis=1)
-        scale = _AT_REST / partition.length
-        places = np.abs(linear).max(axis=2, initial=0.0) <= scale * partition.length
-        turns = np.abs(angular).max(axis=(1, 2), initial=0.0) <= scale
+        still = np.abs(linear).max(axis=2, initial=0.0) <= _AT_REST
+        turns = np.abs(angular).max(axis=(1, 2), initial=0.0) <= _AT_REST / problem.length
         axes = np.repeat(turns[:, None], 9, axis=1)
-        return cls(tree, partition.length, np.hstack([places, axes]).ravel())
+        return cls(problem.tree, problem.length, np.hstack([still, axes]).ravel())
 
     def __call__(self, q: Array) -> Array:
         """Return the signature of each row of q, shape (b, entries)."""
@@ -57,6 +62,24 @@ class Signatures:
         axes = poses.rotations.transpose(1, 0, 2, 3).reshape(count, bodies, 9)
         whole = np.concatenate([places, axes], axis=2).reshape(count, 12 * bodies)
         return whole[:, self.at_rest]
+
+    @staticmethod
+    def same(signatures: Array, known: Array) -> NDArray[np.bool_]:
+        """Tell which of these signatures (b, entries) are that of one known pose."""
+        return np.asarray(np.abs(signatures - known).max(axis=1, initial=0.0) <= _SAME)
+
+
+def _idle_motions(problem: SearchProblem, rows: Array) -> tuple[Array, int]:
+    """Return the null space of K* (nv, k) at the row where it is smallest, and that row."""
+    _, jacobian = problem.loops.evaluate(rows[:_TRIED])
+    scale = problem.column_scale[problem.columns]
+    K_star = jacobian[:, :, problem.columns] * problem.row_scale[:, None] * scale
+    _, values, right = np.linalg.svd(K_star)
+    ranks = (values > RANK_TOLERANCE * values.max(axis=1, initial=1e-300)[:, None]).sum(axis=1)
+    row = int(np.argmax(ranks))
+    idle = np.zeros((problem.column_scale.size, problem.columns.size - ranks[row]))
+    idle[problem.columns] = scale[:, None] * right[row, ranks[row] :].T
+    return idle, row
 
 
 class Distinct:
@@ -78,17 +101,13 @@ class Distinct:
         """Count closed poses (b, nq); tell whether any of them is new."""
         signatures, before = self._signatures(rows), len(self.q)
         for index, known in enumerate(self._known):
-            same = self._same(signatures, known)
+            same = self._signatures.same(signatures, known)
             self.hits[index] += int(same.sum())
             rows, signatures = rows[~same], signatures[~same]
         while len(rows):
-            same = self._same(signatures, signatures[0])
+            same = self._signatures.same(signatures, signatures[0])
             self.q.append(rows[0])
             self._known.append(signatures[0])
             self.hits.append(int(same.sum()))
             rows, signatures = rows[~same], signatures[~same]
         return len(self.q) > before
-
-    @staticmethod
-    def _same(signatures: Array, known: Array) -> NDArray[np.bool_]:
-        return np.asarray(np.abs(signatures - known).max(axis=1, initial=0.0) <= _SAME)

@@ -16,10 +16,9 @@ from pmjac_pin.errors import ArgumentError
 from pmjac_pin.jacobian import refuse_felt_idle_motion
 from pmjac_pin.modes.assembly_modes import AssemblyModes, Completeness
 from pmjac_pin.modes.distinct import Distinct, Signatures
-from pmjac_pin.modes.many_loops import ManyLoops
-from pmjac_pin.modes.many_poses import ManyPoses
 from pmjac_pin.modes.mirror import mirror_images
 from pmjac_pin.modes.search import ManyClosures, unseen_share
+from pmjac_pin.modes.search_problem import SearchProblem, search_problem, with_legs
 from pmjac_pin.modes.starts import StartSpace
 from pmjac_pin.parts import Parts
 from pmjac_pin.pose_assembly import motor_weights
@@ -69,11 +68,17 @@ def find_modes(
         check_limits(parts, values)
     _refuse_felt_idle_motion(parts)
     base = parts.coordinates.with_values(parts.home_q, parts.problem.partition.actuated, values)
-    met, starts, bound = _searched(parts, StartSpace.of(parts, base, limits), rng, aim)
+    problem, legs = search_problem(parts, base)
+    met, starts, bound = _searched(problem, StartSpace.of(problem, limits), rng, aim)
     found = [
         (configuration, hits / starts)
         for q, hits in zip(met.q, met.hits, strict=True)
-        if (configuration := _configuration(mechanism, q, limits)) is not None
+        if (
+            configuration := _configuration(
+                mechanism, with_legs(parts, legs, problem, base, q), limits
+            )
+        )
+        is not None
     ]
     found.sort(key=lambda item: _order(item[0], parts.problem.partition.length))
     modes = tuple(configuration for configuration, _ in found)
@@ -87,14 +92,14 @@ def find_modes(
 
 
 def _searched(
-    parts: Parts, space: StartSpace, rng: np.random.Generator, aim: Aim
+    problem: SearchProblem, space: StartSpace, rng: np.random.Generator, aim: Aim
 ) -> tuple[Distinct, int, float]:
     """Return the poses met, the number of starts, and the bound on the share not seen."""
-    tree = ManyPoses(parts.model)
-    loops = ManyLoops(parts.model, tree, parts.spec.loops, parts.values)
-    closures = ManyClosures(tree, loops, parts.problem.partition)
-    met = Distinct(Signatures.of(parts, tree))
-    starts, in_a_row, question, bound = 0, 0, 1, 1.0
+    closures = ManyClosures(problem)
+    first = closures.closed(space.draw(rng, _BATCH))
+    met = Distinct(Signatures.of(problem, first))
+    met.add(first)
+    starts, in_a_row, question, bound = _BATCH, 0, 1, 1.0
     while starts < aim.most_starts and bound > aim.unseen:
         starts += _BATCH
         if met.add(closures.closed(space.draw(rng, _BATCH))):
@@ -103,7 +108,7 @@ def _searched(
             in_a_row += _BATCH
         if len(met.q) > _MOST_MODES:
             why = f"{_MOST_MODES} poses were met, as where the loops move with all motors locked"
-            raise ArgumentError(f"{parts.spec.name} has no separate assembly modes here: {why}")
+            raise ArgumentError(f"there are no separate assembly modes here: {why}")
         bound = unseen_share(in_a_row, question, aim.confidence)
     return met, starts, bound
 

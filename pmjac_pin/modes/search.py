@@ -14,9 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.modes.many_loops import ManyLoops
-from pmjac_pin.modes.many_poses import ManyPoses
-from pmjac_pin.partition import Partition
+from pmjac_pin.modes.search_problem import SearchProblem
 
 Array = NDArray[np.float64]
 
@@ -28,28 +26,26 @@ _STUCK = 1e8  # damping at which a start is given up
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ManyClosures:
-    """The loop equations over many poses, in the scales of a partition."""
+    """Damped Newton on the passive joints, over many poses."""
 
-    tree: ManyPoses
-    loops: ManyLoops
-    partition: Partition
+    problem: SearchProblem
 
     def closed(self, starts: Array) -> Array:
         """Return the rows of q that close the loops, of those that starts (b, nq) lead to."""
-        partition = self.partition
+        length = self.problem.length
         q, found = starts, []
         damping = np.full(len(q), 1e-2)
         error, rows = self._scaled(q)
         gap = np.linalg.norm(error, axis=1)
         for _ in range(_STEPS):
-            done = gap <= _CLOSED * partition.length
+            done = gap <= _CLOSED * length
             found.append(q[done])
             going = ~done & (damping < _STUCK)
             if not going.any():
                 break
             q, error, rows = q[going], error[going], rows[going]
             gap, damping = gap[going], damping[going]
-            trial = self.tree.moved(q, self._step(error, rows, damping * gap / partition.length))
+            trial = self.problem.tree.moved(q, self._step(error, rows, damping * gap / length))
             trial_error, trial_rows = self._scaled(trial)
             trial_gap = np.linalg.norm(trial_error, axis=1)
             better = trial_gap < gap
@@ -62,25 +58,24 @@ class ManyClosures:
 
     def _scaled(self, q: Array) -> tuple[Array, Array]:
         """Return η in m and K* on the scaled columns."""
-        residual, jacobian = self.loops.evaluate(q)
-        partition = self.partition
-        columns = partition.column_scale[partition.passive]
-        K_star = jacobian[:, :, partition.passive] * columns
-        return residual * partition.row_scale, K_star * partition.row_scale[:, None]
+        problem = self.problem
+        residual, jacobian = problem.loops.evaluate(q)
+        K_star = jacobian[:, :, problem.columns] * problem.column_scale[problem.columns]
+        return residual * problem.row_scale, K_star * problem.row_scale[:, None]
 
     def _step(self, error: Array, rows: Array, damping: Array) -> Array:
         """Return v (b, nv): −(KᵀK + λ)⁻¹ Kᵀη on the passive columns, not too long."""
-        partition = self.partition
+        problem = self.problem
         across = rows.transpose(0, 2, 1)
         square = across @ rows
         diagonal = np.einsum("bii->bi", square)
         largest = diagonal.max(axis=1)
         diagonal += ((damping + 1e-12) * largest)[:, None]
         step = -np.linalg.solve(square, across @ error[:, :, None])[:, :, 0]
-        stride = np.linalg.norm(step, axis=1) / (_LONGEST_STRIDE * partition.length)
+        stride = np.linalg.norm(step, axis=1) / (_LONGEST_STRIDE * problem.length)
         step /= np.maximum(stride, 1.0)[:, None]
-        velocity = np.zeros((len(error), partition.column_scale.size))
-        velocity[:, partition.passive] = step * partition.column_scale[partition.passive]
+        velocity = np.zeros((len(error), problem.column_scale.size))
+        velocity[:, problem.columns] = step * problem.column_scale[problem.columns]
         return velocity
 
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from pmjac_pin.linkage import Edge, edges_of
-from pmjac_pin.parts import Parts
+from pmjac_pin.linkage import Edge
+from pmjac_pin.modes.search_problem import SearchProblem
 
 Array = NDArray[np.float64]
 
@@ -38,15 +38,12 @@ class StartSpace:
     reach: float
 
     @classmethod
-    def of(cls, parts: Parts, base: Array, limits: bool) -> StartSpace:
-        """Return the start space of a mechanism with its motors as in `base`."""
-        passive = []
-        for name, edge in edges_of(parts.model).items():
-            if name not in parts.spec.actuated:
-                joint = parts.model.joints[parts.model.getJointId(name)]
-                seen = edge if limits else replace(edge, limits=None)
-                passive.append((slice(joint.idx_q, joint.idx_q + joint.nq), seen))
-        return cls(base, tuple(passive), _REACH * parts.problem.partition.length)
+    def of(cls, problem: SearchProblem, limits: bool) -> StartSpace:
+        """Return the start space of a problem, within the joints' limits or not."""
+        passive = problem.passive
+        if not limits:
+            passive = tuple((entries, replace(edge, limits=None)) for entries, edge in passive)
+        return cls(problem.base, passive, _REACH * problem.length)
 
     def draw(self, rng: np.random.Generator, count: int) -> Array:
         """Return `count` random rows of q."""

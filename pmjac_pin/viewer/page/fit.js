@@ -1,7 +1,7 @@
 // Puts meshcat's camera where it sees all of a framing (framing.py), whatever the window's shape.
 "use strict";
 
-const MARGIN = 30;  // pixels on every side: for the labels, and to breathe
+const MARGIN = 40;  // pixels on every side: for the labels, and to breathe
 
 function fitView(viewer, framing, fullWidth, fullHeight) {
   const { centre, eye, extremes, field_of_view: angle } = framing;

@@ -35,12 +35,13 @@ function niceLimit(value) {
 }
 
 function outline({ radii, axes }) {
+  const scale = limit ? 50 / limit : 0;  // no limit while no section is more than a point
   const points = [];
   for (let k = 0; k < 72; k += 1) {
     const a = radii[0] * Math.cos((k * Math.PI) / 36);
     const b = radii[1] * Math.sin((k * Math.PI) / 36);
-    const x = 60 + (50 / limit) * (a * axes[0][0] + b * axes[1][0]);
-    const y = 60 - (50 / limit) * (a * axes[0][1] + b * axes[1][1]);
+    const x = 60 + scale * (a * axes[0][0] + b * axes[1][0]);
+    const y = 60 - scale * (a * axes[0][1] + b * axes[1][1]);
     points.push(`${x.toFixed(2)},${y.toFixed(2)}`);
   }
   return points.join(" ");

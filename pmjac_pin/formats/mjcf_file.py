@@ -1,0 +1,112 @@
+"""The XML of an MJCF model: one tree of known elements, with its <include> files put in."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path, PurePosixPath, PureWindowsPath
+from xml.etree.ElementTree import Element
+
+from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.text_file import read_text
+from pmjac_pin.urdf_xml import MAXIMAL_NESTING, parse_xml, shown
+
+MAXIMAL_SIZE = 5_000_000  # bytes; elements take a hundred times that in memory
+MAXIMAL_INCLUDES = 50
+
+_SECTIONS = (
+    *("actuator", "asset", "compiler", "contact", "custom", "default", "deformable", "equality"),
+    *("extension", "keyframe", "option", "sensor", "size", "statistic", "tendon", "visual"),
+    "worldbody",
+)
+
+
+def read_mujoco(path: Path) -> Element:
+    """Read an MJCF file and the files that it includes; attributes that are blank are dropped.
+
+    A file is looked for in the model's folder, then in that of the file that includes it. It
+    must be below the model's folder.
+
+    Raises
+    ------
+    ModelFileError
+        The message starts with the path of the file at fault.
+    """
+    return _Reader(path).root()
+
+
+class _Reader:
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._files: list[Path] = []
+        self._read = 0
+
+    def root(self) -> Element:
+        root = self._parsed(self._path)
+        try:
+            if root.tag != "mujoco":
+                got = f"the root element is <{shown(root.tag)[1:-1]}>"
+                raise ModelFileError(f"{got}; an MJCF file's is <mujoco>")
+            expanded = self._expanded(root, self._path, 0)
+            for section in expanded:
+                if section.tag not in _SECTIONS:
+                    known = did_you_mean(section.tag, _SECTIONS)
+                    raise ModelFileError(
+                        f"<{shown(section.tag)[1:-1]}> is no section of MJCF{known}"
+                    )
+        except ModelFileError as error:
+            raise _at(self._path, error) from None
+        return expanded
+
+    def _parsed(self, path: Path) -> Element:
+        self._files.append(path.resolve())
+        text = read_text(path, MAXIMAL_SIZE)
+        self._read += len(text)
+        if self._read > MAXIMAL_SIZE:
+            what = f"the included files have more than {MAXIMAL_SIZE} characters together"
+            raise ModelFileError(f"{path}: {what}", path=str(path))
+        try:
+            return parse_xml(text)
+        except ModelFileError as error:
+            raise _at(path, error) from None
+
+    def _expanded(self, element: Element, path: Path, depth: int) -> Element:
+        """Return a copy with the contents of included files in the place of each <include>."""
+        if depth > MAXIMAL_NESTING:
+            raise ModelFileError(f"elements are nested more than {MAXIMAL_NESTING} deep")
+        given = {key: value for key, value in element.attrib.items() if value.strip()}
+        copy = Element(element.tag, given)
+        copy.text = element.text
+        copy.extend(list(self._children(element, path, depth)))
+        return copy
+
+    def _children(self, element: Element, path: Path, depth: int) -> Iterator[Element]:
+        for child in element:
+            if child.tag != "include":
+                yield self._expanded(child, path, depth + 1)
+                continue
+            included = self._included(child, path)
+            # Its root counts as nesting, so that files that include each other come to an end.
+            yield from self._expanded(self._parsed(included), included, depth + 1)
+
+    def _included(self, include: Element, path: Path) -> Path:
+        name = include.get("file", "")
+        parts = {*PurePosixPath(name).parts, *PureWindowsPath(name).parts}
+        absolute = PurePosixPath(name).is_absolute() or bool(PureWindowsPath(name).anchor)
+        folder = self._path.parent
+        found = folder / name if (folder / name).is_file() else path.parent / name
+        inside = found.resolve().is_relative_to(folder.resolve())
+        if absolute or ".." in parts or not inside:
+            why = "only files in or below the model's own folder are read"
+            raise ModelFileError(f"<include file={shown(name)}>: {why}")
+        if not found.is_file():
+            raise ModelFileError(f"<include file={shown(name)}>: there is no such file")
+        if found.resolve() in self._files:
+            raise ModelFileError(f"<include file={shown(name)}>: a file is included only once")
+        if len(self._files) > MAXIMAL_INCLUDES:
+            raise ModelFileError(f"more than {MAXIMAL_INCLUDES} files are included")
+        return found
+
+
+def _at(path: Path, error: ModelFileError) -> ModelFileError:
+    """Return the error with the file's path before its message, once."""
+    return error if error.path else ModelFileError(f"{path}: {error}", path=str(path))

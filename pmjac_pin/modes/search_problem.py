@@ -1,0 +1,144 @@
+"""SearchProblem: the passive joints at given motor values, over many poses at once.
+
+Where the mechanism has legs, they are rods here and their joints are found afterwards.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from pmjac_pin.coordinates import JointCoordinates
+from pmjac_pin.damped_closure import assemble
+from pmjac_pin.linkage import Edge, build, edges_of
+from pmjac_pin.loop_spec import DistanceLoop, Loop
+from pmjac_pin.loops import LoopSystem
+from pmjac_pin.modes.legs import Leg, find_legs, names_of
+from pmjac_pin.modes.many_loops import ManyLoops
+from pmjac_pin.modes.many_poses import ManyPoses
+from pmjac_pin.parts import Parts
+
+Array = NDArray[np.float64]
+
+_LEG_STARTS = 8  # tries to reach a leg's end
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SearchProblem:
+    """A tree, its loops, and what is unknown.
+
+    Attributes
+    ----------
+    model : pin.Model
+    base : ndarray, shape (nq,)
+        The home pose, with the motors at their values.
+    tree : ManyPoses
+    loops : ManyLoops
+    passive : tuple of (slice, Edge)
+        Each unknown joint's entries in q.
+    columns : ndarray of int
+        Their degrees of freedom.
+    row_scale, column_scale : ndarray, shapes (p,) and (nv,)
+        As in `Partition`.
+    length : float
+        The characteristic length, m.
+    """
+
+    model: pin.Model
+    base: Array
+    tree: ManyPoses
+    loops: ManyLoops
+    passive: tuple[tuple[slice, Edge], ...]
+    columns: NDArray[np.intp]
+    row_scale: Array
+    column_scale: Array
+    length: float
+
+
+def search_problem(parts: Parts, base: Array) -> tuple[SearchProblem, list[Leg]]:
+    """Return the problem of a mechanism with its motors as in `base`, and the legs left out."""
+    legs = find_legs(parts, base)
+    if not legs:
+        return _problem(parts, parts.model, parts.spec.loops, base), legs
+    return _problem(parts, *_without(parts, legs, base)), legs
+
+
+def with_legs(
+    parts: Parts, legs: list[Leg], problem: SearchProblem, base: Array, q: Array
+) -> Array:
+    """Return the whole mechanism's q for one of the problem's, its legs reaching their ends.
+
+    A universal joint can always be held in two ways, its cross turned by half a turn: those are
+    one mode here, the one nearest to home within the joints' limits.
+    """
+    if not legs:
+        return q
+    names = [name for name in names_of(legs) if name not in parts.spec.actuated]
+    weights = np.zeros(parts.model.nv)
+    weights[parts.coordinates.columns(names)] = 1.0
+    start = _copied(problem.model, q, parts.model, base)
+    rng, closure = np.random.default_rng(0), parts.problem
+    best = assemble(closure, start, weights, room=parts.coordinates.room)
+    for _ in range(_LEG_STARTS):
+        if best.gap <= closure.tolerance:
+            break
+        turned = closure.integrate(start, weights * rng.normal(size=weights.size))
+        pose = assemble(closure, turned, weights, room=parts.coordinates.room)
+        best = min(best, pose, key=lambda found: found.gap)
+    return best.q
+
+
+def _without(parts: Parts, legs: list[Leg], base: Array) -> tuple[pin.Model, Sequence[Loop], Array]:
+    """Return model, loops and q with rods in place of the legs."""
+    gone = set(names_of(legs))
+    edges = [edge for name, edge in edges_of(parts.model).items() if name not in gone]
+    centres = {
+        f"centre of {'-'.join(leg.loop.ends)}": (leg.body, pin.SE3(np.eye(3), leg.centre))
+        for leg in legs
+    }
+    model = build(parts.model, edges, centres)
+    ended = [leg.loop for leg in legs]
+    rods = [
+        DistanceLoop(frames=(leg.frame, centre), length=leg.length)
+        for leg, centre in zip(legs, centres, strict=True)
+    ]
+    loops = [loop for loop in parts.spec.loops if not any(loop is end for end in ended)]
+    return model, [*loops, *rods], _copied(parts.model, base, model, pin.neutral(model))
+
+
+def _problem(parts: Parts, model: pin.Model, loops: Sequence[Loop], base: Array) -> SearchProblem:
+    coordinates, length = JointCoordinates(model), parts.problem.partition.length
+    edges = edges_of(model)
+    passive = [name for name in edges if name not in parts.spec.actuated]
+    tree = ManyPoses(model)
+    entries = []
+    for name in passive:
+        joint = model.joints[model.getJointId(name)]
+        entries.append((slice(joint.idx_q, joint.idx_q + joint.nq), edges[name]))
+    return SearchProblem(
+        model=model,
+        base=base,
+        tree=tree,
+        loops=ManyLoops(model, tree, loops, parts.values),
+        passive=tuple(entries),
+        columns=coordinates.columns(passive),
+        row_scale=LoopSystem(model, loops, parts.values).row_scale(length),
+        column_scale=np.where(coordinates.rotational, 1.0 / length, 1.0),
+        length=length,
+    )
+
+
+def _copied(source: pin.Model, q: Array, target: pin.Model, base: Array) -> Array:
+    """Return `base` of one model with the values that another's q gives to the same joints."""
+    result = base.copy()
+    for joint in list(source.joints)[1:]:
+        name = source.names[joint.id]
+        if target.existJointName(name):
+            other = target.joints[target.getJointId(name)]
+            entries = q[joint.idx_q : joint.idx_q + joint.nq]
+            result[other.idx_q : other.idx_q + other.nq] = entries
+    return result

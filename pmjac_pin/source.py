@@ -1,0 +1,96 @@
+"""Source: what a file says of a mechanism, whatever its format."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+
+from pmjac_pin.catalog import find_urdf
+from pmjac_pin.errors import ArgumentError
+from pmjac_pin.formats.extended_urdf import closure_yaml_beside, read_extended_urdf
+from pmjac_pin.formats.foreign_model import ForeignModel, check_frame, check_motors
+from pmjac_pin.formats.looped_urdf import read_looped_urdf
+from pmjac_pin.formats.mjcf import read_mjcf
+from pmjac_pin.formats.sdf import read_sdf
+from pmjac_pin.model_file import read_model_file
+from pmjac_pin.spec import MechanismSpec, Tool
+from pmjac_pin.urdf import Urdf, read_urdf
+
+SUFFIXES = (".toml", ".urdf", ".sdf", ".xml", ".mjcf")
+
+
+@dataclass(frozen=True)
+class Source:
+    """What a file says.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    spec : MechanismSpec
+    urdf : Urdf
+        The cut tree at the parameters' defaults.
+    notes : tuple of str
+        One sentence for each decision that the reader of another format took.
+    """
+
+    path: Path
+    spec: MechanismSpec
+    urdf: Urdf
+    notes: tuple[str, ...] = ()
+
+
+def read_source(
+    path: Path, actuated: Iterable[str] | None = None, tool: str | None = None
+) -> Source:
+    """Read a model file of ours or a file of another format, told by its suffix.
+
+    Parameters
+    ----------
+    path : Path
+        Anything without one of `SUFFIXES` is taken for a model file of ours.
+    actuated : iterable of str, optional
+        The motors, instead of those that the file tells.
+    tool : str, optional
+        The tool's frame, instead of the one that the file tells.
+
+    Raises
+    ------
+    ModelFileError, UnknownNameError, ArgumentError
+    """
+    motors = None if actuated is None else _names(actuated)
+    if path.suffix.lower() in SUFFIXES[1:]:
+        model = _foreign(path, motors or ())
+        return Source(path, model.spec(motors, tool), model.urdf, model.notes)
+    spec = read_model_file(path)
+    urdf = read_urdf(find_urdf(spec.urdf, path))
+    if motors is not None:
+        # The order of the passive joints was given for other motors.
+        spec = msgspec.structs.replace(spec, actuated=check_motors(urdf, motors), passive=None)
+    if tool is not None:
+        spec = msgspec.structs.replace(spec, tool=Tool(frame=check_frame(urdf, tool)))
+    return Source(path, spec, urdf)
+
+
+def _foreign(path: Path, motors: tuple[str, ...]) -> ForeignModel:
+    match path.suffix.lower():
+        case ".urdf" if closure_yaml_beside(path) is None:
+            return read_looped_urdf(path, motors)
+        case ".urdf":
+            return read_extended_urdf(path, motors)
+        case ".sdf":
+            return read_sdf(path, motors)
+    return read_mjcf(path)
+
+
+def _names(names: Iterable[str]) -> tuple[str, ...]:
+    if isinstance(names, str) or not isinstance(names, Iterable):
+        raise ArgumentError(f"actuated is a list of joint names, got {names!r}")
+    found = tuple(names)
+    for name in found:
+        if not isinstance(name, str):
+            raise ArgumentError(f"actuated is a list of joint names, it holds {name!r}")
+    return found
