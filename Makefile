@@ -12,6 +12,7 @@ test: .venv/ready
 
 bench: .venv/ready
 	$(BIN)/python benchmarks/bench_jacobian.py
+	$(BIN)/python benchmarks/bench_modes.py
 	$(BIN)/python benchmarks/bench_page.py
 
 screenshots: .venv/ready

@@ -64,6 +64,9 @@ NAMED = {
     "planar_3rpr": ([0.34, 0.34, 0.34], 2),
     "planar_3rrr": ([1.0, 1.0, 1.0], 2),
     "watt_six_bar": ([0.9], 4),
+    "bennett": ([1.0], 1),
+    "agile_eye": ([0.0, 0.0, 0.0], 8),
+    "ankle": ([0.0, 0.0], 4),
     "three_rps": ([0.9, 1.0, 1.1], 8),
     "three_rps_ss": ([0.9, 1.0, 1.1], 8),
 }
@@ -89,6 +92,7 @@ def test_proven_modes_are_configurations(name):
         np.testing.assert_array_equal(configuration.actuated, motors)
         assert enclosure.mode.width.max() < 1e-10
         assert enclosure.around.width.min() > 1e-4
+        assert enclosure.mode.inside(enclosure.around).all()
         assert enclosure.left_out <= 1.0
 
 

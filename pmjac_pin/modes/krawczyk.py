@@ -90,7 +90,7 @@ def _krawczyk(loops: IntervalLoops, kept: Index, at: Array, boxes: Intervals) ->
     each, middle = np.arange(len(kept))[:, None], Intervals.exact(at)
     jacobian = loops.evaluate(boxes).jacobian[each, kept]
     residual = loops.residual(middle)[each, kept]
-    inverse: Array = np.linalg.pinv(jacobian.middle)
+    inverse = np.asarray(np.linalg.pinv(jacobian.middle), dtype=np.float64)
     rest = Intervals.exact(np.eye(kept.shape[1])) - jacobian.after(inverse)
     spread = (rest * (boxes - middle)[:, None]).sum(axis=2)
     image = middle - residual[:, :, None].after(inverse)[:, :, 0] + spread
