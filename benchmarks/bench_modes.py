@@ -25,7 +25,9 @@ CASES = (
 
 
 def main() -> int:
-    print(f"{'mechanism':14}{'unknowns':>9}{'modes':>6}{'boxes':>8}{'proof, s':>10}{'search, s':>11}")
+    print(
+        f"{'mechanism':14}{'unknowns':>9}{'modes':>6}{'boxes':>8}{'proof, s':>10}{'search, s':>11}"
+    )
     for name, motors in CASES:
         mechanism = pj.load(name)
         proofs = [prove(mechanism._parts, motors, limits=False) for _ in range(3)]

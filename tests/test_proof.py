@@ -202,6 +202,15 @@ def test_three_of_six_rows_redundant():
     assert (proof.complete, len(proof.enclosures)) == (True, 2)
 
 
+def test_half_a_turn_from_closure_is_no_mode():
+    """Bricard's hinge also has poses where its axis points the other way."""
+    mechanism = pj.load("bricard")
+    for motor in (0.0, 0.3):
+        proof = proof_of(mechanism, [motor])
+        assert (proof.complete, len(proof.enclosures)) == (True, 2)
+        assert all(mechanism.configuration(q).residual_norm < 1e-12 for q in proof.q)
+
+
 # --- The edges of the domain ---------------------------------------------------------------------
 
 
