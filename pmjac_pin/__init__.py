@@ -4,7 +4,10 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from pmjac_pin.catalog import list_mechanisms
+from pmjac_pin.certificates.certificate import Certificate
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.diagnosis import Diagnosis
+from pmjac_pin.diagnosis_maker import check
 from pmjac_pin.ellipse import Ellipse
 from pmjac_pin.ellipsoid import Ellipsoid
 from pmjac_pin.errors import (
@@ -46,10 +49,12 @@ if TYPE_CHECKING:
 __all__ = [
     "ArgumentError",
     "AssemblyModes",
+    "Certificate",
     "ClosureError",
     "Completeness",
     "Configuration",
     "CylindricalLoop",
+    "Diagnosis",
     "DistanceLoop",
     "Ellipse",
     "Ellipsoid",
@@ -77,6 +82,7 @@ __all__ = [
     "UniversalLoop",
     "UnknownNameError",
     "Viewer",
+    "check",
     "equivalent_jacobian",
     "list_mechanisms",
     "load",

@@ -14,7 +14,7 @@ from pmjac_pin.closure import closed_point
 from pmjac_pin.closure_problem import ClosureProblem
 from pmjac_pin.coordinates import JointCoordinates
 from pmjac_pin.damped_closure import assemble
-from pmjac_pin.errors import ArgumentError, ClosureError, unknown_name
+from pmjac_pin.errors import ArgumentError, ClosureError, PmjacError, unknown_name
 from pmjac_pin.factorisation import RANK_TOLERANCE, norm
 from pmjac_pin.kinematics import Kinematics
 from pmjac_pin.loops import LoopSystem
@@ -61,13 +61,21 @@ def build_parts(
     ClosureError
         The home pose does not assemble.
     """
-    parts = _assembled(model, spec, values, urdf, start)
+    parts = _unassembled(model, spec, values, urdf)
+    try:
+        return _ranked(_assembled(parts, start))
+    except PmjacError as error:
+        error.parts = parts
+        raise
+
+
+def _ranked(parts: Parts) -> Parts:
     problem, kinematics = parts.problem, parts.kinematics
-    snapshots = [kinematics.snapshot(q) for q in (parts.home_q, *_nearby(problem, parts.home_q))]
+    snapshots = [kinematics.snapshot(q) for q in (parts.home_q, *nearby(problem, parts.home_q))]
     ranked = problem.partition.with_ranks_of(
         [(snapshot.constraint_jacobian, snapshot.tool_jacobian) for snapshot in snapshots]
     )
-    return replace(parts, problem=_problem(kinematics, ranked, spec.tolerance))
+    return replace(parts, problem=_problem(kinematics, ranked, parts.spec.tolerance))
 
 
 def home_pose(
@@ -94,17 +102,11 @@ def home_pose(
     return found.q, float(smallest)
 
 
-def _assembled(
-    model: pin.Model,
-    spec: MechanismSpec,
-    values: Mapping[str, float],
-    urdf: Urdf | None,
-    start: Array | None,
-) -> Parts:
-    parts = _unassembled(model, spec, values, urdf)
-    return replace(
-        parts, home_q=assemble_pose(parts, parts.home_q if start is None else start, "home")
-    )
+def _assembled(parts: Parts, start: Array | None) -> Parts:
+    spec, coordinates, given = parts.spec, parts.coordinates, parts.home_q
+    for name, pose in spec.poses.items():
+        check_motors(coordinates, coordinates.q(pose, given), spec, f"the pose {name!r} has")
+    return replace(parts, home_q=assemble_pose(parts, given if start is None else start, "home"))
 
 
 def _unassembled(
@@ -115,8 +117,6 @@ def _unassembled(
     kinematics = Kinematics(model, loops, tool_kinematics(model, spec.tool))
     given = coordinates.q(spec.poses["home"])
     partition = _partition(spec, coordinates, loops, _length(model, given))
-    for name, pose in spec.poses.items():
-        check_motors(coordinates, coordinates.q(pose, given), spec, f"the pose {name!r} has")
     problem = _problem(kinematics, partition, spec.tolerance)
     return Parts(model, spec, values, coordinates, kinematics, problem, given, urdf)
 
@@ -164,7 +164,7 @@ def _length(model: pin.Model, q: Array) -> float:
     return spread or 1.0
 
 
-def _nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
+def nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
     """Return closed poses near home, in seeded random directions.
 
     First along motions that the loops allow, all joints free to close them again; then with

@@ -1,6 +1,7 @@
-"""The command line: ``pmjac list``, ``report``, ``plot``, ``demo``, ``view`` and ``convert``.
+"""The command line: ``pmjac`` with list, report, check, plot, demo, view and convert.
 
-Exit status 0; 2 with one line on stderr when something is wrong; 130 on Ctrl-C.
+Exit status 0; 1 where ``check`` finds an error in the model; 2 with one line on stderr when
+something is wrong; 130 on Ctrl-C.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ import importlib.metadata
 import re
 import sys
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, TypeAlias
 
@@ -21,6 +23,8 @@ from pmjac_pin.catalogue_table import catalogue_table, poses_table
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.convert import convert
 from pmjac_pin.demo import FIGURE, demo_blocks, run_demo
+from pmjac_pin.diagnosis_maker import check
+from pmjac_pin.diagnosis_tables import diagnosis_blocks
 from pmjac_pin.errors import ArgumentError, LimitError, PmjacError
 from pmjac_pin.loading import load
 from pmjac_pin.mechanism import Mechanism
@@ -32,6 +36,15 @@ from pmjac_pin.terminal import draw, new_console, one_line, write
 
 #: What a command returns: text as it is, or blocks to be drawn.
 Output: TypeAlias = "str | Iterable[Block] | None"
+
+
+@dataclass(frozen=True, slots=True)
+class _Verdict:
+    """What a command returns together with the exit status."""
+
+    output: Output
+    status: int
+
 
 _EXAMPLE = "Example: pmjac report four_bar --at 1.2 --set l1=1.1,l2=2.9"
 
@@ -103,6 +116,23 @@ def report_command(
     configuration, names = _configuration(loaded, at, from_)
     report = make_report(configuration, frame.upper(), **names)
     return f"{to_json(report)}\n" if json else report_blocks(report)
+
+
+@app.command(name="check")
+def check_command(
+    mechanism: Name,
+    /,
+    *,
+    set_: Settings = None,
+    actuated: Actuated = None,
+    tool: ToolFrame = None,
+    json: Annotated[bool, Parameter(help="Write JSON: all digits, SI units.")] = False,
+) -> _Verdict:
+    """Show what a model is made of and what is wrong with it; exit status 1 for an error."""
+    motors, parameters = _split(actuated), _parameters(set_ or ())
+    diagnosis = check(mechanism, parameters=parameters, actuated=motors, tool=tool)
+    output: Output = f"{to_json(diagnosis)}\n" if json else diagnosis_blocks(diagnosis)
+    return _Verdict(output, 1 if diagnosis.severity == "error" else 0)
 
 
 @app.command(name="plot")
@@ -197,7 +227,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit status.
     """
     try:
-        _run(sys.argv[1:] if argv is None else argv)
+        return _run(sys.argv[1:] if argv is None else argv)
     except BrokenPipeError:  # the reader, such as `head`, has seen enough
         return 0
     except KeyboardInterrupt:
@@ -206,18 +236,20 @@ def main(argv: Sequence[str] | None = None) -> int:
         if sys.stderr is not None:
             print(f"pmjac: {one_line(_message(error))}", file=sys.stderr)  # noqa: T201
         return 2
-    return 0
 
 
-def _run(argv: Sequence[str]) -> None:
+def _run(argv: Sequence[str]) -> int:
     """Write nothing before all is computed, so that an error stands alone."""
     console = new_console()
     # Absurd lengths overflow on their way to an error; NumPy's warnings would stand beside it.
     with console.capture() as capture, np.errstate(all="ignore"):
         output = app(_joined(argv), console=console, exit_on_error=False, print_error=False)
+        verdict = output if isinstance(output, _Verdict) else _Verdict(output, 0)
+        output = verdict.output
         if output is not None and not isinstance(output, str):
             draw(console, output)
     write(output if isinstance(output, str) else capture.get())
+    return verdict.status
 
 
 def _joined(argv: Sequence[str]) -> list[str]:

@@ -171,6 +171,17 @@ class JointCoordinates:
         column = self._joint(name).idx_v
         return float(self.lower[column]), float(self.upper[column])
 
+    def unwound(self, q: Array, columns: Index, limits: bool) -> Array:
+        """Return q with angles less full turns: into [−π, π], or between their limits."""
+        turned = columns[self.angles[columns]]
+        values = np.remainder(self.values(q)[turned] + np.pi, 2.0 * np.pi) - np.pi
+        if limits:
+            lower, upper = self.lower[turned], self.upper[turned]
+            beyond = np.isfinite(lower) & ((values < lower) | (values > upper))
+            up = values + 2.0 * np.pi * np.ceil((lower - values - _LIMIT_SLACK) / (2.0 * np.pi))
+            values = np.where(beyond, up, values)
+        return self.with_values(q, turned, values)
+
     def room(self, q: Array) -> tuple[Array, Array]:
         """Return how far each degree of freedom is from its limits, below and above, (nv,)."""
         values = self.values(q)

@@ -24,11 +24,22 @@ class PmjacError(Exception):
         One sentence: what was given, what is wrong, what would be right.
     **details
         Set as attributes, e.g. ``residual_norm`` or ``tolerance``.
+
+    Attributes
+    ----------
+    parts : Parts or None
+        What was known of the mechanism when it could not be built, for `check`; not pickled.
     """
+
+    parts: Any = None
 
     def __init__(self, message: str, **details: Any) -> None:
         super().__init__(message)
         self.__dict__.update(details)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        known = {name: value for name, value in self.__dict__.items() if name != "parts"}
+        return (type(self), self.args, known)
 
     def __str__(self) -> str:
         # KeyError, a base of UnknownNameError, would print the repr of the message.

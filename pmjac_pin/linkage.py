@@ -217,11 +217,16 @@ def _add_frame(
     tree.addFrame(pin.Frame(name, carrier[0], carrier[1] * place, kind), False)
 
 
-def _kind(joint: pin.JointModel, name: str) -> Kind:
+def known_kind(joint: pin.JointModel) -> Kind | None:
+    """Return the kind of one of Pinocchio's joints; None where it has none here."""
     written = joint.shortname()
-    for pattern, kind in _KINDS.items():
-        if re.fullmatch(pattern, written):
-            return kind
+    return next((kind for known, kind in _KINDS.items() if re.fullmatch(known, written)), None)
+
+
+def _kind(joint: pin.JointModel, name: str) -> Kind:
+    if kind := known_kind(joint):
+        return kind
+    written = joint.shortname()
     raise ArgumentError(f"joint {name!r} is a {written}, which cannot be taken apart")
 
 

@@ -8,6 +8,7 @@ rows into the lecture's: world axes, first minus second.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -70,6 +71,7 @@ class _Closure:
         # Without `calc` the constraint's Jacobian is silently the one of another q.
         self.constraint.calc(model, data, scratch)
         rates = self.constraint.jacobian(model, data, scratch)
+        rates = rates.reshape(rates.shape[0], -1)  # a vector where there is one degree of freedom
         if rates.shape[0] == 3:
             return Relative(scratch.constraint_position_error, rates)
         gap, turning = scratch.c1Mc2.translation, rates[3:]
@@ -98,6 +100,8 @@ class LoopSystem:
         "m", "rad" or "m²" for each row.
     row_loops : tuple of str
         What each row's loop joins, e.g. ``"coupler_tip-rocker_tip"``.
+    slices : tuple of slice
+        The rows of each loop, in the order of the loops.
     """
 
     __slots__ = (
@@ -108,6 +112,7 @@ class LoopSystem:
         "row_loops",
         "row_names",
         "row_units",
+        "slices",
     )
 
     def __init__(
@@ -120,7 +125,9 @@ class LoopSystem:
         units: list[str] = []
         owners: list[str] = []
         self._lengths: dict[int, float] = {}
+        starts: list[int] = []
         for loop in loops:
+            starts.append(len(names))
             prefix = "-".join(loop.ends)
             if isinstance(loop, JointLoop):
                 coupling = couple(model, loop)
@@ -142,6 +149,7 @@ class LoopSystem:
         self.row_names = tuple(names)
         self.row_units = tuple(units)
         self.row_loops = tuple(owners)
+        self.slices = tuple(itertools.starmap(slice, itertools.pairwise([*starts, len(names)])))
 
     def row_scale(self, length: float) -> Array:
         """Return what turns each row into metres of gap, to first order, shape (p,).
@@ -177,6 +185,28 @@ class LoopSystem:
         for row, coupling in self._couplings:
             residual[row], jacobian[row] = coupling.residual(q), coupling.gradient
         return residual, jacobian
+
+    def rows_by_twists(self, model: pin.Model, data: pin.Data, loop: int, twists: Array) -> Array:
+        """Return how a loop's rows change with relative twists of its two frames, (rows, k).
+
+        Parameters
+        ----------
+        model, data
+            After ``pin.computeJointJacobians``.
+        loop : int
+            Its number among all; one between frames.
+        twists : ndarray, shape (6, k)
+            Of the first frame seen from the second, linear rows first, world axes, at the first
+            frame's origin.
+        """
+        start = self.slices[loop].start
+        closure = next(c for c in self._closures if c.blocks[0][0].start == start)
+        loop_data = closure.constraint.createData()
+        pose = closure.relative(model, data, loop_data)
+        to_second = loop_data.oMc1.rotation.T
+        linear, turning = to_second @ twists[:3], to_second @ twists[3:]
+        seen = Relative(pose.gap, linear, pose.rotation, turning)
+        return np.vstack([block(seen)[1] for _, block in closure.blocks])
 
     def to_world(self, scratch: list[Any], residual: Array, jacobian: Array) -> None:
         """Turn what `evaluate` just returned into world axes, in place.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
@@ -12,6 +13,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from pmjac_pin.assembly import build_parts
+from pmjac_pin.certificates.equations import LoopEquations
 from pmjac_pin.checks import as_numbers
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.direct_kinematics import Guess, close
@@ -441,6 +443,12 @@ class Mechanism:
             Not nq finite numbers, or a quaternion or (cos, sin) that is not of unit length.
         """
         return Configuration._of_q(self, self._checked(q))
+
+    @cached_property
+    def _loop_equations(self) -> LoopEquations:
+        parts = self._parts
+        passive = parts.problem.partition.passive.tolist()
+        return LoopEquations(parts.model, parts.spec.loops, parts.values, passive)
 
     def _checked(self, q: ArrayLike) -> Array:
         values = as_numbers(q, "q")

@@ -43,14 +43,14 @@ def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
             return _beyond_the_end(parts, q, found[-1].q) if motor_weight else found[-1].q
     best = min(found, key=lambda pose: pose.gap)
     # A small gap that stays is the rounding of the model's numbers: no fold would cure it.
-    for start in _shaken(problem, q) if best.gap > LARGEST_TOLERANCE else ():
-        shaken = assemble(problem, start, motor_weights(problem, 1.0), room=parts.coordinates.room)
-        if shaken.gap <= problem.tolerance:
-            return shaken.q
+    for start in shaken(problem, q) if best.gap > LARGEST_TOLERANCE else ():
+        folded = assemble(problem, start, motor_weights(problem, 1.0), room=parts.coordinates.room)
+        if folded.gap <= problem.tolerance:
+            return folded.q
     raise _open(parts, q, best, pose)
 
 
-def _shaken(problem: ClosureProblem, q: Array) -> Iterator[Array]:
+def shaken(problem: ClosureProblem, q: Array) -> Iterator[Array]:
     """Yield seeded random poses around q, further and further away.
 
     From a pose that is straight or flat, as many are with all joints at zero, the gap does not

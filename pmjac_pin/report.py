@@ -206,8 +206,8 @@ class Report(msgspec.Struct, frozen=True, kw_only=True):
     refusal: str | None
 
 
-def to_json(report: Report) -> str:
-    """Write a report as strict JSON in ASCII, one line for each of its attributes.
+def to_json(report: msgspec.Struct) -> str:
+    """Write a report, or a diagnosis, as strict JSON in ASCII, one line for each of its attributes.
 
     JSON knows no infinity: infinite numbers become null. There are three: the radii of the
     force ellipsoid in directions that the structure bears by itself, and the singularity's

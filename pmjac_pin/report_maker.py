@@ -100,9 +100,9 @@ def make_report(
     split = configuration.split_jacobian(frame)
     jacobian, refusal = _equivalent(configuration, frame)
     return Report(
-        mechanism=_encodable(mechanism.name),
+        mechanism=encodable(mechanism.name),
         description=mechanism.spec.description,
-        notes=tuple(map(_encodable, mechanism.notes)),
+        notes=tuple(map(encodable, mechanism.notes)),
         parameters=_parameters(mechanism),
         dimensions=_dimensions(mechanism, split),
         pose=pose,
@@ -122,7 +122,8 @@ def make_report(
     )
 
 
-def _encodable(name: str) -> str:
+def encodable(name: str) -> str:
+    """Return a name as valid text."""
     # A name may be that of a file, which may hold bytes that are no text.
     return name.encode("utf-8", "backslashreplace").decode()
 

@@ -9,6 +9,7 @@ import re
 from pathlib import Path
 
 import mechanisms
+import msgspec
 import numpy as np
 import pytest
 
@@ -71,11 +72,11 @@ def equals(report, key, expected):
 def test_alone_it_shows_its_help(shown):
     text = shown()
     assert text == shown("--help")
-    for command in ("list", "report", "plot", "demo", "convert"):
+    for command in ("list", "report", "check", "plot", "demo", "convert"):
         assert re.search(rf"│ {command} +\w", text)
 
 
-@pytest.mark.parametrize("command", ["list", "report", "plot", "demo", "convert"])
+@pytest.mark.parametrize("command", ["list", "report", "check", "plot", "demo", "convert"])
 def test_help_of_a_command(shown, command):
     text = shown(command, "--help")
     assert f"Usage: pmjac {command}" in text
@@ -195,6 +196,32 @@ def test_a_singular_pose_is_no_error(shown, reported):
     assert report["singularity"]["free_motions"][0].keys() == {"phi1", "phi2"}
 
 
+@pytest.mark.parametrize("columns", [80, 120])
+@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+def test_checks_fit_the_terminal(monkeypatch, shown, name, columns):
+    monkeypatch.setenv("COLUMNS", str(columns))
+    text = shown("check", name)
+    assert text.startswith(f"{name}: ")
+    assert max(map(len, text.splitlines())) <= columns
+    assert "\x1b" not in text
+
+
+def test_check_of_what_does_not_assemble_is_a_page_with_exit_status_1(run):
+    status, out, err = run("check", "four_bar", "--set", "l1=100")
+    assert (status, err) == (1, "")
+    assert out.startswith("four_bar: 1 error\n")
+    assert max(map(len, out.splitlines())) <= 80
+    status, out, err = run("check", "four_bar", "--set", "l1=100", "--json")
+    assert (status, err) == (1, "")
+    assert json.loads(out)["findings"][0]["code"] == "home-open"
+
+
+def test_check_as_json_equals_the_python_interface(shown):
+    written = shown("check", "four_bar", "--set", "l1=1.2", "--json")
+    expected = pj.check("four_bar", parameters={"l1": 1.2})
+    assert msgspec.json.decode(written, type=pj.Diagnosis) == expected
+
+
 def test_a_model_file_of_ones_own_from_anywhere(monkeypatch, tmp_path, reported):
     folder = tmp_path / "my models"
     folder.mkdir()
@@ -262,13 +289,16 @@ def test_names_that_matplotlib_or_json_would_trip_over(shown, tmp_path):
 MISTAKES = {
     "report fourr_bar": "unknown mechanism 'fourr_bar'; did you mean 'four_bar'?",
     "reprot four_bar": 'Unknown command "reprot". Did you mean "report"? '
-    "Available commands: list, report, plot, demo, view, convert.",
+    "Available commands: list, report, check, plot, demo, view, convert.",
     "--nope": 'Unknown command "--nope". '
-    "Available commands: list, report, plot, demo, view, convert.",
+    "Available commands: list, report, check, plot, demo, view, convert.",
     "report": 'Command "report" parameter MECHANISM requires an argument.',
     "report four_bar --frmae LOCAL": "Unknown option: --frmae. Did you mean --frame?",
     "report four_bar --no-json": "Unknown option: --no-json. Did you mean --json?",
     "report four_bar extra": "unexpected argument 'extra'",
+    "check three_rsp": "unknown mechanism 'three_rsp'; did you mean 'three_rps' or 'three_rps_ss'?",
+    "check four_bar --set l9=1": "unknown parameter 'l9'; there are: l0, l1, l2, l3",
+    "check /none/here.toml": "/none/here.toml: No such file or directory",
     "list extra": "unexpected argument 'extra'",
     "report three_rps --at 1, 1.1, 0.9": "unexpected argument '1.1,' '0.9'; "
     "numbers are joined by commas, without blanks: --at 0.5,1,2",
@@ -325,9 +355,10 @@ def test_longer_messages_are_one_line_too(run, argv, pattern):
 def test_broken_model_files(run, tmp_path, content):
     path = tmp_path / "broken.toml"
     path.write_bytes(content)
-    status, out, err = run("report", str(path))
-    assert (status, out) == (2, "")
-    assert re.fullmatch(rf"pmjac: {re.escape(str(path))}: .*\n", err)
+    for command in ("report", "check"):
+        status, out, err = run(command, str(path))
+        assert (status, out) == (2, "")
+        assert re.fullmatch(rf"pmjac: {re.escape(str(path))}: .*\n", err)
 
 
 def test_messages_of_several_lines_are_joined(monkeypatch, run):

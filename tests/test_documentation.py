@@ -43,6 +43,25 @@ def test_commands_of_the_readme(command, tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out
 
 
+CONSOLE = [
+    (command, output)
+    for page in PAGES
+    for block in blocks(page, "console")
+    for command, output in re.findall(r"^\$ pmjac (.*)\n((?:(?!\$ ).*\n)*)", block, re.M)
+    if output
+]
+
+
+@pytest.mark.parametrize(("command", "output"), CONSOLE)
+def test_commands_print_what_the_page_shows(command, output, tmp_path, monkeypatch, capsys):
+    """An ellipsis stands for what the page leaves out."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "80")
+    main(shlex.split(command))
+    shown = capsys.readouterr().out
+    assert doctest.OutputChecker().check_output(output, shown, doctest.ELLIPSIS)
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_model_file_blocks_load(page, tmp_path):
     for number, block in enumerate(blocks(page, "toml")):

@@ -175,3 +175,28 @@ def test_bad_arguments(arguments, message):
     arguments = {"actuated": [1.0, 1.0, 1.0], "rng": 0, **arguments}
     with pytest.raises(pj.ArgumentError, match=message):
         pj.load("three_rps").assembly_modes(arguments.pop("actuated"), **arguments)
+
+
+@pytest.mark.parametrize("limits", [True, False])
+def test_dietmaiers_forty(limits):
+    """All forty are real, twenty with each sign of the determinant (Dietmaier 1998)."""
+    mechanism = pj.load("stewart_gough_dietmaier")
+    modes = mechanism.assembly_modes(mechanism.home.actuated, rng=1, limits=limits)
+    assert len(modes) == 40
+    signs = [np.sign(np.linalg.det(mode.split_jacobian().K_star)) for mode in modes]
+    assert sum(signs) == 0
+    places = np.array([mode.tool_pose.homogeneous.ravel() for mode in modes])
+    for index, place in enumerate(places):
+        assert np.abs(np.delete(places, index, axis=0) - place).max(axis=1).min() > 1e-4
+
+
+def test_a_leg_is_a_rod_only_where_it_can_point_everywhere():
+    """The 3-RPS's legs swing in a plane, the Gough platform's anywhere."""
+    from pmjac_pin.modes.legs import find_legs
+
+    for name, count in (("three_rps", 0), ("four_bar", 0), ("ur5", 0), ("stewart_gough", 6)):
+        mechanism = pj.load(name)
+        legs = find_legs(mechanism._parts, mechanism.home.q)
+        assert len(legs) == count
+        lengths = [leg.length for leg in legs]
+        np.testing.assert_allclose(lengths, mechanism.home.actuated[:count], atol=1e-12)

@@ -129,24 +129,11 @@ def _configuration(mechanism: Mechanism, q: Array, limits: bool) -> Configuratio
     closed = assemble(problem, q, motor_weights(problem, 0.0))
     if closed.gap > problem.tolerance:
         return None
-    values = coordinates.values(closed.q)
     columns = problem.partition.passive
-    turned = _within(values, coordinates.lower, coordinates.upper, limits)
-    angles = columns[coordinates.angles[columns]]
-    q = coordinates.with_values(closed.q, angles, turned[angles])
+    q = coordinates.unwound(closed.q, columns, limits)
     if limits and coordinates.outside(coordinates.values(q)[columns], columns):
         return None
     return Configuration._of_q(mechanism, q)
-
-
-def _within(values: Array, lower: Array, upper: Array, limits: bool) -> Array:
-    """Return angles turned by multiples of 2π: into [−π, π], or between their limits."""
-    turn = 2.0 * np.pi
-    nearest = values - turn * np.round(values / turn)
-    if not limits:
-        return nearest
-    low = nearest + turn * np.ceil((lower - nearest - 1e-9) / turn)
-    return np.where(np.isfinite(lower) & ((nearest < lower) | (nearest > upper)), low, nearest)
 
 
 def _order(configuration: Configuration, length: float) -> tuple[float, ...]:

@@ -13,18 +13,16 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.coordinates import JointCoordinates
-from pmjac_pin.damped_closure import assemble
 from pmjac_pin.linkage import Edge, build, edges_of
 from pmjac_pin.loop_spec import DistanceLoop, Loop
 from pmjac_pin.loops import LoopSystem
+from pmjac_pin.modes.leg_reach import reached
 from pmjac_pin.modes.legs import Leg, find_legs, names_of
 from pmjac_pin.modes.many_loops import ManyLoops
 from pmjac_pin.modes.many_poses import ManyPoses
 from pmjac_pin.parts import Parts
 
 Array = NDArray[np.float64]
-
-_LEG_STARTS = 8  # tries to reach a leg's end
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,26 +68,13 @@ def search_problem(parts: Parts, base: Array) -> tuple[SearchProblem, list[Leg]]
 def with_legs(
     parts: Parts, legs: list[Leg], problem: SearchProblem, base: Array, q: Array
 ) -> Array:
-    """Return the whole mechanism's q for one of the problem's, its legs reaching their ends.
-
-    A universal joint can always be held in two ways, its cross turned by half a turn: those are
-    one mode here, the one nearest to home within the joints' limits.
-    """
+    """Return the whole mechanism's q for one of the problem's, its legs reaching their ends."""
     if not legs:
         return q
-    names = [name for name in names_of(legs) if name not in parts.spec.actuated]
-    weights = np.zeros(parts.model.nv)
-    weights[parts.coordinates.columns(names)] = 1.0
-    start = _copied(problem.model, q, parts.model, base)
-    rng, closure = np.random.default_rng(0), parts.problem
-    best = assemble(closure, start, weights, room=parts.coordinates.room)
-    for _ in range(_LEG_STARTS):
-        if best.gap <= closure.tolerance:
-            break
-        turned = closure.integrate(start, weights * rng.normal(size=weights.size))
-        pose = assemble(closure, turned, weights, room=parts.coordinates.room)
-        best = min(best, pose, key=lambda found: found.gap)
-    return best.q
+    whole = _copied(problem.model, q, parts.model, base)
+    for leg in legs:
+        whole = reached(parts, leg, whole)
+    return whole
 
 
 def _without(parts: Parts, legs: list[Leg], base: Array) -> tuple[pin.Model, Sequence[Loop], Array]:

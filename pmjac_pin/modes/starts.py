@@ -13,7 +13,7 @@ from pmjac_pin.modes.search_problem import SearchProblem
 
 Array = NDArray[np.float64]
 
-_REACH = 4.0  # characteristic lengths to either side of home, for slides without limits
+_REACH = 2.0  # characteristic lengths to either side of home, for slides without limits
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -21,7 +21,7 @@ class StartSpace:
     """The space of passive joint values at given motor values.
 
     Angles are uniform over a full turn or between narrower limits, slides between their limits
-    or within 4 characteristic lengths of home, orientations uniform over all rotations.
+    or within 2 characteristic lengths of home, orientations uniform over all rotations.
 
     Attributes
     ----------

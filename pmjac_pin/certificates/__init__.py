@@ -1,0 +1,1 @@
+"""Certificates: proofs that a closed pose exists near a computed one, by interval arithmetic."""

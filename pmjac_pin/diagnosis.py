@@ -1,0 +1,325 @@
+"""Diagnosis: what `pmjac check` knows about a model, as plain data with names and units.
+
+The structs are what ``pmjac check --json`` writes: their attributes are its keys. What needs
+closed loops is None where the home pose does not assemble.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import msgspec
+
+Severity = Literal["ok", "note", "warning", "error"]
+Rates = dict[str, float]
+
+
+class Finding(msgspec.Struct, frozen=True):
+    """One thing that the check found.
+
+    Attributes
+    ----------
+    severity : {"ok", "note", "warning", "error"}
+        "error": there is no J_eq, or a pose of the file does not exist; "warning": probably not
+        what was meant; "note": good to know.
+    code : str
+        A short name that stays the same, for scripts.
+    message : str
+    advice : str
+        What to do about it; empty where there is nothing to do.
+    """
+
+    severity: Severity
+    code: str
+    message: str
+    advice: str = ""
+
+
+class Failure(msgspec.Struct, frozen=True):
+    """Why a pose, or the whole mechanism, could not be built.
+
+    Attributes
+    ----------
+    code : str
+        "open", "outside-limits" or "not-built".
+    message : str
+    loop : str or None
+        The loop that stays open most.
+    gap : float or None
+        The smallest gap of all loops that was found, m.
+    """
+
+    code: str
+    message: str
+    loop: str | None = None
+    gap: float | None = None
+
+
+class Body(msgspec.Struct, frozen=True):
+    """A rigid body: links joined by fixed joints.
+
+    Attributes
+    ----------
+    name : str
+        Its first link.
+    links : tuple of str
+    joint : str or None
+        The joint that carries it; None for the ground.
+    loops : tuple of str
+        The loops that end on it.
+    tool : bool
+    """
+
+    name: str
+    links: tuple[str, ...]
+    joint: str | None
+    loops: tuple[str, ...]
+    tool: bool
+
+
+class Freedom(msgspec.Struct, frozen=True):
+    """One degree of freedom of a joint, m or rad.
+
+    Attributes
+    ----------
+    name, joint, kind : str
+        A joint with several degrees of freedom has one entry for each.
+    role : {"actuated", "passive"}
+    unit : str
+    lower, upper : float or None
+        Limits; None for none.
+    given, home, moved : float or None
+        The file's value in the home pose, the value with the loops closed, and how far it had to
+        move for that.
+    loops : tuple of str
+        The loops that its joint is part of.
+    """
+
+    name: str
+    joint: str
+    kind: str
+    role: str
+    unit: str
+    lower: float | None
+    upper: float | None
+    given: float
+    home: float | None
+    moved: float | None
+    loops: tuple[str, ...]
+
+
+class LoopEntry(msgspec.Struct, frozen=True):
+    """One loop closure.
+
+    Attributes
+    ----------
+    name, kind : str
+    joints : tuple of str
+        The joints along it.
+    equations, units : tuple of str
+        Its rows.
+    group : str or None
+        What its joints move in: "planar", "spherical", "spatial", ...
+    group_rows : int
+        Its independent rows for displacements in that group.
+    rank, needed : int or None
+        Of its rows alone; and how much the rank of all loops' rows drops without it.
+    gap_given : float
+        How open it is in the file's home pose, m.
+    gap_alone : float or None
+        Where home does not assemble: how near it comes to closing with the other loops left open.
+    """
+
+    name: str
+    kind: str
+    joints: tuple[str, ...]
+    equations: tuple[str, ...]
+    units: tuple[str, ...]
+    group: str | None
+    group_rows: int
+    rank: int | None
+    needed: int | None
+    gap_given: float
+    gap_alone: float | None
+
+
+class Mobility(msgspec.Struct, frozen=True):
+    """The mobility as it is, and as it is counted.
+
+    Attributes
+    ----------
+    freedoms : int
+        Σf, degrees of freedom of the tree's joints.
+    rows : int
+        Rows of all loops.
+    gruebler : int
+        Grübler-Kutzbach in space: Σf − rows, the same as 6 (bodies − 1 − joints) + Σf with each
+        cut counted as a joint of the loop's kind.
+    group_rows, gruebler_in_groups : int
+        The rows that each loop has in its own group (2 for a planar loop cut at a point), and the
+        count with these.
+    rank, mobility : int or None
+        Of [K K*], and Σf − rank: what is true.
+    """
+
+    freedoms: int
+    rows: int
+    gruebler: int
+    group_rows: int
+    gruebler_in_groups: int
+    rank: int | None
+    mobility: int | None
+
+
+class DependentRow(msgspec.Struct, frozen=True):
+    """A row of the loop equations that follows from others; from none where it is zero."""
+
+    row: str
+    follows_from: tuple[str, ...]
+
+
+class Redundancy(msgspec.Struct, frozen=True):
+    """Redundant rows in general, p − r = Σ (pᵢ − rᵢ) + (Σ rᵢ − r).
+
+    Attributes
+    ----------
+    rows : int
+        How many.
+    inside, between : int
+        Rows that follow from others of the same loop; and from other loops.
+    dependent : tuple of DependentRow
+        A choice of so many rows that follow from the rest.
+    """
+
+    rows: int
+    inside: int
+    between: int
+    dependent: tuple[DependentRow, ...]
+
+
+class FreeMotion(msgspec.Struct, frozen=True):
+    """A passive motion that is possible with all motors locked.
+
+    Attributes
+    ----------
+    rates : dict of str to float
+        By degree of freedom, m/s or rad/s, largest 1.
+    bodies : tuple of str
+        What moves.
+    felt : bool
+        Whether the tool moves.
+    """
+
+    rates: Rates
+    bodies: tuple[str, ...]
+    felt: bool
+
+
+class ActuationEntry(msgspec.Struct, frozen=True):
+    """What the motors command in general: at home or, where that is singular, near it.
+
+    Attributes
+    ----------
+    motors : int
+    allowed_rates : tuple of dict
+        They span the motor rates that the loops allow.
+    forbidden_rates : tuple of dict
+        Orthonormal motor rates that the loops forbid.
+    sufficient : tuple of str
+        Motors whose rates determine those of the others.
+    idle : int
+        Passive motions that are free at every pose.
+    gained : int
+        Those that come free at home only, a singularity.
+    free_motions : tuple of FreeMotion
+        They span the idle ones.
+    felt : int
+        Dimension of the tool twists that the free motions make.
+    """
+
+    motors: int
+    allowed_rates: tuple[Rates, ...]
+    forbidden_rates: tuple[Rates, ...]
+    sufficient: tuple[str, ...]
+    idle: int
+    gained: int
+    free_motions: tuple[FreeMotion, ...]
+    felt: int
+
+
+class PoseEntry(msgspec.Struct, frozen=True):
+    """A named pose.
+
+    Attributes
+    ----------
+    name : str
+    gap_given : float
+        How open it is in the file, m.
+    moved : dict of str to float or None
+        How far each degree of freedom had to move to close it.
+    kind : str or None
+        Of singularity; "regular" for none.
+    smallest, condition : float or None
+        The singular value of the dimensionless K* that decides, relative to the size of [K K*];
+        and the largest over it. Infinite (null in JSON) without loops, or singular.
+    failure : Failure or None
+        Why it does not assemble.
+    """
+
+    name: str
+    gap_given: float
+    moved: Rates | None
+    kind: str | None
+    smallest: float | None
+    condition: float | None
+    failure: Failure | None
+
+
+class Diagnosis(msgspec.Struct, frozen=True, kw_only=True):
+    """What there is to know about a model before its numbers are trusted.
+
+    Attributes
+    ----------
+    mechanism, description : str
+    findings : tuple of Finding
+        The worst first.
+    failure : Failure or None
+        Why the mechanism could not be built; the rest is then what was known by then.
+    bodies : tuple of Body
+    freedoms : tuple of Freedom
+        Motors first.
+    tool : tuple of str
+        The frame, or the three whose origins span it.
+    loops : tuple of LoopEntry
+    mobility : Mobility
+    redundancy : Redundancy or None
+    actuation : ActuationEntry or None
+    poses : tuple of PoseEntry
+    characteristic_length : float
+        In m: what makes radians and metres comparable.
+    tolerance : float or None
+        The gap in m that the model file calls closed.
+    notes : tuple of str
+        What the reader of another format decided.
+    """
+
+    mechanism: str
+    description: str
+    findings: tuple[Finding, ...] = ()
+    failure: Failure | None
+    bodies: tuple[Body, ...]
+    freedoms: tuple[Freedom, ...]
+    tool: tuple[str, ...]
+    loops: tuple[LoopEntry, ...]
+    mobility: Mobility
+    redundancy: Redundancy | None
+    actuation: ActuationEntry | None
+    poses: tuple[PoseEntry, ...]
+    characteristic_length: float
+    tolerance: float | None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def severity(self) -> Severity:
+        """The worst of all findings."""
+        return self.findings[0].severity if self.findings else "ok"

@@ -1,0 +1,271 @@
+"""Certificates: what is proven is true, and nothing is proven where nothing is."""
+
+from __future__ import annotations
+
+import math
+from concurrent.futures import ThreadPoolExecutor
+
+import flint
+import mechanisms
+import mpmath
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import pmjac_pin as pj
+
+LEGS = ((0, 1), (1, 2), (2, 0))
+OTHERS = {
+    "yawing four-bar": mechanisms.yawing_four_bar,
+    "rssr": mechanisms.rssr,
+    "rssr as a distance": lambda: mechanisms.rssr(rod=False),
+    "three cranks": mechanisms.three_crank_parallelogram,
+    "two motors": mechanisms.over_actuated_four_bar,
+}
+
+
+def lecture_equations(lengths):
+    """The 3-RPS's three distances in exact numbers, a = 1/2."""
+    quarter = mpmath.mpf(1) / 4
+
+    def equations(*angles):
+        c, s = ([f(angle) for angle in angles] for f in (mpmath.cos, mpmath.sin))
+        return [
+            3
+            - 3 * quarter
+            + lengths[i] ** 2
+            + lengths[j] ** 2
+            + lengths[i] * lengths[j] * c[i] * c[j]
+            - 2 * lengths[i] * lengths[j] * s[i] * s[j]
+            - 3 * lengths[i] * c[i]
+            - 3 * lengths[j] * c[j]
+            for i, j in LEGS
+        ]
+
+    return equations
+
+
+def exact_angles(configuration, start):
+    with mpmath.workdps(40):
+        lengths = [mpmath.mpf(float(length)) for length in configuration.actuated]
+        root = mpmath.findroot(lecture_equations(lengths), [float(angle) for angle in start])
+        return [mpmath.mpf(angle) for angle in root]
+
+
+def distance(configuration, angles):
+    passive = configuration.passive[: len(angles)].tolist()
+    with mpmath.workdps(40):
+        return float(
+            max(abs(mpmath.mpf(one) - other) for one, other in zip(passive, angles, strict=True))
+        )
+
+
+def certified(name, seed, count):
+    poses = mechanisms.random_poses(name, seed, count)
+    return [(pose, pose.certificate()) for pose in poses]
+
+
+@pytest.mark.parametrize("name", [*mechanisms.CATALOGUE, *OTHERS])
+def test_every_named_pose_is_certified(name):
+    mechanism = OTHERS[name]() if name in OTHERS else pj.load(name)
+    for pose in mechanism.poses:
+        certificate = mechanism.pose(pose).certificate()
+        assert certificate, certificate.failed
+        assert certificate.existence_radius < 1e-12
+        assert certificate.uniqueness_radius > 0.01
+        assert certificate.left_out_gap < 1e-12
+        partition = mechanism._parts.problem.partition
+        assert len(mechanism.rows) - len(certificate.left_out) == partition.passive_rank
+        assert len(mechanism.passive) - len(certificate.held) == partition.passive_rank
+
+
+@pytest.mark.parametrize("name", ["three_rps", "three_rps_ss"])
+def test_the_exact_root_is_within_the_existence_radius(name):
+    """In 40 digits, by the lecture's formulas, which share nothing with the library."""
+    for pose, certificate in certified(name, 5, 30):
+        assert certificate
+        off = distance(pose, exact_angles(pose, pose.passive[:3]))
+        assert off <= certificate.existence_radius
+
+
+def test_a_pose_moved_off_its_root_gets_a_larger_radius_that_reaches_it(rng):
+    mechanism = pj.load("three_rps_ss")
+    pose = mechanism.pose("lecture_a")
+    before, root = pose.certificate(), exact_angles(pose, pose.passive)
+    for size in (1.5, 0.3, 2.0):
+        step = size * before.existence_radius * rng.choice([-1.0, 1.0], size=3)
+        moved = mechanism.configuration(pose.q + with_passive(mechanism, step))
+        after, off = moved.certificate(), distance(moved, root)
+        assert off <= after.existence_radius
+        if size > 1.0:
+            assert off > before.existence_radius
+            assert after.existence_radius > before.existence_radius
+
+
+def with_passive(mechanism, step):
+    q = np.zeros(mechanism.nq)
+    model = mechanism.model
+    q[[model.joints[model.getJointId(name)].idx_q for name in mechanism.passive]] = step
+    return q
+
+
+@pytest.mark.parametrize("lengths", [(2 / 3, 3 / 5, 3 / 4), (0.5, 1.0, 2.0)])
+def test_no_two_assembly_modes_lie_in_one_uniqueness_ball(lengths):
+    modes = {
+        (2 / 3, 3 / 5, 3 / 4): [
+            (0.75931201, 0.28510144, 0.80278893),
+            (0.74709682, 0.48093603, 0.81110182),
+            (0.66831139, 0.64666409, -0.21037810),
+            (0.03951542, -0.69420756, -0.74615223),
+        ],
+        (0.5, 1.0, 2.0): [(0.4000, 0.7535, 0.2402), (1.0907, 0.5736, 0.2572)],
+    }[lengths]
+    mechanism = pj.load("three_rps_ss")
+    roots, radii = [], []
+    for mode in (tuple(sign * angle for angle in mode) for mode in modes for sign in (1, -1)):
+        lines = lecture_equations([mpmath.mpf(length) for length in lengths])
+        with mpmath.workdps(25):
+            angles = [float(angle) for angle in mpmath.findroot(lines, mode)]
+        q = mechanism.home.q.copy()
+        model = mechanism.model
+        for name, value in zip(
+            [*mechanism.actuated, *mechanism.passive], [*lengths, *angles], strict=True
+        ):
+            q[model.joints[model.getJointId(name)].idx_q] = value
+        certificate = mechanism.configuration(q).certificate()
+        assert certificate
+        roots.append(angles)
+        radii.append(certificate.uniqueness_radius)
+    apart = np.abs(np.array(roots)[:, None] - np.array(roots)[None]).max(axis=2)
+    np.fill_diagonal(apart, np.inf)
+    assert np.all(apart.min(axis=1) > radii)
+    # A bound of no use would be far from the nearest other mode.
+    assert np.min(apart.min(axis=1) / radii) < 40.0
+
+
+def fold(mechanism, offset):
+    """A rocker-rocker four-bar of which the crank is `offset` beyond the end of its range."""
+    l0, l1, l2, l3 = mechanisms.NON_GRASHOF
+    theta = math.acos((l0**2 + l1**2 - (l2 + l3) ** 2) / (2 * l0 * l1)) + offset
+    crank = l1 * np.array([math.cos(theta), math.sin(theta)])
+    gap = np.array([l0, 0.0]) - crank
+    reach = math.hypot(*gap)
+    bend = math.acos(min(1.0, (l2**2 + reach**2 - l3**2) / (2 * l2 * reach)))
+    coupler = math.atan2(gap[1], gap[0]) + bend
+    tip = crank + l2 * np.array([math.cos(coupler), math.sin(coupler)])
+    phi1 = math.atan2(tip[1], tip[0] - l0)
+    return {"theta1": theta, "phi1": phi1, "phi2": coupler - theta}
+
+
+def tolerant(tolerance):
+    rocker = mechanisms.rocker_rocker()
+    return pj.Mechanism.from_pinocchio(
+        rocker.model,
+        rocker.spec.loops,
+        ["theta1"],
+        "coupler_midpoint",
+        home=rocker.home.q,
+        tolerance=tolerance,
+    )
+
+
+@pytest.mark.parametrize("offset", [1e-9, 1e-7, 1e-5, 1e-3])
+def test_nothing_is_certified_where_the_loops_cannot_close(offset):
+    mechanism = tolerant(0.01)
+    values = fold(mechanism, offset)
+    q = mechanism._parts.coordinates.q(values, mechanism.home.q)
+    certificate = mechanism.configuration(q).certificate()
+    assert not certificate
+    assert certificate.existence_radius == math.inf
+    assert certificate.uniqueness_radius == 0.0
+    assert "does not hold" in certificate.failed or "determinant" in certificate.failed
+    assert certificate.statement.startswith("nothing is proven: ")
+
+
+def test_towards_a_singularity_the_radii_close_in_and_the_inequality_is_named():
+    mechanism = tolerant(1e-9)
+    numbers, unique = [], []
+    for offset in (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-14):
+        q = mechanism._parts.coordinates.q(fold(mechanism, -offset), mechanism.home.q)
+        certificate = mechanism.configuration(q).certificate()
+        if not certificate:
+            break
+        numbers.append(certificate.kantorovich)
+        unique.append(certificate.uniqueness_radius)
+        # The other mode is the coupler's mirror image.
+        other = 2.0 * bend_of(mechanism, offset)
+        assert certificate.uniqueness_radius < other
+        assert certificate.uniqueness_radius > other / 20.0
+    assert len(numbers) >= 3
+    assert numbers == sorted(numbers)
+    assert unique == sorted(unique, reverse=True)
+    assert certificate.failed.startswith("h = 2 Y Z₂ / (1 − Z₁)² < 1 does not hold: h = ")
+    assert certificate.kantorovich >= 1.0
+
+
+def bend_of(mechanism, offset):
+    """How far the relative angles are from where coupler and rocker are in line."""
+    here = fold(mechanism, -offset)
+    end = fold(mechanism, 0.0)
+    return max(abs(here[name] - end[name]) for name in ("phi1", "phi2")) + offset
+
+
+def test_threads_agree_and_leave_the_precision_alone():
+    poses = mechanisms.random_poses("three_rps_ss", 3, 8)
+    alone = [pose.certificate() for pose in poses]
+    flint.ctx.prec = 60
+    try:
+        with ThreadPoolExecutor(4) as threads:
+            together = list(threads.map(lambda pose: pose.certificate(), poses))
+        assert flint.ctx.prec == 60
+    finally:
+        flint.ctx.prec = 53
+    assert [one.existence_radius for one in together] == [one.existence_radius for one in alone]
+
+
+@pytest.mark.parametrize("joint", ["phi1", "theta1", "phi2"])
+def test_every_cut_is_certified(joint):
+    assert pj.load("four_bar").recut(joint).home.certificate()
+
+
+def test_joints_of_other_kinds_are_refused():
+    model = pin.Model()
+    joint = model.addJoint(0, pin.JointModelTranslation(), pin.SE3.Identity(), "slide")
+    model.addFrame(pin.Frame("tool", joint, pin.SE3.Identity(), pin.FrameType.OP_FRAME))
+    motor = model.addJoint(0, pin.JointModelRZ(), pin.SE3.Identity(), "motor")
+    model.addFrame(pin.Frame("tip", motor, pin.SE3.Random(), pin.FrameType.OP_FRAME))
+    loops = [pj.PointLoop(frames=("tool", "tip"))]
+    mechanism = pj.Mechanism.from_pinocchio(model, loops, ["motor"], "tool", name="test")
+    certificate = mechanism.home.certificate()
+    assert not certificate
+    assert "cannot be taken apart" in certificate.failed
+
+
+def test_held_and_left_out_are_named():
+    spin = mechanisms.rssr().home.certificate()
+    assert len(spin.held) == 1
+    assert set(spin.held) <= {"rx", "ry", "rz"}
+    assert f"with {spin.held[0]} held" in spin.statement
+    planar = pj.load("four_bar").home.certificate()
+    assert planar.left_out == ("coupler_tip-rocker_tip z",)
+    assert "1 dependent row" in planar.statement
+
+
+def test_the_unit_of_length_changes_no_radius():
+    """All lengths a thousand times as large: angles and their radii are as before."""
+    lengths = dict(zip(("l0", "l1", "l2", "l3"), mechanisms.CRANK_ROCKER, strict=True))
+    one, other = (
+        pj.load("four_bar", {name: size * value for name, value in lengths.items()}).home
+        for size in (1.0, 1000.0)
+    )
+    radii = [pose.certificate().uniqueness_radius for pose in (one, other)]
+    assert radii[0] == pytest.approx(radii[1], rel=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["three_rps", "three_rps_ss"])
+def test_two_thousand_random_poses(name):
+    found = [certificate for _, certificate in certified(name, 11, 2000)]
+    assert sum(map(bool, found)) == 2000
+    assert np.median([one.existence_radius for one in found]) < 2e-13
+    assert min(one.uniqueness_radius for one in found) > 1e-4
