@@ -167,7 +167,7 @@ def test_random_four_bars_against_the_closed_form(rng):
     assert counts == {0, 2}
 
 
-@pytest.mark.parametrize("count", [4, pytest.param(60, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [4, pytest.param(30, marks=pytest.mark.slow)])
 def test_random_three_rps_against_the_search(count, rng):
     mechanism = pj.load("three_rps_ss")
     for _ in range(count):
