@@ -13,10 +13,12 @@ test: .venv/ready
 bench: .venv/ready
 	$(BIN)/python benchmarks/bench_jacobian.py
 	$(BIN)/python benchmarks/bench_modes.py
+	$(BIN)/python benchmarks/bench_proof.py
 	$(BIN)/python benchmarks/bench_page.py
 
 screenshots: .venv/ready
 	$(BIN)/python docs/make_screenshots.py
+	$(BIN)/pmjac modes three_rps --from lecture_a -o docs/assembly_modes.png
 
 readme: .venv/ready
 	$(BIN)/python scripts/update_readme.py

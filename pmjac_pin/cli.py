@@ -1,4 +1,4 @@
-"""The command line: ``pmjac`` with list, report, check, plot, demo, view and convert.
+"""The command line: ``pmjac`` with list, report, modes, check, plot, demo, view and convert.
 
 Exit status 0; 1 where ``check`` finds an error in the model; 2 with one line on stderr when
 something is wrong; 130 on Ctrl-C.
@@ -28,6 +28,10 @@ from pmjac_pin.diagnosis_tables import diagnosis_blocks
 from pmjac_pin.errors import ArgumentError, LimitError, PmjacError
 from pmjac_pin.loading import load
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.mode_sheet import modes_figure
+from pmjac_pin.modes_report import make_modes_report
+from pmjac_pin.modes_tables import modes_blocks
+from pmjac_pin.plotting import save_figure
 from pmjac_pin.pose_figure import save_pose_figure
 from pmjac_pin.report import to_json
 from pmjac_pin.report_maker import make_report
@@ -116,6 +120,53 @@ def report_command(
     configuration, names = _configuration(loaded, at, from_)
     report = make_report(configuration, frame.upper(), **names)
     return f"{to_json(report)}\n" if json else report_blocks(report)
+
+
+@app.command(name="modes")
+def modes_command(
+    mechanism: Name,
+    /,
+    *,
+    at: At = None,
+    from_: Annotated[
+        str | None,
+        Parameter(name="--from", help="In place of --at: a pose with these motor values."),
+    ] = None,
+    set_: Settings = None,
+    actuated: Actuated = None,
+    tool: ToolFrame = None,
+    no_limits: Annotated[bool, Parameter(help="Let joints go beyond their limits.")] = False,
+    seed: Annotated[int, Parameter(help="Of the random starts (default: 0).")] = 0,
+    unseen: Annotated[
+        float, Parameter(help="Largest share of starts that may lead elsewhere (default: 0.002).")
+    ] = 2e-3,
+    confidence: Annotated[float, Parameter(help="Of that bound (default: 0.99).")] = 0.99,
+    most_starts: Annotated[
+        int, Parameter(help="Starts after which to give up on it (default: 200000).")
+    ] = 200_000,
+    json: Annotated[bool, Parameter(help="Write JSON: all digits, SI units.")] = False,
+    output: Annotated[
+        Path | None,
+        Parameter(name=["--output", "-o"], help="Draw the modes, too: a .png, .pdf or .svg."),
+    ] = None,
+) -> Output:
+    """Find all closed poses at these motor values, and say what is known of their number."""
+    machine = _load(mechanism, set_, actuated, tool)
+    values = _motor_values(machine, at, from_)
+    modes = machine.assembly_modes(
+        values,
+        rng=seed,
+        limits=not no_limits,
+        unseen=unseen,
+        confidence=confidence,
+        most_starts=most_starts,
+    )
+    report = make_modes_report(machine, values, modes, limits=not no_limits)
+    drawn: list[Block] = []
+    if output is not None:
+        save_figure(modes_figure(modes, report), output)
+        drawn = [Verbatim(str(output))]
+    return f"{to_json(report)}\n" if json else [*modes_blocks(report), *drawn]
 
 
 @app.command(name="check")
@@ -295,6 +346,15 @@ def _configuration(
     if at is None:
         return mechanism.pose(start), {"pose": start, "start": None}
     return mechanism.close(_numbers(at), guess=start), {"pose": None, "start": start}
+
+
+def _motor_values(mechanism: Mechanism, at: str | None, pose: str | None) -> Sequence[float]:
+    if at is None:
+        values: list[float] = mechanism.pose("home" if pose is None else pose).actuated.tolist()
+        return values
+    if pose is not None:
+        raise ArgumentError("--at and --from both give motor values; take one of them")
+    return _numbers(at)
 
 
 def _numbers(text: str) -> list[float]:

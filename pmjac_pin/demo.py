@@ -97,7 +97,7 @@ def run_demo(figure: Path = FIGURE) -> Demo:
 def demo_blocks(demo: Demo) -> Iterator[Block]:
     """Show the demonstration."""
     report = demo.report
-    yield Heading(f"Lecture 21, pose B: 3-RPS, {motor_values(report)}")
+    yield Heading(f"Lecture 21, pose B: 3-RPS, {motor_values(report.joints)}")
     yield Paragraph(_introduction(report))
     yield _angles_table(report)
     yield Paragraph(LEGEND)

@@ -224,7 +224,8 @@ class LoopSystem:
     ) -> None:
         """Add ω × η of the second anchor to the world's ∂η/∂v, in place: zero on closure."""
         for closure in self._closures:
-            turning = pin.getJointJacobian(model, data, closure.body, pin.LOCAL_WORLD_ALIGNED)[3:]
+            turning = pin.getJointJacobian(model, data, closure.body, pin.LOCAL_WORLD_ALIGNED)
+            turning = turning.reshape(6, -1)[3:]
             for rows in closure.vectors():
                 jacobian[rows] -= pin.skew(residual[rows]) @ turning
 

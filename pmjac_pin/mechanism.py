@@ -133,6 +133,11 @@ class Mechanism:
         return self._parts.model.copy()
 
     @property
+    def urdf(self) -> Urdf | None:
+        """What the model was built of, at these parameters; None for a model of Pinocchio's."""
+        return self._parts.urdf
+
+    @property
     def parameters(self) -> Mapping[str, float]:
         """The parameters' values, m or rad."""
         return self._parts.values

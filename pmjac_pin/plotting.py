@@ -94,10 +94,11 @@ def plot_ellipsoid(
     usual_symbol, usual_quantity = _QUANTITIES.get(ellipsoid.unit, ("v", ""))
     scaled = _rescaled(ellipsoid)
     labels = _axis_labels(symbol or usual_symbol, scaled.unit)
-    figure: Figure = _new_figure(title)
+    figure: Figure = new_figure(title, (8.4, 8.8), fontsize=13)
+    figure.get_layout_engine().set(wspace=0.1, hspace=0.06)  # type: ignore[union-attr, call-arg]
     panels: Any = figure.subfigures(1, 1)
     if subtitle:
-        panels.suptitle(_as_it_is(subtitle), fontsize=10)
+        panels.suptitle(as_it_is(subtitle), fontsize=10)
     space = panels.add_subplot(2, 2, 1, projection="3d", computed_zorder=False)
     space.set_title(usual_quantity if quantity is None else quantity, fontsize=10)
     _draw_space(space, scaled, labels)
@@ -184,16 +185,16 @@ def _matplotlib() -> ModuleType:
     return matplotlib
 
 
-def _new_figure(title: str) -> Any:
+def new_figure(title: str, size: tuple[float, float], fontsize: float) -> Any:
+    """Return an empty figure of this size in inches, without pyplot."""
     mpl = _matplotlib()
-    figure = mpl.figure.Figure(figsize=(8.4, 8.8), layout="constrained")
-    figure.get_layout_engine().set(wspace=0.1, hspace=0.06)
+    figure = mpl.figure.Figure(figsize=size, layout="constrained")
     mpl.backends.backend_agg.FigureCanvasAgg(figure)
-    figure.suptitle(_as_it_is(title), fontsize=13, fontweight="bold")
+    figure.suptitle(as_it_is(title), fontsize=fontsize, fontweight="bold")
     return figure
 
 
-def _as_it_is(text: str) -> str:
+def as_it_is(text: str) -> str:
     """Escape the dollar signs, between which matplotlib would look for a formula."""
     return text.replace("$", r"\$")
 

@@ -27,11 +27,11 @@ def save_pose_figure(report: Report, ellipsoid: Ellipsoid, path: Path) -> None:
     if len(heading) > _TITLE_WIDTH:
         heading = report.mechanism
     if heading != title(report) or report.pose is not None:
-        lines.insert(0, _wrapped(motor_values(report)))
+        lines.insert(0, wrapped(motor_values(report.joints), _SUBTITLE_WIDTH))
     save_figure(plot_ellipsoid(ellipsoid, title=heading, subtitle="\n".join(lines)), path)
 
 
-def _wrapped(values: str) -> str:
+def wrapped(values: str, width: int) -> str:
     """Break lines between motors only: no-break spaces keep a name, its value and its unit."""
     together = values.replace(" ", "\u00a0").replace(",\u00a0", ", ")
-    return textwrap.fill(together, _SUBTITLE_WIDTH)
+    return textwrap.fill(together, width)

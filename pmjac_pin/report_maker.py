@@ -46,7 +46,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class _Labels:
+class Labels:
     """Names and units of one mechanism's motors, passive joints and loop equations."""
 
     actuated: tuple[str, ...]
@@ -57,7 +57,8 @@ class _Labels:
     equation_powers: tuple[Powers, ...]
 
     @classmethod
-    def of(cls, mechanism: Mechanism) -> _Labels:
+    def of(cls, mechanism: Mechanism) -> Labels:
+        """Return the labels of a mechanism."""
         names = (mechanism.actuated, mechanism.passive, mechanism.rows)
         return cls(*names, *joint_powers(mechanism), row_powers(mechanism))
 
@@ -96,25 +97,25 @@ def make_report(
     (2, ('phi1', 'phi2'), 'm²/rad²')
     """
     mechanism = configuration.mechanism
-    labels = _Labels.of(mechanism)
+    labels = Labels.of(mechanism)
     split = configuration.split_jacobian(frame)
     jacobian, refusal = _equivalent(configuration, frame)
     return Report(
         mechanism=encodable(mechanism.name),
         description=mechanism.spec.description,
         notes=tuple(map(encodable, mechanism.notes)),
-        parameters=_parameters(mechanism),
+        parameters=parameter_values(mechanism),
         dimensions=_dimensions(mechanism, split),
         pose=pose,
         start=start,
         frame=split.frame,
-        joints=_joints(configuration, labels),
+        joints=joint_values(configuration, labels),
         iterations=configuration.iterations,
         residual=_residual(configuration, labels),
         residual_norm=configuration.residual_norm,
-        tool=_tool_pose(configuration),
+        tool=tool_pose(configuration),
         matrices=_matrices(split, jacobian, labels),
-        det_K_star=_determinant(split, labels),
+        det_K_star=determinant(split, labels),
         singular_values=_singular_values(split, jacobian, labels),
         singularity=_singularity(configuration),
         ellipsoids=_ellipsoids(jacobian),
@@ -123,8 +124,7 @@ def make_report(
 
 
 def encodable(name: str) -> str:
-    """Return a name as valid text."""
-    # A name may be that of a file, which may hold bytes that are no text.
+    """Return a name as text: it may be that of a file, which may hold bytes that are none."""
     return name.encode("utf-8", "backslashreplace").decode()
 
 
@@ -137,7 +137,8 @@ def _equivalent(
         return None, str(error)
 
 
-def _parameters(mechanism: Mechanism) -> tuple[ParameterValue, ...]:
+def parameter_values(mechanism: Mechanism) -> tuple[ParameterValue, ...]:
+    """Return the parameters of a mechanism."""
     declared = mechanism.spec.parameters
     return tuple(
         ParameterValue(
@@ -159,29 +160,38 @@ def _dimensions(mechanism: Mechanism, split: SplitJacobian) -> Dimensions:
     )
 
 
-def _joints(configuration: Configuration, labels: _Labels) -> tuple[JointValue, ...]:
-    roles = ["actuated"] * len(labels.actuated) + ["passive"] * len(labels.passive)
-    powers = labels.actuated_powers + labels.passive_powers
-    names = labels.actuated + labels.passive
-    values = (*configuration.actuated.tolist(), *configuration.passive.tolist())
-    return tuple(
-        JointValue(name, role, value, unit(power))
-        for name, role, value, power in zip(names, roles, values, powers, strict=True)
-    )
+def motor_values(values: Array, labels: Labels) -> tuple[JointValue, ...]:
+    """Return the values (n,) of the actuated degrees of freedom."""
+    return _joint_values(values, labels.actuated, labels.actuated_powers, "actuated")
 
 
-def _residual(configuration: Configuration, labels: _Labels) -> tuple[Quantity, ...]:
+def joint_values(configuration: Configuration, labels: Labels) -> tuple[JointValue, ...]:
+    """Return the values of all degrees of freedom, motors first."""
+    passive = (labels.passive, labels.passive_powers, "passive")
+    motors = motor_values(configuration.actuated, labels)
+    return motors + _joint_values(configuration.passive, *passive)
+
+
+def _joint_values(
+    values: Array, names: tuple[str, ...], powers: tuple[Powers, ...], role: str
+) -> tuple[JointValue, ...]:
+    joints = zip(names, values.tolist(), powers, strict=True)
+    return tuple(JointValue(name, role, value, unit(power)) for name, value, power in joints)
+
+
+def _residual(configuration: Configuration, labels: Labels) -> tuple[Quantity, ...]:
     rows = zip(labels.equations, configuration.residual, labels.equation_powers, strict=True)
     return tuple(Quantity(name, float(value), unit(power)) for name, value, power in rows)
 
 
-def _tool_pose(configuration: Configuration) -> ToolPose:
+def tool_pose(configuration: Configuration) -> ToolPose:
+    """Return the tool's pose in the world."""
     pose = configuration.tool_pose
-    return ToolPose(_vector(pose.translation), tuple(map(_vector, pose.rotation)))
+    return ToolPose(vector(pose.translation), tuple(map(vector, pose.rotation)))
 
 
 def _matrices(
-    split: SplitJacobian, jacobian: EquivalentJacobian | None, labels: _Labels
+    split: SplitJacobian, jacobian: EquivalentJacobian | None, labels: Labels
 ) -> Matrices:
     equations = tuple(labels.equations[k] for k in split.rows)
     equation_units = tuple(unit(labels.equation_powers[k]) for k in split.rows)
@@ -210,13 +220,14 @@ def _matrices(
     return Matrices(**known)
 
 
-def _metric(values: Array, twist: Powers, labels: _Labels) -> LabelledMatrix:
+def _metric(values: Array, twist: Powers, labels: Labels) -> LabelledMatrix:
     rows = tuple(metric_unit(twist, joint) for joint in labels.actuated_powers)
     columns = tuple(map(rate_unit, labels.actuated_powers))
     return labelled(values, labels.actuated, rows, labels.actuated, columns)
 
 
-def _determinant(split: SplitJacobian, labels: _Labels) -> Quantity | None:
+def determinant(split: SplitJacobian, labels: Labels) -> Quantity | None:
+    """Return det K* with its unit, None where K* is not square."""
     value = split.det_K_star
     if value is None:
         return None
@@ -225,7 +236,7 @@ def _determinant(split: SplitJacobian, labels: _Labels) -> Quantity | None:
 
 
 def _singular_values(
-    split: SplitJacobian, jacobian: EquivalentJacobian | None, labels: _Labels
+    split: SplitJacobian, jacobian: EquivalentJacobian | None, labels: Labels
 ) -> dict[str, SingularValues | None]:
     rows = [labels.equation_powers[k] for k in split.rows]
     K_star_unit = common_unit(rows, labels.passive_powers)
@@ -245,7 +256,7 @@ def _singularity(configuration: Configuration) -> SingularityReport:
     actuated, passive = singularity.actuated_names, singularity.passive_names
     return SingularityReport(
         kind=singularity.kind,
-        singular_values=_vector(singularity.singular_values),
+        singular_values=vector(singularity.singular_values),
         smallest=singularity.smallest,
         condition=singularity.condition,
         tolerance=singularity.tolerance,
@@ -275,17 +286,18 @@ def _ellipsoids(jacobian: EquivalentJacobian | None) -> dict[str, EllipsoidRepor
 
 
 def _ellipsoid(ellipsoid: Ellipsoid) -> EllipsoidReport:
-    directions = tuple(map(_vector, ellipsoid.axes.T))
-    return EllipsoidReport(ellipsoid.unit, ellipsoid.rank, _vector(ellipsoid.radii), directions)
+    directions = tuple(map(vector, ellipsoid.axes.T))
+    return EllipsoidReport(ellipsoid.unit, ellipsoid.rank, vector(ellipsoid.radii), directions)
 
 
 def _spectrum(matrix: Array) -> tuple[float, ...]:
-    return _vector(np.linalg.svd(matrix, compute_uv=False)) if matrix.size else ()
+    return vector(np.linalg.svd(matrix, compute_uv=False)) if matrix.size else ()
 
 
 def _by_name(names: tuple[str, ...], columns: Array) -> tuple[dict[str, float], ...]:
-    return tuple(dict(zip(names, _vector(column), strict=True)) for column in columns.T)
+    return tuple(dict(zip(names, vector(column), strict=True)) for column in columns.T)
 
 
-def _vector(values: NDArray[np.floating[Any]]) -> tuple[float, ...]:
+def vector(values: NDArray[np.floating[Any]]) -> tuple[float, ...]:
+    """Return an array of one dimension as plain data."""
     return tuple(map(float, values))

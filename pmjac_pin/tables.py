@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from pmjac_pin.blocks import Block, Heading, Paragraph, Table, brief, matrix_table, number, numbers
-from pmjac_pin.report import EllipsoidReport, Report, SingularityReport
+from pmjac_pin.report import EllipsoidReport, JointValue, Report, SingularityReport
 
 TITLES = {
     "K": "K = ∂η/∂θ (loop equations by motors)",
@@ -64,12 +64,12 @@ def title(report: Report) -> str:
     """Return what is shown: the mechanism and its pose."""
     if report.pose is not None:
         return f"{report.mechanism}, pose {report.pose}"
-    return f"{report.mechanism} at {motor_values(report)}"
+    return f"{report.mechanism} at {motor_values(report.joints)}"
 
 
-def motor_values(report: Report) -> str:
-    """Return the motor values in one line."""
-    motors = (joint for joint in report.joints if joint.role == "actuated")
+def motor_values(joints: Iterable[JointValue]) -> str:
+    """Return the values of the motors among these joints in one line."""
+    motors = (joint for joint in joints if joint.role == "actuated")
     return ", ".join(f"{joint.name} = {joint.value:.6g} {joint.unit}" for joint in motors)
 
 

@@ -11,7 +11,7 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.viewer.scene import scene
+from pmjac_pin.viewer.scene import SceneMaker
 
 EXACT = 1e-11
 Z = (0, 0, 1)
@@ -317,7 +317,7 @@ def test_bars_end_at_joints_whatever_the_parameters(name, growth):
     data = model.createData()
     pin.framesForwardKinematics(model, data, home.q)
     frames = np.array([placement.translation[:2] for placement in data.oMf])
-    eyes = [item for item in scene(home).items if "_eye" in item.name]
+    eyes = [item for item in SceneMaker(home.mechanism).scene(home).items if "_eye" in item.name]
     assert len(eyes) >= 3
     for item in eyes:
         distance = np.linalg.norm(frames - item.transform[:2, 3], axis=1).min()

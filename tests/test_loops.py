@@ -251,3 +251,21 @@ def test_geared_joints():
     for ratio, joints in ((0.5, ("wheel", "other")), (2.0, ("wheel", "pinion"))):
         with pytest.raises(pj.ArgumentError, match="'wheel' turns without end"):
             LoopSystem(model, [pj.JointLoop(joints=joints, ratio=ratio)], {})
+
+
+@pytest.mark.parametrize(
+    "kind", [pj.PointLoop, pj.FrameLoop, pj.RevoluteLoop, pj.PrismaticLoop, pj.UniversalLoop]
+)
+def test_a_model_of_one_joint_has_loops_too(kind):
+    """Pinocchio returns its Jacobians as vectors."""
+    model = pin.Model()
+    joint = model.addJoint(0, pin.JointModelRX(), pin.SE3.Identity(), "turn")
+    for name, body, place in (("one", 0, (0.3, 0.1, 0.4)), ("two", joint, (0.2, -0.5, 0.1))):
+        placement = pin.SE3(pin.exp3(np.array(place)), np.array(place))
+        model.addFrame(pin.Frame(name, body, placement, pin.FrameType.OP_FRAME))
+    system = LoopSystem(model, [kind(frames=("one", "two"))], {})
+    residual, jacobian, _ = evaluate(system, model, np.array([0.3]))
+    ahead, _, _ = evaluate(system, model, np.array([0.3 + 1e-7]))
+    behind, _, _ = evaluate(system, model, np.array([0.3 - 1e-7]))
+    assert jacobian.shape == (residual.size, 1)
+    np.testing.assert_allclose(jacobian[:, 0], (ahead - behind) / 2e-7, atol=1e-6)

@@ -68,6 +68,13 @@ def test_out_of_reach_there_are_none():
     assert list(modes) == []
 
 
+@pytest.mark.parametrize("name", ["serial_2r", "ur5"])
+def test_an_open_chain_has_one(name):
+    home = pj.load(name).home
+    [mode] = home.mechanism.assembly_modes(home.actuated, rng=0)
+    np.testing.assert_allclose(mode.tool_pose.homogeneous, home.tool_pose.homogeneous, atol=1e-12)
+
+
 def test_the_order_does_not_depend_on_the_seed():
     mechanism = pj.load("three_rps")
     one, other = (mechanism.assembly_modes([0.9, 1.0, 1.1], rng=seed) for seed in (1, 2))

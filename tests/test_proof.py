@@ -308,7 +308,7 @@ def test_a_double_root_is_not_settled():
     assert proof.enclosures == ()
     assert len(proof.unsettled.lower) == 1
     assert proof.unsettled.widened(1e-6).holds(phi).all()
-    assert proof.statement.startswith("not settled: 1 boxes may hold modes or none")
+    assert proof.statement.startswith("not settled: one box may hold modes or none")
 
 
 @pytest.mark.parametrize("beyond", [1e-3, 1e-6])

@@ -9,14 +9,15 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+import scipy.optimize
 
 import pmjac_pin as pj
 from pmjac_pin.viewer.messages import (
     MAXIMAL_SIZE,
     Home,
     Move,
+    NamedPose,
     Options,
-    Pose,
     Refusal,
     decode,
     encode,
@@ -182,11 +183,11 @@ def test_a_value_that_is_none_changes_nothing(values):
 
 def test_poses_and_home():
     session = session_of()
-    session.obey(Pose(name="lecture_b"))
+    session.obey(NamedPose(name="lecture_b"))
     assert session.pose == "lecture_b"
     assert session.configuration is session.mechanism.pose("lecture_b")
     with pytest.raises(pj.UnknownNameError, match="did you mean 'lecture_b'"):
-        session.obey(Pose(name="lecture_c"))
+        session.obey(NamedPose(name="lecture_c"))
     assert session.pose == "lecture_b"
     session.obey(Home())
     assert session.pose == "home"
@@ -276,6 +277,64 @@ def test_a_loss_singularity_is_said_and_seen_coming():
     assert (warning.level, "loss" in warning.text) == ("singular", True)
 
 
+@pytest.mark.parametrize(("elbow", "words"), [(0.0, "has rank 1"), (0.01, "is near rank 1")])
+def test_a_stretched_arm_has_lost_a_direction_of_velocity(elbow, words):
+    """It still turns, so that its twist has lost nothing."""
+    configuration = pj.load("serial_2r").close([0.5, elbow])
+    assert configuration.singularity().kind == "regular"
+    warning = make_readout(configuration).warning
+    assert warning.level == "loss"
+    assert f"[J_v]eq {words} instead of 2" in warning.text
+    assert "[J_ω]" not in warning.text
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+def test_a_warning_does_not_depend_on_the_size(size):
+    axis = (0, 0, 1)
+    arm = [
+        ("a", "revolute", "ground", "upper", (0, 0, 0), axis),
+        ("b", "revolute", "upper", "lower", (size, 0, 0), axis),
+        ("end", "fixed", "lower", "tip", (size, 0, 0)),
+    ]
+    mechanism = mechanisms.build(arm, [], ["a", "b"], "tip", {"a": 0.5, "b": 1.0})
+    levels = [make_readout(mechanism.close([0.5, elbow])).warning.level for elbow in (1.0, 0.0)]
+    assert levels == ["regular", "loss"]
+
+
+@pytest.mark.parametrize(("smallest", "level"), [(0.0101, "regular"), (0.0099, "near")])
+def test_near_means_within_a_hundredth(smallest, level):
+    mechanism = pj.load("three_rps")
+
+    def excess(l2):
+        return mechanism.close([1.0, l2, 1.0]).singularity().smallest - smallest
+
+    l2 = scipy.optimize.brentq(excess, 1.8, 1.9729, xtol=1e-12)
+    session = Session(mechanism.close([1.0, l2, 1.0]), SceneOptions())
+    assert session.readout().warning.level == level
+    shown = {item.name.split("/")[0] for item in session.scene().items if item.visible}
+    assert ("free" in shown) == (level == "near")
+
+
+def test_a_stop_is_said_in_the_same_words_wherever_beyond_the_target_is():
+    session = session_of()
+    notices = set()
+    for beyond in (1.98, 2.2, 2.9, 2.5):
+        session.obey(Move(values=[None, beyond, None]))
+        notices.add(session.notice)
+    (notice,) = notices
+    assert notice.stops == (0, 1, 0)
+
+
+def test_home_looks_as_it_did_at_first():
+    session = session_of("serial_2r")
+    first = [item.transform for item in session.scene().items]
+    for value in np.linspace(1.0, -1.0, 30):
+        session.obey(Move(values=[None, value]))
+        session.scene()
+    session.obey(Home())
+    np.testing.assert_array_equal([item.transform for item in session.scene().items], first)
+
+
 def test_a_warning_has_no_changing_numbers():
     """A screen reader would read every one of them aloud."""
     session = session_of()
@@ -311,14 +370,18 @@ def test_the_first_view_holds_everything():
     right = np.cross((0.0, 0.0, 1.0), eye)
     right /= np.linalg.norm(right)
     view = np.array([right, np.cross(eye, right), eye])
-    for item in items:
-        x, y, z = view @ (item.transform[:3, 3] - framing.centre)
-        assert (extremes >= np.array([abs(x), abs(y), z]) - 1e-8).all(axis=1).any()
+    centres = np.array([item.transform[:3, 3] for item in items]) - framing.centre
+    x, y, z = view @ centres.T
+    for across, up in [(0.36, 0.36), (0.6, 0.36), (0.17, 0.36)]:  # windows of several shapes
+        distance = max(c + max(a / across, b / up) for a, b, c in extremes)
+        assert (np.abs(x) <= across * (distance - z) + 1e-9).all()
+        assert (np.abs(y) <= up * (distance - z) + 1e-9).all()
     assert np.linalg.norm(framing.eye) == pytest.approx(1.0)
 
 
-def test_a_flat_mechanism_is_looked_at_from_above():
-    assert session_of("four_bar").framing().eye[2] > 0.8
+@pytest.mark.parametrize("name", ["four_bar", "five_bar", "planar_3rpr", "planar_3rrr"])
+def test_a_flat_mechanism_is_looked_at_from_above(name):
+    assert session_of(name).framing().eye[2] > 0.8
 
 
 @pytest.mark.parametrize(

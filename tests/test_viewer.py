@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import errno
 import re
 import threading
 from html.parser import HTMLParser
+from pathlib import Path
 from types import SimpleNamespace
 
 import msgspec
@@ -13,7 +15,7 @@ import pytest
 
 import pmjac_pin as pj
 from pmjac_pin.viewer import viewer as viewer_module
-from pmjac_pin.viewer.drawing import Drawing
+from pmjac_pin.viewer.canvas import Canvas
 from pmjac_pin.viewer.scene import SceneMaker, SceneOptions
 from pmjac_pin.viewer.shapes import Item, Sphere, Text, scaled
 
@@ -84,9 +86,9 @@ def test_waiting_ends_with_the_viewer(mechanism):
 
 
 def test_names_that_javascript_knows_are_no_harm(mechanism):
-    drawing = Drawing()
+    canvas = Canvas()
     item = Item("links/constructor/__proto__", Sphere(), (0.0, 0.0, 0.0, 1.0), scaled(1.0))
-    paths = {command["path"] for command in decoded(drawing.update([item]))}
+    paths = {command["path"] for command in decoded(canvas.update([item]))}
     assert paths == {"/pmjac/_links/_constructor/___proto__"}
 
 
@@ -131,6 +133,21 @@ def test_a_file_that_cannot_be_written(viewer, tmp_path):
     with pytest.raises(OSError, match="folder"):
         viewer.save_html(tmp_path / "folder")
     assert [file.name for file in tmp_path.iterdir()] == ["folder"]
+
+
+def test_a_disk_that_fills_up_leaves_the_file_that_was_there(viewer, tmp_path, monkeypatch):
+    path = tmp_path / "x.html"
+    path.write_text("precious", encoding="utf-8")
+
+    def half(self, text, **_):
+        self.write_bytes(text[: len(text) // 2].encode())
+        raise OSError(errno.ENOSPC, "No space left on device", str(self))
+
+    monkeypatch.setattr(Path, "write_text", half)
+    with pytest.raises(OSError, match="space"):
+        viewer.save_html(path)
+    assert path.read_text(encoding="utf-8") == "precious"
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_in_a_notebook(viewer):
@@ -180,36 +197,34 @@ def test_no_browser_is_no_error(mechanism, monkeypatch, caplog):
 
 
 def test_a_later_picture_sends_transforms_only(mechanism):
-    maker, drawing = SceneMaker(mechanism), Drawing()
-    drawing.update(maker.scene(mechanism.home).items)
+    maker, canvas = SceneMaker(mechanism), Canvas()
+    canvas.update(maker.scene(mechanism.home).items)
     kinds = {
         command["type"]
-        for command in decoded(drawing.update(maker.scene(mechanism.close([0.91])).items))
+        for command in decoded(canvas.update(maker.scene(mechanism.close([0.91])).items))
         if "label" not in command["path"] and "text" not in command["path"]
     }
     assert "set_transform" in kinds
-    assert drawing.update(maker.scene(mechanism.close([0.91])).items) == []
+    assert canvas.update(maker.scene(mechanism.close([0.91])).items) == []
 
 
 def test_the_commands_do_not_pile_up(mechanism):
-    maker, drawing = SceneMaker(mechanism), Drawing()
-    drawing.update(maker.scene(mechanism.home).items)
-    drawing.update(maker.scene(mechanism.close([2.0])).items)
-    count = len(drawing.commands())
+    maker, canvas = SceneMaker(mechanism), Canvas()
+    canvas.update(maker.scene(mechanism.home).items)
+    canvas.update(maker.scene(mechanism.close([2.0])).items)
+    count = len(canvas.commands())
     for value in np.linspace(0.9, 2.0, 30):
-        drawing.update(maker.scene(mechanism.close([value])).items)
-    assert len(drawing.commands()) <= count + 10
+        canvas.update(maker.scene(mechanism.close([value])).items)
+    assert len(canvas.commands()) <= count + 10
 
 
 def test_what_is_not_drawn_any_more_is_hidden(mechanism):
-    maker, drawing = SceneMaker(mechanism), Drawing()
-    drawing.update(maker.scene(mechanism.home, SceneOptions(linear=True)).items)
-    commands = decoded(
-        drawing.update(maker.scene(mechanism.home, SceneOptions(linear=False)).items)
-    )
+    maker, canvas = SceneMaker(mechanism), Canvas()
+    canvas.update(maker.scene(mechanism.home, SceneOptions(linear=True)).items)
+    commands = decoded(canvas.update(maker.scene(mechanism.home, SceneOptions(linear=False)).items))
     assert commands
     assert all(c["type"] == "set_property" and c["value"] is False for c in commands)
-    again = decoded(drawing.update(maker.scene(mechanism.home, SceneOptions(linear=True)).items))
+    again = decoded(canvas.update(maker.scene(mechanism.home, SceneOptions(linear=True)).items))
     assert all(c["type"] == "set_property" and c["value"] is True for c in again)
     assert len(again) == len(commands)
 
@@ -218,9 +233,9 @@ def test_a_label_is_made_anew_only_when_its_text_changes():
     def draw(text, x):
         transform = scaled(0.1)
         transform[0, 3] = x
-        return drawing.update([Item("label", Text(text), (0.0, 0.0, 0.0, 1.0), transform)])
+        return canvas.update([Item("label", Text(text), (0.0, 0.0, 0.0, 1.0), transform)])
 
-    drawing = Drawing()
+    canvas = Canvas()
     assert {c["type"] for c in decoded(draw("1.00", 0.0))} == {
         "set_object",
         "set_transform",
@@ -234,8 +249,8 @@ def test_a_label_is_made_anew_only_when_its_text_changes():
 def test_transforms_are_column_major_in_metres():
     transform = scaled((1.0, 2.0, 3.0))
     transform[:3, 3] = (4.0, 5.0, 6.0)
-    drawing = Drawing()
-    commands = decoded(drawing.update([Item("ball", Sphere(), (1.0, 0.5, 0.0, 0.5), transform)]))
+    canvas = Canvas()
+    commands = decoded(canvas.update([Item("ball", Sphere(), (1.0, 0.5, 0.0, 0.5), transform)]))
     made, moved, _ = (SimpleNamespace(**command) for command in commands)
     assert moved.matrix == [1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 3, 0, 4, 5, 6, 1]
     (material,) = made.object["materials"]

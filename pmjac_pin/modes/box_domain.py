@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.coordinates import JointCoordinates
 from pmjac_pin.errors import ArgumentError
+from pmjac_pin.frames import Frame
 from pmjac_pin.linkage import Edge
 from pmjac_pin.modes.interval_loops import BoxRows
 from pmjac_pin.modes.interval_tree import IntervalTree
@@ -60,21 +62,37 @@ def box_domain(
     endless = ~slides & ~(upper - lower < FULL_TURN.lower)
     lower = np.where(endless, _CUT, lower)
     upper = np.where(endless, _CUT + FULL_TURN.upper + 1e-14, upper)
+    sliding = {names[k]: k for k in np.flatnonzero(slides).tolist()}
     for row in rows:
         for first, second, span in row.spans:
-            paths = [set(tree.path(frame.joint)) for frame in (first, second)]
-            passed = [k for k in np.flatnonzero(slides) if names[k] in paths[0] | paths[1]]
-            sizes = np.maximum(np.abs(lower[passed]), np.abs(upper[passed]))
-            free = [k for k, size in zip(passed, sizes, strict=True) if not np.isfinite(size)]
-            if len(free) == 1 and names[free[0]] in paths[0] ^ paths[1]:
-                # The slide is one side of a polygon, no longer than all the others together.
-                places = [tree.reach(frame) for frame in (first, second)]
-                far = _ROUNDING * (span + sum(places) + float(sizes[np.isfinite(sizes)].sum()))
-                lower[free], upper[free] = (
-                    np.maximum(lower[free], -far),
-                    np.minimum(upper[free], far),
-                )
+            _bound_slide(tree, sliding, (first, second), span, (lower, upper))
     if not np.isfinite(upper - lower).all():
         unbounded = names[int(np.flatnonzero(~np.isfinite(upper - lower))[0])]
         raise NoBoxesError(f"nothing bounds the passive slide {unbounded!r}")
     return Intervals(lower, upper), endless
+
+
+def _bound_slide(
+    tree: IntervalTree,
+    slides: Mapping[str, int],
+    frames: tuple[Frame, Frame],
+    span: float,
+    bounds: tuple[Array, Array],
+) -> None:
+    """Bound the only slide without bounds of a loop, in place.
+
+    It is one side of a polygon, no longer than all the others together.
+    """
+    lower, upper = bounds
+    one, other = (set(tree.path(frame.joint)) for frame in frames)
+    sizes = {
+        name: max(abs(float(lower[k])), abs(float(upper[k])))
+        for name, k in slides.items()
+        if name in one | other
+    }
+    free = [name for name, size in sizes.items() if not math.isfinite(size)]
+    if len(free) == 1 and free[0] in one ^ other:
+        bounded = [size for size in sizes.values() if math.isfinite(size)]
+        far = _ROUNDING * (span + sum(map(tree.reach, frames)) + sum(bounded))
+        k = slides[free[0]]
+        lower[k], upper[k] = max(lower[k], -far), min(upper[k], far)

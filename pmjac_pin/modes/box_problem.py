@@ -135,18 +135,22 @@ def _rows(
     floating = []
     for body, edge in bodies.items():
         plane = Frame(-1 - body, edge.parent, edge.before) if edge.kind == "planar" else None
-        if any(other.parent == body for other in edges.values()):
-            raise NoBoxesError(_not_at_points(edge))
-        found: BoxRows | None = None
-        if plane is not None:
-            found = FloatingInPlane.of(edge, plane, holds[body], closed, closed / length)
-        elif edge.kind == "free":
-            found = FloatingTriangle.of(edge, holds[body], closed)
+        carries = any(other.parent == body for other in edges.values())
+        found = None if carries else _held_rows(edge, plane, holds[body], closed, closed / length)
         if found is None:
             raise NoBoxesError(_not_at_points(edge))
         rows.append(found)
         floating.append(Floating(edge, plane, tuple(holds[body])))
     return rows, tuple(floating)
+
+
+def _held_rows(
+    edge: Edge, plane: Frame | None, holds: Sequence[Held], closed: float, tilted: float
+) -> BoxRows | None:
+    """Return the rows that stand for a floating body and its loops, None where none do."""
+    if plane is not None:
+        return FloatingInPlane.of(edge, plane, holds, closed, tilted)
+    return FloatingTriangle.of(edge, holds, closed) if edge.kind == "free" else None
 
 
 def _loop(parts: Parts, loop: Loop) -> tuple[Frame, Frame, list[Rows]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -32,6 +33,10 @@ _BATCH = 2048
 _MOST_MODES = 2000  # more is a motion, not a set of poses
 
 
+def _always() -> bool:
+    return True
+
+
 @dataclass(frozen=True)
 class Aim:
     """When a search may end.
@@ -44,11 +49,14 @@ class Aim:
         Of this bound.
     most_starts : int
         Where the search gives up on the bound.
+    wanted : callable
+        Asked now and then; the search ends as soon as it returns False.
     """
 
     unseen: float
     confidence: float
     most_starts: int
+    wanted: Callable[[], bool] = _always
 
     def __post_init__(self) -> None:
         for name, value in (("unseen", self.unseen), ("confidence", self.confidence)):
@@ -100,7 +108,7 @@ def _searched(
     met = Distinct(Signatures.of(problem, first))
     met.add(first)
     starts, in_a_row, question, bound = _BATCH, 0, 1, 1.0
-    while starts < aim.most_starts and bound > aim.unseen:
+    while starts < aim.most_starts and bound > aim.unseen and aim.wanted():
         starts += _BATCH
         if met.add(closures.closed(space.draw(rng, _BATCH))):
             in_a_row, question = 0, question + 1

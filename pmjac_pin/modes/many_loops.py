@@ -45,7 +45,7 @@ class ManyLoops:
     def evaluate(self, q: Array) -> tuple[Array, Array]:
         """Return η (b, p) and ∂η/∂v (b, p, nv) at each row of q."""
         poses = self._tree.poses(q)
-        residuals, jacobians = [], []
+        residuals, jacobians = [np.zeros((len(q), 0))], [poses.linear[:, :0]]
         for first, second, blocks in self._pairs:
             one, other = self._end(poses, first), self._end(poses, second)
             for block in blocks:

@@ -187,7 +187,8 @@ def _settled(problem: BoxProblem, small: Intervals) -> tuple[tuple[Enclosure, ..
         return (), small, "enclosures of modes overlap"
     left = Intervals.join(unsettled)
     count = len(left.lower)
-    reason = f"{count} boxes may hold modes or none, as near a singularity" if count else ""
+    boxes = "one box" if count == 1 else f"{count} boxes"
+    reason = f"{boxes} may hold modes or none, as near a singularity" if count else ""
     return tuple(found), left, reason
 
 

@@ -77,6 +77,11 @@ def with_legs(
     return whole
 
 
+def without_legs(parts: Parts, problem: SearchProblem, q: Array) -> Array:
+    """Return the problem's q for one of the whole mechanism's."""
+    return _copied(parts.model, q, problem.model, problem.base)
+
+
 def _without(parts: Parts, legs: list[Leg], base: Array) -> tuple[pin.Model, Sequence[Loop], Array]:
     """Return model, loops and q with rods in place of the legs."""
     gone = set(names_of(legs))

@@ -10,11 +10,20 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.frames import find_frame
-from pmjac_pin.loop_spec import DistanceLoop, JointLoop, Loop
+from pmjac_pin.loop_spec import (
+    CylindricalLoop,
+    DistanceLoop,
+    JointLoop,
+    Loop,
+    PlanarLoop,
+    PrismaticLoop,
+    RevoluteLoop,
+    UniversalLoop,
+)
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.viewer.bodies import Bodies, Point, Points
 from pmjac_pin.viewer.shapes import Array
-from pmjac_pin.viewer.visuals import Visual, read_visuals
+from pmjac_pin.viewer.visuals import read_visuals
 
 # Joints whose own origin is no place of the mechanism but where its coordinates start.
 _LOOSE = ("JointModelFreeFlyer", "JointModelPlanar", "JointModelTranslation")
@@ -25,12 +34,23 @@ COINCIDENT = 1e-6  # of the mechanism's size: points nearer than this are one
 
 @dataclass(frozen=True, eq=False)
 class Anchors:
-    """A loop's two anchors; with a length, a rod holds them apart."""
+    """A loop's two anchors, and what holds them.
+
+    Attributes
+    ----------
+    loop : Loop
+    first, second : Point
+    length : float
+        Of the rod between them, m; 0 without.
+    axes : tuple of two ndarrays of shape (3,), or None
+        The axis that each of them carries, in the frame of its body's joint.
+    """
 
     loop: Loop
     first: Point
     second: Point
     length: float
+    axes: tuple[Array, Array] | None
 
 
 class Anatomy:
@@ -46,12 +66,11 @@ class Anatomy:
     """
 
     def __init__(self, mechanism: Mechanism) -> None:
-        urdf = mechanism._parts.urdf
         self.mechanism = mechanism
         self.model: pin.Model = mechanism.model
         self.bodies = Bodies(self.model)
         self.home = self.bodies.placements(mechanism.home.q)
-        self.visuals: list[Visual] = [] if urdf is None else read_visuals(urdf)
+        self.visuals = read_visuals(mechanism.urdf) if mechanism.urdf else []
 
     @property
     def joints(self) -> range:
@@ -73,10 +92,21 @@ class Anatomy:
                 self.point(loop.frames[0]),
                 self.point(loop.frames[1]),
                 loop.resolved_length(values) if isinstance(loop, DistanceLoop) else 0.0,
+                self._axes(loop),
             )
             for loop in self.mechanism.spec.loops
             if not isinstance(loop, JointLoop)
         ]
+
+    @cached_property
+    def drawn_by_visuals(self) -> frozenset[int]:
+        """The bodies whose visuals are all drawn, by Pinocchio's indices of their joints."""
+        drawn: set[int] = set()
+        wanting: set[int] = set()
+        for visual in self.visuals:
+            body = find_frame(self.model, visual.link).joint
+            (drawn if visual.pieces else wanting).add(body)
+        return frozenset(drawn - wanting)
 
     @cached_property
     def tool(self) -> list[Point]:
@@ -96,6 +126,20 @@ class Anatomy:
         """Return the origin of a frame."""
         found = find_frame(self.model, frame)
         return Point(found.joint, found.placement.translation.copy())
+
+    def _axes(self, loop: Loop) -> tuple[Array, Array] | None:
+        match loop:
+            case RevoluteLoop() | PrismaticLoop() | CylindricalLoop() | PlanarLoop():
+                axes = loop.axis, loop.axis
+            case UniversalLoop():
+                axes = loop.axes
+            case _:
+                return None
+        first, second = (
+            find_frame(self.model, frame).placement.rotation @ np.array(axis)
+            for frame, axis in zip(loop.frames, axes, strict=True)
+        )
+        return first, second
 
     def slides(self, joint: int) -> bool:
         """Tell whether a joint is prismatic."""

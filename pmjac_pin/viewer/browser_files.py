@@ -16,6 +16,9 @@ PAGE_FILES = (
     "elements.js",
     "fit.js",
     "labels.js",
+    "legend.js",
+    "modes.css",
+    "modes.js",
     "motors.js",
     "numbers.js",
     "options.js",
@@ -24,6 +27,8 @@ PAGE_FILES = (
     "scene.html",
     "scene.js",
     "sections.js",
+    "stage.css",
+    "stage.js",
     "status.js",
     "style.css",
 )

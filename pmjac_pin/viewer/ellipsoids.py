@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Literal
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -12,12 +11,11 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.ellipsoid import Ellipsoid
 from pmjac_pin.errors import ClosureError, NoJacobianError
 from pmjac_pin.jacobian import EquivalentJacobian
+from pmjac_pin.read_only import read_only
 from pmjac_pin.viewer.anatomy import Anatomy
-from pmjac_pin.viewer.layers import SPECK, Drawing, Pose, lettering, specks, words
+from pmjac_pin.viewer.layers import SPECK, Drawing, Kind, Pose, lettering, specks, words
 from pmjac_pin.viewer.palette import PRINCIPAL, SURFACE
 from pmjac_pin.viewer.shapes import Array, Cone, Cylinder, Part, Sphere, between
-
-Kind = Literal["linear", "angular", "force"]
 
 # Shares of the mechanism's size.
 AUTOMATIC = 0.35  # the largest semi-axis at home
@@ -60,13 +58,14 @@ class EllipsoidLayer:
 
     def draw(self, pose: Pose) -> Drawing:
         """Return surface, axes and labels."""
-        ellipsoid = _ellipsoid(pose.jacobian, self._kind)
+        ellipsoid = pose.ellipsoids.get(self._kind)
         transforms, visible = np.zeros((10, 4, 4)), np.zeros(10, dtype=bool)
         texts = {7: "", 8: "", 9: ""}
         if ellipsoid is not None:
             drawn = self.drawn_radii(ellipsoid, pose.scale)
             transforms[0] = _surface(pose.tool, ellipsoid.axes, drawn)
-            transforms[1:4], transforms[4:7], tips = self._arrows(pose.tool, ellipsoid.axes * drawn)
+            vectors = pose.directions[self._kind] * drawn
+            transforms[1:4], transforms[4:7], tips = self._arrows(pose.tool, vectors)
             transforms[7:] = lettering(tips, LETTERS * self._size)
             visible[:] = [True, *(3 * [n < ellipsoid.rank for n in range(3)])]
             for n, radius in enumerate(ellipsoid.radii[: ellipsoid.rank].tolist()):
@@ -95,17 +94,38 @@ class EllipsoidLayer:
         return shafts, cones, words_at
 
 
-def find_jacobian(configuration: Configuration) -> EquivalentJacobian | None:
-    """Return the equivalent Jacobian, or nothing where none exists."""
+def find_ellipsoids(configuration: Configuration, kinds: Iterable[Kind]) -> dict[Kind, Ellipsoid]:
+    """Return the ellipsoids of these kinds, or nothing where no equivalent Jacobian exists."""
+    kinds = tuple(kinds)
+    if not kinds:
+        return {}
     try:
-        return configuration.jacobian()
+        jacobian = configuration.jacobian()
     except NoJacobianError:
-        return None
+        return {}
+    return {kind: _ellipsoid(jacobian, kind) for kind in kinds}
 
 
-def _ellipsoid(jacobian: EquivalentJacobian | None, kind: Kind) -> Ellipsoid | None:
-    if jacobian is None:
-        return None
+def directions_after(
+    before: Mapping[Kind, Array], ellipsoids: Mapping[Kind, Ellipsoid]
+) -> dict[Kind, Array]:
+    """Return the axes of ellipsoids, each with the sign of the earlier one that it is most like.
+
+    The earlier one need not be of the same number: where two radii cross, their axes change
+    places. Earlier directions of what is not among the ellipsoids are kept.
+    """
+    directions = dict(before)
+    for kind, ellipsoid in ellipsoids.items():
+        axes = ellipsoid.axes
+        if kind in before:
+            likeness = before[kind].T @ axes
+            nearest = np.abs(likeness).argmax(axis=0)
+            axes = axes * np.where(likeness[nearest, range(3)] < 0.0, -1.0, 1.0)
+        directions[kind] = read_only(axes)
+    return directions
+
+
+def _ellipsoid(jacobian: EquivalentJacobian, kind: Kind) -> Ellipsoid:
     match kind:
         case "linear":
             return jacobian.velocity_ellipsoid()
@@ -142,7 +162,7 @@ def _automatic_scale(anatomy: Anatomy, kind: Kind) -> float:
     """
     for name in ("home", *anatomy.mechanism.poses):
         try:
-            ellipsoid = _ellipsoid(find_jacobian(anatomy.mechanism.pose(name)), kind)
+            ellipsoid = find_ellipsoids(anatomy.mechanism.pose(name), [kind]).get(kind)
         except ClosureError:
             continue
         radii = [] if ellipsoid is None else ellipsoid.radii.tolist()

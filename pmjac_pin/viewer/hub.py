@@ -15,8 +15,9 @@ from tornado.websocket import WebSocketClosedError
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import PmjacError
-from pmjac_pin.viewer.drawing import Drawing
-from pmjac_pin.viewer.messages import Frame, Refusal, decode, encode
+from pmjac_pin.viewer.canvas import Canvas
+from pmjac_pin.viewer.messages import Frame, ModesCommand, Refusal, decode, encode
+from pmjac_pin.viewer.mode_finder import ModeFinder
 from pmjac_pin.viewer.session import Session
 from pmjac_pin.viewer.static_page import Picture
 
@@ -70,31 +71,34 @@ class Hub:
     Parameters
     ----------
     session : Session
-    drawing : Drawing
+    canvas : Canvas
         Still empty.
     """
 
-    def __init__(self, session: Session, drawing: Drawing) -> None:
+    def __init__(self, session: Session, canvas: Canvas) -> None:
         self.session = session
-        self.drawing = drawing
+        self.canvas = canvas
         self._pages: dict[object, Outbox[str]] = {}
         self._scenes: dict[object, Outbox[bytes]] = {}
-        drawing.update(session.scene().items)
+        self._modes = ModeFinder(session, self._tell_modes)
+        canvas.update(session.scene().items)
 
     def picture(self) -> Picture:
         """Return what is shown now, framed anew."""
-        commands = [command for _, command in self.drawing.commands()]
+        commands = [command for _, command in self.canvas.commands()]
         return Picture(self.session.mechanism.name, commands, self.session.framing())
 
     def add_page(self, page: object, send: Send) -> None:
         """Tell a page that has just been opened everything."""
         self._pages[page] = outbox = Outbox(send, list)
         outbox.put([("about", encode(self.session.state(about=True, framing=True)))])
+        if self._modes.known:
+            outbox.put([("modes", encode(self._modes.message()))])
 
     def add_scene(self, scene: object, send: Send) -> None:
         """Draw the whole picture in a meshcat viewer that has just been opened."""
         self._scenes[scene] = outbox = Outbox(send, _array)
-        outbox.put(self.drawing.commands())
+        outbox.put(self.canvas.commands())
 
     def remove(self, browser: object) -> None:
         """Forget a page or a scene."""
@@ -110,7 +114,10 @@ class Hub:
             number = command.id
             if isinstance(command, Frame):
                 return encode(self.session.state(number, framing=True))
-            self.session.obey(command)
+            if isinstance(command, ModesCommand):
+                self._modes.obey(command)
+            else:
+                self.session.obey(command)
             self._publish(page)
             return encode(self.session.state(number))
         except PmjacError as error:
@@ -119,13 +126,17 @@ class Hub:
             _logger.exception("a command of the page failed")
             return encode(Refusal(number, "the command failed; see the log of the server"))
 
+    def close(self) -> None:
+        """Give up what is still being computed."""
+        self._modes.stop()
+
     def show(self, configuration: Configuration) -> None:
         """Go to a configuration and tell all browsers."""
         self.session.show(configuration)
         self._publish(None)
 
     def _publish(self, asking: object) -> None:
-        changed = self.drawing.update(self.session.scene().items)
+        changed = self.canvas.update(self.session.scene().items)
         for scene in self._scenes.values():
             scene.put(changed)
         others = [box for page, box in self._pages.items() if page is not asking]
@@ -133,3 +144,9 @@ class Hub:
             state = encode(self.session.state())
             for other in others:
                 other.put([("state", state)])
+        self._modes.follow()
+
+    def _tell_modes(self) -> None:
+        message = encode(self._modes.message())
+        for page in self._pages.values():
+            page.put([("modes", message)])

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.jacobian import EquivalentJacobian
+from pmjac_pin.ellipsoid import Ellipsoid
 from pmjac_pin.viewer.bodies import Index, Points
 from pmjac_pin.viewer.shapes import Array, Colour, Part, Text, between
+
+Kind = Literal["linear", "angular", "force"]
 
 SPECK = 1e-6  # of the mechanism's size: what is smaller is hidden
 
@@ -24,8 +26,10 @@ class Pose:
     Attributes
     ----------
     configuration : Configuration
-    jacobian : EquivalentJacobian or None
-        None where none exists.
+    ellipsoids : mapping of str to Ellipsoid
+        By kind, those that are drawn; none where no J_eq exists.
+    directions : mapping of str to ndarray, shape (3, 3)
+        In columns, to which side the arrows of their axes point.
     placements : ndarray, shape (njoints + 1, 4, 4)
         oMi of all joints, and the tool's pose as the last.
     scale : float
@@ -33,7 +37,8 @@ class Pose:
     """
 
     configuration: Configuration
-    jacobian: EquivalentJacobian | None
+    ellipsoids: Mapping[Kind, Ellipsoid]
+    directions: Mapping[Kind, Array]
     placements: Array
     scale: float
 
@@ -105,15 +110,16 @@ class Attached:
 
 @dataclass(frozen=True, eq=False)
 class Labels:
-    """Words at points of bodies."""
+    """Words midway between points of bodies and points of bodies."""
 
     parts: Sequence[Part]
-    points: Points
+    starts: Points
+    ends: Points
     height: float
 
     def draw(self, pose: Pose) -> Drawing:
-        """Put the words at the points."""
-        positions = self.points.at(pose.placements)
+        """Put the words there."""
+        positions = 0.5 * (self.starts.at(pose.placements) + self.ends.at(pose.placements))
         return Drawing(lettering(positions, self.height), np.ones(len(positions), dtype=bool))
 
 
@@ -126,8 +132,6 @@ class Lines:
     parts : sequence of Part
     starts, ends : Points
     radii : ndarray, shape (k,)
-    skipped : ndarray, shape (k,)
-        The length in m that is left out at the start.
     smallest : float
         What is shorter is hidden.
     """
@@ -136,15 +140,11 @@ class Lines:
     starts: Points
     ends: Points
     radii: Array
-    skipped: Array
     smallest: float
 
     def draw(self, pose: Pose) -> Drawing:
         """Stretch the cylinders."""
         starts, ends = self.starts.at(pose.placements), self.ends.at(pose.placements)
-        along = ends - starts
-        lengths = np.maximum(np.sqrt((along * along).sum(axis=1)), self.smallest)
-        starts = starts + along * (self.skipped / lengths)[:, None]
         transforms, visible = between(starts, ends, self.radii, self.smallest)
         return Drawing(transforms, visible)
 

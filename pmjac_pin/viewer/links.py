@@ -37,7 +37,7 @@ def _visuals(anatomy: Anatomy) -> Iterator[_Piece]:
 
 
 def _bars(anatomy: Anatomy) -> Iterator[_Piece]:
-    complete = _drawn_by_visuals(anatomy)
+    complete = anatomy.drawn_by_visuals
     for body in range(anatomy.model.njoints):
         if body in complete:
             continue
@@ -48,15 +48,6 @@ def _bars(anatomy: Anatomy) -> Iterator[_Piece]:
         name = part_of_path(anatomy.body_name(body))
         for number, transform in enumerate(transforms[visible], start=1):
             yield Part(f"links/{name}/bar{number}", Cylinder(), colour), body, transform
-
-
-def _drawn_by_visuals(anatomy: Anatomy) -> set[int]:
-    drawn: set[int] = set()
-    wanting: set[int] = set()
-    for visual in anatomy.visuals:
-        body = find_frame(anatomy.model, visual.link).joint
-        (drawn if visual.pieces else wanting).add(body)
-    return drawn - wanting
 
 
 def _bar_ends(points: Array) -> tuple[Array, Array]:

@@ -6,11 +6,12 @@ by msgspec; what a value means (limits, names) is checked by `Session`.
 
 from __future__ import annotations
 
-from typing import Annotated, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 import msgspec
 
 from pmjac_pin.errors import ArgumentError
+from pmjac_pin.modes_report import ModeReport
 from pmjac_pin.viewer.framing import Framing
 from pmjac_pin.viewer.readout import Readout
 
@@ -37,7 +38,7 @@ class Home(_Command, frozen=True, tag="home"):
     """Go to the home pose."""
 
 
-class Pose(_Command, frozen=True, tag="pose", kw_only=True):
+class NamedPose(_Command, frozen=True, tag="pose", kw_only=True):
     """Go to a named pose."""
 
     name: str
@@ -57,7 +58,22 @@ class Frame(_Command, frozen=True, tag="frame"):
     """Say how to frame what is shown now; nothing changes."""
 
 
-Command: TypeAlias = Move | Home | Pose | Options | Frame
+class FindModes(_Command, frozen=True, tag="find modes"):
+    """Search for the assembly modes at the motor values of now."""
+
+
+class StopSearch(_Command, frozen=True, tag="stop search"):
+    """Give up the search for them."""
+
+
+class ShowMode(_Command, frozen=True, tag="mode", kw_only=True):
+    """Go to one of the modes that were found, by its number."""
+
+    number: Number
+
+
+ModesCommand: TypeAlias = FindModes | StopSearch | ShowMode
+Command: TypeAlias = Move | Home | NamedPose | Options | Frame | ModesCommand
 
 
 class Motor(msgspec.Struct, frozen=True):
@@ -70,6 +86,13 @@ class Motor(msgspec.Struct, frozen=True):
     limited: bool
 
 
+class Key(msgspec.Struct, frozen=True):
+    """An entry of the legend: what is drawn in these colours, such as "#d55e00"."""
+
+    text: str
+    colours: tuple[str, ...]
+
+
 class About(msgspec.Struct, frozen=True):
     """What does not change while the page is open."""
 
@@ -78,13 +101,24 @@ class About(msgspec.Struct, frozen=True):
     motors: tuple[Motor, ...]
     poses: tuple[str, ...]
     home: Readout
+    legend: tuple[Key, ...]
 
 
 class Notice(msgspec.Struct, frozen=True):
-    """What the status line says: its kind is "", "stop" (end of the range) or "error"."""
+    """What the status line says.
+
+    Attributes
+    ----------
+    kind : str
+        "", or "stop" at the end of the range.
+    text : str
+    stops : tuple of int
+        Of a stop, for each motor: the side, 1 or −1, on which it cannot go on; 0 if it can.
+    """
 
     kind: str
     text: str
+    stops: tuple[int, ...] = ()
 
 
 class Drawn(msgspec.Struct, frozen=True):
@@ -117,6 +151,26 @@ class Refusal(msgspec.Struct, frozen=True, tag="error", tag_field="type"):
     message: str
 
 
+class Modes(msgspec.Struct, frozen=True, kw_only=True, tag="modes", tag_field="type"):
+    """The assembly modes at the current motor values, as far as they are known.
+
+    Attributes
+    ----------
+    status : str
+        "unknown", "searching", "found" or "failed".
+    text : str
+        How many there are and what this rests on; or why there is no answer.
+    current : int or None
+        The number of the mode that is shown.
+    modes : tuple of ModeReport
+    """
+
+    status: Literal["unknown", "searching", "found", "failed"]
+    text: str
+    current: int | None = None
+    modes: tuple[ModeReport, ...] = ()
+
+
 _decoder = msgspec.json.Decoder(Command)
 
 
@@ -140,6 +194,6 @@ def decode(message: str | bytes) -> Command:
     return command
 
 
-def encode(message: State | Refusal) -> str:
+def encode(message: State | Refusal | Modes) -> str:
     """Write a message to a page; infinite numbers become null."""
     return msgspec.json.encode(message).decode()

@@ -18,7 +18,7 @@ MOTOR: Colour = (*_VERMILION, 1.0)
 FIRST_ANCHOR: Colour = (*_ORANGE, 1.0)
 SECOND_ANCHOR: Colour = (*_PURPLE, 0.5)
 GAP: Colour = (0.85, 0.0, 0.0, 1.0)
-ROD: Colour = (*_BLUE, 1.0)
+ROD: Colour = (*_PURPLE, 1.0)
 FREE: Colour = (*_GREEN, 1.0)
 WORDS: Colour = (0.0, 0.0, 0.0, 1.0)
 AXES: tuple[Colour, Colour, Colour] = (
@@ -38,3 +38,14 @@ PRINCIPAL: dict[str, Colour] = {
     "angular": (0.5, 0.18, 0.36, 1.0),
     "force": (0.55, 0.35, 0.0, 1.0),
 }
+
+
+def hexadecimal(colour: Colour) -> str:
+    """Return a colour as a page writes it, without its opacity.
+
+    Examples
+    --------
+    >>> hexadecimal((1.0, 0.5, 0.0, 1.0))
+    '#ff8000'
+    """
+    return "#" + "".join(f"{round(255 * part):02x}" for part in colour[:3])

@@ -15,6 +15,7 @@ from pmjac_pin.factorisation import norm
 from pmjac_pin.jacobian import EquivalentJacobian
 from pmjac_pin.singularity import Singularity
 from pmjac_pin.viewer.free_motion import NEAR_SINGULAR, easiest_motions
+from pmjac_pin.viewer.tool_ranks import ToolRanks
 
 Array = NDArray[np.float64]
 Vector = tuple[float, ...]
@@ -49,13 +50,13 @@ class Section(msgspec.Struct, frozen=True):
     axes: tuple[Vector, ...]
 
 
-class Warning(msgspec.Struct, frozen=True):  # noqa: A001 - the word that the page shows
+class Nearness(msgspec.Struct, frozen=True):
     """How near the pose is to a singularity.
 
     Attributes
     ----------
     level : str
-        "regular", "near" or "singular".
+        "regular", "loss" (of rank of [J_v]eq or [J_ω]eq alone), "near" or "singular".
     text : str
         One sentence without changing numbers, so that a screen reader says it once.
     """
@@ -81,7 +82,7 @@ class Readout(msgspec.Struct, frozen=True, kw_only=True):
     J_eq : tuple of tuple of float or None
         Six rows, linear ones first.
     sections : tuple of Section or None
-    warning : Warning
+    warning : Nearness
     refusal : str or None
         Why J_eq does not exist here.
     """
@@ -94,12 +95,18 @@ class Readout(msgspec.Struct, frozen=True, kw_only=True):
     residual: float
     J_eq: tuple[Vector, ...] | None
     sections: tuple[Section, ...] | None
-    warning: Warning
+    warning: Nearness
     refusal: str | None
 
 
-def make_readout(configuration: Configuration) -> Readout:
+def make_readout(configuration: Configuration, ranks: ToolRanks | None = None) -> Readout:
     """Collect what the page shows at a configuration, singular or not.
+
+    Parameters
+    ----------
+    configuration : Configuration
+    ranks : ToolRanks, optional
+        Of its mechanism; found at some other poses when None.
 
     Examples
     --------
@@ -121,7 +128,7 @@ def make_readout(configuration: Configuration) -> Readout:
         residual=configuration.residual_norm,
         J_eq=known.get("J_eq"),
         sections=None if jacobian is None else _sections(jacobian.velocity_ellipsoid()),
-        warning=_warning(configuration, singularity, jacobian),
+        warning=_warning(configuration, singularity, jacobian, ranks),
         refusal=refusal,
     )
 
@@ -150,17 +157,23 @@ def _sections(ellipsoid: Ellipsoid) -> tuple[Section, ...]:
 
 
 def _warning(
-    configuration: Configuration, singularity: Singularity, jacobian: EquivalentJacobian | None
-) -> Warning:
+    configuration: Configuration,
+    singularity: Singularity,
+    jacobian: EquivalentJacobian | None,
+    ranks: ToolRanks | None,
+) -> Nearness:
     if singularity.kind != "regular":
-        return Warning("singular", f"At {_KINDS[singularity.kind]}{_consequence(singularity)}.")
+        return Nearness("singular", f"At {_KINDS[singularity.kind]}{_consequence(singularity)}.")
     if singularity.smallest < NEAR_SINGULAR:
         names = _moving(singularity.passive_names, easiest_motions(configuration)[:, 0])
         text = f"Near a gain singularity: with all motors locked, {names} almost come free."
-        return Warning("near", text)
-    if jacobian is not None and _tool_share(jacobian) < NEAR_SINGULAR:
-        return Warning("near", "Near a loss singularity: the tool almost loses a motion.")
-    return Warning("regular", "")
+        return Nearness("near", text)
+    if jacobian is None:
+        return Nearness("regular", "")
+    if _tool_share(jacobian) < NEAR_SINGULAR:
+        return Nearness("near", "Near a loss singularity: the tool almost loses a motion.")
+    loss = (ranks or ToolRanks.of(configuration.mechanism)).loss(jacobian)
+    return Nearness("loss" if loss else "regular", loss)
 
 
 def _consequence(singularity: Singularity) -> str:

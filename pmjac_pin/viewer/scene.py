@@ -8,45 +8,24 @@ the items once and then only moves them.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.read_only import read_only
 from pmjac_pin.viewer.anatomy import Anatomy
-from pmjac_pin.viewer.ellipsoids import EllipsoidLayer, Kind, find_jacobian
-from pmjac_pin.viewer.free_motion import NEAR_SINGULAR, FreeMotionLayer
-from pmjac_pin.viewer.joints import (
-    anchor_layer,
-    closure_layer,
-    joint_layer,
-    motor_names,
-    rail_layer,
-    tool_layer,
-)
-from pmjac_pin.viewer.layers import Drawing, Layer, Pose
+from pmjac_pin.viewer.closures import anchor_layer, axis_layer, gap_layer, rod_layer
+from pmjac_pin.viewer.ellipsoids import EllipsoidLayer, directions_after, find_ellipsoids
+from pmjac_pin.viewer.free_motion import FreeMotionLayer
+from pmjac_pin.viewer.joints import joint_layer, motor_names, rail_layer, tool_layer
+from pmjac_pin.viewer.layers import Drawing, Kind, Layer, Pose
 from pmjac_pin.viewer.links import link_layer
-from pmjac_pin.viewer.shapes import Array, Box, Cone, Cylinder, Item, Shape, Sphere, Text
-
-__all__ = [
-    "NEAR_SINGULAR",
-    "Box",
-    "Cone",
-    "Cylinder",
-    "Item",
-    "Scene",
-    "SceneMaker",
-    "SceneOptions",
-    "Shape",
-    "Sphere",
-    "Text",
-    "scene",
-]
+from pmjac_pin.viewer.shapes import Array, Item, Text
 
 _KINDS: tuple[Kind, ...] = ("linear", "angular", "force")
 
@@ -61,10 +40,6 @@ class SceneOptions:
         The ellipsoids at the tool.
     scale : float
         Of the ellipsoids, relative to the automatic one; positive.
-    frames : bool
-        The tool's frame.
-    labels : bool
-        All text: the motors' names, the values of the ellipsoids' axes.
     names : bool
         The motors' names.
     """
@@ -73,8 +48,6 @@ class SceneOptions:
     angular: bool = False
     force: bool = False
     scale: float = 1.0
-    frames: bool = True
-    labels: bool = True
     names: bool = True
 
     def __post_init__(self) -> None:
@@ -90,15 +63,12 @@ class Scene:
     ----------
     items : tuple of Item
         In an order that depends on mechanism and options only.
-    centre : ndarray, shape (3,)
-    radius : float
-        The ball, in m, that holds all visible items here: what a camera frames at first. It
-        changes with the pose.
+    directions : mapping of str to ndarray, shape (3, 3)
+        By ellipsoid: in column i the unit vector along which the arrow of its axis i points.
     """
 
     items: tuple[Item, ...]
-    centre: Array
-    radius: float
+    directions: Mapping[Kind, Array] = field(default_factory=lambda: MappingProxyType({}))
 
 
 class SceneMaker:
@@ -125,16 +95,23 @@ class SceneMaker:
             joint_layer(anatomy),
             rail_layer(anatomy),
             anchor_layer(anatomy),
-            closure_layer(anatomy),
+            axis_layer(anatomy),
+            rod_layer(anatomy),
+            gap_layer(anatomy),
             FreeMotionLayer(anatomy),
+            tool_layer(anatomy),
         )
-        self._tool = tool_layer(anatomy)
         self._names = motor_names(anatomy)
         self._ellipsoids: dict[Kind, EllipsoidLayer] = {
             kind: EllipsoidLayer(anatomy, kind) for kind in _KINDS
         }
 
-    def scene(self, configuration: Configuration, options: SceneOptions | None = None) -> Scene:
+    def scene(
+        self,
+        configuration: Configuration,
+        options: SceneOptions | None = None,
+        directions: Mapping[Kind, Array] | None = None,
+    ) -> Scene:
         """Return what is to be seen of a configuration.
 
         Parameters
@@ -142,6 +119,9 @@ class SceneMaker:
         configuration : Configuration
             Of this mechanism.
         options : SceneOptions, optional
+        directions : mapping of str to ndarray, optional
+            Those of an earlier scene. A principal axis has no sign: its arrow points to the side
+            where it pointed there, so that it does not jump to and fro while the pose changes.
 
         Raises
         ------
@@ -150,23 +130,16 @@ class SceneMaker:
         """
         self._check(configuration)
         options = options or SceneOptions()
-        jacobian = find_jacobian(configuration) if _ellipsoids_of(options) else None
-        pose = Pose(configuration, jacobian, self._placements(configuration), options.scale)
+        ellipsoids = find_ellipsoids(configuration, _ellipsoids_of(options))
+        directions = directions_after(directions or {}, ellipsoids)
+        placements = self._placements(configuration)
+        pose = Pose(configuration, ellipsoids, directions, placements, options.scale)
         layers = list(self._layers(options))
         drawings = [layer.draw(pose) for layer in layers]
         transforms = read_only(np.concatenate([drawing.transforms for drawing in drawings]))
-        visible = np.concatenate([drawing.visible for drawing in drawings])
-        items = tuple(
-            item
-            for layer, drawing, block in zip(
-                layers, drawings, _blocks(transforms, drawings), strict=True
-            )
-            for item in _items(layer, drawing, block)
-        )
-        centre, radius = _frame(items, transforms, visible)
-        if not options.labels:
-            items = tuple(item for item in items if not isinstance(item.shape, Text))
-        return Scene(items, centre, radius)
+        blocks = _blocks(transforms, drawings)
+        drawn = zip(layers, drawings, blocks, strict=True)
+        return Scene(tuple(item for triple in drawn for item in _items(*triple)), directions)
 
     def _check(self, configuration: Configuration) -> None:
         theirs = configuration.mechanism
@@ -182,32 +155,10 @@ class SceneMaker:
 
     def _layers(self, options: SceneOptions) -> Iterator[Layer]:
         yield from self._always
-        if options.frames:
-            yield self._tool
-        if options.labels and options.names:
+        if options.names:
             yield self._names
         for kind in _ellipsoids_of(options):
             yield self._ellipsoids[kind]
-
-
-def scene(configuration: Configuration, options: SceneOptions | None = None) -> Scene:
-    """Return what is to be seen of a configuration.
-
-    For many configurations of one mechanism a `SceneMaker` is much faster.
-
-    Parameters
-    ----------
-    configuration : Configuration
-    options : SceneOptions, optional
-
-    Examples
-    --------
-    >>> import pmjac_pin as pj
-    >>> drawn = scene(pj.load("four_bar").home)
-    >>> next(item.colour for item in drawn.items if item.name == "motors/theta1/pin")
-    (0.84, 0.37, 0.0, 1.0)
-    """
-    return SceneMaker(configuration.mechanism).scene(configuration, options)
 
 
 def _ellipsoids_of(options: SceneOptions) -> tuple[Kind, ...]:
@@ -227,21 +178,4 @@ def _items(layer: Layer, drawing: Drawing, transforms: Array) -> Iterator[Item]:
     visible = drawing.visible.tolist()
     for number, (part, transform) in enumerate(zip(layer.parts, transforms, strict=True)):
         shape = Text(texts[number]) if number in texts else part.shape
-        yield Item(part.name, shape, part.colour, transform, visible[number])
-
-
-def _frame(
-    items: tuple[Item, ...], transforms: Array, visible: NDArray[np.bool_]
-) -> tuple[Array, float]:
-    """Return centre and radius of a ball about all visible items."""
-    half = np.array([item.shape.half_extents for item in items])[visible]
-    round_axes = np.array([item.shape.round_axes for item in items])[visible]
-    shown = transforms[visible]
-    centres = shown[:, :3, 3]
-    reach = (np.abs(shown[:, :3, :3]) @ half[:, :, None])[:, :, 0]
-    centre = 0.5 * ((centres - reach).min(axis=0) + (centres + reach).max(axis=0))
-    x, y, z = (np.linalg.norm(shown[:, :3, :3], axis=1) * half).T
-    across = np.where(round_axes > 0, np.maximum(x, y), np.hypot(x, y))
-    radii = np.where(round_axes == 3, np.maximum(across, z), np.hypot(across, z))
-    radius = float((np.linalg.norm(centres - centre, axis=1) + radii).max())
-    return read_only(centre), radius
+        yield Item(part.name, shape, part.colour, transform, visible[number], part.on_top)

@@ -163,6 +163,7 @@ class Server:
         server.add_socket(self._socket)
         self._ready.set()
         await self._finish.wait()
+        self.hub.close()
         server.stop()
         for browser in list(self._browsers):
             browser.close(1001, "the viewer has been closed")

@@ -4,29 +4,33 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError, LimitError, PmjacError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.viewer.framing import Framing, frame
+from pmjac_pin.viewer.layers import Kind
 from pmjac_pin.viewer.leaving import beside_singularity, shortly_before
+from pmjac_pin.viewer.legend import legend
 from pmjac_pin.viewer.messages import (
     About,
     Command,
     Drawn,
     Home,
     Move,
+    NamedPose,
     Notice,
     Options,
-    Pose,
     State,
 )
 from pmjac_pin.viewer.motors import FARTHEST, motors_of
 from pmjac_pin.viewer.readout import Readout, make_readout
 from pmjac_pin.viewer.scene import Scene, SceneMaker, SceneOptions
+from pmjac_pin.viewer.tool_ranks import ToolRanks
 
 _NOTHING = Notice("", "")
 _logger = logging.getLogger(__name__)
@@ -65,7 +69,8 @@ class Session:
         self._maker = SceneMaker(self.mechanism)
         self._start = configuration
         self._motors = motors_of(self.mechanism)
-        self._home_readout = make_readout(self.mechanism.home)
+        self._ranks = ToolRanks.of(self.mechanism)
+        self._directions: Mapping[Kind, NDArray[np.float64]] = {}
 
     def obey(self, command: Command) -> None:
         """Carry out a command of a page.
@@ -79,9 +84,9 @@ class Session:
             case Move():
                 self.move(command.values)
             case Home():
-                self.show(self.mechanism.home)
-            case Pose():
-                self.show(self.mechanism.pose(command.name))
+                self._go_to(self.mechanism.home)
+            case NamedPose():
+                self._go_to(self.mechanism.pose(command.name))
             case Options():
                 self.options = SceneOptions(
                     linear=command.linear,
@@ -114,7 +119,7 @@ class Session:
         except ClosureError as error:
             if error.reached is None:
                 raise
-            found, notice = error.reached, Notice("stop", self._reason(target, error))
+            found, notice = error.reached, self._stop(target, error.reached)
         ended = bool(notice.kind) or found.singularity().is_singular
         self._set(found, shortly_before(self._start, found) if ended else found, notice)
 
@@ -164,9 +169,15 @@ class Session:
         self.notice = notice
         self.pose = self._name_of(configuration)
 
+    def _go_to(self, configuration: Configuration) -> None:
+        self.show(configuration)
+        self._directions = {}  # a named pose always looks the same
+
     def scene(self) -> Scene:
-        """Return what is to be drawn now."""
-        return self._maker.scene(self.configuration, self.options)
+        """Return what is to be drawn now; its arrows go on from those of the last one."""
+        scene = self._maker.scene(self.configuration, self.options, self._directions)
+        self._directions = scene.directions
+        return scene
 
     def _name_of(self, configuration: Configuration) -> str | None:
         # The same value, not an equal one: other assembly modes share the motor values.
@@ -175,7 +186,7 @@ class Session:
 
     def readout(self) -> Readout:
         """Return the numbers at the current pose."""
-        return make_readout(self.configuration)
+        return make_readout(self.configuration, self._ranks)
 
     def framing(self) -> Framing:
         """Return how a camera sees all that is shown now."""
@@ -208,22 +219,24 @@ class Session:
             description=self.mechanism.spec.description,
             motors=self._motors,
             poses=tuple(self._poses),
-            home=self._home_readout,
+            home=make_readout(self.mechanism.home, self._ranks),
+            legend=legend(self.mechanism),
         )
 
-    def _reason(self, values: list[float], error: ClosureError) -> str:
-        """Say in one or two sentences why a motion has stopped."""
-        reached = error.reached.actuated
+    def _stop(self, values: list[float], reached: Configuration) -> Notice:
+        """Say which motors have stopped on the way to these values, and why.
+
+        The same words wherever beyond the end the values are.
+        """
+        ways = np.array(values) - reached.actuated
+        stops = tuple(int(np.sign(way)) if abs(way) > 1e-9 else 0 for way in ways)
         stopped = ", ".join(
             f"{motor.name} stops at {there:.4f} {motor.unit}"
-            for motor, wanted, there in zip(self._motors, values, reached, strict=True)
-            if abs(wanted - there) > 1e-9
+            for motor, stop, there in zip(self._motors, stops, reached.actuated, strict=True)
+            if stop
         )
-        if error.residual_norm <= self.mechanism.tolerance:
-            rest = "The loops do close beyond, but on another assembly mode."
-        else:
-            rest = "The loops do not close beyond."
-        return f"End of the reachable range: {stopped}. {rest}"
+        text = f"End of the reachable range: {stopped}. This assembly mode goes no further."
+        return Notice("stop", text, stops)
 
 
 def _assembled_poses(mechanism: Mechanism) -> Iterator[tuple[str, Configuration]]:

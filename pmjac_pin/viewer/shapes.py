@@ -77,6 +77,8 @@ class Item:
     visible : bool
         Whether there is anything to see. What is hidden has a transform too, so small that it
         cannot be seen, and regular.
+    on_top : bool
+        Whether it is seen through what is before it.
     """
 
     name: str
@@ -84,6 +86,7 @@ class Item:
     colour: Colour
     transform: Array
     visible: bool = True
+    on_top: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +96,7 @@ class Part:
     name: str
     shape: Shape
     colour: Colour
+    on_top: bool = False
 
 
 def between(

@@ -23,33 +23,24 @@ _TEMPLATE = """<!DOCTYPE html>
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>{title}</title>
-<style>
-html, body {{ margin: 0; height: 100%; background: #f4f6f8; }}
-#pane {{ width: 100vw; height: 100vh; overflow: hidden; }}
-</style>
+<style>{style}</style>
 </head>
 <body>
-<div id="pane"></div>
+<div id="pane" role="application" tabindex="0"
+ aria-label="Picture of {title}: arrow keys turn it, plus and minus zoom"></div>
 <script>{library}</script>
 <script>
-var viewer = new MeshCat.Viewer(document.getElementById("pane"));
-viewer.gui.domElement.style.display = "none";
-{labels}
-tidyLabels(viewer);
-for (const command of [
+{scripts}
+const stage = makeStage(document.getElementById("pane"));
+const commands = [
 {commands}
-]) {{
-  viewer.handle_command_bytearray(Uint8Array.from(atob(command), (c) => c.charCodeAt(0)));
+];
+if (stage) {{
+  for (const command of commands) {{
+    stage.viewer.handle_command_bytearray(Uint8Array.from(atob(command), (c) => c.charCodeAt(0)));
+  }}
+  stage.frameOn({framing});
 }}
-{fit}
-const framing = {framing};
-const fit = () => fitView(viewer, framing, window.innerWidth, window.innerHeight);
-fit();
-let touched = false;
-for (const event of ["pointerdown", "wheel"]) {{
-  window.addEventListener(event, () => {{ touched = true; }}, {{ passive: true }});
-}}
-window.addEventListener("resize", () => {{ if (!touched) fit(); }});
 </script>
 </body>
 </html>
@@ -81,8 +72,8 @@ def static_page(picture: Picture) -> str:
         title=html.escape(picture.title),
         library=_library(),
         commands=encoded,
-        labels=(PAGE / "labels.js").read_text(encoding="utf-8"),
-        fit=(PAGE / "fit.js").read_text(encoding="utf-8"),
+        style=_page_file("stage.css"),
+        scripts="\n".join(map(_page_file, ("fit.js", "labels.js", "stage.js"))),
         framing=msgspec.json.encode(picture.framing).decode(),
     )
 
@@ -116,6 +107,10 @@ def notebook_frame(picture: Picture, url: str | None) -> str:
         f'sandbox="allow-scripts" style="{style}"></iframe>'
         f"<p>{html.escape(picture.title)}: {live}</p>"
     )
+
+
+def _page_file(name: str) -> str:
+    return (PAGE / name).read_text(encoding="utf-8")
 
 
 @functools.cache

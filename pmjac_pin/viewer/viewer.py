@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, PmjacError
-from pmjac_pin.viewer.drawing import Drawing
+from pmjac_pin.viewer.canvas import Canvas
 from pmjac_pin.viewer.hub import Hub
 from pmjac_pin.viewer.scene import SceneOptions
 from pmjac_pin.viewer.server import Server
@@ -55,7 +55,7 @@ class Viewer:
             raise ArgumentError(f"a viewer shows a Configuration, got a {kind}{hint}")
         session = Session(configuration, options)
         self._name = session.mechanism.name
-        self._hub = Hub(session, Drawing())
+        self._hub = Hub(session, Canvas())
         self._server = Server(self._hub, port)
         self.url = self._server.url
 

@@ -2,6 +2,8 @@
 
 import { Connection } from "./connection.js";
 import { $ } from "./elements.js";
+import { buildLegend } from "./legend.js";
+import { listenToModes, showModes } from "./modes.js";
 import { Motors } from "./motors.js";
 import { listenToOptions, showOptions } from "./options.js";
 import { adoptPicture, frameOn, resetView, snapshot } from "./picture.js";
@@ -35,6 +37,7 @@ function build(about) {
     restore: showMotors,
     complain,
   });
+  buildLegend(about.legend);
   buildJacobian(about.motors);
   buildSections();
 }
@@ -50,25 +53,41 @@ function show() {
 }
 
 function showMotors() {
-  motors.show(state.values, connection.moving);
+  motors.show(state.values, connection.moving, state.notice.stops);
 }
 
 const complain = (text) => say("error", text, state?.readout.warning);
 
+const LOST = "The connection to Python has ended: the picture stays as it was. It goes on by itself when Python serves this page again.";
+let focused = null;  // what had the focus when the connection was lost
+
 function lost() {
-  complain("The connection to Python has ended: the picture stays as it was. When Python serves it again, reload this page.");
-  document.querySelectorAll("button:not(#reset):not(#snapshot), input, select").forEach((control) => { control.disabled = true; });
+  if (document.activeElement.id) focused = document.activeElement.id;
+  complain(LOST);
+  disable(true);
+}
+
+function disable(whether) {
+  document.querySelectorAll("button:not(#reset):not(#snapshot), input, select").forEach((control) => { control.disabled = whether; });
+}
+
+function found(about) {
+  build(about);
+  disable(false);
+  if (focused && document.activeElement === document.body) $(focused)?.focus();
+  focused = null;
 }
 
 connection = new Connection({
   state(message, mine) {
     state = window.pmjac.state = message;
-    if (message.about) build(message.about);
+    if (message.about) found(message.about);
     if (message.framing) frameOn(message.framing);
     show();
     if (mine) window.pmjac.updates += 1;
     window.pmjac.ready = true;
   },
+  modes: showModes,
   refused(text) {
     complain(text);
     if (!connection.moving) showMotors();
@@ -80,5 +99,6 @@ $("home").addEventListener("click", () => connection.send({ command: "home" }));
 $("pose").addEventListener("change", () => connection.send({ command: "pose", name: $("pose").value }));
 $("reset").addEventListener("click", () => { resetView(); connection.send({ command: "frame" }); });
 $("snapshot").addEventListener("click", () => snapshot($("name").textContent));
+listenToModes((command) => connection.send(command));
 listenToOptions((command) => connection.send(command));
-adoptPicture(() => complain("This browser cannot draw in three dimensions (no WebGL); all else works."));
+adoptPicture();

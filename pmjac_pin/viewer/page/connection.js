@@ -1,15 +1,24 @@
 // The conversation with Python: one command in flight; of those that wait, the newest counts.
 
+const RETRY = { first: 500, most: 5000 };  // milliseconds
+
 export class Connection {
   #socket = null;
   #nextId = 1;
   #inFlight = null;
   #waiting = new Map();  // by what they do
 
-  // `listener` has state(message, mine), refused(message) and lost().
+  #delay = RETRY.first;
+
+  // `listener` has state(message, mine), modes(message), refused(message) and lost().
   constructor(listener) {
     this.listener = listener;
+    this.#open();
+  }
+
+  #open() {
     this.#socket = new WebSocket(`ws://${location.host}/control`);
+    this.#socket.onopen = () => { this.#delay = RETRY.first; };
     this.#socket.onmessage = (event) => this.#receive(JSON.parse(event.data));
     this.#socket.onclose = () => this.#end();
   }
@@ -46,6 +55,10 @@ export class Connection {
   }
 
   #receive(message) {
+    if (message.type === "modes") {
+      this.listener.modes(message);
+      return;
+    }
     const mine = message.id !== null && message.id === this.#inFlight?.id;
     if (mine) this.#inFlight = null;
     if (message.type === "error") this.listener.refused(message.message);
@@ -58,6 +71,8 @@ export class Connection {
     this.#inFlight = null;
     this.#waiting.clear();
     this.listener.lost();
+    setTimeout(() => this.#open(), this.#delay);
+    this.#delay = Math.min(2 * this.#delay, RETRY.most);
   }
 }
 

@@ -15,10 +15,13 @@ export class Motors {
     $("motors").replaceChildren(...this.#rows.map((row) => row.row));
   }
 
-  // Numbers say what is; a slider that is being dragged stands where it is wanted.
-  show(values, wanted) {
-    this.#rows.forEach(({ slider, box, digits, motor }, index) => {
-      slider.value = wanted?.[index] ?? values[index];
+  // Numbers say what is; a slider that is being dragged stands where it is wanted, but never
+  // beyond a stop. `stops` has the side of each motor's stop, 1 or -1, or 0.
+  show(values, wanted, stops) {
+    this.#rows.forEach((row, index) => {
+      const { slider, box, digits, motor } = row;
+      row.stop = stops[index] ? { side: stops[index], at: values[index] } : null;
+      slider.value = this.#within(row, wanted?.[index] ?? values[index]);
       const text = fixed(values[index], digits);
       slider.setAttribute("aria-valuetext", `${text} ${motor.unit}`);
       if (box.dataset.dirty) return;
@@ -48,7 +51,12 @@ export class Motors {
 
   #listen(row) {
     const { slider, box, index } = row;
-    slider.addEventListener("input", () => this.#move(index, slider.valueAsNumber));
+    slider.addEventListener("input", () => {
+      const value = slider.valueAsNumber;
+      const possible = this.#within(row, value);
+      if (possible === value) this.#move(index, value);
+      else slider.value = possible;
+    });
     slider.addEventListener("keydown", (event) => this.#arrow(event, row));
     box.addEventListener("keydown", (event) => {
       if (event.key === "Enter") this.#typed(row);
@@ -57,6 +65,10 @@ export class Motors {
     });
     box.addEventListener("input", () => { box.dataset.dirty = "yes"; });
     box.addEventListener("blur", () => { if (box.dataset.dirty) this.#typed(row); });
+  }
+
+  #within({ stop }, value) {
+    return stop && stop.side * (value - stop.at) > 0 ? stop.at : value;
   }
 
   #move(index, value) {

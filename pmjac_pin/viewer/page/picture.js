@@ -2,40 +2,24 @@
 
 import { $, element } from "./elements.js";
 
-let framing = null;
-let touched = false;  // whether the user has turned it
+let framing = null;  // the newest, for a stage that is not there yet
 
-const viewer = () => $("scene").contentWindow?.viewer ?? null;
+const stage = () => $("scene").contentWindow?.stage ?? null;
 
-// Calls `missing` where the browser cannot draw.
-export function adoptPicture(missing) {
-  const adopt = () => {
-    if (!viewer()) return missing();
-    const pane = viewer().dom_element;
-    for (const event of ["pointerdown", "wheel"]) pane.addEventListener(event, () => { touched = true; }, { passive: true });
-    $("scene").contentWindow.addEventListener("resize", () => { if (!touched) fit(); });
-    return fit();
-  };
-  if ($("scene").contentDocument?.readyState === "complete" && viewer()) adopt();
-  else $("scene").addEventListener("load", adopt, { once: true });
+export function adoptPicture() {
+  $("scene").addEventListener("load", () => { if (framing) stage()?.frameOn(framing); });
 }
 
 export function frameOn(news) {
   framing = news;
-  if (!touched) fit();
+  stage()?.frameOn(news);
 }
 
-export function resetView() {
-  touched = false;
-  fit();
-}
+export const resetView = () => stage()?.reset();
 
 export function snapshot(name) {
-  if (!viewer()) return;
-  element("a", { href: viewer().capture_image(), download: `${name.replace(/[^\w.-]+/g, "_")}.png` }).click();
-}
-
-function fit() {
-  const { contentWindow: inner, clientWidth, clientHeight } = $("scene");
-  if (viewer() && framing) inner.fitView(viewer(), framing, clientWidth, clientHeight);
+  if (!stage()) return;
+  const time = new Date(Date.now() - 60000 * new Date().getTimezoneOffset()).toISOString().slice(0, 19);
+  const file = `${name}_${time.replace("T", "_").replaceAll(":", "-")}`.replace(/[^\w.-]+/g, "_");
+  element("a", { href: stage().viewer.capture_image(), download: `${file}.png` }).click();
 }

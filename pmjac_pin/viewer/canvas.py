@@ -14,6 +14,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from pmjac_pin.viewer.palette import hexadecimal
 from pmjac_pin.viewer.shapes import Box, Colour, Cone, Cylinder, Item, Shape, Sphere, Text
 
 Array = NDArray[np.float64]
@@ -26,7 +27,7 @@ _UPRIGHT = [1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1]
 _AS_IT_IS = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
 
 
-class Drawing:
+class Canvas:
     """The current picture as commands by path.
 
     Commands are pairs of a key and bytes. A later command with the same key makes the earlier
@@ -64,7 +65,7 @@ class Drawing:
     def _draw(self, path: str, item: Item, changed: list[Command]) -> None:
         if self._shapes.get(path) != item.shape:
             self._shapes[path] = item.shape
-            changed.append((f"object {path}", _set_object(path, item.shape, item.colour)))
+            changed.append((f"object {path}", _set_object(path, item)))
         values = item.transform.tobytes()
         if self._matrices.get(path) != values:
             self._matrices[path] = values
@@ -87,13 +88,17 @@ def _set_transform(path: str, matrix: Array) -> bytes:
     return msgspec.msgpack.encode({"type": "set_transform", "path": path, "matrix": columns})
 
 
-def _set_object(path: str, shape: Shape, colour: Colour) -> bytes:
-    made = _label(shape.text, colour) if isinstance(shape, Text) else _mesh(shape, colour)
+def _set_object(path: str, item: Item) -> bytes:
+    shape, colour = item.shape, item.colour
+    if isinstance(shape, Text):
+        made = _label(shape.text, colour)
+    else:
+        made = _mesh(shape, colour, on_top=item.on_top)
     made["metadata"] = {"version": 4.5, "type": "Object"}
     return msgspec.msgpack.encode({"type": "set_object", "path": path, "object": made})
 
 
-def _mesh(shape: Box | Cylinder | Cone | Sphere, colour: Colour) -> dict[str, Any]:
+def _mesh(shape: Box | Cylinder | Cone | Sphere, colour: Colour, *, on_top: bool) -> dict[str, Any]:
     geometry, material = _identity(), _identity()
     opacity = colour[3]
     clear = opacity < 1.0
@@ -104,11 +109,13 @@ def _mesh(shape: Box | Cylinder | Cone | Sphere, colour: Colour) -> dict[str, An
                 "uuid": material,
                 # Not Phong's: without a graphics card it takes half as long again to draw.
                 "type": "MeshLambertMaterial",
-                "color": _hexadecimal(colour),
-                "transparent": clear,
+                "color": int(hexadecimal(colour)[1:], 16),
+                # What is on top is drawn after all else, with what is clear.
+                "transparent": clear or on_top,
                 "opacity": opacity,
                 # What is inside a clear surface is seen through it.
-                "depthWrite": not clear,
+                "depthWrite": not (clear or on_top),
+                "depthTest": not on_top,
             }
         ],
         "object": {
@@ -117,6 +124,7 @@ def _mesh(shape: Box | Cylinder | Cone | Sphere, colour: Colour) -> dict[str, An
             "geometry": geometry,
             "material": material,
             "matrix": _UPRIGHT if isinstance(shape, Cylinder | Cone) else _AS_IT_IS,
+            "renderOrder": int(on_top),
         },
     }
 
@@ -164,14 +172,9 @@ def _label(text: str, colour: Colour) -> dict[str, Any]:
             "material": material,
             "matrix": _AS_IT_IS,
             "renderOrder": 1,
-            "userData": {"text": text, "colour": f"#{_hexadecimal(colour):06x}"},
+            "userData": {"text": text, "colour": hexadecimal(colour)},
         },
     }
-
-
-def _hexadecimal(colour: Colour) -> int:
-    red, green, blue = (round(255 * part) for part in colour[:3])
-    return (red << 16) + (green << 8) + blue
 
 
 def _identity() -> str:

@@ -1,0 +1,216 @@
+"""The assembly modes as plain data with names and units: what ``pmjac modes --json`` writes."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import msgspec
+import numpy as np
+from numpy.typing import ArrayLike
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.modes.assembly_modes import AssemblyModes
+from pmjac_pin.modes.names import pose_names
+from pmjac_pin.report import JointValue, ParameterValue, Quantity, ToolPose, Vector
+from pmjac_pin.report_maker import (
+    Labels,
+    determinant,
+    encodable,
+    joint_values,
+    motor_values,
+    parameter_values,
+    tool_pose,
+    vector,
+)
+
+
+class CertificateReport(msgspec.Struct, frozen=True):
+    """Whether an exact solution is proven to be near: see `Certificate`.
+
+    Attributes
+    ----------
+    certified : bool
+    existence_radius : float
+        A solution is no farther than this, rad; infinite where none is proven.
+    uniqueness_radius : float
+        No second one is nearer than this, rad.
+    statement : str
+    """
+
+    certified: bool
+    existence_radius: float
+    uniqueness_radius: float
+    statement: str
+
+
+class ModeReport(msgspec.Struct, frozen=True, kw_only=True):
+    """What tells one assembly mode from the others.
+
+    Attributes
+    ----------
+    number : int
+        From 1, in the order in which the modes are always sorted.
+    poses : tuple of str
+        The named poses that it is.
+    tool : ToolPose
+    joints : tuple of JointValue
+        Motors first.
+    q : tuple of float
+        Pinocchio's configuration vector: `Mechanism.configuration` takes it.
+    residual_norm : float
+        Euclidean norm of the gaps of all loops, m.
+    kind : str
+        Of the singularity here, "regular" where there is none.
+    smallest : float
+        The relative singular value of K* that decides; infinite without loops.
+    det_K_star : Quantity or None
+        None where K* is not square.
+    sign : int or None
+        Of det K*, 0 at a singularity. None where K* is not square, or shows other loop equations
+        than at home, so that signs cannot be compared.
+    share : float
+        The share of the random starts that led here.
+    mirror_image : int or None
+        Number of the mode that is its mirror image in the plane of the base.
+    certificate : CertificateReport
+    """
+
+    number: int
+    poses: tuple[str, ...]
+    tool: ToolPose
+    joints: tuple[JointValue, ...]
+    q: Vector
+    residual_norm: float
+    kind: str
+    smallest: float
+    det_K_star: Quantity | None
+    sign: int | None
+    share: float
+    mirror_image: int | None
+    certificate: CertificateReport
+
+
+class CompletenessReport(msgspec.Struct, frozen=True):
+    """What it rests on that no mode is missing: see `Completeness`."""
+
+    kind: Literal["proof", "statistics", "neither"]
+    statement: str
+    unseen: float
+    confidence: float
+
+
+class ModesReport(msgspec.Struct, frozen=True, kw_only=True):
+    """The assembly modes of a mechanism at given motor values.
+
+    Attributes
+    ----------
+    mechanism, description : str
+    parameters : tuple of ParameterValue
+    characteristic_length : float
+        In m: what makes radians and metres comparable in `smallest`.
+    motors : tuple of JointValue
+    limits : bool
+        Whether the joints had to be within their limits.
+    starts : int
+        Random starts that were tried.
+    complete : CompletenessReport
+    modes : tuple of ModeReport
+    """
+
+    mechanism: str
+    description: str
+    parameters: tuple[ParameterValue, ...]
+    characteristic_length: float
+    motors: tuple[JointValue, ...]
+    limits: bool
+    starts: int
+    complete: CompletenessReport
+    modes: tuple[ModeReport, ...]
+
+
+def make_modes_report(
+    mechanism: Mechanism, actuated: ArrayLike, modes: AssemblyModes, *, limits: bool = True
+) -> ModesReport:
+    """Collect what is known of the assembly modes that were found.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    actuated : array_like, shape (n,)
+        The motor values, m or rad.
+    modes : AssemblyModes
+        Found at these; there may be none.
+    limits : bool
+        Whether the joints had to be within their limits.
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> mechanism = pj.load("four_bar")
+    >>> modes = mechanism.assembly_modes([0.9], rng=0)
+    >>> [(m.number, m.poses, m.sign) for m in make_modes_report(mechanism, [0.9], modes).modes]
+    [(1, (), -1), (2, ('home',), 1)]
+    """
+    labels, complete = Labels.of(mechanism), modes.complete
+    return ModesReport(
+        mechanism=encodable(mechanism.name),
+        description=mechanism.spec.description,
+        parameters=parameter_values(mechanism),
+        characteristic_length=mechanism.characteristic_length,
+        motors=motor_values(np.asarray(actuated, dtype=float), labels),
+        limits=limits,
+        starts=modes.starts,
+        complete=CompletenessReport(
+            complete.kind, complete.statement, complete.unseen, complete.confidence
+        ),
+        modes=_modes(mechanism, modes, labels),
+    )
+
+
+def _modes(mechanism: Mechanism, modes: AssemblyModes, labels: Labels) -> tuple[ModeReport, ...]:
+    names = pose_names(mechanism, modes)
+    rows = mechanism.home.split_jacobian().rows
+    found = zip(modes, names, modes.shares, modes.mirror_images, strict=True)
+    return tuple(
+        _mode(number, mode, rows, labels, poses=poses, share=share, mirror=mirror)
+        for number, (mode, poses, share, mirror) in enumerate(found, start=1)
+    )
+
+
+def _mode(
+    number: int,
+    mode: Configuration,
+    rows: ArrayLike,
+    labels: Labels,
+    *,
+    poses: tuple[str, ...],
+    share: float,
+    mirror: int | None,
+) -> ModeReport:
+    split, singularity = mode.split_jacobian(), mode.singularity()
+    det = determinant(split, labels)
+    sign = None
+    if det is not None and np.array_equal(split.rows, rows):
+        sign = 0 if singularity.is_singular else int(np.sign(det.value))
+    return ModeReport(
+        number=number,
+        poses=poses,
+        tool=tool_pose(mode),
+        joints=joint_values(mode, labels),
+        q=vector(mode.q),
+        residual_norm=mode.residual_norm,
+        kind=singularity.kind,
+        smallest=singularity.smallest,
+        det_K_star=det,
+        sign=sign,
+        share=share,
+        mirror_image=None if mirror is None else mirror + 1,
+        certificate=_certificate(mode),
+    )
+
+
+def _certificate(mode: Configuration) -> CertificateReport:
+    found = mode.certificate()
+    radii = (found.existence_radius, found.uniqueness_radius)
+    return CertificateReport(bool(found), *radii, found.statement)

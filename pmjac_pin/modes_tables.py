@@ -1,0 +1,102 @@
+"""The assembly modes as headings, paragraphs and tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scipy.spatial.transform import Rotation
+
+from pmjac_pin.blocks import Block, Heading, Paragraph, Table, brief, numbers
+from pmjac_pin.modes_report import ModeReport, ModesReport
+from pmjac_pin.tables import motor_values
+
+_SIGNS = {1: "+", -1: "-", 0: "0", None: ""}
+
+LEGEND = (
+    "σ is the smallest singular value of K*, relative to the size of [K K*]; share, of the random "
+    "starts that led here; proven, that an exact solution is no farther away than this."
+)
+
+
+def modes_blocks(report: ModesReport) -> Iterator[Block]:
+    """Show all modes, and what their completeness rests on."""
+    yield Heading(modes_title(report))
+    if report.description:
+        yield Paragraph(report.description)
+    yield Paragraph(count(report))
+    if report.modes:
+        yield _table(report)
+        yield Paragraph(LEGEND)
+        yield _tools(report)
+    yield Paragraph(f"Complete? {report.complete.statement}.")
+
+
+def modes_title(report: ModesReport) -> str:
+    """Return what is shown: the mechanism and its motor values."""
+    return f"Assembly modes of {report.mechanism} at {motor_values(report.motors)}"
+
+
+def count(report: ModesReport) -> str:
+    """Say in a sentence how many modes there are.
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> from pmjac_pin.modes_report import make_modes_report
+    >>> mechanism = pj.load("four_bar")
+    >>> modes = mechanism.assembly_modes([0.9], rng=0)
+    >>> count(make_modes_report(mechanism, [0.9], modes))
+    '2 assembly modes within the limits of the joints.'
+    """
+    found = len(report.modes)
+    within = "within the limits of the joints" if report.limits else "with limits left aside"
+    return f"{found or 'No'} assembly mode{'s' * (found != 1)} {within}."
+
+
+def _table(report: ModesReport) -> Table:
+    header = (
+        "mode",
+        "residual\n[m]",
+        "σ",
+        "sign of\ndet K*",
+        "share\n[%]",
+        "mirror\nimage",
+        "proven\n[rad]",
+    )
+    return Table(
+        "",
+        (*header, "which is"),
+        tuple((*_row(mode), _names(mode)) for mode in report.modes),
+        ">>>>>>><",
+    )
+
+
+def _row(mode: ModeReport) -> tuple[str, ...]:
+    mirror = "" if mode.mirror_image is None else str(mode.mirror_image)
+    return (
+        str(mode.number),
+        f"{mode.residual_norm:.1e}",
+        brief(mode.smallest),
+        _SIGNS[mode.sign],
+        f"{100.0 * mode.share:.2f}",
+        mirror,
+        f"{mode.certificate.existence_radius:.0e}" if mode.certificate.certified else "no",
+    )
+
+
+def _names(mode: ModeReport) -> str:
+    singular = () if mode.kind == "regular" else (f"singular ({mode.kind})",)
+    return ", ".join((*mode.poses, *singular))
+
+
+def _tools(report: ModesReport) -> Table:
+    rotations = Rotation.from_matrix([mode.tool.rotation for mode in report.modes])
+    places = numbers([mode.tool.position for mode in report.modes])
+    turns = numbers(rotations.as_rotvec())
+    rows = zip(report.modes, places, turns, strict=True)
+    return Table(
+        "Tool in the world: its place, and the turn from the world's axes (angle times axis)",
+        ("mode", "position [m]\nx", "\ny", "\nz", "turn [rad]\nx", "\ny", "\nz"),
+        tuple((str(mode.number), *place, *turn) for mode, place, turn in rows),
+        "<>>>>>>",
+    )

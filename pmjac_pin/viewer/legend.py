@@ -1,0 +1,42 @@
+"""The legend of the picture: which colour is what, as far as a mechanism has it."""
+
+from __future__ import annotations
+
+from pmjac_pin.loop_spec import DistanceLoop, JointLoop
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.viewer.messages import Key
+from pmjac_pin.viewer.palette import (
+    AXES,
+    FIRST_ANCHOR,
+    FREE,
+    GAP,
+    JOINT,
+    MOTOR,
+    ROD,
+    SECOND_ANCHOR,
+    hexadecimal,
+)
+
+
+def legend(mechanism: Mechanism) -> tuple[Key, ...]:
+    """Return the entries of a mechanism's picture.
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> [key.text for key in legend(pj.load("serial_2r"))]
+    ['motor', 'tool x, y, z']
+    """
+    closures = [loop for loop in mechanism.spec.loops if not isinstance(loop, JointLoop)]
+    entries = [
+        (True, "motor", [MOTOR]),
+        (bool(mechanism.passive), "passive joint", [JOINT]),
+        (bool(closures), "loop closure", [FIRST_ANCHOR, SECOND_ANCHOR]),
+        (any(isinstance(loop, DistanceLoop) for loop in closures), "its rod", [ROD]),
+        (bool(closures), "open gap", [GAP]),
+        (True, "tool x, y, z", list(AXES)),
+        (bool(closures), "free at a singularity", [FREE]),
+    ]
+    return tuple(
+        Key(text, tuple(map(hexadecimal, colours))) for there, text, colours in entries if there
+    )

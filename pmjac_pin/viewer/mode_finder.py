@@ -1,0 +1,168 @@
+"""The assembly modes for the page: found in a thread of their own, while the page stays alive."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import ArgumentError, PmjacError
+from pmjac_pin.modes.assembly_modes import AssemblyModes
+from pmjac_pin.modes.find import Aim, find_modes
+from pmjac_pin.modes.names import SAME_MOTORS, Recognition
+from pmjac_pin.modes_report import ModeReport, make_modes_report
+from pmjac_pin.modes_tables import count
+from pmjac_pin.viewer.messages import FindModes, Modes, ModesCommand, ShowMode, StopSearch
+from pmjac_pin.viewer.session import Session
+
+_logger = logging.getLogger(__name__)
+
+_UNSEEN, _CONFIDENCE, _MOST_STARTS = 2e-3, 0.99, 200_000
+_MOVED = "The motors have moved since the modes were found."
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """The outcome of a search; `modes` is None where it failed."""
+
+    text: str
+    modes: AssemblyModes | None = None
+    reports: tuple[ModeReport, ...] = ()
+    recognition: Recognition | None = None
+
+    @classmethod
+    def of(cls, start: Configuration, seed: int, wanted: Callable[[], bool]) -> _Found:
+        """Search at the motor values of a pose, until nobody wants it any more."""
+        mechanism, theta = start.mechanism, start.actuated
+        aim = Aim(_UNSEEN, _CONFIDENCE, _MOST_STARTS, wanted)
+        try:
+            modes = find_modes(mechanism, theta, np.random.default_rng(seed), True, aim)
+            report = make_modes_report(mechanism, theta, modes)
+            text = f"{count(report)} Complete? {report.complete.statement}."
+            return cls(text, modes, report.modes, Recognition(modes))
+        except PmjacError as error:
+            return cls(str(error))
+        except Exception:
+            _logger.exception("the search for assembly modes failed")
+            return cls("The search failed; see the log of the server.")
+
+
+class ModeFinder:
+    """What is known of the assembly modes at the session's motor values.
+
+    All but the search itself runs in the server's thread. A motion of the motors makes the
+    answer, or a search that is still going on, void.
+
+    Parameters
+    ----------
+    session : Session
+    tell : callable
+        Called, in the server's thread, whenever `message` has changed.
+    """
+
+    def __init__(self, session: Session, tell: Callable[[], None]) -> None:
+        self._session = session
+        self._tell = tell
+        self._theta = session.configuration.actuated
+        self._text = ""
+        self._found: _Found | None = None
+        self._search: threading.Event | None = None  # set when nobody wants its answer any more
+        self._current: int | None = None
+        self._searches = 0  # each has other random starts
+
+    @property
+    def known(self) -> bool:
+        """Whether there is anything to tell a page that has just been opened."""
+        return self._search is not None or self._found is not None
+
+    def message(self) -> Modes:
+        """Return what pages have to know."""
+        if self._search is not None:
+            return Modes(status="searching", text="Searching, from random starts …")
+        if self._found is None:
+            return Modes(status="unknown", text=self._text)
+        text, modes = self._found.text, self._found.reports
+        if self._found.modes is None:
+            return Modes(status="failed", text=text)
+        return Modes(status="found", text=text, current=self._current, modes=modes)
+
+    def obey(self, command: ModesCommand) -> None:
+        """Carry out a command of a page.
+
+        Raises
+        ------
+        ArgumentError
+            There is no mode of this number at the motor values of now.
+        """
+        match command:
+            case FindModes():
+                self._start(asyncio.get_running_loop())
+            case StopSearch():
+                if self._search is not None:
+                    self._forget("")
+            case ShowMode():
+                self._show(command.number)
+
+    def follow(self) -> None:
+        """Take notice of where the session is now."""
+        theta = self._session.configuration.actuated
+        if not np.allclose(theta, self._theta, rtol=0.0, atol=SAME_MOTORS):
+            self._theta = theta
+            if self.known:
+                self._forget(_MOVED)
+        elif (current := self._recognised()) != self._current:
+            self._current = current
+            self._tell()
+
+    def stop(self) -> None:
+        """Give up a search that is going on, silently."""
+        if self._search is not None:
+            self._search.set()
+            self._search = None
+
+    def _start(self, loop: asyncio.AbstractEventLoop) -> None:
+        self.stop()
+        self._found = None
+        self._search = unwanted = threading.Event()
+        start, seed = self._session.configuration, self._searches
+        self._searches += 1
+
+        def search() -> None:
+            found = _Found.of(start, seed, lambda: not unwanted.is_set())
+            with contextlib.suppress(RuntimeError):  # the server has ended meanwhile
+                loop.call_soon_threadsafe(self._finish, unwanted, found)
+
+        threading.Thread(target=search, name="pmjac modes", daemon=True).start()
+        self._tell()
+
+    def _finish(self, search: threading.Event, found: _Found) -> None:
+        if search is not self._search:
+            return
+        self._search, self._found = None, found
+        self._current = self._recognised()
+        self._tell()
+
+    def _forget(self, why: str) -> None:
+        self.stop()
+        self._found, self._current, self._text = None, None, why
+        self._tell()
+
+    def _show(self, number: int) -> None:
+        modes = () if self._found is None else self._found.modes or ()
+        if self._found is None or not 1 <= number <= len(modes):
+            raise ArgumentError(f"there is no mode {number} at these motor values: find them first")
+        names = self._found.reports[number - 1].poses
+        mechanism = self._session.mechanism
+        self._session.show(mechanism.pose(names[0]) if names else modes[number - 1])
+
+    def _recognised(self) -> int | None:
+        if self._found is None or self._found.recognition is None:
+            return None
+        index = self._found.recognition.index(self._session.configuration)
+        return None if index is None else index + 1

@@ -1,0 +1,108 @@
+"""How many independent velocities the tool has here, and how many elsewhere.
+
+`Singularity` looks at the tool's whole twist. [J_v]eq and [J_ω]eq may each lose rank where the
+twist does not: a stretched arm of two links still turns, but its tip moves along one line only.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.errors import PmjacError
+from pmjac_pin.jacobian import EquivalentJacobian
+from pmjac_pin.mechanism import Mechanism
+
+Array = NDArray[np.float64]
+
+_PROBES = 4  # poses near home, besides the named ones
+_DISTANCE = 0.1  # of the motors from home, where a rate of 1 is one of the mechanism's size
+_ZERO = 1e-7  # of the largest singular value anywhere
+_NEARLY_ZERO = 0.01
+_NAMES = ("[J_v]eq", "[J_ω]eq")
+
+
+@dataclass(frozen=True, slots=True)
+class ToolRanks:
+    """The ranks of [J_v]eq and [J_ω]eq in general: the largest over some poses.
+
+    Attributes
+    ----------
+    generic : tuple of two int
+    sizes : tuple of two float
+        The largest singular value of each among these poses, motor rates without dimension.
+    """
+
+    generic: tuple[int, int]
+    sizes: tuple[float, float]
+
+    @classmethod
+    def of(cls, mechanism: Mechanism) -> ToolRanks:
+        """Find them at the named poses and near home.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> ToolRanks.of(pj.load("serial_2r")).generic
+        (2, 1)
+        """
+        found = [_singular_values(jacobian) for jacobian in _probes(mechanism)]
+        values = [np.array([pair[half] for pair in found]).reshape(-1, 3) for half in (0, 1)]
+        sizes = [float(half.max(initial=0.0)) for half in values]
+        ranks = [
+            int((half > _ZERO * size).sum(axis=1).max(initial=0))
+            for half, size in zip(values, sizes, strict=True)
+        ]
+        return cls((ranks[0], ranks[1]), (sizes[0], sizes[1]))
+
+    def loss(self, jacobian: EquivalentJacobian) -> str:
+        """Say in a sentence what the tool has lost, or almost; empty where it has not."""
+        values = _singular_values(jacobian)
+        for limit, sentence in (
+            (_ZERO, "Here the tool cannot move in every way that it can elsewhere: {}."),
+            (_NEARLY_ZERO, "Here the tool almost loses a way to move: {}."),
+        ):
+            drops = list(self._drops(values, limit))
+            if drops:
+                return sentence.format(", ".join(drops))
+        return ""
+
+    def _drops(self, values: tuple[Array, Array], limit: float) -> Iterator[str]:
+        of_both = zip(_NAMES, values, self.generic, self.sizes, strict=True)
+        for name, singular_values, generic, size in of_both:
+            rank = int((singular_values > limit * size).sum())
+            if rank < generic:
+                verb = "has" if limit == _ZERO else "is near"
+                yield f"{name} {verb} rank {rank} instead of {generic}"
+
+
+def _singular_values(jacobian: EquivalentJacobian) -> tuple[Array, Array]:
+    """Return three singular values for each half, of motor rates without dimension."""
+    partition = jacobian.partition
+    scale = partition.column_scale[partition.actuated]
+    halves = []
+    for half in (jacobian.Jv_eq, jacobian.Jw_eq):
+        values = np.linalg.svd(half * scale, compute_uv=False)
+        halves.append(np.pad(values, (0, 3 - values.size)))
+    return halves[0], halves[1]
+
+
+def _probes(mechanism: Mechanism) -> Iterator[EquivalentJacobian]:
+    rng = np.random.default_rng(0)
+    partition = mechanism.home.split_jacobian().partition
+    stride = _DISTANCE * partition.length * partition.column_scale[partition.actuated]
+    home = mechanism.home.actuated
+    displaced = [home + stride * rng.normal(size=home.size) for _ in range(_PROBES)]
+    finders = itertools.chain(
+        (functools.partial(mechanism.pose, name) for name in mechanism.poses),
+        (functools.partial(mechanism.close, values) for values in displaced),
+    )
+    for find in finders:
+        with contextlib.suppress(PmjacError):  # out of reach, beyond limits, or singular
+            yield find().jacobian()

@@ -1,0 +1,89 @@
+"""The command ``pmjac modes``: tables, JSON, the picture, and one line when it goes wrong."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+import pmjac_pin as pj
+from pmjac_pin.cli import main
+
+
+@pytest.fixture
+def run(capsys, monkeypatch, tmp_path):
+    """Run in this process; returns status, output, error output."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "80")
+
+    def run(*argv):
+        status = main(("modes", *argv))
+        captured = capsys.readouterr()
+        return status, captured.out, captured.err
+
+    return run
+
+
+def test_the_lectures_eight(run):
+    status, out, err = run("three_rps_ss", "--from", "lecture_a")
+    assert (status, err) == (0, "")
+    assert "8 assembly modes within the limits of the joints." in out
+    assert out.count("lecture_a") == 1
+    assert "Complete? statistics: with confidence 0.99" in out
+    assert max(map(len, out.splitlines())) <= 80
+
+
+def test_json_equals_the_python_interface(run):
+    status, out, _ = run("four_bar", "--at", "0.9", "--seed", "4", "--json")
+    found, modes = json.loads(out), pj.load("four_bar").assembly_modes([0.9], rng=4)
+    assert status == 0
+    assert [mode["q"] for mode in found["modes"]] == [mode.q.tolist() for mode in modes]
+    assert found["limits"] is True
+
+
+def test_without_motor_values_those_of_home(run):
+    _, out, _ = run("four_bar", "--json")
+    [named] = [mode for mode in json.loads(out)["modes"] if mode["poses"]]
+    assert named["poses"] == ["home"]
+
+
+def test_options_reach_the_search(run):
+    _, out, _ = run("four_bar", "--set", "l1=1.2", "--no-limits", "--unseen", "0.02", "--json")
+    found = json.loads(out)
+    assert {parameter["name"]: parameter["value"] for parameter in found["parameters"]}["l1"] == 1.2
+    assert (found["limits"], found["starts"]) == (False, 4096)
+    _, out, _ = run("four_bar", "--most-starts", "1", "--confidence", "0.9", "--json")
+    complete = json.loads(out)["complete"]
+    assert (complete["kind"], complete["confidence"]) == ("neither", 0.9)
+
+
+@pytest.mark.parametrize("json_too", [(), ("--json",)])
+def test_the_picture(run, tmp_path, json_too):
+    status, out, _ = run("four_bar", "-o", "modes.png", *json_too)
+    assert status == 0
+    assert (tmp_path / "modes.png").read_bytes().startswith(b"\x89PNG")
+    assert json.loads(out) if json_too else out.endswith("\nmodes.png\n")
+
+
+@pytest.mark.parametrize(
+    ("argv", "message"),
+    [
+        (("three_rps", "--at", "1,1"), "3 motor values (l1, l2, l3) expected, got 2"),
+        (("three_rps", "--at", "1,1,9"), "motor 'l3' = 9 is outside its limits [0.1, 3]"),
+        (("four_bar", "--at", "1", "--from", "home"), "--at and --from both give motor values"),
+        (("four_bar", "--from", "hom"), "did you mean 'home'"),
+        (("four_bar", "--unseen", "2"), "unseen is a share between 0 and 1, got 2.0"),
+        (("four_bar", "--seed", "-1"), "rng is a numpy Generator or a whole number ≥ 0, got -1"),
+        (("four_bar", "-o", "modes.xyz"), "its suffix must be one of"),
+        (
+            ("four_bar", "--set", "l1=3,l2=2.5,l3=2", "--at", "2.5", "-o", "modes.png"),
+            "there are no assembly modes to draw",
+        ),
+    ],
+)
+def test_mistakes(run, tmp_path, argv, message):
+    status, out, err = run(*argv)
+    assert (status, out) == (2, "")
+    assert message in err
+    assert len(err.splitlines()) == 1
+    assert list(tmp_path.iterdir()) == []
