@@ -13,6 +13,7 @@ test: .venv/ready
 bench: .venv/ready
 	$(BIN)/python benchmarks/bench_jacobian.py
 	$(BIN)/python benchmarks/bench_modes.py
+	$(BIN)/python benchmarks/bench_proof.py
 	$(BIN)/python benchmarks/bench_page.py
 
 screenshots: .venv/ready
