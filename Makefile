@@ -8,7 +8,7 @@ demo: .venv/ready
 	$(BIN)/pmjac demo
 
 test: .venv/ready
-	$(BIN)/python -m pytest -n 2
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2
 
 bench: .venv/ready
 	$(BIN)/python benchmarks/bench_jacobian.py

@@ -144,6 +144,7 @@ def modes_command(
     most_starts: Annotated[
         int, Parameter(help="Starts after which to give up on it (default: 200000).")
     ] = 200_000,
+    no_proof: Annotated[bool, Parameter(help="Leave it at the search's statistics.")] = False,
     json: Annotated[bool, Parameter(help="Write JSON: all digits, SI units.")] = False,
     output: Annotated[
         Path | None,
@@ -160,6 +161,7 @@ def modes_command(
         unseen=unseen,
         confidence=confidence,
         most_starts=most_starts,
+        proof=not no_proof,
     )
     report = make_modes_report(machine, values, modes, limits=not no_limits)
     drawn: list[Block] = []

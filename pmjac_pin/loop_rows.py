@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_HALF_A_TURN = 1e-12  # 1 + cos(angle) below which the direction of a tilt is lost
+HALF_A_TURN = 1e-12  # 1 + cos(angle) below which the direction of a tilt is lost
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +141,7 @@ class Tilt:
         """Return η and its derivative."""
         turned, rates = pose.axis(self.axis)
         aside, above = self.across @ turned, 1.0 + self.axis @ turned
-        if above < _HALF_A_TURN:
+        if above < HALF_A_TURN:
             return np.array([2.0, 0.0]), self.across @ rates
         factor = math.sqrt(2.0 / above)
         slope = -0.5 * factor / above

@@ -284,7 +284,7 @@ def as_toml(value):
 
 
 FUZZ = settings(
-    max_examples=700,
+    max_examples=250,
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],

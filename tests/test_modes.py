@@ -64,7 +64,7 @@ def test_the_four_bars_two_modes(theta1):
 
 def test_out_of_reach_there_are_none():
     modes = mechanisms.rocker_rocker().assembly_modes([2.5], rng=0)
-    assert (len(modes), modes.complete.kind) == (0, "statistics")
+    assert (len(modes), modes.complete.kind) == (0, "proof")
     assert list(modes) == []
 
 
@@ -134,8 +134,29 @@ def test_limits_leave_modes_out():
     assert len(limited.assembly_modes(theta, rng=0, limits=False)) == 8
 
 
+@pytest.mark.parametrize(
+    ("name", "count", "kind"),
+    [
+        ("four_bar", 2, "proof"),
+        ("watt_six_bar", 4, "proof"),
+        ("three_rps", 8, "proof"),
+        ("bricard", 2, "proof"),
+        ("stewart_gough", 8, "statistics"),
+    ],
+)
+def test_what_completeness_rests_on(name, count, kind):
+    mechanism = pj.load(name)
+    modes = mechanism.assembly_modes(mechanism.home.actuated, rng=0)
+    assert len(modes) == count
+    assert modes.complete.kind == kind
+    assert str(modes.complete).startswith(f"{kind}: ")
+    bound = mechanism.assembly_modes(mechanism.home.actuated, rng=0, proof=False).complete
+    assert (bound.kind, bound.confidence) == ("statistics", 0.99)
+    assert 0.0 < bound.unseen <= 2e-3
+
+
 def test_a_small_budget_is_admitted():
-    modes = pj.load("three_rps").assembly_modes([1, 1, 1.1], rng=0, most_starts=10)
+    modes = pj.load("three_rps").assembly_modes([1, 1, 1.1], rng=0, most_starts=10, proof=False)
     assert modes.complete.kind == "neither"
     assert "neither proof nor statistics" in str(modes.complete)
 

@@ -125,4 +125,4 @@ def test_json_gives_every_attribute_back(lecture):
     found = json.loads(to_json(report), parse_constant=refuse)
     assert list(found) == list(report.__struct_fields__)
     assert found["modes"][3]["q"] == list(report.modes[3].q)
-    assert found["complete"]["kind"] == "statistics"
+    assert found["complete"]["kind"] == "proof"

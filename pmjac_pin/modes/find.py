@@ -18,8 +18,10 @@ from pmjac_pin.jacobian import refuse_felt_idle_motion
 from pmjac_pin.modes.assembly_modes import AssemblyModes, Completeness
 from pmjac_pin.modes.distinct import Distinct, Signatures
 from pmjac_pin.modes.mirror import mirror_images
+from pmjac_pin.modes.proof import prove
 from pmjac_pin.modes.search import ManyClosures, unseen_share
 from pmjac_pin.modes.search_problem import SearchProblem, search_problem, with_legs
+from pmjac_pin.modes.settling import missing, settled
 from pmjac_pin.modes.starts import StartSpace
 from pmjac_pin.parts import Parts
 from pmjac_pin.pose_assembly import motor_weights
@@ -49,6 +51,8 @@ class Aim:
         Of this bound.
     most_starts : int
         Where the search gives up on the bound.
+    proof : bool
+        Try to prove that what was found is all.
     wanted : callable
         Asked now and then; the search ends as soon as it returns False.
     """
@@ -56,6 +60,7 @@ class Aim:
     unseen: float
     confidence: float
     most_starts: int
+    proof: bool = True
     wanted: Callable[[], bool] = _always
 
     def __post_init__(self) -> None:
@@ -78,25 +83,34 @@ def find_modes(
     base = parts.coordinates.with_values(parts.home_q, parts.problem.partition.actuated, values)
     problem, legs = search_problem(parts, base)
     met, starts, bound = _searched(problem, StartSpace.of(problem, limits), rng, aim)
-    found = [
-        (configuration, hits / starts)
-        for q, hits in zip(met.q, met.hits, strict=True)
-        if (
-            configuration := _configuration(
-                mechanism, with_legs(parts, legs, problem, base, q), limits
-            )
-        )
-        is not None
-    ]
+    rows = [with_legs(parts, legs, problem, base, q) for q in met.q]
+    found = _configurations(mechanism, rows, [hits / starts for hits in met.hits], limits)
+    complete = _completeness(bound, aim, starts)
+    if aim.proof:
+        proof = prove(parts, values, limits)
+        lost = proof.q[missing(parts, proof, [one for one, _ in found])] if proof.complete else ()
+        if len(lost) and not legs:
+            found += _configurations(mechanism, list(lost), [0.0] * len(lost), limits)
+        complete = settled(parts, proof, [one for one, _ in found], complete)
     found.sort(key=lambda item: _order(item[0], parts.problem.partition.length))
     modes = tuple(configuration for configuration, _ in found)
     return AssemblyModes(
         configurations=modes,
         shares=tuple(share for _, share in found),
         starts=starts,
-        complete=_completeness(bound, aim, starts),
+        complete=complete,
         mirror_images=mirror_images(parts, modes),
     )
+
+
+def _configurations(
+    mechanism: Mechanism, rows: list[Array], shares: list[float], limits: bool
+) -> list[tuple[Configuration, float]]:
+    """Return the rows that Pinocchio closes within limits, each with its share of the starts."""
+    pairs = [
+        (_configuration(mechanism, q, limits), share) for q, share in zip(rows, shares, strict=True)
+    ]
+    return [(configuration, share) for configuration, share in pairs if configuration is not None]
 
 
 def _searched(

@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from pmjac_pin.coupling import Coupling, couple
 from pmjac_pin.frames import Frame, find_frame
-from pmjac_pin.loop_rows import Along, Distance, Gap, RightAngle, Rows, Tilt, Turn
+from pmjac_pin.loop_rows import HALF_A_TURN, Along, Distance, Gap, RightAngle, Rows, Tilt, Turn
 from pmjac_pin.loop_spec import JointLoop, Loop
 from pmjac_pin.loops import loop_blocks
 from pmjac_pin.modes.many_poses import ManyPoses, Poses
@@ -100,10 +100,11 @@ def _rows(block: Rows, one: _End, other: _End) -> tuple[Array, Array]:
             axis = one.axes @ block.axis
             directions = np.einsum("bij,kj->bki", other.axes, block.across)
             above = 1.0 + np.einsum("bi,bi->b", axis, other.axes @ block.axis)
-            factor = np.sqrt(2.0 / np.maximum(above, 1e-12))[:, None]
+            factor = np.sqrt(2.0 / np.maximum(above, HALF_A_TURN))[:, None]
             swing = np.cross(turning, axis[:, :, None], axis=1)
-            aside = np.einsum("bki,bi->bk", directions, axis)
-            return factor * aside, factor[:, :, None] * (directions @ swing)
+            aside = factor * np.einsum("bki,bi->bk", directions, axis)
+            aside[above < HALF_A_TURN] = 2.0, 0.0  # where its direction is lost, as in `loop_rows`
+            return aside, factor[:, :, None] * (directions @ swing)
         case RightAngle():
             axis, normal = one.axes @ block.first, other.axes @ block.second
             swing = np.cross(turning, axis[:, :, None], axis=1)

@@ -40,7 +40,7 @@ class _Found:
     def of(cls, start: Configuration, seed: int, wanted: Callable[[], bool]) -> _Found:
         """Search at the motor values of a pose, until nobody wants it any more."""
         mechanism, theta = start.mechanism, start.actuated
-        aim = Aim(_UNSEEN, _CONFIDENCE, _MOST_STARTS, wanted)
+        aim = Aim(_UNSEEN, _CONFIDENCE, _MOST_STARTS, wanted=wanted)
         try:
             modes = find_modes(mechanism, theta, np.random.default_rng(seed), True, aim)
             report = make_modes_report(mechanism, theta, modes)
