@@ -39,6 +39,7 @@ from pmjac_pin.loop_spec import (
 )
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.modes.assembly_modes import AssemblyModes, Completeness
+from pmjac_pin.modes.homotopy import ComplexModes, complex_modes
 from pmjac_pin.partition import Partition
 from pmjac_pin.singularity import Singularity
 from pmjac_pin.spec import MechanismSpec
@@ -52,6 +53,7 @@ __all__ = [
     "Certificate",
     "ClosureError",
     "Completeness",
+    "ComplexModes",
     "Configuration",
     "CylindricalLoop",
     "Diagnosis",
@@ -83,6 +85,7 @@ __all__ = [
     "UnknownNameError",
     "Viewer",
     "check",
+    "complex_modes",
     "equivalent_jacobian",
     "list_mechanisms",
     "load",

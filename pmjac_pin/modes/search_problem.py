@@ -5,7 +5,7 @@ Where the mechanism has legs, they are rods here and their joints are found afte
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,6 +36,10 @@ class SearchProblem:
         The home pose, with the motors at their values.
     tree : ManyPoses
     loops : ManyLoops
+    closures : tuple of Loop
+        What `loops` are made of.
+    values : mapping of str to float
+        The parameters' values.
     passive : tuple of (slice, Edge)
         Each unknown joint's entries in q.
     columns : ndarray of int
@@ -50,6 +54,8 @@ class SearchProblem:
     base: Array
     tree: ManyPoses
     loops: ManyLoops
+    closures: tuple[Loop, ...]
+    values: Mapping[str, float]
     passive: tuple[tuple[slice, Edge], ...]
     columns: NDArray[np.intp]
     row_scale: Array
@@ -114,6 +120,8 @@ def _problem(parts: Parts, model: pin.Model, loops: Sequence[Loop], base: Array)
         base=base,
         tree=tree,
         loops=ManyLoops(model, tree, loops, parts.values),
+        closures=tuple(loops),
+        values=parts.values,
         passive=tuple(entries),
         columns=coordinates.columns(passive),
         row_scale=LoopSystem(model, loops, parts.values).row_scale(length),
