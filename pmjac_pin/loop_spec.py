@@ -30,6 +30,7 @@ class _FramePair(Table, frozen=True):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        _refuse_other_than_names("frames", self.frames)
         _refuse_equal("frames", self.frames)
 
     @property
@@ -108,6 +109,8 @@ class UniversalLoop(_FramePair, frozen=True, tag_field="kind", tag="universal"):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if len(self.axes) != 2:
+            raise ArgumentError(f"a universal joint has two `axes`, got {list(self.axes)}")
         first, second = self.axes
         force_setattr(self, "axes", (_unit("axes", first), _unit("axes", second)))
 
@@ -152,6 +155,7 @@ class JointLoop(Table, frozen=True, tag_field="kind", tag="joint"):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        _refuse_other_than_names("joints", self.joints)
         _refuse_equal("joints", self.joints)
 
     @property
@@ -180,7 +184,15 @@ def _refuse_equal(what: str, names: tuple[str, str]) -> None:
         raise ArgumentError(f"a loop joins two different {what}, got {names[0]!r} twice")
 
 
+def _refuse_other_than_names(what: str, names: object) -> None:
+    pair = isinstance(names, tuple | list) and len(names) == 2
+    if not pair or not all(isinstance(name, str) for name in names):  # type: ignore[attr-defined]
+        raise ArgumentError(f"a loop names two {what}, got {names!r}")
+
+
 def _unit(key: str, vector: Vector) -> Vector:
+    if len(vector) != 3:
+        raise ArgumentError(f"`{key}` has three components, got {list(vector)}")
     length = math.hypot(*vector)
     if length < _SHORTEST_AXIS:
         raise ArgumentError(f"`{key}` needs a direction, got {list(vector)}")

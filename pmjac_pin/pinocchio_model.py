@@ -48,6 +48,7 @@ def own_model(
     if not isinstance(given, pin.Model):
         raise ArgumentError(f"model must be a pinocchio.Model, got {type(model).__name__}")
     own = given.copy()
+    _refuse_what_is_not_finite(own)
     try:
         spec = MechanismSpec(
             name=name or own.name or "mechanism",
@@ -63,9 +64,18 @@ def own_model(
         raise ArgumentError(str(error)) from None
 
 
+def _refuse_what_is_not_finite(model: pin.Model) -> None:
+    for name, place in zip(model.names, model.jointPlacements, strict=True):
+        if not np.isfinite(place.homogeneous).all():
+            raise ArgumentError(f"the placement of joint {name!r} is not finite")
+    for frame in model.frames:
+        if not np.isfinite(frame.placement.homogeneous).all():
+            raise ArgumentError(f"the placement of frame {frame.name!r} is not finite")
+
+
 def _names(what: str, names: Iterable[str]) -> tuple[str, ...]:
-    if isinstance(names, str):
-        raise ArgumentError(f"{what} is a list of joint names, got the string {names!r}")
+    if isinstance(names, str) or not isinstance(names, Iterable):
+        raise ArgumentError(f"{what} is a list of joint names, got {names!r}")
     return tuple(names)
 
 
@@ -93,6 +103,8 @@ def _anchored(own: pin.Model, constraint: Constraint, number: int) -> Loop:
     )
     names = (f"loop{number}_first", f"loop{number}_second")
     for name, (joint, placement) in zip(names, ends, strict=True):
+        if not np.isfinite(placement.homogeneous).all():
+            raise ArgumentError(f"a placement of loop {number} is not finite")
         if not 0 <= joint < own.njoints:
             have = f"the model has {own.njoints}"
             raise ArgumentError(f"loop {number} is fixed to joint {joint}; {have}")

@@ -8,7 +8,7 @@ round. Motor rates and tool twists do not notice: J_eq is invariant to the cut.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass
 
 import numpy as np
@@ -79,7 +79,7 @@ def recut_parts(parts: Parts, joint: str, poses: Mapping[str, Array]) -> Parts:
     loose = _behind(edges.values(), edges[joint].child)
     opened, held = _held_by(parts, joint, loose)
     turned = _turned_round(edges, held.edges[-1].child, edges[joint].child)
-    cut = _cut(edges[joint], model.njoints + 1, _keeps_its_value(spec, joint))
+    cut = _cut(edges[joint], model.njoints + 1, _keeps_its_value(spec, joint), _frame_names(model))
     stay = [turned.get(name, edge) for name, edge in edges.items() if name != joint]
     tree = build(model, [*stay, *cut.edges, *held.edges], cut.frames)
     loops = [_resolved(loop, parts.values) for loop in spec.loops if loop is not opened]
@@ -129,7 +129,7 @@ def _held_by(parts: Parts, joint: str, loose: set[int]) -> tuple[Loop, LoopJoint
             first, second = second, first
             if isinstance(loop, UniversalLoop):
                 seen = replace(loop, axes=loop.axes[::-1])
-        label = "-".join(loop.frames)
+        label = _unused("-".join(loop.frames), set(model.names))
         return loop, loop_joint(seen, parts.values, first, second, name=label, link=model.njoints)
     why = "cut there, nothing would hold what it carries"
     raise ArgumentError(f"{name}: joint {joint!r} is in no loop: {why}")
@@ -146,9 +146,9 @@ def _turned_round(edges: Mapping[str, Edge], start: int, end: int) -> dict[str, 
     return turned
 
 
-def _cut(edge: Edge, hub: int, keeps_its_value: bool) -> _Cut:
+def _cut(edge: Edge, hub: int, keeps_its_value: bool, taken: Set[str]) -> _Cut:
     """Return what a joint becomes: a loop, or what it moves a hub, and the hub is welded."""
-    one, other = f"{edge.name}_child", f"{edge.name}_parent"
+    one, other = (_unused(f"{edge.name}_{side}", taken) for side in ("child", "parent"))
     on_child = (edge.child, edge.after.inverse())
     if keeps_its_value:
         driven = dataclasses.replace(edge, child=hub, after=pin.SE3.Identity())
@@ -157,6 +157,19 @@ def _cut(edge: Edge, hub: int, keeps_its_value: bool) -> _Cut:
     frames = {one: on_child, other: (edge.parent, edge.before)}
     kind = _LOOPS.get(edge.kind)
     return _Cut((kind(frames=(one, other)),) if kind else (), frames, ())
+
+
+def _frame_names(model: pin.Model) -> set[str]:
+    return {frame.name for frame in model.frames}
+
+
+def _unused(name: str, taken: Set[str]) -> str:
+    """Return the name, with a number where it is taken."""
+    number = 2
+    candidate = name
+    while candidate in taken:
+        candidate, number = f"{name}_{number}", number + 1
+    return candidate
 
 
 def _new_values(

@@ -164,6 +164,8 @@ class MechanismSpec(Table, frozen=True, kw_only=True):
         _refuse_repeated("actuated", self.actuated)
         _refuse_repeated("passive", self.passive or ())
         _refuse_repeated("spherical", self.spherical)
+        if not isinstance(self.tolerance, Real | None):
+            raise ArgumentError(f"`tolerance` is a number in m, got {self.tolerance!r}")
         if self.tolerance is not None and not 0.0 < self.tolerance <= LARGEST_TOLERANCE:
             within = f"between 0 and {LARGEST_TOLERANCE:g} m"
             raise ArgumentError(f"`tolerance` is {within}, got {self.tolerance:g}")

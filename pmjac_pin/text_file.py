@@ -15,11 +15,14 @@ def read_text(path: Path, maximal_size: int) -> str:
     Raises
     ------
     ModelFileError
-        Missing, unreadable, a directory, empty, too large or not UTF-8.
+        Missing, unreadable, a directory, a device, empty, too large or not UTF-8.
     """
     try:
         if path.is_dir():
             raise ModelFileError(f"{path}: is a directory, not a file", path=str(path))
+        if path.exists() and not path.is_file():
+            message = f"{path}: is no regular file but a device or a pipe"
+            raise ModelFileError(message, path=str(path))
         if (size := path.stat().st_size) > maximal_size:
             message = f"{path}: {size} bytes are too many; at most {maximal_size} are read"
             raise ModelFileError(message, path=str(path))

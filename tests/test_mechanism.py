@@ -368,6 +368,29 @@ class TestFromPinocchio:
         with pytest.raises(pj.ArgumentError, match="fixed to joint 6; the model has 4"):
             self.four_bar(loops=[away])
 
+    @pytest.mark.parametrize(
+        ("make", "message"),
+        [
+            (lambda: pj.PointLoop(frames=("a",)), "a loop names two frames"),
+            (lambda: pj.PointLoop(frames=5), "a loop names two frames, got 5"),
+            (lambda: pj.JointLoop(joints=("a", 2)), "a loop names two joints"),
+            (lambda: pj.RevoluteLoop(frames=("a", "b"), axis=(0, 1)), "three components"),
+            (lambda: pj.RevoluteLoop(frames=("a", "b"), axis=(0, 0, 0)), "needs a direction"),
+            (lambda: pj.UniversalLoop(frames=("a", "b"), axes=((1, 0, 0),)), "two `axes`"),
+        ],
+    )
+    def test_loops_that_are_none(self, make, message):
+        with pytest.raises(pj.ArgumentError, match=message):
+            make()
+
+    def test_numbers_that_are_none(self):
+        model = pj.load("four_bar").model
+        model.jointPlacements[1] = pin.SE3(np.eye(3), np.array([np.nan, 0.0, 0.0]))
+        with pytest.raises(pj.ArgumentError, match="is not finite"):
+            pj.Mechanism.from_pinocchio(model, [], list(model.names)[1:], "coupler")
+        with pytest.raises(pj.ArgumentError, match="`tolerance` is a number in m, got 'x'"):
+            self.four_bar(tolerance="x")
+
     def test_two_joints_of_one_name(self):
         model = pj.load("serial_2r").model
         model.names[2] = "theta1"

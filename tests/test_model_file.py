@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from pathlib import Path
 
 import numpy as np
@@ -337,3 +338,14 @@ def test_fuzz_a_good_file_gone_wrong(tmp_path, data):
         pj.load(path)
     except (pj.ModelFileError, pj.ClosureError) as error:
         assert "\n" not in str(error)
+
+
+@pytest.mark.parametrize("name", ["device.toml", "pipe.toml"])
+def test_what_is_no_regular_file_is_not_opened(tmp_path, name):
+    path = tmp_path / name
+    if name == "device.toml":
+        path.symlink_to("/dev/zero")
+    else:
+        os.mkfifo(path)
+    with pytest.raises(pj.ModelFileError, match="is no regular file"):
+        pj.load(path)

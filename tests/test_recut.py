@@ -133,6 +133,20 @@ def test_a_recut_mechanism_can_be_recut():
     np.testing.assert_allclose(recut.home.jacobian().J_eq, J_eq, atol=1e-10)
 
 
+def test_names_of_new_frames_do_not_collide():
+    mechanism = pj.load("four_bar")
+    J_eq = mechanism.home.jacobian().J_eq
+    again = mechanism.recut("theta1").recut("theta1")
+    np.testing.assert_allclose(again.home.jacobian().J_eq, J_eq, atol=1e-10)
+    model = mechanism.model
+    for name in ("phi1_child", "phi1_parent"):
+        model.addFrame(pin.Frame(name, 0, pin.SE3.Random(), pin.FrameType.OP_FRAME))
+    taken = pj.Mechanism.from_pinocchio(
+        model, mechanism.spec.loops, ["theta1"], "coupler_midpoint", home=mechanism.home.q
+    )
+    np.testing.assert_allclose(taken.recut("phi1").home.jacobian().J_eq, J_eq, atol=1e-10)
+
+
 def test_bad_joints():
     mechanism = pj.load("three_rps")
     with pytest.raises(pj.UnknownNameError, match="did you mean 'theta1'"):
