@@ -167,14 +167,14 @@ def test_random_four_bars_against_the_closed_form(rng):
     assert counts == {0, 2}
 
 
-@pytest.mark.parametrize("count", [4, pytest.param(30, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [4, pytest.param(12, marks=pytest.mark.slow)])
 def test_random_three_rps_against_the_search(count, rng):
     mechanism = pj.load("three_rps_ss")
     for _ in range(count):
         lengths = rng.uniform(0.3, 2.0, 3)
         proof = proof_of(mechanism, lengths)
         assert proof.complete
-        assert_one_to_one(proof, mechanism.assembly_modes(lengths, rng=rng))
+        assert_one_to_one(proof, mechanism.assembly_modes(lengths, rng=rng, proof=False))
 
 
 # --- What is exact, and what holds to the tolerance ----------------------------------------------
