@@ -12,7 +12,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
@@ -93,6 +93,12 @@ Actuated: TypeAlias = Annotated[
 ToolFrame: TypeAlias = Annotated[
     str | None, Parameter(name="--tool", help="The tool's frame, instead of the file's.")
 ]
+Locked: TypeAlias = Annotated[
+    str | None, Parameter(help="Joints to hold at their home values, such as spring1,spring2.")
+]
+Tolerance: TypeAlias = Annotated[
+    float | None, Parameter(help="Gap in m that counts as closed, where numbers are rounded.")
+]
 
 
 @app.command(name="list")
@@ -113,10 +119,12 @@ def report_command(
     set_: Settings = None,
     actuated: Actuated = None,
     tool: ToolFrame = None,
+    locked: Locked = None,
+    tolerance: Tolerance = None,
     json: Annotated[bool, Parameter(help="Write JSON: all digits, SI units.")] = False,
 ) -> Output:
     """Show all that is known at one pose, as tables or as JSON."""
-    loaded = _load(mechanism, set_, actuated, tool)
+    loaded = _load(mechanism, set_, actuated, tool, locked, tolerance)
     configuration, names = _configuration(loaded, at, from_)
     report = make_report(configuration, frame.upper(), **names)
     return f"{to_json(report)}\n" if json else report_blocks(report)
@@ -135,6 +143,8 @@ def modes_command(
     set_: Settings = None,
     actuated: Actuated = None,
     tool: ToolFrame = None,
+    locked: Locked = None,
+    tolerance: Tolerance = None,
     no_limits: Annotated[bool, Parameter(help="Let joints go beyond their limits.")] = False,
     seed: Annotated[int, Parameter(help="Of the random starts (default: 0).")] = 0,
     unseen: Annotated[
@@ -152,7 +162,7 @@ def modes_command(
     ] = None,
 ) -> Output:
     """Find all closed poses at these motor values, and say what is known of their number."""
-    machine = _load(mechanism, set_, actuated, tool)
+    machine = _load(mechanism, set_, actuated, tool, locked, tolerance)
     values = _motor_values(machine, at, from_)
     modes = machine.assembly_modes(
         values,
@@ -179,11 +189,13 @@ def check_command(
     set_: Settings = None,
     actuated: Actuated = None,
     tool: ToolFrame = None,
+    locked: Locked = None,
+    tolerance: Tolerance = None,
     json: Annotated[bool, Parameter(help="Write JSON: all digits, SI units.")] = False,
 ) -> _Verdict:
     """Show what a model is made of and what is wrong with it; exit status 1 for an error."""
-    motors, parameters = _split(actuated), _parameters(set_ or ())
-    diagnosis = check(mechanism, parameters=parameters, actuated=motors, tool=tool)
+    options = _options(actuated, tool, locked, tolerance)
+    diagnosis = check(mechanism, parameters=_parameters(set_ or ()), **options)
     output: Output = f"{to_json(diagnosis)}\n" if json else diagnosis_blocks(diagnosis)
     return _Verdict(output, 1 if diagnosis.severity == "error" else 0)
 
@@ -202,9 +214,11 @@ def plot_command(
     set_: Settings = None,
     actuated: Actuated = None,
     tool: ToolFrame = None,
+    locked: Locked = None,
+    tolerance: Tolerance = None,
 ) -> Output:
     """Draw the velocity ellipsoid at one pose and its sections; print the file's path."""
-    loaded = _load(mechanism, set_, actuated, tool)
+    loaded = _load(mechanism, set_, actuated, tool, locked, tolerance)
     configuration, names = _configuration(loaded, at, from_)
     report = make_report(configuration, frame.upper(), **names)
     ellipsoid = configuration.jacobian(frame.upper()).velocity_ellipsoid()
@@ -234,13 +248,17 @@ def view_command(
     set_: Settings = None,
     actuated: Actuated = None,
     tool: ToolFrame = None,
+    locked: Locked = None,
+    tolerance: Tolerance = None,
     port: Annotated[
         int | None, Parameter(help="The first port to try (default: 7000); 0 for any.")
     ] = None,
     no_browser: Annotated[bool, Parameter(help="Do not open a browser.")] = False,
 ) -> Output:
     """Show a live page with sliders, on this machine only, until Ctrl-C."""
-    configuration, _ = _configuration(_load(mechanism, set_, actuated, tool), at, from_)
+    configuration, _ = _configuration(
+        _load(mechanism, set_, actuated, tool, locked, tolerance), at, from_
+    )
     # Imported when needed: it brings a web server along.
     from pmjac_pin.viewer.serving import serve_until_interrupted  # noqa: PLC0415
 
@@ -258,11 +276,13 @@ def convert_command(
     ],
     actuated: Actuated = None,
     tool: ToolFrame = None,
+    locked: Locked = None,
+    tolerance: Tolerance = None,
     force: Annotated[bool, Parameter(help="Replace files that exist.")] = False,
 ) -> Output:
     """Write a model file and its URDF from any format; print their paths."""
-    motors = _split(actuated)
-    written = convert(mechanism, output, actuated=motors, tool=tool, force=force)
+    options = _options(actuated, tool, locked, tolerance)
+    written = convert(mechanism, output, force=force, **options)
     return "".join(f"{one_line(str(path))}\n" for path in written)
 
 
@@ -330,10 +350,14 @@ def _message(error: Exception) -> str:
     return str(error)
 
 
-def _load(
-    name: str, settings: Iterable[str] | None, actuated: str | None, tool: str | None
-) -> Mechanism:
-    return load(name, _parameters(settings or ()), actuated=_split(actuated), tool=tool)
+def _load(name: str, settings: Iterable[str] | None, *model: str | float | None) -> Mechanism:
+    return load(name, _parameters(settings or ()), **_options(*model))
+
+
+def _options(actuated: Any, tool: Any, locked: Any, tolerance: Any) -> dict[str, Any]:
+    """Return the options of `load` that the command line gave."""
+    held = () if locked is None else _split(locked)
+    return {"actuated": _split(actuated), "tool": tool, "locked": held, "tolerance": tolerance}
 
 
 def _split(names: str | None) -> list[str] | None:

@@ -12,7 +12,7 @@ import tomli_w
 
 from pmjac_pin.catalog import find_model_file
 from pmjac_pin.errors import ModelFileError
-from pmjac_pin.loading import build, load
+from pmjac_pin.loading import adjusted, build, load
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.source import read_source
 from pmjac_pin.spec import JointValue, MechanismSpec, encode_spec
@@ -25,6 +25,8 @@ def convert(
     *,
     actuated: Iterable[str] | None = None,
     tool: str | None = None,
+    locked: Iterable[str] | Mapping[str, JointValue] = (),
+    tolerance: float | None = None,
     force: bool = False,
 ) -> tuple[Path, Path]:
     """Write a mechanism as a model file, its URDF beside it.
@@ -34,7 +36,7 @@ def convert(
 
     Parameters
     ----------
-    name_or_path, actuated, tool
+    name_or_path, actuated, tool, locked, tolerance
         As in `load`.
     output : str or Path
         The new model file; its name ends in ``.toml``.
@@ -63,7 +65,7 @@ def convert(
     Mechanism(mine, actuated=(theta1), 2 passive, 1 loop, mobility 1)
     """
     path, target = find_model_file(name_or_path), Path(output).expanduser()
-    source = read_source(path, actuated, tool)
+    source = adjusted(read_source(path, actuated, tool), locked, tolerance)
     read = {path.resolve(), Path(source.urdf.path).resolve()}
     tree = _urdf_beside(target, read)
     _check_places(target, tree, read, force)

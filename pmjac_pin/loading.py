@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
@@ -32,6 +33,7 @@ def load(
     locked: Iterable[str] | Mapping[str, JointValue] = (),
     actuated: Iterable[str] | None = None,
     tool: str | None = None,
+    tolerance: float | None = None,
 ) -> Mechanism:
     """Load a mechanism of the catalogue, a model file of your own, or a file of another format.
 
@@ -49,6 +51,9 @@ def load(
         The motors, in the order of the columns of K and J, instead of those that the file tells.
     tool : str, optional
         The tool's frame, instead of the one that the file tells.
+    tolerance : float, optional
+        The gap in m up to which the loops count as closed, instead of the file's, for models
+        whose numbers are rounded.
 
     Raises
     ------
@@ -69,7 +74,17 @@ def load(
     1.2
     """
     source = read_source(find_model_file(name_or_path), actuated, tool)
-    return build(replace(source, spec=source.spec.with_locked(locked)), parameters)
+    return build(adjusted(source, locked, tolerance), parameters)
+
+
+def adjusted(
+    source: Source, locked: Iterable[str] | Mapping[str, JointValue], tolerance: float | None
+) -> Source:
+    """Return what a file says, with further joints locked and another tolerance; see `load`."""
+    spec = source.spec.with_locked(locked)
+    if tolerance is not None:
+        spec = msgspec.structs.replace(spec, tolerance=tolerance)
+    return replace(source, spec=spec)
 
 
 def build(source: Source, parameters: Mapping[str, float] | None = None) -> Mechanism:

@@ -43,11 +43,24 @@ def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
             return _beyond_the_end(parts, q, found[-1].q) if motor_weight else found[-1].q
     best = min(found, key=lambda pose: pose.gap)
     # A small gap that stays is the rounding of the model's numbers: no fold would cure it.
-    for start in shaken(problem, q) if best.gap > LARGEST_TOLERANCE else ():
-        folded = assemble(problem, start, motor_weights(problem, 1.0), room=parts.coordinates.room)
-        if folded.gap <= problem.tolerance:
-            return folded.q
+    if best.gap > LARGEST_TOLERANCE and (folded := _folded(parts, q)) is not None:
+        return folded
     raise _open(parts, q, best, pose)
+
+
+def _folded(parts: Parts, q: Array) -> Array | None:
+    """Return a closed pose from shaken starts, with the motors at rest if there is one."""
+    problem, coordinates = parts.problem, parts.coordinates
+    motors = problem.partition.actuated
+    at_rest = coordinates.values(q)[motors]
+    for motor_weight in (0.0, 1.0):
+        for shook in shaken(problem, q):
+            start = shook if motor_weight else coordinates.with_values(shook, motors, at_rest)
+            weights = motor_weights(problem, motor_weight)
+            found = assemble(problem, start, weights, room=coordinates.room)
+            if found.gap <= problem.tolerance:
+                return found.q
+    return None
 
 
 def shaken(problem: ClosureProblem, q: Array) -> Iterator[Array]:

@@ -406,3 +406,21 @@ def test_the_fold_is_where_coupler_and_rocker_align():
     l0, l1, l2, l3 = mechanisms.NON_GRASHOF
     end = math.acos((l0**2 + l1**2 - (l2 + l3) ** 2) / (2 * l0 * l1))
     assert float(FOLD[-1]) == end
+
+
+def test_joints_to_hold_and_a_tolerance(run, tmp_path):
+    path = tmp_path / "arm.urdf"
+    path.write_text(
+        mechanisms.tree(
+            ("a", "revolute", "ground", "one", (0, 0, 0), (0, 0, 1)),
+            ("b", "revolute", "one", "two", (1, 0, 0), (0, 0, 1)),
+            ("c", "revolute", "two", "three", (1, 0, 0), (0, 0, 1)),
+        )
+    )
+    status, out, _ = run(
+        "report", str(path), "--actuated", "a,b", "--tool", "three", "--locked", "c", "--json"
+    )
+    assert (status, json.loads(out)["dimensions"]["nv"]) == (0, 2)
+    status, _, err = run("report", "four_bar", "--tolerance", "-1")
+    assert status == 2
+    assert "`tolerance` is between 0 and 0.01 m, got -1" in err

@@ -126,3 +126,4 @@ def test_a_flat_start_is_left():
     )
     assert mechanism.home.residual_norm <= 1e-12
     assert mechanism.home.singularity().kind == "regular"
+    assert mechanism.moved()["a"] == 0.0
