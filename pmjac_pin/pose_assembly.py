@@ -43,7 +43,7 @@ def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
             return _beyond_the_end(parts, q, found[-1].q) if motor_weight else found[-1].q
     best = min(found, key=lambda pose: pose.gap)
     # A small gap that stays is the rounding of the model's numbers: no fold would cure it.
-    if best.gap > LARGEST_TOLERANCE and (folded := _folded(parts, q)) is not None:
+    if not _is_rounding(problem, best.gap) and (folded := _folded(parts, q)) is not None:
         return folded
     raise _open(parts, q, best, pose)
 
@@ -124,9 +124,14 @@ def _open(parts: Parts, q: Array, best: Assembled, pose: str) -> ClosureError:
         f"{what} does not assemble: the loops stay open by {best.gap:.3g} m at best, most at "
         f"{loops.row_names[row]!r}; give joint values nearer to a closed pose, or other lengths"
     )
-    if best.gap <= LARGEST_TOLERANCE:
+    if _is_rounding(problem, best.gap):
         message += f", or a `tolerance` of {_rounded_up(best.gap):g} where numbers are rounded"
     return ClosureError(message, residual_norm=best.gap, q=best.q, loop=loops.row_loops[row])
+
+
+def _is_rounding(problem: ClosureProblem, gap: float) -> bool:
+    """Tell whether a gap is so small that rounded numbers may be its cause."""
+    return gap <= min(LARGEST_TOLERANCE, 0.01 * problem.partition.length)
 
 
 def _rounded_up(gap: float) -> float:

@@ -110,15 +110,16 @@ def test_rounded_angles_need_a_tolerance_and_say_so(tilt):
     )
 
 
-def test_a_flat_start_is_left():
+@pytest.mark.parametrize("size", [1.0, 1e-3])
+def test_a_flat_start_is_left(size):
     """All joints at zero: the gap points along the links and does not say how to fold them."""
     model = pin.buildModelFromXML(
         mechanisms.tree(
             ("a", "revolute", "ground", "one", (0, 0, 0), (0, 0, 1)),
-            ("b", "revolute", "one", "two", (1, 0, 0), (0, 0, 1)),
-            ("c", "revolute", "two", "three", (1, 0, 0), (0, 0, 1)),
-            ("d", "fixed", "three", "tip", (1, 0, 0)),
-            ("e", "fixed", "ground", "wall", (2.2, 0, 0)),
+            ("b", "revolute", "one", "two", (size, 0, 0), (0, 0, 1)),
+            ("c", "revolute", "two", "three", (size, 0, 0), (0, 0, 1)),
+            ("d", "fixed", "three", "tip", (size, 0, 0)),
+            ("e", "fixed", "ground", "wall", (2.2 * size, 0, 0)),
         )
     )
     mechanism = pj.Mechanism.from_pinocchio(
