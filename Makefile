@@ -2,13 +2,16 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: demo test bench screenshots readme lint clean
+.PHONY: demo test slow bench screenshots readme lint clean
 
 demo: .venv/ready
 	$(BIN)/pmjac demo
 
 test: .venv/ready
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 -m "not slow"
+
+slow: .venv/ready
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 -m slow --durations=8
 
 bench: .venv/ready
 	$(BIN)/python benchmarks/bench_jacobian.py
