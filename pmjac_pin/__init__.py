@@ -23,6 +23,12 @@ from pmjac_pin.errors import (
     SingularError,
     UnknownNameError,
 )
+from pmjac_pin.homotopy.operation_modes import OperationModes
+from pmjac_pin.homotopy.parameter_homotopy import (
+    ComplexModes,
+    ParameterHomotopy,
+    parameter_homotopy,
+)
 from pmjac_pin.jacobian import EquivalentJacobian, SplitJacobian, equivalent_jacobian
 from pmjac_pin.loading import load
 from pmjac_pin.loop_spec import (
@@ -39,7 +45,6 @@ from pmjac_pin.loop_spec import (
 )
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.modes.assembly_modes import AssemblyModes, Completeness
-from pmjac_pin.modes.homotopy import ComplexModes, complex_modes
 from pmjac_pin.partition import Partition
 from pmjac_pin.singularity import Singularity
 from pmjac_pin.spec import MechanismSpec
@@ -71,6 +76,8 @@ __all__ = [
     "MissingDependencyError",
     "ModelFileError",
     "NoJacobianError",
+    "OperationModes",
+    "ParameterHomotopy",
     "Partition",
     "PlanarLoop",
     "PmjacError",
@@ -85,10 +92,10 @@ __all__ = [
     "UnknownNameError",
     "Viewer",
     "check",
-    "complex_modes",
     "equivalent_jacobian",
     "list_mechanisms",
     "load",
+    "parameter_homotopy",
     "view",
 ]
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
@@ -22,8 +22,10 @@ from pmjac_pin.errors import (
     unknown_name,
 )
 from pmjac_pin.loop_spec import Loop
+from pmjac_pin.modes.aim import Aim
 from pmjac_pin.modes.assembly_modes import AssemblyModes
-from pmjac_pin.modes.find import Aim, find_modes, generator
+from pmjac_pin.modes.closed_pose import generator
+from pmjac_pin.modes.find import find_modes
 from pmjac_pin.parts import Parts
 from pmjac_pin.pinocchio_model import Constraint, RobotWrapper, own_model
 from pmjac_pin.pose_assembly import assemble_pose
@@ -34,6 +36,9 @@ from pmjac_pin.spec import (
     MechanismSpec,
 )
 from pmjac_pin.urdf import Urdf
+
+if TYPE_CHECKING:
+    from pmjac_pin.homotopy.parameter_homotopy import ParameterHomotopy
 
 Array = NDArray[np.float64]
 
@@ -387,14 +392,15 @@ class Mechanism:
         confidence: float = 0.99,
         most_starts: int = 200_000,
         proof: bool = True,
+        homotopy: ParameterHomotopy | None = None,
     ) -> AssemblyModes:
         """Find all closed poses at these motor values: the solutions of direct kinematics.
 
-        Damped Newton from random starts, thousands at once, until the share of the start space
-        that leads to poses not seen yet is bounded as asked for; then, where that is affordable,
-        a proof by interval arithmetic that none is missing. Poses that differ by full turns, by
-        the sign of a quaternion, by idle motions or by half a turn of a leg's universal joint
-        are one.
+        Damped Newton from random starts, hundreds at once; then, where that is affordable, a proof
+        by interval arithmetic that none is missing; where it is not, more starts, until the share
+        of the start space that leads to poses not seen yet is bounded as asked for. Poses that
+        differ by full turns, by the sign of a quaternion, by idle motions or by half a turn of a
+        leg's universal joint are one.
 
         Parameters
         ----------
@@ -414,6 +420,8 @@ class Mechanism:
         proof : bool
             Try to prove by interval arithmetic that these are all: possible for up to about six
             unknown joints, in a fraction of a second.
+        homotopy : ParameterHomotopy, optional
+            Of this mechanism: where there is no proof, count all complex solutions, too.
 
         Returns
         -------
@@ -435,7 +443,7 @@ class Mechanism:
         >>> modes.complete.kind
         'proof'
         """
-        aim = Aim(unseen, confidence, most_starts, proof)
+        aim = Aim(unseen, confidence, most_starts, proof, homotopy)
         return find_modes(self, actuated, generator(rng), limits, aim)
 
     def configuration(self, q: ArrayLike) -> Configuration:

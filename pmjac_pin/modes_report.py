@@ -94,7 +94,7 @@ class ModeReport(msgspec.Struct, frozen=True, kw_only=True):
 class CompletenessReport(msgspec.Struct, frozen=True):
     """What it rests on that no mode is missing: see `Completeness`."""
 
-    kind: Literal["proof", "statistics", "neither"]
+    kind: Literal["proof", "statistics", "tolerance", "neither"]
     statement: str
     unseen: float
     confidence: float

@@ -20,16 +20,18 @@ class Completeness:
 
     Attributes
     ----------
-    kind : {"proof", "statistics", "neither"}
+    kind : {"proof", "statistics", "tolerance", "neither"}
+        A tolerance is that of path tracking in floating-point numbers, see `ParameterHomotopy`.
     statement : str
         One sentence.
     unseen : float
-        Upper bound on the share of the start space that leads to modes not found; 0 for a proof.
+        Upper bound on the share of the start space that leads to modes not found; 0 for a proof,
+        and for a tolerance.
     confidence : float
-        Probability that this bound holds, for statistics; 1 for a proof.
+        Probability that this bound holds, for statistics; 1 for a proof, NaN for a tolerance.
     """
 
-    kind: Literal["proof", "statistics", "neither"]
+    kind: Literal["proof", "statistics", "tolerance", "neither"]
     statement: str
     unseen: float
     confidence: float

@@ -1,0 +1,1 @@
+"""Homotopy: all complex solutions of the loop equations, by path tracking."""

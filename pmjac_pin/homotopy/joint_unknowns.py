@@ -1,0 +1,158 @@
+"""The complex unknowns of joints, and the complex parameters that motors are.
+
+A joint that turns is its cosine and sine, with c² + s² = 1; a ball a quaternion of length 1;
+slides are lengths in characteristic lengths. A motor that turns by θ is one number u = exp(iθ),
+of which 2c = u + 1/u and 2is = u − 1/u.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from flint import fmpq_mpoly
+from numpy.typing import NDArray
+
+from pmjac_pin.errors import ArgumentError
+from pmjac_pin.linkage import Edge
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+#: Of complex numbers, or of python-flint's balls.
+Numbers = NDArray[Any]
+#: Of polynomials.
+Symbols = NDArray[Any]
+
+_SIZES = {"revolute": 2, "continuous": 2, "prismatic": 1, "spherical": 4, "planar": 4, "free": 7}
+# Where a joint's numbers of length 1 begin: cosine and sine, or a quaternion.
+_UNIT = {"revolute": 0, "continuous": 0, "spherical": 0, "planar": 2, "free": 3}
+_SLIDES = {"prismatic": [2], "planar": [0, 1], "free": [0, 1, 2]}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointUnknowns:
+    """A joint of the tree, and which of the polynomials' variables are its numbers.
+
+    Attributes
+    ----------
+    joint : pin.JointModel
+    edge : Edge
+    columns : slice
+        Of the variables: the passive joints' come first.
+    motor : bool
+    length : float
+        The characteristic length, m.
+    """
+
+    joint: pin.JointModel
+    edge: Edge
+    columns: slice
+    motor: bool
+    length: float
+
+    @property
+    def unit(self) -> slice | None:
+        """The variables that have length 1, None for a slide."""
+        if self.edge.kind not in _UNIT:
+            return None
+        return slice(self.columns.start + _UNIT[self.edge.kind], self.columns.stop)
+
+    @property
+    def quaternion(self) -> slice | None:
+        """The variables that are a quaternion, None where there is none."""
+        return self.unit if self.edge.kind in ("spherical", "free") else None
+
+    def motion(self, variables: Symbols) -> tuple[Symbols, Symbols]:
+        """Return the joint's rotation (3, 3) and translation (3, 1) in polynomials."""
+        own, kind = variables[self.columns], self.edge.kind
+        turn, slide = np.eye(3, dtype=int).astype(object), np.zeros((3, 1), dtype=object)
+        for number, axis in enumerate(_SLIDES.get(kind, [])):
+            slide[axis, 0] = own[number]
+        if self.quaternion is not None:
+            turn = _rotation(*own[-4:])
+        elif self.unit is not None:
+            c, s = own[-2:]
+            turn[0, 0], turn[0, 1], turn[1, 0], turn[1, 1] = c, -s, s, c
+        return turn, slide
+
+    def numbers(self, q: Array) -> Complex:
+        """Return the joint's numbers (b, size) at rows of q."""
+        entries = q[:, self.joint.idx_q : self.joint.idx_q + self.joint.nq].copy()
+        if self.edge.kind == "revolute":
+            entries = np.hstack([np.cos(entries), np.sin(entries)])
+        entries[:, : _UNIT.get(self.edge.kind, 1)] /= self.length
+        return entries.astype(complex)
+
+    def put(self, x: Array, q: Array) -> None:
+        """Write real numbers x (b, n) into rows of q."""
+        entries, kind = x[:, self.columns].copy(), self.edge.kind
+        unit = _UNIT.get(kind, 1)
+        entries[:, :unit] *= self.length
+        if kind in _UNIT:
+            entries[:, unit:] /= np.linalg.norm(entries[:, unit:], axis=1, keepdims=True)
+        if kind == "revolute":
+            entries = np.arctan2(entries[:, 1:], entries[:, :1])
+        q[:, self.joint.idx_q : self.joint.idx_q + self.joint.nq] = entries
+
+    def parameter(self, q: Array) -> complex:
+        """Return u = exp(iθ) of a motor that turns, the length of one that slides."""
+        own = self.numbers(q[None])[0]
+        return complex(own[0] + 1j * own[1]) if self.unit is not None else complex(own[0])
+
+    def from_parameter(self, p: Numbers) -> list[Numbers]:
+        """Return a motor's numbers from its parameter."""
+        if self.unit is None:
+            return [p]
+        inverse = 1.0 / p
+        return [(p + inverse) * 0.5, (p - inverse) * -0.5j]
+
+    def parameter_rates(self, p: Complex) -> list[Complex]:
+        """Return the derivatives of a motor's numbers by its parameter."""
+        if self.unit is None:
+            return [np.ones_like(p)]
+        square = 1.0 / (p * p)
+        return [0.5 * (1.0 - square), -0.5j * (1.0 + square)]
+
+
+def joint_unknowns(
+    model: pin.Model, edges: dict[str, Edge], passive: list[str], length: float
+) -> list[JointUnknowns]:
+    """Return the joints of a tree in Pinocchio's order.
+
+    Raises
+    ------
+    ArgumentError
+        A motor of several degrees of freedom.
+    """
+    names, columns, first = list(model.names)[1:], {}, 0
+    for name in sorted(names, key=lambda name: name not in passive):
+        columns[name] = slice(first, first + _SIZES[edges[name].kind])
+        first = columns[name].stop
+        if name not in passive and edges[name].kind not in ("revolute", "continuous", "prismatic"):
+            why = f"the motor {name!r} has several degrees of freedom"
+            raise ArgumentError(f"{model.name}: no homotopy for this mechanism: {why}")
+    return [
+        JointUnknowns(joint, edges[name], columns[name], name not in passive, length)
+        for joint, name in zip(list(model.joints)[1:], names, strict=True)
+    ]
+
+
+def _rotation(x: fmpq_mpoly, y: fmpq_mpoly, z: fmpq_mpoly, w: fmpq_mpoly) -> Symbols:
+    """Return the rotation of a quaternion of length 1."""
+    entries = [
+        *(w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        *(2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)),
+        *(2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z),
+    ]
+    return symbols(entries).reshape(3, 3)
+
+
+def symbols(entries: Sequence[fmpq_mpoly]) -> Symbols:
+    """Return polynomials as an array; NumPy would take each for a sequence of its terms."""
+    found = np.empty(len(entries), dtype=object)
+    for index, entry in enumerate(entries):
+        found[index] = entry
+    return found

@@ -1,0 +1,135 @@
+"""Machines: a mechanism with motors that are complex numbers and loops shut with offsets.
+
+F(x; p) + γ = 0, with the motors' parameters p and an offset γ for each row of η. A line of
+machines is p(t) = p₀ + t p₁, γ(t) = γ₀ + t γ₁.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pmjac_pin.direct_kinematics import motor_values
+from pmjac_pin.errors import ArgumentError
+from pmjac_pin.homotopy.polynomial_loops import PolynomialLoops
+from pmjac_pin.modes.legs import Leg
+from pmjac_pin.modes.search_problem import SearchProblem, search_problem, with_legs
+
+if TYPE_CHECKING:
+    from pmjac_pin.mechanism import Mechanism
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+_SPREAD = 0.5  # of random machines about a given one, relative
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Machine:
+    """One machine: parameters p (k,) and offsets γ (rows,)."""
+
+    p: Complex
+    gaps: Complex
+
+    def near(self, rng: np.random.Generator) -> Machine:
+        """Return a random machine about this one, its loops shut."""
+        size = np.maximum(np.abs(self.p), 0.5)
+        return Machine(self.p + _SPREAD * size * _normal(rng, self.p.size), 0.0 * self.gaps)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Line:
+    """A line of machines through `start` at t = 0 and `end` at t = 1."""
+
+    loops: PolynomialLoops
+    start: Machine
+    end: Machine
+
+    @property
+    def count(self) -> int:
+        """Of unknowns x."""
+        return self.loops.count
+
+    def evaluate(self, x: Complex, t: Complex) -> tuple[Complex, Complex]:
+        """Return F (b, count) and its derivative by (x, t), (b, count, count + 1)."""
+        rate = self.end.p - self.start.p
+        opening = self.end.gaps - self.start.gaps
+        p = self.start.p + t[:, None] * rate
+        values, jacobian = self.loops.evaluate(x, p, np.broadcast_to(rate, p.shape))
+        first = self.count - self.loops.rows
+        values[:, first:] += self.start.gaps + t[:, None] * opening
+        jacobian[:, first:, -1] += opening
+        return values, jacobian
+
+    @classmethod
+    def through(cls, loops: PolynomialLoops, start: Machine, rng: np.random.Generator) -> Line:
+        """Return a line on which the motors stand still and the gaps open at random."""
+        opening = _normal(rng, loops.rows)
+        return cls(loops, start, Machine(start.p, start.gaps + opening))
+
+
+class Machines:
+    """A mechanism's machines, and the way to them from its motor values.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+
+    Raises
+    ------
+    ArgumentError
+        Idle motions, geared joints, motors of several degrees of freedom.
+    """
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self.mechanism = mechanism
+        self._parts = mechanism._parts
+        problem, self._legs = search_problem(self._parts, self._parts.home_q)
+        self.loops = PolynomialLoops(problem, len(self._legs))
+        self.home = self._machine(problem, self._legs)
+
+    def at(self, actuated: ArrayLike) -> tuple[Machine, ClosedForm]:
+        """Return the machine with these motor values, and the way back from its unknowns."""
+        parts = self._parts
+        values = motor_values(parts, actuated)
+        columns = parts.problem.partition.actuated
+        base = parts.coordinates.with_values(parts.home_q, columns, values)
+        problem, legs = search_problem(parts, base)
+        if [leg.joints for leg in legs] != [leg.joints for leg in self._legs]:
+            name, given = self.mechanism.name, ", ".join(f"{value:g}" for value in values)
+            raise ArgumentError(f"{name}: at {given} its legs are not those of its home pose")
+        return self._machine(problem, legs), ClosedForm(self, problem, legs, base)
+
+    def offset(self, machine: Machine, x: Complex) -> Machine:
+        """Return the machine with these motors whose loops are shut, with offsets, at x."""
+        p = machine.p[None]
+        values, _ = self.loops.evaluate(x[None], p, np.zeros_like(p))
+        return Machine(machine.p, -values[0, self.loops.count - self.loops.rows :])
+
+    def _machine(self, problem: SearchProblem, legs: list[Leg]) -> Machine:
+        motors = self.loops.motor_parameters(problem.base)
+        rods = np.array([(leg.length / problem.length) ** 2 for leg in legs], dtype=complex)
+        return Machine(np.concatenate([motors, rods]), np.zeros(self.loops.rows, dtype=complex))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ClosedForm:
+    """The way from real unknowns x back to poses of the mechanism at some motor values."""
+
+    machines: Machines
+    problem: SearchProblem
+    legs: list[Leg]
+    base: Array
+
+    def poses(self, x: Array) -> list[Array]:
+        """Return the q of each row of x."""
+        parts = self.machines.mechanism._parts
+        rows = self.machines.loops.poses(x, self.problem.base)
+        return [with_legs(parts, self.legs, self.problem, self.base, q) for q in rows]
+
+
+def _normal(rng: np.random.Generator, size: int) -> Complex:
+    return np.asarray(rng.normal(size=size) + 1j * rng.normal(size=size))

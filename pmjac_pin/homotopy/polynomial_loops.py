@@ -1,0 +1,252 @@
+"""The loop equations as polynomials in complex unknowns x, for motors p that are complex, too.
+
+Every pose is a product of matrices of polynomials, and so are the rows of η. Tilts and turns are
+taken as t·a = 0 and as the skew part of R, which vanish at half a turn as well: `unmet` tells.
+The coefficients are the doubles of the model, exactly, but that entries of a rotation below
+rounding are zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+from numpy.typing import NDArray
+
+from pmjac_pin.errors import ArgumentError
+from pmjac_pin.factorisation import RANK_TOLERANCE
+from pmjac_pin.frames import find_frame
+from pmjac_pin.homotopy.joint_unknowns import Numbers, Symbols, joint_unknowns, symbols
+from pmjac_pin.homotopy.polynomial_table import PolynomialTable
+from pmjac_pin.linkage import edges_of
+from pmjac_pin.loop_rows import Along, Distance, Gap, RightAngle, Rows, Tilt
+from pmjac_pin.loop_spec import JointLoop
+from pmjac_pin.loops import loop_blocks
+from pmjac_pin.modes.search_problem import SearchProblem
+from pmjac_pin.partition import independent_rows
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+_ROUNDING = 1e-15  # of an entry of a rotation, which is of size 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Place:
+    """A rotation (3, 3) and an origin (3, 1) in polynomials, in characteristic lengths."""
+
+    turn: Symbols
+    origin: Symbols
+
+    def at(self, placement: pin.SE3, length: float) -> _Place:
+        """Return a frame of a body."""
+        shift = _exact(placement.translation[:, None] / length)
+        turn = np.where(np.abs(placement.rotation) < _ROUNDING, 0.0, placement.rotation)
+        return _Place(self.turn @ _exact(turn), self.origin + self.turn @ shift)
+
+    def seen_from(self, other: _Place) -> Symbols:
+        """Return this rotation in another's axes."""
+        return np.asarray(other.turn.T @ self.turn)
+
+
+class PolynomialLoops:
+    """F(x; p) = 0: unit lengths and independent rows of η, over many points at once.
+
+    Parameters
+    ----------
+    problem : SearchProblem
+    rods : int
+        So many loops, the last ones, are rods whose length² is a parameter: legs with motors.
+
+    Attributes
+    ----------
+    count : int
+        Of unknowns, and of equations.
+    rows : int
+        Of equations that are rows of η: the last ones.
+    length : float
+        The characteristic length, m.
+
+    Raises
+    ------
+    ArgumentError
+        Idle motions, geared joints: what has no isolated solutions or no polynomials.
+    """
+
+    def __init__(self, problem: SearchProblem, rods: int) -> None:
+        self.length = problem.length
+        edges, passive = edges_of(problem.model), [edge.name for _, edge in problem.passive]
+        self._joints = joint_unknowns(problem.model, edges, passive, problem.length)
+        self._motors = [joint for joint in self._joints if joint.motor]
+        self._passive = [joint for joint in self._joints if not joint.motor]
+        self._units = [joint.unit for joint in self._passive if joint.unit is not None]
+        self.count = max((joint.columns.stop for joint in self._passive), default=0)
+        kept = _independent_rows(problem)
+        self.rows = kept.size
+        if len(self._units) + self.rows != self.count:
+            why = "passive motions that idle leave no isolated solutions"
+            raise ArgumentError(f"{problem.model.name}: no homotopy for this mechanism: {why}")
+        driven = max((joint.columns.stop for joint in self._joints), default=0)
+        names = [f"v{index}" for index in range(driven + rods)]
+        context = fmpq_mpoly_ctx.get(names, Ordering.degrevlex)
+        variables = symbols(context.gens())
+        rows, turned_over = self._equations(problem, variables, driven)
+        units = [(variables[unit] * variables[unit]).sum() - 1 for unit in self._units]
+        rows = [context.constant(0) + row for row in rows]
+        self._table = PolynomialTable([*units, *(rows[k] for k in kept)], len(names))
+        self._checks = PolynomialTable([*rows, *turned_over], len(names))
+
+    def evaluate(self, x: Complex, p: Complex, rate: Complex) -> tuple[Complex, Complex]:
+        """Return F (b, count), its derivatives by x and, as last column, along `rate` in p."""
+        values, slopes = self._table.evaluate(np.hstack([x, self._driven(p)]))
+        along = slopes[:, :, self.count :] @ self._driven_rates(p, rate)[:, :, None]
+        return values, np.concatenate([slopes[:, :, : self.count], along], axis=2)
+
+    def in_balls(self, x: Numbers, p: Numbers) -> tuple[Numbers, Numbers]:
+        """Return enclosures of F (count,) and of its derivatives by x, over balls."""
+        driven = self._driven(p[None])[0]
+        values, slopes = self._table.in_balls(np.concatenate([x, driven]))
+        return values, slopes[:, : self.count]
+
+    def unmet(self, x: Complex, p: Complex) -> Array:
+        """Return how far solutions (b, n) are from the rows left out, and from half a turn."""
+        values, _ = self._checks.evaluate(np.hstack([x, self._driven(p)]))
+        return np.asarray(np.abs(values).max(axis=1, initial=0.0))
+
+    def unknowns(self, q: Array) -> Complex:
+        """Return x of real poses, rows of q."""
+        x = np.zeros((len(q), self.count), dtype=complex)
+        for joint in self._passive:
+            x[:, joint.columns] = joint.numbers(q)
+        return x
+
+    def motor_parameters(self, q: Array) -> Complex:
+        """Return the motors' parameters at one q; those of rods are not among them."""
+        return np.array([joint.parameter(q) for joint in self._motors], dtype=complex)
+
+    def poses(self, x: Array, base: Array) -> Array:
+        """Return rows of q: `base` with the passive joints of real solutions."""
+        q = np.tile(base, (len(x), 1))
+        for joint in self._passive:
+            joint.put(x, q)
+        return q
+
+    def twins(self, x: Complex) -> list[Complex]:
+        """Return x with the signs of its quaternions turned in every combination."""
+        found = [x]
+        for joint in self._passive:
+            if (columns := joint.quaternion) is not None:
+                turned = np.ones(self.count)
+                turned[columns] = -1.0
+                found += [turned * other for other in found]
+        return found
+
+    def somewhere(self, rng: np.random.Generator) -> Complex:
+        """Return random complex unknowns whose units have length 1, shape (count,)."""
+        x = rng.normal(size=self.count) + 1j * rng.normal(size=self.count)
+        for unit in self._units:
+            x[unit] /= np.sqrt((x[unit] * x[unit]).sum())
+        return x
+
+    def _driven(self, p: Numbers) -> Numbers:
+        """Return the variables that follow from the parameters (b, k)."""
+        columns = [
+            numbers
+            for index, joint in enumerate(self._motors)
+            for numbers in joint.from_parameter(p[:, index])
+        ]
+        return np.column_stack([*columns, p[:, len(self._motors) :]])
+
+    def _driven_rates(self, p: Complex, rate: Complex) -> Complex:
+        columns = [
+            slope * rate[:, index]
+            for index, joint in enumerate(self._motors)
+            for slope in joint.parameter_rates(p[:, index])
+        ]
+        return np.column_stack([*columns, rate[:, len(self._motors) :]])
+
+    def _equations(
+        self, problem: SearchProblem, variables: Symbols, driven: int
+    ) -> tuple[list[fmpq_mpoly], list[fmpq_mpoly]]:
+        """Return all rows of η, and what is 0 at a closed pose and not at half a turn."""
+        bodies, plain = self._bodies(variables), len(problem.closures) + driven - variables.size
+        rows: list[fmpq_mpoly] = []
+        turned_over: list[fmpq_mpoly] = []
+        for index, loop in enumerate(problem.closures):
+            if isinstance(loop, JointLoop):
+                why = "geared joints are no polynomials in their cosines and sines"
+                raise ArgumentError(f"{problem.model.name}: no homotopy for this mechanism: {why}")
+            frames = [find_frame(problem.model, name) for name in loop.frames]
+            one, other = (bodies[frame.joint].at(frame.placement, self.length) for frame in frames)
+            rod = variables[driven + index - plain] if index >= plain else None
+            for block in loop_blocks(loop, problem.values):
+                rows += _rows(block, one, other, rod or _square(block, self.length))
+                turned_over += _turned_over(block, one, other)
+        return rows, turned_over
+
+    def _bodies(self, variables: Symbols) -> list[_Place]:
+        origin = _Place(_exact(np.eye(3)), _exact(np.zeros((3, 1))))
+        bodies = [origin]
+        for joint in self._joints:
+            edge = joint.edge
+            base = bodies[edge.parent].at(edge.before, self.length)
+            turn, slide = joint.motion(variables)
+            moved = _Place(base.turn @ turn, base.origin + base.turn @ slide)
+            bodies.append(moved.at(edge.after, self.length))
+        return bodies
+
+
+def _rows(block: Rows, one: _Place, other: _Place, square: Any) -> Iterator[Any]:
+    """Yield the rows of a block; `square` is a rod's length²."""
+    gap = one.origin - other.origin
+    match block:
+        case Gap():
+            yield from gap.ravel()
+        case Distance():
+            yield (gap * gap).sum() - square
+        case Along():
+            yield from (_exact(block.directions) @ other.turn.T @ gap).ravel()
+        case Tilt():
+            axis = one.seen_from(other) @ _exact(block.axis)
+            yield from _exact(block.across) @ axis
+        case RightAngle():
+            yield _exact(block.second) @ one.seen_from(other) @ _exact(block.first)
+        case _:
+            turn = one.turn @ other.turn.T
+            yield from (turn[i, j] - turn[j, i] for i, j in ((2, 1), (0, 2), (1, 0)))
+
+
+def _turned_over(block: Rows, one: _Place, other: _Place) -> Iterator[Any]:
+    match block:
+        case Tilt():
+            axis = _exact(block.axis)
+            yield axis @ one.seen_from(other) @ axis - 1
+        case Gap() | Distance() | Along() | RightAngle():
+            return
+        case _:
+            yield (one.turn @ other.turn.T).trace() - 3
+
+
+def _square(block: Rows, length: float) -> fmpq:
+    return _rational(block.length / length) ** 2 if isinstance(block, Distance) else fmpq(0)
+
+
+def _exact(numbers: Array) -> Symbols:
+    return np.asarray(np.vectorize(_rational, otypes=[object])(numbers))
+
+
+def _rational(number: float) -> fmpq:
+    return fmpq(*float(number).as_integer_ratio())
+
+
+def _independent_rows(problem: SearchProblem) -> NDArray[np.intp]:
+    """Return rows of η that are independent at the problem's base."""
+    _, jacobian = problem.loops.evaluate(problem.base[None])
+    scale = problem.column_scale[problem.columns]
+    K_star = (jacobian[0] * problem.row_scale[:, None])[:, problem.columns] * scale
+    values = np.linalg.svd(K_star, compute_uv=False)
+    return independent_rows(K_star, int((values > RANK_TOLERANCE * values[:1]).sum()))

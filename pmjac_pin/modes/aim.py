@@ -1,0 +1,51 @@
+"""Aim: when a search for assembly modes may end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from pmjac_pin.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from pmjac_pin.homotopy.parameter_homotopy import ParameterHomotopy
+
+
+def _always() -> bool:
+    return True
+
+
+@dataclass(frozen=True)
+class Aim:
+    """When a search may end.
+
+    Attributes
+    ----------
+    unseen : float
+        The share of the start space that may lead to modes not found.
+    confidence : float
+        Of this bound.
+    most_starts : int
+        Where the search gives up on the bound.
+    proof : bool
+        Try to prove that what was found is all.
+    homotopy : ParameterHomotopy or None
+        Count all complex solutions, where there is no proof.
+    wanted : callable
+        Asked now and then; the search ends as soon as it returns False.
+    """
+
+    unseen: float
+    confidence: float
+    most_starts: int
+    proof: bool = True
+    homotopy: ParameterHomotopy | None = None
+    wanted: Callable[[], bool] = _always
+
+    def __post_init__(self) -> None:
+        for name, value in (("unseen", self.unseen), ("confidence", self.confidence)):
+            if not 0.0 < value < 1.0:
+                raise ArgumentError(f"{name} is a share between 0 and 1, got {value!r}")
+        if self.most_starts < 1:
+            raise ArgumentError(f"most_starts must be positive, got {self.most_starts!r}")

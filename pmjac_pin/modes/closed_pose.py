@@ -1,0 +1,48 @@
+"""ClosedPose: what a search took for closed, closed by Pinocchio's measure; and a mode's place."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.damped_closure import assemble
+from pmjac_pin.errors import ArgumentError
+from pmjac_pin.pose_assembly import motor_weights
+
+if TYPE_CHECKING:
+    from pmjac_pin.mechanism import Mechanism
+
+Array = NDArray[np.float64]
+
+
+def closed_pose(mechanism: Mechanism, q: Array, limits: bool) -> Configuration | None:
+    """Return the closed pose by Pinocchio's measure, None where it is none or beyond limits."""
+    parts = mechanism._parts
+    problem, coordinates = parts.problem, parts.coordinates
+    closed = assemble(problem, q, motor_weights(problem, 0.0))
+    if closed.gap > problem.tolerance:
+        return None
+    columns = problem.partition.passive
+    q = coordinates.unwound(closed.q, columns, limits)
+    if limits and coordinates.outside(coordinates.values(q)[columns], columns):
+        return None
+    return Configuration._of_q(mechanism, q)
+
+
+def order(configuration: Configuration, length: float) -> tuple[float, ...]:
+    """Return what modes are sorted by: the tool's height first, highest first."""
+    pose = configuration.tool_pose
+    x, y, z = np.round(pose.translation / length, 6) + 0.0
+    return (-z, x, y, *(np.round(pose.rotation.ravel(), 6) + 0.0))
+
+
+def generator(rng: np.random.Generator | int) -> np.random.Generator:
+    """Return the generator, or the one that a seed makes."""
+    try:
+        return np.random.default_rng(rng)
+    except (TypeError, ValueError):
+        wanted = "a numpy Generator or a whole number ≥ 0"
+        raise ArgumentError(f"rng is {wanted}, got {rng!r}") from None
