@@ -14,15 +14,16 @@ References
 
 from __future__ import annotations
 
+import logging
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.homotopy.curve import FAR, SAME, Curve, Planes
+from pmjac_pin.homotopy.curve import SAME, Curve, Planes
 from pmjac_pin.homotopy.endpoints import proven
 from pmjac_pin.homotopy.machines import ClosedForm, Line, Machine, Machines
 from pmjac_pin.homotopy.monodromy import STRAIGHT, PlaneSection
@@ -39,10 +40,14 @@ Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 
+_log = logging.getLogger(__name__)
+
 _REAL = 1e-7  # imaginary part of a solution that is real
 _MET = 1e-7  # rows left out that hold
-_LATE, _LAST = 1e-3, 1e-5  # what is left of a path where its end is judged
-_GROWING = 2.0  # from the one to the other, of a path to infinity
+# A path is followed to a share 1 − 4⁻ᵏ of it, for one k after the other. If it is lost, it was
+# one to infinity where it last grew by more than this from one stop to the next.
+_STOPS = (*(1.0 - 0.25**k for k in range(1, 9)), 1.0)
+_GROWING = 1.5
 _EXACT = 1e-9
 _ARRIVED, _TO_INFINITY, _LOST = range(3)  # what became of a path
 
@@ -104,6 +109,11 @@ class ParameterHomotopy:
     _machines: Machines
     _machine: Machine
     _solutions: Complex
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Let it be kept in a file: what the mechanism is made of can be made again."""
+        known = (self.count, self.degree, self.bend, self._machine, self._solutions)
+        return _restored, (self.mechanism, *known)
 
     def __repr__(self) -> str:
         return f"ParameterHomotopy({self.mechanism.name}, {self.count} solutions)"
@@ -261,6 +271,12 @@ def parameter_homotopy(
     )
 
 
+def _restored(mechanism: Mechanism, *known: Any) -> ParameterHomotopy:
+    count, degree, bend, machine, solutions = known
+    machines = Machines(mechanism)
+    return ParameterHomotopy(mechanism, count, degree, bend, machines, machine, solutions)
+
+
 def _all_points(
     curve: Curve, point: Complex, rng: np.random.Generator, most_rounds: int
 ) -> tuple[PlaneSection, float]:
@@ -269,6 +285,7 @@ def _all_points(
     for _ in range(most_rounds):
         before = len(section.points)
         section = section.grown(rng)
+        _log.info("monodromy: %d points", len(section.points))
         if len(section.points) == before:
             bend = section.bends(np.zeros(before, dtype=np.intp))[0]
             if bend < STRAIGHT:
@@ -279,20 +296,19 @@ def _all_points(
 def _led(curve: Curve, solutions: Complex) -> tuple[Complex, Index]:
     """Lead solutions x from the line's first machine to its last; return them and their fate.
 
-    A path that does not arrive is judged by its points shortly before the end: those of one to
-    infinity grow.
+    A path that does not arrive is judged by whether it grew.
     """
     here, share = np.hstack([solutions, np.zeros((len(solutions), 1))]), 0.0
     fate = np.full(len(here), _ARRIVED)
-    sizes = []
-    for stop in (1.0 - _LATE, 1.0 - _LAST, 1.0):
+    size = np.abs(here).max(axis=1, initial=0.0)
+    growth = np.ones(len(here))
+    for stop in _STOPS:
         going = np.flatnonzero(fate == _ARRIVED)
         start, end = (Planes.at_machine(t, curve.line.count, going.size) for t in (share, stop))
         here[going], arrived = curve.walk(here[going], start, end)
-        fate[going[~arrived]] = _LOST
-        sizes.append(np.abs(here).max(axis=1, initial=0.0))
-        share = stop
-    fate[(fate == _LOST) & ((sizes[1] > _GROWING * sizes[0]) | (sizes[-1] > FAR))] = _TO_INFINITY
+        fate[going[~arrived]] = np.where(growth[going[~arrived]] > _GROWING, _TO_INFINITY, _LOST)
+        before, size = size, np.abs(here).max(axis=1, initial=0.0)
+        growth[going], share = size[going] / before[going], stop
     arrived = fate == _ARRIVED
     there = Planes.at_machine(1.0, curve.line.count, int(arrived.sum()))
     here[arrived], last = curve.corrected(here[arrived], there, 3)

@@ -1,0 +1,129 @@
+"""Monodromy and the trace test, on curves whose degree and components are known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import pmjac_pin as pj
+from pmjac_pin.homotopy.curve import Curve, Planes
+from pmjac_pin.homotopy.machines import Line, Machines
+from pmjac_pin.homotopy.monodromy import STRAIGHT, PlaneSection
+
+
+class PlaneCurve:
+    """f(x, t) = 0 in the plane of two complex numbers, in place of a line of machines."""
+
+    count = 1
+
+    def __init__(self, value, slopes):
+        self._value, self._slopes = value, slopes
+
+    def evaluate(self, x, t):
+        slopes = np.stack(self._slopes(x[:, 0], t), axis=1)
+        return self._value(x[:, 0], t)[:, None], slopes[:, None, :]
+
+
+CUBIC = PlaneCurve(
+    lambda x, t: x**3 + t * t * x - 2 * t + 1,
+    lambda x, t: (3 * x * x + t * t, 2 * t * x - 2),
+)
+# A circle and a parabola: (x² + t² − 4) (x − t²).
+TWO = PlaneCurve(
+    lambda x, t: (x * x + t * t - 4) * (x - t * t),
+    lambda x, t: (
+        2 * x * (x - t * t) + x * x + t * t - 4,
+        2 * t * (x - t * t) - 2 * t * (x * x + t * t - 4),
+    ),
+)
+
+
+def section_of(line, points, rng):
+    curve = Curve(line)
+    section = PlaneSection.through(curve, points[0], rng)
+    for other in points[1:]:
+        start = PlaneSection.through(curve, other, rng)
+        moved, arrived = curve.walk(other[None], start.planes(), section.planes(count=1))
+        section = section.with_points(moved[arrived])
+    return section
+
+
+def grown(section, rng, rounds):
+    for _ in range(rounds):
+        section = section.grown(rng)
+    return section
+
+
+def test_all_points_of_an_irreducible_cubic(rng):
+    root = np.roots([1.0, 0.0, 0.0, 1.0])[0]  # at t = 0
+    section = grown(section_of(CUBIC, [np.array([root, 0.0])], rng), rng, 8)
+    assert len(section.points) == 3
+    assert section.components().max() == 0
+    assert max(section.bends(section.components())) < STRAIGHT
+    on_plane = section.points @ section.normal - section.offset
+    assert np.abs(on_plane).max() <= 1e-9
+
+
+def test_components_do_not_mix_and_each_has_a_straight_trace(rng):
+    circle, parabola = np.array([2.0, 0.0], complex), np.array([0.0, 0.0], complex)
+    section = grown(section_of(TWO, [circle, parabola], rng), rng, 8)
+    labels = section.components()
+    assert np.bincount(labels).tolist() == [2, 2]
+    assert max(section.bends(labels)) < STRAIGHT
+    on_circle = np.abs((section.points**2).sum(axis=1) - 4) < 1e-9
+    assert len(set(labels[on_circle])) == len(set(labels[~on_circle])) == 1
+
+
+def test_the_trace_of_a_part_is_bent(rng):
+    """Whatever is left out, or taken from another component, shows."""
+    circle, parabola = np.array([2.0, 0.0], complex), np.array([0.0, 0.0], complex)
+    section = grown(section_of(TWO, [circle, parabola], rng), rng, 8)
+    labels = section.components()
+    for missing in range(4):
+        part = np.delete(np.arange(4), missing)
+        some = PlaneSection(
+            section.curve, section.normal, section.offset, section.points[part], section.links[:0]
+        )
+        assert some.bends(np.zeros(3, dtype=int))[0] > 1e-3
+    mixed = np.where(np.arange(4) == np.flatnonzero(labels == 0)[0], 1, 0)
+    assert max(section.bends(mixed)) > 1e-3
+
+
+def test_the_trace_of_the_four_bars_curve_knows_a_missing_point(rng):
+    machines = Machines(pj.load("four_bar"))
+    loops = machines.loops
+    x = loops.somewhere(rng)
+    start = machines.offset(machines.home.near(rng), x)
+    curve = Curve(Line.through(loops, start, rng))
+    section = grown(PlaneSection.through(curve, np.append(x, 0.0), rng), rng, 8)
+    assert len(section.points) == 4
+    assert section.bends(np.zeros(4, dtype=int))[0] < STRAIGHT
+    fewer = PlaneSection(
+        curve, section.normal, section.offset, section.points[1:], section.links[:0]
+    )
+    assert fewer.bends(np.zeros(3, dtype=int))[0] > 1e-3
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3])
+def test_walking_there_and_back_the_same_way_changes_nothing(rng, share):
+    root = np.roots([1.0, 0.0, share**2, 1.0 - 2 * share])
+    points = np.column_stack([root, np.full(3, share)]).astype(complex)
+    curve = Curve(CUBIC)
+    here = Planes.at_machine(share, 1, 3)
+    there = Planes.all_at(np.array([0.4 + 0.2j, 1.0]), 0.7j, 3)
+    moved, arrived = curve.walk(points, here, there)
+    assert arrived.all()
+    assert np.abs(there.missed(moved)).max() <= 1e-9
+    back, arrived = curve.walk(moved, there, here)
+    assert arrived.all()
+    np.testing.assert_allclose(back, points, atol=1e-8)
+
+
+def test_a_path_to_infinity_does_not_arrive():
+    """t x = 1, led to t = 0."""
+    line = PlaneCurve(lambda x, t: t * x - 1.0, lambda x, t: (t, x))
+    moved, arrived = Curve(line).walk(
+        np.array([[1.0, 1.0]], complex), Planes.at_machine(1.0, 1, 1), Planes.at_machine(0.0, 1, 1)
+    )
+    assert not arrived.any()
+    assert np.abs(moved).max() > 1e3

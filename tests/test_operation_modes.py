@@ -1,0 +1,86 @@
+"""Operation modes, against what is known of them in closed form."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import pmjac_pin as pj
+
+
+@pytest.fixture(scope="module")
+def three_rps():
+    homotopy = pj.parameter_homotopy(pj.load("three_rps_ss"), rng=0)
+    return homotopy, homotopy.operation_modes(rng=0)
+
+
+def platform_rotation(mode):
+    """What turns the base's triangle into the platform's."""
+    model = mode.mechanism.model
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, mode.q)
+    S1, S2, S3 = (data.oMf[model.getFrameId(name)].translation for name in ("S1", "S2", "S3"))
+    x, y = S1 - (S1 + S2 + S3) / 3.0, S2 - S3
+    x, y = x / np.linalg.norm(x), y / np.linalg.norm(y)
+    return np.column_stack([x, y, np.cross(x, y)])
+
+
+@pytest.mark.slow
+def test_the_two_operation_modes_of_the_3_rps(three_rps):
+    """Schadlbauer, Walter and Husty: the rotation's quaternion has w = 0, or z = 0.
+
+    R₁₁ + R₂₂ − R₃₃ = 1 where z = 0, the trace −1 where w = 0, z along the base's normal.
+    """
+    homotopy, found = three_rps
+    assert found.sizes == (8, 8)
+    assert found.complete.kind == "tolerance"
+    seen = {}
+    for lengths in ([2 / 3, 3 / 5, 3 / 4], [0.5, 1.0, 2.0], [2.9, 3.0, 3.1]):
+        modes = homotopy.at(lengths)
+        for mode, label in zip(modes.real, found.of(modes), strict=True):
+            R = platform_rotation(mode)
+            no_torsion = abs(R[0, 0] + R[1, 1] - R[2, 2] - 1.0) < 1e-8
+            half_turn = abs(np.trace(R) + 1.0) < 1e-8
+            assert no_torsion != half_turn
+            seen.setdefault(label, set()).add(bool(no_torsion))
+    assert sorted(seen) == [0, 1]
+    assert all(len(kinds) == 1 for kinds in seen.values())
+    assert seen[0] != seen[1]
+
+
+@pytest.mark.parametrize(("name", "sizes"), [("four_bar", (2,)), ("slider_crank", (2,))])
+def test_irreducible_mechanisms_have_one(name, sizes):
+    found = pj.parameter_homotopy(pj.load(name), rng=0).operation_modes(rng=0)
+    assert (found.sizes, len(found), found.complete.kind) == (sizes, 1, "tolerance")
+
+
+def test_a_parallelogram_has_two():
+    """Parallelogram and crossed four-bar: they meet only where all bars are in line."""
+    mechanism = pj.load("four_bar", {"l0": 3.0, "l1": 1.0, "l2": 3.0, "l3": 1.0})
+    homotopy = pj.parameter_homotopy(mechanism, rng=0)
+    found = homotopy.operation_modes(rng=0)
+    assert found.sizes == (1, 1)
+    for theta in (0.4, 1.2, 2.0):
+        modes = homotopy.at([theta])
+        parallel = [abs(np.sin(mode.joint_values["phi1"] - theta)) < 1e-9 for mode in modes.real]
+        assert sorted(parallel) == [False, True]
+        labels = found.of(modes)
+        assert len(set(labels)) == 2
+        if theta == 0.4:
+            first = labels[parallel.index(True)]
+        assert labels[parallel.index(True)] == first
+
+
+@pytest.mark.slow
+def test_every_gough_platform_has_one():
+    """Its forty solutions all hang together."""
+    homotopy = pj.parameter_homotopy(pj.load("stewart_gough_dietmaier"), rng=0)
+    assert homotopy.operation_modes(rng=0).sizes == (40,)
+
+
+def test_too_few_rounds_are_admitted():
+    homotopy = pj.parameter_homotopy(pj.load("three_rps_ss"), rng=0)
+    found = homotopy.operation_modes(rng=0, most_rounds=1)
+    assert found.complete.kind == "neither"
+    assert "is not whole" in str(found.complete)

@@ -1,0 +1,94 @@
+"""The loop equations as polynomials: against the library's own at real poses, and differences."""
+
+from __future__ import annotations
+
+import mechanisms
+import numpy as np
+import pytest
+
+import pmjac_pin as pj
+from pmjac_pin.homotopy.machines import Machines
+from pmjac_pin.modes.closed_pose import closed_pose
+from pmjac_pin.modes.search_problem import search_problem, without_legs
+
+
+def machines_of(name):
+    mechanism = pj.load(name)
+    try:
+        return mechanism, Machines(mechanism)
+    except pj.ArgumentError as error:
+        assert "no homotopy for this mechanism" in str(error)
+        return pytest.skip(str(error))
+
+
+@pytest.mark.parametrize("name", mechanisms.CLOSED)
+def test_closed_poses_solve_them_at_any_motor_values(name, rng):
+    mechanism, machines = machines_of(name)
+    for configuration in [
+        mechanism.home,
+        *mechanisms.random_closed(mechanism, rng, 3, spread=0.1),
+    ]:
+        machine, form = machines.at(configuration.actuated)
+        problem, _ = search_problem(mechanism._parts, form.base)
+        row = without_legs(mechanism._parts, problem, configuration.q)[None]
+        x = machines.loops.unknowns(row)
+        values, _ = machines.loops.evaluate(x, machine.p[None], 0 * machine.p[None])
+        assert np.abs(values).max() <= 1e-11
+        assert machines.loops.unmet(x, machine.p[None]).max() <= 1e-11
+        [q] = form.poses(x.real)
+        found = closed_pose(mechanism, q, limits=False)
+        np.testing.assert_allclose(
+            found.tool_pose.homogeneous, configuration.tool_pose.homogeneous, atol=1e-8
+        )
+
+
+@pytest.mark.parametrize("name", mechanisms.CLOSED)
+def test_derivatives_by_unknowns_and_motors_are_exact(name, rng):
+    _, machines = machines_of(name)
+    loops, p = machines.loops, machines.home.near(rng).p
+    x = loops.somewhere(rng)
+    rate = rng.normal(size=p.size) + 1j * rng.normal(size=p.size)
+    _, jacobian = loops.evaluate(x[None], p[None], rate[None])
+    scale = 1e-7 * max(1.0, np.abs(jacobian).max())
+    h = 1e-6
+    for column in range(loops.count + 1):
+        dx = h * np.eye(loops.count + 1)[column, :-1]
+        dp = h * rate if column == loops.count else 0 * rate
+        ahead, behind = (
+            loops.evaluate((x + sign * dx)[None], (p + sign * dp)[None], rate[None])[0][0]
+            for sign in (1, -1)
+        )
+        difference = (ahead - behind) / (2 * h)
+        np.testing.assert_allclose(jacobian[0, :, column], difference, atol=scale)
+
+
+@pytest.mark.parametrize("name", mechanisms.CLOSED)
+def test_random_unknowns_have_unit_length(name, rng):
+    _, machines = machines_of(name)
+    loops = machines.loops
+    p = machines.home.p[None]
+    values, _ = loops.evaluate(loops.somewhere(rng)[None], p, 0 * p)
+    assert np.abs(values[0, : loops.count - loops.rows]).max(initial=0.0) <= 1e-12
+
+
+def test_half_a_turn_is_no_closure():
+    """A hinge loop turned over solves t·a = 0, and is told apart."""
+    mechanism = pj.load("bricard")
+    machines = Machines(mechanism)
+    machine, _ = machines.at(mechanism.home.actuated)
+    p = machine.p[None]
+    found = pj.parameter_homotopy(mechanism, rng=0).at(mechanism.home.actuated)
+    assert len(found.real) == len(mechanism.assembly_modes(mechanism.home.actuated, rng=0))
+    x = machines.loops.unknowns(mechanism.home.q[None])
+    assert machines.loops.unmet(x, p).max() <= 1e-9
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "why"),
+    [
+        (mechanisms.rssr, "passive motions that idle"),
+    ],
+)
+def test_what_it_cannot_do_is_refused(mechanism, why):
+    with pytest.raises(pj.ArgumentError, match=why):
+        Machines(mechanism())
