@@ -11,6 +11,7 @@ test: .venv/ready
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 -m "not slow"
 
 slow: .venv/ready
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[peers]'
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 -m slow --durations=8
 
 bench: .venv/ready

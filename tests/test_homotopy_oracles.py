@@ -16,6 +16,8 @@ pytest.importorskip("sympy", reason="the polynomials are written in SymPy")
 from hand_polynomials import SYSTEMS
 from homotopy_oracles import ORACLES
 
+pytestmark = pytest.mark.slow  # the peers are installed with the slow tests only
+
 LECTURE_A, LECTURE_B = (2 / 3, 3 / 5, 3 / 4), (0.5, 1.0, 2.0)
 SHIFTED = (0.32461369, 0.36873712, 0.49813137)
 SMALL = [
@@ -78,7 +80,6 @@ def test_counts_of_complex_solutions_agree(name, motors):
         assert (len(found.points), len(found.real), found.lost) == (ours.count, len(ours.real), 0)
 
 
-@pytest.mark.slow
 def test_dietmaiers_forty_are_all_there_are(oracle):
     """The 40 that the search finds are the 40 of all complex solutions."""
     lengths = hand_spatial.DIETMAIER_LENGTHS

@@ -73,7 +73,27 @@ def test_a_parallelogram_has_two():
 
 
 @pytest.mark.slow
-def test_every_gough_platform_has_one():
+def test_the_agile_eyes_four_and_four_times_one():
+    """Bonev, Chablat and Wenger (2006): four modes in which the motors do not move the eye."""
+    mechanism = pj.load("agile_eye")
+    homotopy = pj.parameter_homotopy(mechanism, rng=0)
+    found = homotopy.operation_modes(rng=0)
+    assert found.sizes == (4, 1, 1, 1, 1)
+    poses = {}
+    for theta in ([0.0, 0.0, 0.0], [0.3, -0.2, 0.4], [-0.5, 0.1, 0.2]):
+        modes = homotopy.at(theta)
+        for mode, label in zip(modes.real, found.of(modes), strict=True):
+            poses.setdefault(label, []).append(mode.tool_pose.rotation)
+    for label in (1, 2, 3, 4):
+        assert len(poses[label]) == 3
+        for other in poses[label][1:]:
+            np.testing.assert_allclose(other, poses[label][0], atol=1e-9)
+    assert len(poses[0]) == 12
+    assert np.abs(poses[0][0] - poses[0][4]).max() > 0.1
+
+
+@pytest.mark.slow
+def test_dietmaiers_platform_has_one():
     """Its forty solutions all hang together."""
     homotopy = pj.parameter_homotopy(pj.load("stewart_gough_dietmaier"), rng=0)
     assert homotopy.operation_modes(rng=0).sizes == (40,)

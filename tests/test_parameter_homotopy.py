@@ -24,9 +24,9 @@ def gough():
 
 @pytest.mark.parametrize(
     ("name", "count"),
-    [("four_bar", 2), ("slider_crank", 2), ("five_bar", 2), ("watt_six_bar", 4)],
+    [("serial_2r", 1), ("four_bar", 2), ("slider_crank", 2), ("five_bar", 2), ("watt_six_bar", 4)],
 )
-def test_planar_mechanisms(name, count):
+def test_small_mechanisms(name, count):
     mechanism = pj.load(name)
     homotopy = pj.parameter_homotopy(mechanism, rng=0)
     assert homotopy.count == count

@@ -60,7 +60,7 @@ def _box(loops: PolynomialLoops, p: Complex, x: Complex) -> Balls | None:
     """Return a box near x that contains exactly one solution, None where none is proven."""
     middle, motors = _balls(x, 0.0), _balls(p, 0.0)
     value, jacobian = loops.in_balls(middle, motors)
-    slope = np.array([[complex(entry) for entry in row] for row in jacobian])
+    slope = np.array([complex(entry) for entry in jacobian.ravel()]).reshape(jacobian.shape)
     try:
         inverse = np.linalg.inv(slope)
     except np.linalg.LinAlgError:

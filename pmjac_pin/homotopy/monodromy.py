@@ -103,7 +103,7 @@ class PlaneSection:
         bends = []
         for label in range(labels.max(initial=-1) + 1):
             own = labels == label
-            terms = np.abs(self.points[own]).sum(axis=0).max()
+            terms = np.abs(self.points[own]).sum(axis=0).max() or 1.0
             bend = np.abs(second[own].sum(axis=0)).max() / terms
             bends.append(np.inf if lost[own].any() else float(bend))
         return bends

@@ -17,7 +17,7 @@ from __future__ import annotations
 import logging
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -194,24 +194,22 @@ class ParameterHomotopy:
         return sorted(found, key=lambda pair: order(pair[0], length))
 
     def _completeness(self, met: int, infinite: int, certified: int) -> Completeness:
+        trace = f"monodromy; the trace of {self.degree} points is"
         if self.bend > STRAIGHT:
-            statement = (
-                f"neither: the trace of the {self.degree} points found by monodromy is bent by "
-                f"{self.bend:.1g}: solutions are missing"
-            )
+            statement = f"neither: {trace} bent by {self.bend:.1g}, solutions are missing"
             return Completeness("neither", statement, 1.0, math.nan)
         singular = self.count - met - infinite
-        ends = f"{met} at isolated solutions, of which {certified} are proven to be there"
+        kind: Literal["neither", "tolerance"] = "neither" if singular else "tolerance"
+        ends = [f"{met} end at isolated solutions, {certified} of which are proven"]
         if infinite:
-            ends += f", {infinite} at infinity"
+            ends.append(f"{infinite} at infinity")
         if singular:
-            ends += f", and {singular} at singular solutions or where they were lost"
+            ends.append(f"{singular} at singular solutions, or are lost")
         statement = (
-            f"tolerance: of {self.count} paths of complex solutions (monodromy; the trace of "
-            f"{self.degree} points is straight to {self.bend:.1g}), {met + infinite + singular} "
-            f"ended: {ends}"
+            f"{kind}: of {self.count} paths of complex solutions ({trace} straight to "
+            f"{self.bend:.1g}) {', '.join(ends)}"
         )
-        return Completeness("neither" if singular else "tolerance", statement, 0.0, math.nan)
+        return Completeness(kind, statement, 0.0, math.nan)
 
 
 def parameter_homotopy(
@@ -308,7 +306,8 @@ def _led(curve: Curve, solutions: Complex) -> tuple[Complex, Index]:
         here[going], arrived = curve.walk(here[going], start, end)
         fate[going[~arrived]] = np.where(growth[going[~arrived]] > _GROWING, _TO_INFINITY, _LOST)
         before, size = size, np.abs(here).max(axis=1, initial=0.0)
-        growth[going], share = size[going] / before[going], stop
+        growth[going] = size[going] / np.maximum(before[going], 1.0)
+        share = stop
     arrived = fate == _ARRIVED
     there = Planes.at_machine(1.0, curve.line.count, int(arrived.sum()))
     here[arrived], last = curve.corrected(here[arrived], there, 3)
