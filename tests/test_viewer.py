@@ -26,12 +26,6 @@ def mechanism():
     return pj.load("four_bar")
 
 
-@pytest.fixture
-def viewer(mechanism):
-    with pj.view(mechanism.home, open_browser=False, port=0) as viewer:
-        yield viewer
-
-
 def decoded(commands):
     return [msgspec.msgpack.decode(command) for _, command in commands]
 
