@@ -14,7 +14,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.damped_closure import assemble
-from pmjac_pin.diagnosis import Body, Freedom, LoopEntry, Mobility
+from pmjac_pin.diagnosis_parts import Body, Freedom, LoopEntry, Mobility
 from pmjac_pin.frames import find_frame
 from pmjac_pin.linkage import known_kind
 from pmjac_pin.loop_motion import LoopMotion, loop_motions
