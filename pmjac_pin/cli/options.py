@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Annotated, Any, TypeAlias
 
@@ -64,7 +63,17 @@ class Choice:
 
     def parameters(self) -> dict[str, float]:
         """Return the values given for the model's parameters."""
-        return _parameters(self.set_ or ())
+        parameters: dict[str, float] = {}
+        for item in (item for setting in self.set_ or () for item in setting.split(",")):
+            name, _, value = map(str.strip, item.partition("="))
+            if name in parameters:
+                raise ArgumentError(f"--set gives {name!r} twice")
+            try:
+                parameters[name] = float(value)
+            except ValueError:
+                message = f"--set takes NAME=NUMBER, such as l1=1.2; got {item!r}"
+                raise ArgumentError(message) from None
+        return parameters
 
     def load(self, name: str) -> Mechanism:
         """Return the mechanism of this name or file."""
@@ -103,17 +112,3 @@ def motor_values(at: str) -> list[float]:
 
 def _names(text: str) -> list[str]:
     return [name.strip() for name in text.split(",")]
-
-
-def _parameters(settings: Iterable[str]) -> dict[str, float]:
-    parameters: dict[str, float] = {}
-    for item in (item for setting in settings for item in setting.split(",")):
-        name, _, value = map(str.strip, item.partition("="))
-        if name in parameters:
-            raise ArgumentError(f"--set gives {name!r} twice")
-        try:
-            parameters[name] = float(value)
-        except ValueError:
-            message = f"--set takes NAME=NUMBER, such as l1=1.2; got {item!r}"
-            raise ArgumentError(message) from None
-    return parameters
