@@ -34,11 +34,11 @@ from pmjac_pin.diagnosis_structure import (
 )
 from pmjac_pin.errors import ClosureError, LimitError, PmjacError
 from pmjac_pin.findings import find
+from pmjac_pin.labelled_values import encodable
 from pmjac_pin.loading import load
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.parts import Parts
 from pmjac_pin.redundancy import LoopRank, dependent_rows, loop_ranks
-from pmjac_pin.report_maker import encodable
 from pmjac_pin.singularity import Singularity, analyse_singularity
 
 Array = NDArray[np.float64]

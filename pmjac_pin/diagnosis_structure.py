@@ -14,7 +14,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.damped_closure import assemble
-from pmjac_pin.diagnosis import Body, Freedom, LoopEntry, Mobility
+from pmjac_pin.diagnosis_parts import Body, Freedom, LoopEntry, Mobility
 from pmjac_pin.frames import find_frame
 from pmjac_pin.linkage import known_kind
 from pmjac_pin.loop_motion import LoopMotion, loop_motions
@@ -102,8 +102,6 @@ def freedoms(structure: Structure, moved: Mapping[str, float] | None) -> tuple[F
     joints = {coordinates.columns([name])[k]: name
               for name in coordinates.names
               for k in range(coordinates.degrees_of_freedom(name))}  # fmt: skip
-    names = partition.actuated_names + partition.passive_names
-    columns = np.concatenate([partition.actuated, partition.passive])
     return tuple(
         Freedom(
             name=name,
@@ -118,7 +116,7 @@ def freedoms(structure: Structure, moved: Mapping[str, float] | None) -> tuple[F
             moved=None if moved is None else moved[name],
             loops=structure.names_along(joints[column]),
         )
-        for name, column in zip(names, columns, strict=True)
+        for name, column in partition.columns.items()
     )
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from pmjac_pin.blocks import Block, Heading, Paragraph, Table, brief
-from pmjac_pin.diagnosis import Diagnosis, FreeMotion, Mobility
+from pmjac_pin.diagnosis import Diagnosis, FreeMotion
+from pmjac_pin.diagnosis_parts import Mobility
 
 _NONE = "–"
 _ROUNDING = 1e-12  # m or rad

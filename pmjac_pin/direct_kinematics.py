@@ -14,6 +14,7 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.damped_closure import assemble
 from pmjac_pin.errors import ArgumentError, ClosureError, LimitError
 from pmjac_pin.parts import Parts
+from pmjac_pin.pose_assembly import motor_weights
 
 if TYPE_CHECKING:
     from pmjac_pin.mechanism import Mechanism
@@ -97,9 +98,7 @@ def _assembled(
     parts = mechanism._parts
     motors = dict(zip(parts.spec.actuated, map(float, values), strict=True))
     q = parts.coordinates.q({**motors, **guess}, parts.home_q)
-    weights = np.zeros(mechanism.nv)
-    weights[parts.problem.partition.passive] = 1.0
-    pose = assemble(parts.problem, q, weights)
+    pose = assemble(parts.problem, q, motor_weights(parts.problem, 0.0))
     if pose.gap > parts.problem.tolerance:
         message = (
             f"the guess does not assemble: the loops of {mechanism.name!r} stay open by "
@@ -124,44 +123,45 @@ def _stopped(
 ) -> ClosureError:
     """Build the error of a path that ended early, with the best pose at the target itself."""
     parts = mechanism._parts
-    partition = parts.problem.partition
+    problem = parts.problem
     reached = Configuration._of_point(mechanism, path.point, path.iterations)
-    weights = np.zeros(mechanism.nv)
-    weights[partition.passive] = 1.0
-    at_target = parts.coordinates.with_values(path.point.q, partition.actuated, values)
-    best = assemble(parts.problem, at_target, weights)
-    singularity = reached.singularity()
-    motors = ", ".join(
-        f"{name}={value:.6g}"
-        for name, value in zip(mechanism.actuated, reached.actuated, strict=True)
-    )
-    if best.gap <= parts.problem.tolerance:
-        advice = (
-            "the loops do close at the target, on another assembly mode: "
-            "start from a pose of that mode"
-        )
-    else:
-        advice = (
-            f"at the target the loops stay open by {best.gap:.3g} m at best: it is out of reach "
-            "from here; try a nearer target, or another pose as guess"
-        )
-    where = f"after {100.0 * path.share:.4g} % of the way, at {motors}"
-    if singularity.smallest < _NEARLY_SINGULAR:
-        reason = (
-            f"meets a singularity {where} (relative singular value of K* "
-            f"{singularity.smallest:.2g}), where this assembly mode ends"
-        )
-    elif singularity.forbidden_rates.shape[1]:
-        reason = f"is left by the loops {where}: they forbid these motors to move so together"
-    else:
-        reason = f"cannot be followed further than {where}"
-    message = f"{mechanism.name}: the straight path to the target {reason}; {advice}"
+    at_target = parts.coordinates.with_values(path.point.q, problem.partition.actuated, values)
+    best = assemble(problem, at_target, motor_weights(problem, 0.0))
+    reason = _reason(reached, path.share)
+    advice = _advice(best.gap, problem.tolerance)
     return ClosureError(
-        message,
+        f"{mechanism.name}: the straight path to the target {reason}; {advice}",
         residual_norm=best.gap,
         q=best.q,
         actuated=values,
         reached=reached,
         share=path.share,
-        singular_value=singularity.smallest,
+        singular_value=reached.singularity().smallest,
+    )
+
+
+def _reason(reached: Configuration, share: float) -> str:
+    """Say where a path ended, and why."""
+    singularity = reached.singularity()
+    motors = ", ".join(
+        f"{name}={value:.6g}"
+        for name, value in zip(reached.mechanism.actuated, reached.actuated, strict=True)
+    )
+    where = f"after {100.0 * share:.4g} % of the way, at {motors}"
+    if singularity.smallest < _NEARLY_SINGULAR:
+        value = f"(relative singular value of K* {singularity.smallest:.2g})"
+        return f"meets a singularity {where} {value}, where this assembly mode ends"
+    if singularity.forbidden_rates.shape[1]:
+        return f"is left by the loops {where}: they forbid these motors to move so together"
+    return f"cannot be followed further than {where}"
+
+
+def _advice(gap: float, tolerance: float) -> str:
+    """Say what to do about it: whether the loops close at the target at all."""
+    if gap <= tolerance:
+        where = "the loops do close at the target, on another assembly mode"
+        return f"{where}: start from a pose of that mode"
+    return (
+        f"at the target the loops stay open by {gap:.3g} m at best: it is out of reach "
+        "from here; try a nearer target, or another pose as guess"
     )

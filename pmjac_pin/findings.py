@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from pmjac_pin.blocks import brief
-from pmjac_pin.diagnosis import Diagnosis, Finding, Freedom, FreeMotion, PoseEntry, Severity
+from pmjac_pin.diagnosis import Diagnosis, Finding, FreeMotion, PoseEntry, Severity
+from pmjac_pin.diagnosis_parts import Freedom
 from pmjac_pin.mobility_findings import count_findings, redundancy_findings
 
 _ORDER = ("error", "warning", "note", "ok")

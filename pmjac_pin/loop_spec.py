@@ -164,7 +164,7 @@ class JointLoop(Table, frozen=True, tag_field="kind", tag="joint"):
         return self.joints
 
 
-Loop = (
+LoopBetweenFrames = (
     PointLoop
     | SphericalLoop
     | FrameLoop
@@ -174,8 +174,8 @@ Loop = (
     | PlanarLoop
     | UniversalLoop
     | DistanceLoop
-    | JointLoop
 )
+Loop = LoopBetweenFrames | JointLoop
 LOOP_KINDS: dict[str, type] = {kind.__struct_config__.tag: kind for kind in Loop.__args__}
 
 

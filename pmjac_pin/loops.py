@@ -37,26 +37,14 @@ from pmjac_pin.loop_spec import (
     FrameLoop,
     JointLoop,
     Loop,
+    LoopBetweenFrames,
     PlanarLoop,
-    PointLoop,
     PrismaticLoop,
     RevoluteLoop,
-    SphericalLoop,
     UniversalLoop,
 )
 
 Array = NDArray[np.float64]
-FrameLoops = (
-    PointLoop
-    | SphericalLoop
-    | FrameLoop
-    | RevoluteLoop
-    | PrismaticLoop
-    | CylindricalLoop
-    | PlanarLoop
-    | UniversalLoop
-    | DistanceLoop
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -230,14 +218,14 @@ class LoopSystem:
                 jacobian[rows] -= pin.skew(residual[rows]) @ turning
 
 
-def loop_blocks(loop: FrameLoops, values: Mapping[str, float]) -> list[Rows]:
+def loop_blocks(loop: LoopBetweenFrames, values: Mapping[str, float]) -> list[Rows]:
     """Return the blocks of rows that a loop between frames consists of."""
     if isinstance(loop, DistanceLoop):
         return [Distance(loop.resolved_length(values))]
     return [_position(loop), *_orientation(loop)]
 
 
-def _position(loop: FrameLoops) -> Rows:
+def _position(loop: LoopBetweenFrames) -> Rows:
     match loop:
         case PrismaticLoop() | CylindricalLoop():
             return Along(across(np.array(loop.axis)), ("across 1", "across 2"))
@@ -246,7 +234,7 @@ def _position(loop: FrameLoops) -> Rows:
     return Gap()
 
 
-def _orientation(loop: FrameLoops) -> list[Rows]:
+def _orientation(loop: LoopBetweenFrames) -> list[Rows]:
     match loop:
         case FrameLoop() | PrismaticLoop():
             return [Turn()]
@@ -258,7 +246,7 @@ def _orientation(loop: FrameLoops) -> list[Rows]:
 
 
 def _closure(
-    model: pin.Model, loop: FrameLoops, blocks: tuple[tuple[slice, Rows], ...]
+    model: pin.Model, loop: LoopBetweenFrames, blocks: tuple[tuple[slice, Rows], ...]
 ) -> _Closure:
     """Build the anchors. Pinocchio's gap is its second minus its first, ours opposite."""
     first, second = (find_frame(model, name) for name in loop.frames)

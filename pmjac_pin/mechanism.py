@@ -1,4 +1,4 @@
-"""Mechanism: Pinocchio model, loops, actuated/passive split and tool, as one immutable value."""
+"""Mechanism: Pinocchio model, loops, actuated/passive split and tool, closed at any pose."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
@@ -17,25 +17,18 @@ from pmjac_pin.certificates.equations import LoopEquations
 from pmjac_pin.checks import as_numbers
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.direct_kinematics import Guess, close
-from pmjac_pin.errors import (
-    ArgumentError,
-    unknown_name,
-)
+from pmjac_pin.errors import ArgumentError, unknown_name
 from pmjac_pin.loop_spec import Loop
+from pmjac_pin.mechanism_value import MechanismValue
 from pmjac_pin.modes.aim import Aim
 from pmjac_pin.modes.assembly_modes import AssemblyModes
 from pmjac_pin.modes.closed_pose import generator
 from pmjac_pin.modes.find import find_modes
-from pmjac_pin.parts import Parts
 from pmjac_pin.pinocchio_model import Constraint, RobotWrapper, own_model
 from pmjac_pin.pose_assembly import assemble_pose
 from pmjac_pin.read_only import read_only
 from pmjac_pin.recut import recut_parts
-from pmjac_pin.spec import (
-    JointValue,
-    MechanismSpec,
-)
-from pmjac_pin.urdf import Urdf
+from pmjac_pin.spec import JointValue
 
 if TYPE_CHECKING:
     from pmjac_pin.homotopy.parameter_homotopy import ParameterHomotopy
@@ -44,7 +37,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Mechanism:
+class Mechanism(MechanismValue):
     """A mechanism with closed loops: made by `load` or `Mechanism.from_pinocchio`.
 
     A value: it can be shared between threads, copied, and pickled to other processes.
@@ -62,13 +55,7 @@ class Mechanism:
     Mechanism(three_rps, actuated=(l1, l2, l3), 9 passive, 3 loops, mobility 3)
     """
 
-    _parts: Parts
     _poses: dict[str, Configuration] = field(default_factory=dict)
-    notes: tuple[str, ...] = field(default=(), kw_only=True)
-
-    def __post_init__(self) -> None:
-        if not isinstance(self._parts, Parts):
-            raise ArgumentError("a Mechanism is made by pmjac_pin.load or from_pinocchio")
 
     @classmethod
     def from_pinocchio(
@@ -123,97 +110,9 @@ class Mechanism:
         return cls(build_parts(own, spec, {}))
 
     @property
-    def name(self) -> str:
-        """The mechanism's name."""
-        return self._parts.spec.name
-
-    @property
-    def spec(self) -> MechanismSpec:
-        """What the model file says."""
-        return self._parts.spec
-
-    @property
-    def model(self) -> pin.Model:
-        """The Pinocchio model of the cut tree: a copy, to change as you like."""
-        return self._parts.model.copy()
-
-    @property
-    def urdf(self) -> Urdf | None:
-        """What the model was built of, at these parameters; None for a model of Pinocchio's."""
-        return self._parts.urdf
-
-    @property
-    def parameters(self) -> Mapping[str, float]:
-        """The parameters' values, m or rad."""
-        return self._parts.values
-
-    @property
-    def actuated(self) -> tuple[str, ...]:
-        """Names of the n actuated degrees of freedom: the columns of K and J."""
-        return self._parts.problem.partition.actuated_names
-
-    @property
-    def passive(self) -> tuple[str, ...]:
-        """Names of the m_p passive degrees of freedom: the columns of K* and J*."""
-        return self._parts.problem.partition.passive_names
-
-    @property
-    def rows(self) -> tuple[str, ...]:
-        """Names of the p rows of the loop equations."""
-        return self._parts.kinematics.loops.row_names
-
-    @property
-    def row_units(self) -> tuple[str, ...]:
-        """Unit of each of the p rows: "m" for a point loop, "m²" for a distance loop."""
-        return self._parts.kinematics.loops.row_units
-
-    @property
-    def units(self) -> Mapping[str, str]:
-        """Unit of each degree of freedom by its name: "m" or "rad"."""
-        partition = self._parts.problem.partition
-        columns = np.concatenate([partition.actuated, partition.passive])
-        turns = self._parts.coordinates.rotational[columns]
-        units = ("rad" if turn else "m" for turn in turns)
-        return MappingProxyType(dict(zip(self.actuated + self.passive, units, strict=True)))
-
-    @property
-    def nq(self) -> int:
-        """Pinocchio's number of configuration variables."""
-        return int(self._parts.model.nq)
-
-    @property
-    def nv(self) -> int:
-        """Pinocchio's number of velocity variables."""
-        return int(self._parts.model.nv)
-
-    @property
-    def mobility(self) -> int:
-        """Degrees of freedom: nv − rank [K K*], the largest rank of home and poses near it."""
-        return self.nv - self._parts.problem.partition.constraint_rank
-
-    @property
-    def characteristic_length(self) -> float:
-        """The length in m that makes radians and metres comparable where ranks are judged."""
-        return self._parts.problem.partition.length
-
-    @property
-    def tolerance(self) -> float:
-        """The gap in m below which loops count as closed: 1e-12, or more for a large machine."""
-        return self._parts.problem.tolerance
-
-    @property
-    def poses(self) -> tuple[str, ...]:
-        """Names of the poses, each a start for `close`."""
-        return tuple(self.spec.poses)
-
-    @property
     def home(self) -> Configuration:
         """The pose "home", its loops closed."""
         return self.pose("home")
-
-    def limits(self, name: str) -> tuple[float, float]:
-        """Return the lower and upper limit of a joint, m or rad; infinite where it has none."""
-        return self._parts.coordinates.limits(name)
 
     def pose(self, name: str) -> Configuration:
         """Return a named pose, its loops closed.
@@ -267,10 +166,8 @@ class Mechanism:
         parts, closed = self._parts, self.pose(pose)
         given = parts.coordinates.q(self.spec.poses[pose], parts.home_q if pose != "home" else None)
         change = pin.difference(parts.model, given, closed.q)
-        partition = parts.problem.partition
-        columns = np.concatenate([partition.actuated, partition.passive])
-        names = self.actuated + self.passive
-        return MappingProxyType(dict(zip(names, change[columns].tolist(), strict=True)))
+        columns = parts.problem.partition.columns
+        return MappingProxyType({name: float(change[k]) for name, k in columns.items()})
 
     def close(
         self, actuated: ArrayLike, guess: Guess = "home", *, enforce_limits: bool = True
@@ -476,45 +373,3 @@ class Mechanism:
         if not pin.isNormalized(self._parts.model, values, 1e-6):
             raise ArgumentError("a quaternion or (cos, sin) in q is not of unit length")
         return values
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Mechanism):
-            return NotImplemented
-        mine, theirs = self._parts, other._parts
-        return (
-            mine.spec == theirs.spec
-            and dict(mine.values) == dict(theirs.values)
-            and bool(mine.model == theirs.model)
-        )
-
-    def __hash__(self) -> int:
-        return hash((self.name, self.actuated, tuple(self.parameters.items())))
-
-    def __copy__(self) -> Mechanism:
-        return self
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> Mechanism:
-        return self
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        parts = self._parts
-        values = dict(parts.values)
-        return (_rebuild, (parts.model, parts.spec, values, parts.urdf, self.notes))
-
-    def __repr__(self) -> str:
-        motors = ", ".join(self.actuated[:3]) + ", ..." * (len(self.actuated) > 3)
-        return (
-            f"Mechanism({self.name}, actuated=({motors}), {len(self.passive)} passive, "
-            f"{len(self.spec.loops)} loop{'s' * (len(self.spec.loops) != 1)}, "
-            f"mobility {self.mobility})"
-        )
-
-
-def _rebuild(
-    model: pin.Model,
-    spec: MechanismSpec,
-    values: Mapping[str, float],
-    urdf: Urdf | None,
-    notes: tuple[str, ...],
-) -> Mechanism:
-    return Mechanism(build_parts(model, spec, values, urdf), notes=notes)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from pmjac_pin.diagnosis import Diagnosis, Finding, LoopEntry
+from pmjac_pin.diagnosis import Diagnosis, Finding
+from pmjac_pin.diagnosis_parts import LoopEntry
 
 
 def redundancy_findings(diagnosis: Diagnosis) -> Iterator[Finding]:

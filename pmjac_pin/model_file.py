@@ -10,7 +10,8 @@ import msgspec
 
 from pmjac_pin.errors import ModelFileError, did_you_mean
 from pmjac_pin.loop_spec import LOOP_KINDS
-from pmjac_pin.spec import MechanismSpec, Move, Parameter, Tool
+from pmjac_pin.parameter import Move, Parameter
+from pmjac_pin.spec import MechanismSpec, Tool
 from pmjac_pin.text_file import read_text
 
 MAXIMAL_SIZE = 1 << 20  # bytes; the largest of our own model files has a few thousand

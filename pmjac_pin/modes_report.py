@@ -9,11 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.modes.assembly_modes import AssemblyModes
-from pmjac_pin.modes.names import pose_names
-from pmjac_pin.report import JointValue, ParameterValue, Quantity, ToolPose, Vector
-from pmjac_pin.report_maker import (
+from pmjac_pin.labelled_values import (
     Labels,
     determinant,
     encodable,
@@ -23,6 +19,10 @@ from pmjac_pin.report_maker import (
     tool_pose,
     vector,
 )
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.modes.assembly_modes import AssemblyModes
+from pmjac_pin.modes.names import pose_names
+from pmjac_pin.report import JointValue, ParameterValue, Quantity, ToolPose, Vector
 
 
 class CertificateReport(msgspec.Struct, frozen=True):

@@ -63,6 +63,13 @@ class Partition(ReadOnlyArrays):
     def _scale(self) -> Array:
         return read_only(np.outer(self.row_scale, self.column_scale))
 
+    @property
+    def columns(self) -> dict[str, int]:
+        """The column of each degree of freedom by its name, in the order of K and K*."""
+        names = self.actuated_names + self.passive_names
+        columns = [*self.actuated.tolist(), *self.passive.tolist()]
+        return dict(zip(names, columns, strict=True))
+
     @cached_property
     def rate_scale(self) -> Array:
         """Turns −(scaled solution of K* X = K) into φ̇ per θ̇, shape (m_p, n)."""

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
+from pmjac_pin.anatomy import BALL_JOINTS, Anatomy
+from pmjac_pin.bodies import Point, Points
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.viewer.anatomy import BALL_JOINTS, Anatomy
-from pmjac_pin.viewer.bodies import Point, Points
 
 Array = NDArray[np.float64]
 Kind = Literal[

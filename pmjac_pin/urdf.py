@@ -13,7 +13,7 @@ from types import MappingProxyType
 from xml.etree.ElementTree import Element, tostring
 
 from pmjac_pin.errors import ModelFileError, unknown_name
-from pmjac_pin.spec import Move
+from pmjac_pin.parameter import Move
 from pmjac_pin.text_file import at_file, read_text
 from pmjac_pin.urdf_checks import UrdfJoint, checked_robot, joints_of
 from pmjac_pin.urdf_xml import label, numbers, only, parse_xml, written

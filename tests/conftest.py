@@ -5,8 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import pmjac_pin as pj
+
 
 @pytest.fixture
 def rng(request):
     """A generator seeded by the test's own name: the same numbers each time, not one for all."""
     return np.random.default_rng(list(request.node.name.encode()))
+
+
+@pytest.fixture
+def viewer(mechanism):
+    """A viewer without a browser, at home, of the `mechanism` of the test's own module."""
+    with pj.view(mechanism.home, open_browser=False, port=0) as viewer:
+        yield viewer

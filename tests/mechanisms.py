@@ -194,16 +194,18 @@ def three_crank_parallelogram():
     return build(joints, [("point2", "tip2"), ("point3", "tip3")], ["theta1"], "point3", home)
 
 
+def with_motors(mechanism, motors, **others):
+    """The same machine at the same home, with other motors."""
+    arguments = {"home": mechanism.home.q, **others}
+    tool = mechanism.spec.tool.frame
+    return pj.Mechanism.from_pinocchio(
+        mechanism.model, mechanism.spec.loops, motors, tool, **arguments
+    )
+
+
 def over_actuated_four_bar():
     """Two motors on one degree of freedom."""
-    mechanism = pj.load("four_bar")
-    return pj.Mechanism.from_pinocchio(
-        mechanism.model,
-        mechanism.spec.loops,
-        ["theta1", "phi1"],
-        "coupler_midpoint",
-        home=mechanism.home.q,
-    )
+    return with_motors(pj.load("four_bar"), ["theta1", "phi1"])
 
 
 def random_closed(mechanism, rng, count, spread=0.3, start="home"):

@@ -159,14 +159,7 @@ def fold(mechanism, offset):
 
 def tolerant(tolerance):
     rocker = mechanisms.rocker_rocker()
-    return pj.Mechanism.from_pinocchio(
-        rocker.model,
-        rocker.spec.loops,
-        ["theta1"],
-        "coupler_midpoint",
-        home=rocker.home.q,
-        tolerance=tolerance,
-    )
+    return mechanisms.with_motors(rocker, rocker.actuated, tolerance=tolerance)
 
 
 @pytest.mark.parametrize("offset", [1e-9, 1e-7, 1e-5, 1e-3])

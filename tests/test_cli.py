@@ -365,7 +365,7 @@ def test_messages_of_several_lines_are_joined(monkeypatch, run):
     def fail(name, parameters, **options):
         raise pj.ModelFileError("first line\n  second line\n")
 
-    monkeypatch.setattr("pmjac_pin.cli.load", fail)
+    monkeypatch.setattr("pmjac_pin.cli.options.load", fail)
     assert run("report", "four_bar") == (2, "", "pmjac: first line second line\n")
 
 
@@ -382,7 +382,7 @@ def test_ctrl_c(monkeypatch, run):
     def interrupt(name, parameters, **options):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("pmjac_pin.cli.load", interrupt)
+    monkeypatch.setattr("pmjac_pin.cli.options.load", interrupt)
     assert run("report", "four_bar") == (130, "", "")
 
 

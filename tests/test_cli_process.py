@@ -74,8 +74,8 @@ def test_an_output_that_is_full():
 def test_ctrl_c_in_a_process():
     # The child says when it is past its imports, and then waits to be interrupted.
     code = (
-        "import sys, time, pmjac_pin.cli as cli\n"
-        "cli.load = lambda *a, **k: (print('ready', flush=True), time.sleep(60))\n"
+        "import sys, time, pmjac_pin.cli as cli, pmjac_pin.cli.options as options\n"
+        "options.load = lambda *a, **k: (print('ready', flush=True), time.sleep(60))\n"
         "sys.exit(cli.main(['report', 'four_bar']))\n"
     )
     child = subprocess.Popen(

@@ -235,13 +235,8 @@ def test_idle_motions_of_several_rods_come_apart():
 
 def test_over_actuation_is_put_into_words():
     mechanism = mechanisms.over_actuated_four_bar()
-    away = pj.Mechanism.from_pinocchio(
-        mechanism.model,
-        mechanism.spec.loops,
-        ["theta1", "phi1"],
-        "coupler_midpoint",
-        home=pj.load("four_bar").close([2.0]).q,
-    )
+    home = pj.load("four_bar").close([2.0]).q
+    away = mechanisms.with_motors(mechanism, ["theta1", "phi1"], home=home)
     diagnosis = pj.check(away)
     [forbidden], [allowed] = (
         diagnosis.actuation.forbidden_rates,
@@ -272,13 +267,7 @@ def test_a_structure_cannot_move():
 
 def test_a_five_bar_with_one_motor_is_under_actuated():
     five_bar = pj.load("five_bar")
-    mechanism = pj.Mechanism.from_pinocchio(
-        five_bar.model,
-        five_bar.spec.loops,
-        five_bar.actuated[:1],
-        five_bar.spec.tool.frame,
-        home=five_bar.home.q,
-    )
+    mechanism = mechanisms.with_motors(five_bar, five_bar.actuated[:1])
     diagnosis = pj.check(mechanism)
     assert (diagnosis.mobility.mobility, diagnosis.actuation.idle) == (2, 1)
     found = finding(diagnosis, "under-actuated")
@@ -328,13 +317,8 @@ def test_a_home_pose_open_by_a_metre():
 
 def test_motors_that_had_to_move():
     mechanism = mechanisms.rocker_rocker()
-    beyond = pj.Mechanism.from_pinocchio(
-        mechanism.model,
-        mechanism.spec.loops,
-        ["theta1"],
-        "coupler_midpoint",
-        home={"theta1": 1.5, "phi1": 2.0, "phi2": 0.5},
-    )
+    home = {"theta1": 1.5, "phi1": 2.0, "phi2": 0.5}
+    beyond = mechanisms.with_motors(mechanism, mechanism.actuated, home=home)
     assert "'theta1' by -" in finding(pj.check(beyond), "motors-moved").message
 
 

@@ -15,7 +15,7 @@ from pmjac_pin.assembly import build_parts
 from pmjac_pin.formats.foreign_model import ForeignModel
 from pmjac_pin.formats.mjcf import read_mjcf
 from pmjac_pin.linkage import with_spherical
-from pmjac_pin.viewer.visuals import read_visuals
+from pmjac_pin.visuals import read_visuals
 
 
 @pytest.fixture

@@ -177,13 +177,7 @@ def test_the_bound_holds_where_it_can_be_checked():
 
 def test_a_machine_that_moves_by_itself_has_no_separate_modes():
     mechanism = pj.load("planar_3rrr")
-    loose = pj.Mechanism.from_pinocchio(
-        mechanism.model,
-        mechanism.spec.loops,
-        mechanism.actuated[:1],
-        mechanism.spec.tool.frame,
-        home=mechanism.home.q,
-    )
+    loose = mechanisms.with_motors(mechanism, mechanism.actuated[:1])
     with pytest.raises(pj.IdleMotionError, match="the tool is moved by a passive motion"):
         loose.assembly_modes(mechanism.home.actuated[:1], rng=0, limits=False)
 

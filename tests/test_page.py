@@ -9,6 +9,7 @@ import time
 
 import numpy as np
 import pytest
+from bench_page import RATE
 
 import pmjac_pin as pj
 
@@ -84,9 +85,8 @@ def open_page(browser):
 
 
 @pytest.fixture
-def viewer():
-    with pj.view(pj.load("three_rps").home, open_browser=False, port=0) as viewer:
-        yield viewer
+def mechanism():
+    return pj.load("three_rps")
 
 
 def numbers(text):
@@ -363,26 +363,6 @@ def test_every_mechanism_has_a_picture_of_its_own(open_page, size):
     for k, one in enumerate(names):
         for two in names[k + 1 :]:
             assert np.abs(pictures[one] - pictures[two]).mean() > 0.5, (one, two)
-
-
-RATE = """(seconds) => new Promise((resolve) => {
-  const slider = document.getElementById("motor-0");
-  const start = performance.now(), before = pmjac.updates;
-  let k = 0;
-  const next = () => {
-    const elapsed = (performance.now() - start) / 1000;
-    if (elapsed > seconds) {
-      document.removeEventListener("pmjac-update", next);
-      resolve((pmjac.updates - before) / elapsed);
-      return;
-    }
-    k += 1;
-    slider.value = 1 + 0.2 * Math.sin(k / 30);
-    slider.dispatchEvent(new Event("input"));
-  };
-  document.addEventListener("pmjac-update", next);
-  next();
-})"""
 
 
 def test_updates_keep_up_with_a_slider_that_never_rests(viewer, open_page):

@@ -12,10 +12,10 @@ import pytest
 
 import pmjac_pin as pj
 from pmjac_pin.catalog import find_model_file, find_urdf
+from pmjac_pin.shapes import Box, Cone, Cylinder, Sphere, Text
 from pmjac_pin.viewer.ellipsoids import LIMIT, THINNEST, label
 from pmjac_pin.viewer.free_motion import NEAR_SINGULAR
 from pmjac_pin.viewer.scene import SceneMaker, SceneOptions
-from pmjac_pin.viewer.shapes import Box, Cone, Cylinder, Sphere, Text
 
 EVERYTHING = SceneOptions(linear=True, angular=True, force=True)
 MESH = '<mesh filename="package://nowhere/missing.stl"/>'

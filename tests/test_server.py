@@ -34,12 +34,6 @@ def mechanism():
     return pj.load("three_rps")
 
 
-@pytest.fixture
-def viewer(mechanism):
-    with pj.view(mechanism.home, open_browser=False, port=0) as viewer:
-        yield viewer
-
-
 def test_the_files_of_the_page(viewer):
     status, headers, body = fetch(viewer.url)
     assert (status, headers["Content-Type"]) == (200, "text/html; charset=utf-8")

@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from pmjac_pin.errors import ModelFileError, UnknownNameError
-from pmjac_pin.spec import Move
+from pmjac_pin.parameter import Move
 from pmjac_pin.urdf import Urdf, UrdfJoint, parse_urdf, read_urdf
 
 AXIS = '<axis xyz="0 0 1"/>'

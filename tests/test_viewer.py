@@ -14,21 +14,16 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
+from pmjac_pin.shapes import Sphere, Text, scaled
 from pmjac_pin.viewer import viewer as viewer_module
 from pmjac_pin.viewer.canvas import Canvas
+from pmjac_pin.viewer.items import Item
 from pmjac_pin.viewer.scene import SceneMaker, SceneOptions
-from pmjac_pin.viewer.shapes import Item, Sphere, Text, scaled
 
 
 @pytest.fixture
 def mechanism():
     return pj.load("four_bar")
-
-
-@pytest.fixture
-def viewer(mechanism):
-    with pj.view(mechanism.home, open_browser=False, port=0) as viewer:
-        yield viewer
 
 
 def decoded(commands):

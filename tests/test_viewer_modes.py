@@ -169,13 +169,7 @@ def test_it_can_be_stopped_and_begun_anew(held):
 @running
 async def test_a_machine_without_separate_modes_says_so():
     machine = pj.load("planar_3rrr")
-    loose = pj.Mechanism.from_pinocchio(
-        machine.model,
-        machine.spec.loops,
-        machine.actuated[:1],
-        machine.spec.tool.frame,
-        home=machine.home.q,
-    )
+    loose = mechanisms.with_motors(machine, machine.actuated[:1])
     finder = Finder(loose.home)
     finder.finder.obey(FindModes())
     message = await finder.found()

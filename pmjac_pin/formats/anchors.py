@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.errors import ModelFileError
+from pmjac_pin.formats.unused_name import unused_name
 from pmjac_pin.loop_spec import (
     CylindricalLoop,
     FrameLoop,
@@ -77,14 +78,12 @@ class Anchors:
             axis.set("xyz", written(-float(x) for x in axis.get("xyz", "").split()))
 
     def _link(self, name: str) -> str:
-        name = unused(name, self._links)
-        self._links.add(name)
+        name = unused_name(name, self._links)
         SubElement(self._robot, "link", name=name)
         return name
 
     def _weld(self, parent: str, child: str, placement: pin.SE3) -> None:
-        name = unused(f"{child}_fixed", self._joints)
-        self._joints.add(name)
+        name = unused_name(f"{child}_fixed", self._joints)
         joint = SubElement(self._robot, "joint", name=name, type="fixed")
         rpy = pin.rpy.matrixToRpy(placement.rotation)
         SubElement(joint, "origin", xyz=written(placement.translation), rpy=written(rpy))
@@ -106,11 +105,3 @@ def loop_of_kind(kind: str, frames: tuple[str, str], axis: Vector) -> Loop | Non
     if kind == "floating":
         return None
     return SphericalLoop(frames=frames) if kind == "spherical" else FrameLoop(frames=frames)
-
-
-def unused(name: str, names: Collection[str]) -> str:
-    """Return this name, with a number at its end if it is taken."""
-    number, free = 2, name
-    while free in names:
-        free, number = f"{name}_{number}", number + 1
-    return free

@@ -16,11 +16,11 @@ from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 
 from pmjac_pin.errors import ModelFileError, did_you_mean
-from pmjac_pin.formats.anchors import unused
 from pmjac_pin.formats.closure_yaml import ClosureFile, read_closure_yaml
 from pmjac_pin.formats.foreign_model import ForeignModel
 from pmjac_pin.formats.joint_dialects import WITHOUT_LIMIT, listed
 from pmjac_pin.formats.looped_urdf import read_robot
+from pmjac_pin.formats.unused_name import unused_name
 from pmjac_pin.loop_spec import FrameLoop, Loop, PointLoop
 from pmjac_pin.text_file import at_file, read_text
 from pmjac_pin.urdf import MAXIMAL_SIZE
@@ -163,7 +163,7 @@ def _replace_by_two(robot: Element, joint: Element, first: str, second: str) -> 
         raise ModelFileError(f"`joint_type`: UJOINT_{first}{second} has twice the same axis")
     name, position = joint.get("name", ""), list(robot).index(joint)
     links = {link.get("name", "") for link in robot.iterfind("link")}
-    cross = unused(f"{name}_cross", links)
+    cross = unused_name(f"{name}_cross", links)
     SubElement(robot, "link", name=cross)
     following = Element("joint", name=f"{name}_{second}")
     robot.insert(position + 1, following)
@@ -188,9 +188,9 @@ def _float_base(robot: Element) -> None:
     bases = [link for link in links if link not in led_to]
     if len(bases) != 1:
         raise ModelFileError(f"`free_flyer` needs one base, the URDF has {len(bases)}")
-    world = unused("world", links)
+    world = unused_name("world", set(links))
     joints = {joint.get("name", "") for joint in robot.iterfind("joint")}
     robot.insert(0, Element("link", name=world))
-    floating = SubElement(robot, "joint", name=unused("free_flyer", joints), type="floating")
+    floating = SubElement(robot, "joint", name=unused_name("free_flyer", joints), type="floating")
     SubElement(floating, "parent", link=world)
     SubElement(floating, "child", link=bases[0])

@@ -11,10 +11,9 @@ from dataclasses import replace
 from pathlib import Path
 from xml.etree.ElementTree import Element, tostring
 
-import pinocchio as pin
-
 from pmjac_pin.errors import ModelFileError
-from pmjac_pin.formats.anchors import Anchors, loop_of_kind, placement_of
+from pmjac_pin.formats.anchors import Anchors
+from pmjac_pin.formats.cut_joints import CutJoints
 from pmjac_pin.formats.foreign_model import ForeignModel
 from pmjac_pin.formats.joint_dialects import (
     floating_balls,
@@ -23,18 +22,10 @@ from pmjac_pin.formats.joint_dialects import (
     opened_limits,
 )
 from pmjac_pin.formats.loop_elements import TAGS, Closing, read_closings, read_gears
-from pmjac_pin.formats.spanning_tree import SpanningTree, spanning_tree
-from pmjac_pin.loop_spec import JointLoop, Loop, X
+from pmjac_pin.loop_spec import JointLoop
 from pmjac_pin.text_file import at_file, read_text
 from pmjac_pin.urdf import MAXIMAL_SIZE, parse_urdf
-from pmjac_pin.urdf_checks import (
-    VELOCITIES,
-    UrdfJoint,
-    check_size,
-    checked_joint,
-    checked_names,
-    joints_of,
-)
+from pmjac_pin.urdf_checks import VELOCITIES, UrdfJoint, check_size, checked_names
 from pmjac_pin.urdf_xml import parse_xml
 
 
@@ -77,49 +68,40 @@ def read_robot(robot: Element, path: Path, motors: Collection[str]) -> ForeignMo
     ModelFileError
         Without the file's path.
     """
-    links, joints = robot.findall("link"), robot.findall("joint")
-    check_size(links, joints)
+    links, elements = robot.findall("link"), robot.findall("joint")
+    check_size(links, elements)
     names = checked_names(links)
-    checked_names(joints)
-    if robot.find("coupling") is not None:
-        todo = "gear the joints by <mimic>"
-        raise ModelFileError(f"<coupling> is not read, and left out it would free a motion; {todo}")
-    limit_notes = opened_limits(joints)
-    balls = floating_balls(joints)
-    independent = independence(joints)
-    gears = read_gears(joints)
-    elements = [element for element in robot if element.tag in TAGS]
-    checked = Element("robot")
-    checked.extend([checked_joint(joint, names) for joint in joints])
+    checked_names(elements)
+    _refuse_coupling(robot)
+    limit_notes, balls = opened_limits(elements), floating_balls(elements)
+    independent, gears = independence(elements), read_gears(elements)
     geared = {name for gear in gears for name in gear.joints}
     wanted = {name for name, given in independent.items() if given}
-    given = joints_of(checked)
-    tree = _tree(list(names), given, {*motors, *wanted, *geared})
-    for element in (*elements, *(joints[number] for number in tree.cut)):
+    cut = CutJoints.of(elements, names, balls, {*motors, *wanted, *geared})
+    declared = [element for element in robot if element.tag in TAGS]
+    for element in declared:
         robot.remove(element)
+    cut.remove_from(robot)
     anchors = Anchors(robot)
-    for branch in tree.branches:
-        if branch.turned:
-            anchors.turn(joints[branch.joint], _placement(checked[branch.joint]))
-    cut_loops = [_closed(given[number], checked[number], balls, anchors) for number in tree.cut]
-    closings = read_closings(elements, names, anchors)
-    kept = [joint for number, joint in enumerate(given) if number not in tree.cut]
-    home, home_notes = home_within_limits(checked, kept)
+    cut.turn(anchors)
+    cut_loops, closings = cut.loops(anchors), read_closings(declared, names, anchors)
     loops = (*cut_loops, *(closing.loop for closing in closings), *gears)
+    home, home_notes = home_within_limits(cut.checked, cut.kept)
     return ForeignModel(
         name=path.stem,
         urdf=parse_urdf(tostring(robot, encoding="unicode"), str(path)),
         loops=tuple(loop for loop in loops if loop is not None),
-        spherical=tuple(joint.name for joint in kept if joint.name in balls),
+        spherical=tuple(joint.name for joint in cut.kept if joint.name in balls),
         home=home,
-        actuated=_actuated(kept, independent, gears),
-        notes=(
-            *limit_notes,
-            *home_notes,
-            *_tree_notes(tree, given, balls),
-            *_closing_notes(closings, kept),
-        ),
+        actuated=_actuated(cut.kept, independent, gears),
+        notes=(*limit_notes, *home_notes, *cut.notes(), *_closing_notes(closings, cut.kept)),
     )
+
+
+def _refuse_coupling(robot: Element) -> None:
+    if robot.find("coupling") is not None:
+        todo = "gear the joints by <mimic>"
+        raise ModelFileError(f"<coupling> is not read, and left out it would free a motion; {todo}")
 
 
 def _actuated(
@@ -131,58 +113,6 @@ def _actuated(
     followers = {gear.joints[1] for gear in gears}
     single = [joint.name for joint in tree if VELOCITIES[joint.type] == 1]
     return tuple(name for name in single if name not in followers and independent.get(name, True))
-
-
-def _tree(links: Sequence[str], joints: Sequence[UrdfJoint], kept: Collection[str]) -> SpanningTree:
-    for joint in joints:
-        if joint.parent == joint.child:
-            message = f"joint {joint.name!r} joins link {joint.parent!r} with itself"
-            raise ModelFileError(message)
-    ends = [(joint.parent, joint.child) for joint in joints]
-    first = [number for number, joint in enumerate(joints) if joint.name in kept]
-    tree = spanning_tree(links, ends, first=first)
-    for joint in (joints[number] for number in tree.cut if number in first):
-        got = f"joint {joint.name!r} is a motor or geared by <mimic>, and would have to be cut"
-        why = f"another such joint holds link {joint.child!r}, or it is the base"
-        raise ModelFileError(f"{got}, since {why}")
-    return tree
-
-
-def _closed(
-    joint: UrdfJoint, element: Element, balls: Collection[str], anchors: Anchors
-) -> Loop | None:
-    """Return the loop that does what a joint did that was cut."""
-    kind = "spherical" if joint.name in balls else joint.type
-    if kind == "floating":
-        return None
-    axis = element.find("axis")
-    x, y, z = X if axis is None else map(float, axis.get("xyz", "").split())
-    frames = (anchors.add(joint.name, joint.parent, _placement(element)), joint.child)
-    return loop_of_kind(kind, frames, (x, y, z))
-
-
-def _placement(joint: Element) -> pin.SE3:
-    origin = joint.find("origin")
-    return pin.SE3.Identity() if origin is None else placement_of(origin)
-
-
-def _tree_notes(
-    tree: SpanningTree, joints: Sequence[UrdfJoint], balls: Collection[str]
-) -> list[str]:
-    """Say which joints were turned round, and which were cut for what."""
-    above = {branch.below: joints[branch.joint].name for branch in tree.branches}
-    notes = [
-        f"joint {joints[branch.joint].name!r} is turned round, as none leads to {branch.below!r}"
-        for branch in tree.branches
-        if branch.turned
-    ]
-    for joint in (joints[number] for number in tree.cut):
-        kind = "spherical" if joint.name in balls else joint.type
-        done = "holds nothing: left out" if kind == "floating" else f"cut, and closed as {kind}"
-        other = above.get(joint.child)
-        why = "which is the base" if other is None else f"which {other!r} holds"
-        notes.append(f"joint {joint.name!r} leads to link {joint.child!r}, {why}: {done}")
-    return notes
 
 
 def _closing_notes(closings: Sequence[Closing], tree: Sequence[UrdfJoint]) -> list[str]:

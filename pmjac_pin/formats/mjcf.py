@@ -9,7 +9,6 @@ from __future__ import annotations
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
-from pmjac_pin.errors import ModelFileError, PmjacError
 from pmjac_pin.formats.foreign_model import ForeignModel
 from pmjac_pin.formats.mjcf_actuators import read_motors
 from pmjac_pin.formats.mjcf_attributes import check_attributes
@@ -22,6 +21,7 @@ from pmjac_pin.formats.mjcf_frames import Compiler
 from pmjac_pin.formats.mjcf_home import read_home
 from pmjac_pin.formats.mjcf_names import Names
 from pmjac_pin.formats.mjcf_tree import MjcfTree
+from pmjac_pin.text_file import at_file
 from pmjac_pin.urdf import parse_urdf
 from pmjac_pin.urdf_locking import lock_joints
 
@@ -42,12 +42,8 @@ def read_mjcf(path: Path) -> ForeignModel:
         The message starts with the file's path and names the element at fault.
     """
     root = read_mujoco(path)
-    try:
+    with at_file(str(path)):
         return _foreign_model(root, path)
-    except PmjacError as error:
-        if isinstance(error, ModelFileError) and error.path:
-            raise
-        raise ModelFileError(f"{path}: {error}", path=str(path)) from None
 
 
 def _foreign_model(root: Element, path: Path) -> ForeignModel:

@@ -7,7 +7,7 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 from xml.etree.ElementTree import Element
 
 from pmjac_pin.errors import ModelFileError, did_you_mean
-from pmjac_pin.text_file import read_text
+from pmjac_pin.text_file import at_file, read_text
 from pmjac_pin.urdf_xml import MAXIMAL_NESTING, parse_xml, shown
 
 MAXIMAL_SIZE = 5_000_000  # bytes; elements take a hundred times that in memory
@@ -42,7 +42,7 @@ class _Reader:
 
     def root(self) -> Element:
         root = self._parsed(self._path)
-        try:
+        with at_file(str(self._path)):
             if root.tag != "mujoco":
                 got = f"the root element is <{shown(root.tag)[1:-1]}>"
                 raise ModelFileError(f"{got}; an MJCF file's is <mujoco>")
@@ -53,8 +53,6 @@ class _Reader:
                     raise ModelFileError(
                         f"<{shown(section.tag)[1:-1]}> is no section of MJCF{known}"
                     )
-        except ModelFileError as error:
-            raise _at(self._path, error) from None
         return expanded
 
     def _parsed(self, path: Path) -> Element:
@@ -64,10 +62,8 @@ class _Reader:
         if self._read > MAXIMAL_SIZE:
             what = f"the included files have more than {MAXIMAL_SIZE} characters together"
             raise ModelFileError(f"{path}: {what}", path=str(path))
-        try:
+        with at_file(str(path)):
             return parse_xml(text)
-        except ModelFileError as error:
-            raise _at(path, error) from None
 
     def _expanded(self, element: Element, path: Path, depth: int) -> Element:
         """Return a copy with the contents of included files in the place of each <include>."""
@@ -105,8 +101,3 @@ class _Reader:
         if len(self._files) > MAXIMAL_INCLUDES:
             raise ModelFileError(f"more than {MAXIMAL_INCLUDES} files are included")
         return found
-
-
-def _at(path: Path, error: ModelFileError) -> ModelFileError:
-    """Return the error with the file's path before its message, once."""
-    return error if error.path else ModelFileError(f"{path}: {error}", path=str(path))

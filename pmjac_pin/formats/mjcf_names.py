@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from xml.etree.ElementTree import Element
 
 from pmjac_pin.errors import ModelFileError, did_you_mean
-from pmjac_pin.formats.tree_urdf import unused_name
+from pmjac_pin.formats.unused_name import unused_name
 from pmjac_pin.urdf_xml import shown
 
 WORLD = "world"

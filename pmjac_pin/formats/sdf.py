@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 
-from pmjac_pin.errors import ModelFileError
 from pmjac_pin.formats.foreign_model import ForeignModel
 from pmjac_pin.formats.sdf_couplings import coupled_links, coupling
 from pmjac_pin.formats.sdf_frames import WORLD
@@ -18,7 +17,7 @@ from pmjac_pin.formats.sdf_joints import AXIS_TAGS, SdfJoint
 from pmjac_pin.formats.sdf_model import SdfModel, read_model
 from pmjac_pin.formats.sdf_tree import SdfTree
 from pmjac_pin.formats.spanning_tree import SpanningTree, spanning_tree
-from pmjac_pin.text_file import read_text
+from pmjac_pin.text_file import at_file, read_text
 from pmjac_pin.urdf import parse_urdf
 from pmjac_pin.urdf_xml import parse_xml
 
@@ -45,12 +44,8 @@ def read_sdf(path: Path, motors: Collection[str] = ()) -> ForeignModel:
         The message starts with the file's path and names the element at fault.
     """
     text = read_text(path, MAXIMAL_SIZE)
-    try:
+    with at_file(str(path)):
         return _foreign_model(read_model(parse_xml(text)), path, motors)
-    except ModelFileError as error:
-        if error.path:
-            raise
-        raise ModelFileError(f"{path}: {error}", path=str(path)) from None
 
 
 def _foreign_model(model: SdfModel, path: Path, motors: Collection[str]) -> ForeignModel:

@@ -8,6 +8,7 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 
 import pinocchio as pin
 
+from pmjac_pin.formats.unused_name import unused_name
 from pmjac_pin.urdf_xml import written
 
 WITHOUT_LIMIT = 1e16  # m, rad, N, N m, m/s or rad/s: what SDFormat writes for none
@@ -107,18 +108,3 @@ def origin(placement: pin.SE3) -> dict[str, str]:
     """Return the attributes of URDF's <origin>."""
     rpy = pin.rpy.matrixToRpy(placement.rotation)
     return {"xyz": written(placement.translation), "rpy": written(rpy)}
-
-
-def unused_name(name: str, taken: set[str]) -> str:
-    """Return this name, with a number at its end if it is taken; from now on it is.
-
-    Examples
-    --------
-    >>> unused_name("rod", {"rod", "rod_2"})
-    'rod_3'
-    """
-    number, unused = 2, name
-    while unused in taken:
-        unused, number = f"{name}_{number}", number + 1
-    taken.add(unused)
-    return unused

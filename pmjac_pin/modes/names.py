@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pmjac_pin.assembled_poses import assembled_poses
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import PmjacError
 from pmjac_pin.modes.assembly_modes import AssemblyModes
 from pmjac_pin.modes.distinct import Signatures
 from pmjac_pin.modes.search_problem import search_problem, without_legs
@@ -55,17 +54,8 @@ def pose_names(mechanism: Mechanism, modes: AssemblyModes) -> tuple[tuple[str, .
     """Return for each mode the names of the poses that it is."""
     recognition = Recognition(modes)
     names: list[list[str]] = [[] for _ in modes]
-    for name, pose in _assembled_poses(mechanism):
+    for name, pose in assembled_poses(mechanism).items():
         index = recognition.index(pose)
         if index is not None:
             names[index].append(name)
     return tuple(map(tuple, names))
-
-
-def _assembled_poses(mechanism: Mechanism) -> Iterator[tuple[str, Configuration]]:
-    """Yield the named poses; other parameters may leave some that do not close."""
-    for name in mechanism.poses:
-        try:
-            yield name, mechanism.pose(name)
-        except PmjacError:
-            continue

@@ -14,8 +14,9 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from pmjac_pin.shapes import Box, Colour, Cone, Cylinder, Shape, Sphere, Text
+from pmjac_pin.viewer.items import Item
 from pmjac_pin.viewer.palette import hexadecimal
-from pmjac_pin.viewer.shapes import Box, Colour, Cone, Cylinder, Item, Shape, Sphere, Text
 
 Array = NDArray[np.float64]
 Command = tuple[str, bytes]

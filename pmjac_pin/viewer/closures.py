@@ -7,20 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pmjac_pin.anatomy import Anatomy, Anchors
+from pmjac_pin.bodies import Points
 from pmjac_pin.loop_spec import CylindricalLoop, PlanarLoop, PrismaticLoop
-from pmjac_pin.viewer.anatomy import Anatomy, Anchors
-from pmjac_pin.viewer.bodies import Points
+from pmjac_pin.shapes import Array, Cylinder, Sphere, scaled, translation
+from pmjac_pin.viewer.items import Part, between
 from pmjac_pin.viewer.layers import SPECK, Attached, Drawing, Lines, Pose
 from pmjac_pin.viewer.palette import FIRST_ANCHOR, GAP, ROD, SECOND_ANCHOR
-from pmjac_pin.viewer.shapes import (
-    Array,
-    Cylinder,
-    Part,
-    Sphere,
-    between,
-    scaled,
-    translation,
-)
 
 # Shares of the mechanism's size.
 FIRST_RADIUS, SECOND_RADIUS = 0.03, 0.045

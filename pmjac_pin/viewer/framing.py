@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.viewer.shapes import Item
+from pmjac_pin.viewer.items import Item
 
 Array = NDArray[np.float64]
 

@@ -7,12 +7,13 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from pmjac_pin.anatomy import Anatomy
+from pmjac_pin.bodies import Point, Points
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.viewer.anatomy import Anatomy
-from pmjac_pin.viewer.bodies import Point, Points
+from pmjac_pin.shapes import Array, Cone, Cylinder
+from pmjac_pin.viewer.items import Part, between
 from pmjac_pin.viewer.layers import SPECK, Drawing, Pose, distinct, part_of_path, specks
 from pmjac_pin.viewer.palette import FREE
-from pmjac_pin.viewer.shapes import Array, Cone, Cylinder, Part, between
 
 #: `Singularity.smallest` below which a pose is near a singularity.
 NEAR_SINGULAR = 0.01

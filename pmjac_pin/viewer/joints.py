@@ -6,22 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from pmjac_pin.viewer.anatomy import BALL_JOINTS, Anatomy
-from pmjac_pin.viewer.bodies import Point, Points
+from pmjac_pin.anatomy import BALL_JOINTS, Anatomy
+from pmjac_pin.bodies import Point, Points
+from pmjac_pin.shapes import Array, Box, Colour, Cone, Cylinder, Shape, Sphere, scaled
+from pmjac_pin.viewer.items import Part, between
 from pmjac_pin.viewer.layers import SPECK, Attached, Labels, Lines, distinct, part_of_path, words
 from pmjac_pin.viewer.palette import AXES, JOINT, MOTOR, WORDS
-from pmjac_pin.viewer.shapes import (
-    Array,
-    Box,
-    Colour,
-    Cone,
-    Cylinder,
-    Part,
-    Shape,
-    Sphere,
-    between,
-    scaled,
-)
 
 # Shares of the mechanism's size.
 PIN_RADIUS, PIN_LENGTH = 0.025, 0.09

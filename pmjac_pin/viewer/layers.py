@@ -9,10 +9,11 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from pmjac_pin.bodies import Index, Points
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.ellipsoid import Ellipsoid
-from pmjac_pin.viewer.bodies import Index, Points
-from pmjac_pin.viewer.shapes import Array, Colour, Part, Text, between
+from pmjac_pin.shapes import Array, Colour, Text
+from pmjac_pin.viewer.items import Part, between
 
 Kind = Literal["linear", "angular", "force"]
 

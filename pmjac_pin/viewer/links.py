@@ -6,11 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from pmjac_pin.anatomy import COINCIDENT, Anatomy
 from pmjac_pin.frames import find_frame
-from pmjac_pin.viewer.anatomy import COINCIDENT, Anatomy
+from pmjac_pin.shapes import Array, Cylinder
+from pmjac_pin.viewer.items import Part, between
 from pmjac_pin.viewer.layers import Attached, part_of_path
 from pmjac_pin.viewer.palette import GROUND, LINK
-from pmjac_pin.viewer.shapes import Array, Cylinder, Part, between
 
 BAR_RADIUS = 0.015  # of the mechanism's size
 
@@ -32,7 +33,7 @@ def _visuals(anatomy: Anatomy) -> Iterator[_Piece]:
         frame = find_frame(anatomy.model, visual.link)
         name = f"links/{part_of_path(visual.link)}/{part_of_path(visual.name)}"
         for shape, transform in visual.pieces:
-            part = Part(name, shape, visual.colour)
+            part = Part(name, shape, visual.colour or LINK)
             yield part, frame.joint, frame.placement.homogeneous @ transform
 
 

@@ -14,18 +14,19 @@ from types import MappingProxyType
 
 import numpy as np
 
+from pmjac_pin.anatomy import Anatomy
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.read_only import read_only
-from pmjac_pin.viewer.anatomy import Anatomy
+from pmjac_pin.shapes import Array, Text
 from pmjac_pin.viewer.closures import anchor_layer, axis_layer, gap_layer, rod_layer
 from pmjac_pin.viewer.ellipsoids import EllipsoidLayer, directions_after, find_ellipsoids
 from pmjac_pin.viewer.free_motion import FreeMotionLayer
+from pmjac_pin.viewer.items import Item
 from pmjac_pin.viewer.joints import joint_layer, motor_names, rail_layer, tool_layer
 from pmjac_pin.viewer.layers import Drawing, Kind, Layer, Pose
 from pmjac_pin.viewer.links import link_layer
-from pmjac_pin.viewer.shapes import Array, Item, Text
 
 _KINDS: tuple[Kind, ...] = ("linear", "angular", "force")
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pmjac_pin.assembled_poses import assembled_poses
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ArgumentError, ClosureError, LimitError, PmjacError
-from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.errors import ArgumentError, ClosureError, LimitError
 from pmjac_pin.viewer.framing import Framing, frame
 from pmjac_pin.viewer.layers import Kind
 from pmjac_pin.viewer.leaving import beside_singularity, shortly_before
@@ -64,7 +64,9 @@ class Session:
         self.configuration = configuration
         self.options = options
         self.notice = _NOTHING
-        self._poses = dict(_assembled_poses(self.mechanism))
+        self._poses = assembled_poses(self.mechanism)
+        if left_out := [name for name in self.mechanism.poses if name not in self._poses]:
+            _logger.warning("poses that do not close are left out: %s", ", ".join(left_out))
         self.pose = self._name_of(configuration)
         self._maker = SceneMaker(self.mechanism)
         self._start = configuration
@@ -237,12 +239,3 @@ class Session:
         )
         text = f"End of the reachable range: {stopped}. This assembly mode goes no further."
         return Notice("stop", text, stops)
-
-
-def _assembled_poses(mechanism: Mechanism) -> Iterator[tuple[str, Configuration]]:
-    """Yield the named poses; other parameters may leave some that do not close."""
-    for name in mechanism.poses:
-        try:
-            yield name, mechanism.pose(name)
-        except PmjacError as error:
-            _logger.warning("the pose %r is left out: %s", name, error)

@@ -11,10 +11,9 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.errors import ModelFileError
+from pmjac_pin.shapes import Array, Box, Colour, Cylinder, Shape, Sphere, scaled
 from pmjac_pin.urdf import Urdf
 from pmjac_pin.urdf_xml import label, numbers, parse_xml
-from pmjac_pin.viewer.palette import LINK
-from pmjac_pin.viewer.shapes import Array, Box, Colour, Cylinder, Shape, Sphere, scaled
 
 _logger = logging.getLogger(__name__)
 
@@ -34,13 +33,14 @@ class Visual:
     pieces : list of (Shape, ndarray of shape (4, 4))
         Shapes and their transforms in the link's frame; none where it is a mesh, or not to be
         understood.
-    colour : Colour
+    colour : Colour or None
+        None where the URDF gives none.
     """
 
     link: str
     name: str
     pieces: list[_Piece]
-    colour: Colour
+    colour: Colour | None
 
 
 def read_visuals(urdf: Urdf) -> list[Visual]:
@@ -118,11 +118,11 @@ def _named_colours(robot: Element) -> dict[str, Colour]:
     return found
 
 
-def _colour(visual: Element, named: Mapping[str, Colour]) -> Colour:
+def _colour(visual: Element, named: Mapping[str, Colour]) -> Colour | None:
     material = visual.find("material")
     if material is None:
-        return LINK
-    return _rgba(material) or named.get(material.get("name", ""), LINK)
+        return None
+    return _rgba(material) or named.get(material.get("name", ""))
 
 
 def _rgba(material: Element) -> Colour | None:

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.viewer.shapes import Array
+from pmjac_pin.shapes import Array
 
 Index = NDArray[np.intp]
 

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 import pinocchio as pin
 
+from pmjac_pin.bodies import Bodies, Point, Points
 from pmjac_pin.frames import find_frame
 from pmjac_pin.loop_spec import (
     CylindricalLoop,
@@ -21,9 +22,8 @@ from pmjac_pin.loop_spec import (
     UniversalLoop,
 )
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.viewer.bodies import Bodies, Point, Points
-from pmjac_pin.viewer.shapes import Array
-from pmjac_pin.viewer.visuals import read_visuals
+from pmjac_pin.shapes import Array
+from pmjac_pin.visuals import read_visuals
 
 # Joints whose own origin is no place of the mechanism but where its coordinates start.
 _LOOSE = ("JointModelFreeFlyer", "JointModelPlanar", "JointModelTranslation")

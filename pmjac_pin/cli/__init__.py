@@ -1,0 +1,9 @@
+"""The command line: ``pmjac`` with list, report, modes, check, plot, demo, view and convert.
+
+Exit status 0; 1 where ``check`` finds an error in the model; 2 with one line on stderr when
+something is wrong; 130 on Ctrl-C.
+"""
+
+from pmjac_pin.cli.running import app, main
+
+__all__ = ["app", "main"]

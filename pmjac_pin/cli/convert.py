@@ -1,0 +1,28 @@
+"""``pmjac convert``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from pmjac_pin.cli.options import Name, Reading
+from pmjac_pin.cli.output import Output
+from pmjac_pin.convert import convert
+from pmjac_pin.terminal import one_line
+
+
+def convert_command(
+    mechanism: Name,
+    /,
+    *,
+    output: Annotated[
+        Path, Parameter(name=["--output", "-o"], help="The new model file, such as mine.toml.")
+    ],
+    reading: Reading = Reading(),
+    force: Annotated[bool, Parameter(help="Replace files that exist.")] = False,
+) -> Output:
+    """Write a model file and its URDF from any format; print their paths."""
+    written = convert(mechanism, output, force=force, **reading.keywords())
+    return "".join(f"{one_line(str(path))}\n" for path in written)

@@ -1,0 +1,22 @@
+"""``pmjac demo``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from pmjac_pin.cli.output import Output
+from pmjac_pin.demo import FIGURE, demo_blocks, run_demo
+
+
+def demo_command(
+    *,
+    output: Annotated[
+        Path | None,
+        Parameter(name=["--output", "-o"], help="The figure (default: three_rps_lecture_b.png)."),
+    ] = None,
+) -> Output:
+    """Work through the lecture's pose B of the 3-RPS and draw its figure."""
+    return demo_blocks(run_demo(output or FIGURE))

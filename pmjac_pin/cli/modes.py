@@ -1,0 +1,89 @@
+"""``pmjac modes``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from pmjac_pin.blocks import Block, Verbatim
+from pmjac_pin.cli.options import At, Choice, Json, Name, motor_values
+from pmjac_pin.cli.output import Output
+from pmjac_pin.errors import ArgumentError
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.mode_sheet import modes_figure
+from pmjac_pin.modes.assembly_modes import AssemblyModes
+from pmjac_pin.modes_report import make_modes_report
+from pmjac_pin.modes_tables import modes_blocks
+from pmjac_pin.plotting import save_figure
+from pmjac_pin.report import to_json
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Search:
+    """How long to search, and what to make of what is found."""
+
+    no_limits: Annotated[bool, Parameter(help="Let joints go beyond their limits.")] = False
+    seed: Annotated[int, Parameter(help="Of the random starts (default: 0).")] = 0
+    unseen: Annotated[
+        float, Parameter(help="Largest share of starts that may lead elsewhere (default: 0.002).")
+    ] = 2e-3
+    confidence: Annotated[float, Parameter(help="Of that bound (default: 0.99).")] = 0.99
+    most_starts: Annotated[
+        int, Parameter(help="Starts after which to give up on it (default: 200000).")
+    ] = 200_000
+    no_proof: Annotated[bool, Parameter(help="Leave it at the search's statistics.")] = False
+
+    def modes(self, mechanism: Mechanism, values: Sequence[float]) -> AssemblyModes:
+        """Return the closed poses at these motor values."""
+        return mechanism.assembly_modes(
+            values,
+            rng=self.seed,
+            limits=not self.no_limits,
+            unseen=self.unseen,
+            confidence=self.confidence,
+            most_starts=self.most_starts,
+            proof=not self.no_proof,
+        )
+
+
+def modes_command(
+    mechanism: Name,
+    /,
+    *,
+    at: At = None,
+    from_: Annotated[
+        str | None,
+        Parameter(name="--from", help="In place of --at: a pose with these motor values."),
+    ] = None,
+    choice: Choice = Choice(),
+    search: Search = Search(),
+    json: Json = False,
+    output: Annotated[
+        Path | None,
+        Parameter(name=["--output", "-o"], help="Draw the modes, too: a .png, .pdf or .svg."),
+    ] = None,
+) -> Output:
+    """Find all closed poses at these motor values, and say what is known of their number."""
+    loaded = choice.load(mechanism)
+    values = _motor_values(loaded, at, from_)
+    modes = search.modes(loaded, values)
+    report = make_modes_report(loaded, values, modes, limits=not search.no_limits)
+    drawn: list[Block] = []
+    if output is not None:
+        save_figure(modes_figure(modes, report), output)
+        drawn = [Verbatim(str(output))]
+    return f"{to_json(report)}\n" if json else [*modes_blocks(report), *drawn]
+
+
+def _motor_values(mechanism: Mechanism, at: str | None, pose: str | None) -> Sequence[float]:
+    if at is None:
+        values: list[float] = mechanism.pose("home" if pose is None else pose).actuated.tolist()
+        return values
+    if pose is not None:
+        raise ArgumentError("--at and --from both give motor values; take one of them")
+    return motor_values(at)

@@ -1,0 +1,114 @@
+"""The options that several commands share: which mechanism, adjusted how, at which pose."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, TypeAlias
+
+from cyclopts import Parameter
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import ArgumentError
+from pmjac_pin.loading import load
+from pmjac_pin.mechanism import Mechanism
+
+Name: TypeAlias = Annotated[
+    str,
+    Parameter(help="A name that pmjac list shows, or the path of a model file, URDF, MJCF or SDF."),
+]
+At: TypeAlias = Annotated[str | None, Parameter(help="Motor values, m or rad, such as 0.5,1,2.")]
+Frame: TypeAlias = Annotated[
+    str, Parameter(help="Of the twist: LOCAL, WORLD or LOCAL_WORLD_ALIGNED (default).")
+]
+Json: TypeAlias = Annotated[bool, Parameter(help="Write JSON: all digits, SI units.")]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Reading:
+    """What to take instead of what a model's file tells."""
+
+    actuated: Annotated[
+        str | None, Parameter(help="The motors, such as a,b, instead of those that the file tells.")
+    ] = None
+    tool: Annotated[str | None, Parameter(help="The tool's frame, instead of the file's.")] = None
+    locked: Annotated[
+        str | None,
+        Parameter(help="Joints to hold at their home values, such as spring1,spring2."),
+    ] = None
+    tolerance: Annotated[
+        float | None, Parameter(help="Gap in m that counts as closed, where numbers are rounded.")
+    ] = None
+
+    def keywords(self) -> dict[str, Any]:
+        """Return them as `load`, `check` and `convert` take them."""
+        return {
+            "actuated": None if self.actuated is None else _names(self.actuated),
+            "tool": self.tool,
+            "locked": () if self.locked is None else _names(self.locked),
+            "tolerance": self.tolerance,
+        }
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Choice:
+    """Which of the machines that a file describes."""
+
+    set_: Annotated[
+        list[str] | None,
+        Parameter(name="--set", help="Parameters, such as l1=1.2,l2=3; may be repeated."),
+    ] = None
+    reading: Reading = Reading()
+
+    def parameters(self) -> dict[str, float]:
+        """Return the values given for the model's parameters."""
+        parameters: dict[str, float] = {}
+        for item in (item for setting in self.set_ or () for item in setting.split(",")):
+            name, _, value = map(str.strip, item.partition("="))
+            if name in parameters:
+                raise ArgumentError(f"--set gives {name!r} twice")
+            try:
+                parameters[name] = float(value)
+            except ValueError:
+                message = f"--set takes NAME=NUMBER, such as l1=1.2; got {item!r}"
+                raise ArgumentError(message) from None
+        return parameters
+
+    def load(self, name: str) -> Mechanism:
+        """Return the mechanism of this name or file."""
+        return load(name, self.parameters(), **self.reading.keywords())
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Pose:
+    """A named pose, or motor values to walk to from one."""
+
+    at: At = None
+    from_: Annotated[
+        str | None,
+        Parameter(
+            name="--from", help="The pose to show or, with --at, to walk from (default: home)."
+        ),
+    ] = None
+
+    def configuration(self, mechanism: Mechanism) -> tuple[Configuration, dict[str, str | None]]:
+        """Return the configuration asked for, and which pose it is or was reached from."""
+        start = "home" if self.from_ is None else self.from_
+        if self.at is None:
+            return mechanism.pose(start), {"pose": start, "start": None}
+        return mechanism.close(motor_values(self.at), guess=start), {"pose": None, "start": start}
+
+
+def motor_values(at: str) -> list[float]:
+    """Return the numbers given by ``--at``."""
+    try:
+        return [float(item) for item in at.split(",")]
+    except ValueError:
+        message = f"--at takes numbers joined by commas, such as 0.5,1,2; got {at!r}"
+        raise ArgumentError(message) from None
+
+
+def _names(text: str) -> list[str]:
+    return [name.strip() for name in text.split(",")]

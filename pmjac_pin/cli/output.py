@@ -1,0 +1,20 @@
+"""What a command returns, to be written once all of it is known."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from pmjac_pin.blocks import Block
+
+#: Text as it is, or blocks to be drawn.
+Output: TypeAlias = str | Iterable[Block] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """An output together with the exit status."""
+
+    output: Output
+    status: int

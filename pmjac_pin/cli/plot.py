@@ -1,0 +1,33 @@
+"""``pmjac plot``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from pmjac_pin.blocks import Verbatim
+from pmjac_pin.cli.options import Choice, Frame, Name, Pose
+from pmjac_pin.cli.output import Output
+from pmjac_pin.pose_figure import save_pose_figure
+from pmjac_pin.report_maker import make_report
+
+
+def plot_command(
+    mechanism: Name,
+    /,
+    *,
+    output: Annotated[
+        Path, Parameter(name=["--output", "-o"], help="The file: .png, .pdf or .svg.")
+    ],
+    pose: Pose = Pose(),
+    frame: Frame = "LOCAL_WORLD_ALIGNED",
+    choice: Choice = Choice(),
+) -> Output:
+    """Draw the velocity ellipsoid at one pose and its sections; print the file's path."""
+    configuration, names = pose.configuration(choice.load(mechanism))
+    report = make_report(configuration, frame.upper(), **names)
+    ellipsoid = configuration.jacobian(frame.upper()).velocity_ellipsoid()
+    save_pose_figure(report, ellipsoid, output)
+    return [Verbatim(str(output))]

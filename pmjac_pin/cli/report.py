@@ -1,0 +1,24 @@
+"""``pmjac report``."""
+
+from __future__ import annotations
+
+from pmjac_pin.cli.options import Choice, Frame, Json, Name, Pose
+from pmjac_pin.cli.output import Output
+from pmjac_pin.report import to_json
+from pmjac_pin.report_maker import make_report
+from pmjac_pin.tables import report_blocks
+
+
+def report_command(
+    mechanism: Name,
+    /,
+    *,
+    pose: Pose = Pose(),
+    frame: Frame = "LOCAL_WORLD_ALIGNED",
+    choice: Choice = Choice(),
+    json: Json = False,
+) -> Output:
+    """Show all that is known at one pose, as tables or as JSON."""
+    configuration, names = pose.configuration(choice.load(mechanism))
+    report = make_report(configuration, frame.upper(), **names)
+    return f"{to_json(report)}\n" if json else report_blocks(report)

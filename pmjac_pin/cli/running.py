@@ -1,0 +1,116 @@
+"""Running a command: from the process's arguments to its output and exit status."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import re
+import sys
+from collections.abc import Sequence
+
+import numpy as np
+from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
+
+from pmjac_pin.cli.check import check_command
+from pmjac_pin.cli.convert import convert_command
+from pmjac_pin.cli.demo import demo_command
+from pmjac_pin.cli.list import list_command
+from pmjac_pin.cli.modes import modes_command
+from pmjac_pin.cli.output import Verdict
+from pmjac_pin.cli.plot import plot_command
+from pmjac_pin.cli.report import report_command
+from pmjac_pin.cli.view import view_command
+from pmjac_pin.errors import LimitError, PmjacError
+from pmjac_pin.terminal import draw, new_console, one_line, write
+
+_EXAMPLE = "Example: pmjac report four_bar --at 1.2 --set l1=1.1,l2=2.9"
+
+
+def _version() -> str:
+    try:
+        return f"pmjac {importlib.metadata.version('pmjac_pin')}"
+    except importlib.metadata.PackageNotFoundError:
+        return "pmjac (not installed: run from its source folder)"
+
+
+app = App(
+    name="pmjac",
+    help="Closed-chain mechanisms on Pinocchio: the equivalent Jacobian, with names and units.",
+    help_epilogue=_EXAMPLE,
+    version=_version,
+    group_parameters="Options",
+    result_action="return_value",
+    suppress_keyboard_interrupt=False,
+    default_parameter=Parameter(negative=(), show_default=False),
+)
+app.command(list_command, name="list")
+app.command(report_command, name="report")
+app.command(modes_command, name="modes")
+app.command(check_command, name="check")
+app.command(plot_command, name="plot")
+app.command(demo_command, name="demo")
+app.command(view_command, name="view")
+app.command(convert_command, name="convert")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        The arguments; the process's own when None.
+
+    Returns
+    -------
+    int
+        The exit status.
+    """
+    try:
+        return _run(sys.argv[1:] if argv is None else argv)
+    except BrokenPipeError:  # the reader, such as `head`, has seen enough
+        return 0
+    except KeyboardInterrupt:
+        return 130
+    except (PmjacError, CycloptsError, OSError) as error:
+        if sys.stderr is not None:
+            print(f"pmjac: {one_line(_message(error))}", file=sys.stderr)  # noqa: T201
+        return 2
+
+
+def _run(argv: Sequence[str]) -> int:
+    """Write nothing before all is computed, so that an error stands alone."""
+    console = new_console()
+    # Absurd lengths overflow on their way to an error; NumPy's warnings would stand beside it.
+    with console.capture() as capture, np.errstate(all="ignore"):
+        output = app(_joined(argv), console=console, exit_on_error=False, print_error=False)
+        verdict = output if isinstance(output, Verdict) else Verdict(output, 0)
+        output = verdict.output
+        if output is not None and not isinstance(output, str):
+            draw(console, output)
+    write(output if isinstance(output, str) else capture.get())
+    return verdict.status
+
+
+def _joined(argv: Sequence[str]) -> list[str]:
+    """Write ``--at -0.5,1`` as ``--at=-0.5,1``, which cannot be taken for an option."""
+    tokens: list[str] = []
+    for token in argv:
+        if tokens and tokens[-1] == "--at" and re.match(r"-[\d.]", token):
+            tokens[-1] = f"--at={token}"
+        else:
+            tokens.append(token)
+    return tokens
+
+
+def _message(error: Exception) -> str:
+    if isinstance(error, UnusedCliTokensError):
+        tokens = error.unused_tokens or []
+        lists = any(re.search(r"\d", token) for token in tokens)
+        hint = "; numbers are joined by commas, without blanks: --at 0.5,1,2" if lists else ""
+        return f"unexpected argument {' '.join(map(repr, tokens))}{hint}"
+    if isinstance(error, LimitError):
+        limits = f"[{error.lower:g}, {error.upper:g}]"
+        return f"motor {error.joint!r} = {error.value:g} is outside its limits {limits}"
+    if isinstance(error, OSError) and error.strerror:
+        return ": ".join(map(str, filter(None, (error.filename, error.strerror))))
+    return str(error)

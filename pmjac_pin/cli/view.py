@@ -1,0 +1,30 @@
+"""``pmjac view``."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from pmjac_pin.cli.options import Choice, Name, Pose
+from pmjac_pin.cli.output import Output
+
+
+def view_command(
+    mechanism: Name,
+    /,
+    *,
+    pose: Pose = Pose(),
+    choice: Choice = Choice(),
+    port: Annotated[
+        int | None, Parameter(help="The first port to try (default: 7000); 0 for any.")
+    ] = None,
+    no_browser: Annotated[bool, Parameter(help="Do not open a browser.")] = False,
+) -> Output:
+    """Show a live page with sliders, on this machine only, until Ctrl-C."""
+    configuration, _ = pose.configuration(choice.load(mechanism))
+    # Imported when needed: it brings a web server along.
+    from pmjac_pin.viewer.serving import serve_until_interrupted  # noqa: PLC0415
+
+    serve_until_interrupted(configuration, port, open_browser=not no_browser)
+    return None

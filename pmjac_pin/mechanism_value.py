@@ -1,0 +1,154 @@
+"""A mechanism as a value: its names and numbers, and what makes two of them the same."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any, Self
+
+import pinocchio as pin
+
+from pmjac_pin.assembly import build_parts
+from pmjac_pin.errors import ArgumentError
+from pmjac_pin.parts import Parts
+from pmjac_pin.spec import MechanismSpec
+from pmjac_pin.urdf import Urdf
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MechanismValue:
+    """What never changes of a mechanism, wherever it stands.
+
+    Equal where spec, parameters and Pinocchio model are; copied as itself; pickled by what it is
+    built of, as Pinocchio's constraint models cannot be.
+    """
+
+    _parts: Parts
+    notes: tuple[str, ...] = field(default=(), kw_only=True)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self._parts, Parts):
+            raise ArgumentError("a Mechanism is made by pmjac_pin.load or from_pinocchio")
+
+    @property
+    def name(self) -> str:
+        """The mechanism's name."""
+        return self._parts.spec.name
+
+    @property
+    def spec(self) -> MechanismSpec:
+        """What the model file says."""
+        return self._parts.spec
+
+    @property
+    def model(self) -> pin.Model:
+        """The Pinocchio model of the cut tree: a copy, to change as you like."""
+        return self._parts.model.copy()
+
+    @property
+    def urdf(self) -> Urdf | None:
+        """What the model was built of, at these parameters; None for a model of Pinocchio's."""
+        return self._parts.urdf
+
+    @property
+    def parameters(self) -> Mapping[str, float]:
+        """The parameters' values, m or rad."""
+        return self._parts.values
+
+    @property
+    def actuated(self) -> tuple[str, ...]:
+        """Names of the n actuated degrees of freedom: the columns of K and J."""
+        return self._parts.problem.partition.actuated_names
+
+    @property
+    def passive(self) -> tuple[str, ...]:
+        """Names of the m_p passive degrees of freedom: the columns of K* and J*."""
+        return self._parts.problem.partition.passive_names
+
+    @property
+    def rows(self) -> tuple[str, ...]:
+        """Names of the p rows of the loop equations."""
+        return self._parts.kinematics.loops.row_names
+
+    @property
+    def row_units(self) -> tuple[str, ...]:
+        """Unit of each of the p rows: "m" for a point loop, "m²" for a distance loop."""
+        return self._parts.kinematics.loops.row_units
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Unit of each degree of freedom by its name: "m" or "rad"."""
+        parts = self._parts
+        turns, columns = parts.coordinates.rotational, parts.problem.partition.columns
+        return MappingProxyType({name: "rad" if turns[k] else "m" for name, k in columns.items()})
+
+    @property
+    def nq(self) -> int:
+        """Pinocchio's number of configuration variables."""
+        return int(self._parts.model.nq)
+
+    @property
+    def nv(self) -> int:
+        """Pinocchio's number of velocity variables."""
+        return int(self._parts.model.nv)
+
+    @property
+    def mobility(self) -> int:
+        """Degrees of freedom: nv − rank [K K*], the largest rank of home and poses near it."""
+        return self.nv - self._parts.problem.partition.constraint_rank
+
+    @property
+    def characteristic_length(self) -> float:
+        """The length in m that makes radians and metres comparable where ranks are judged."""
+        return self._parts.problem.partition.length
+
+    @property
+    def tolerance(self) -> float:
+        """The gap in m below which loops count as closed: 1e-12, or more for a large machine."""
+        return self._parts.problem.tolerance
+
+    @property
+    def poses(self) -> tuple[str, ...]:
+        """Names of the poses, each a start for `close`."""
+        return tuple(self.spec.poses)
+
+    def limits(self, name: str) -> tuple[float, float]:
+        """Return the lower and upper limit of a joint, m or rad; infinite where it has none."""
+        return self._parts.coordinates.limits(name)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, MechanismValue):
+            return NotImplemented
+        mine, theirs = self._parts, other._parts
+        return (
+            mine.spec == theirs.spec
+            and dict(mine.values) == dict(theirs.values)
+            and bool(mine.model == theirs.model)
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.actuated, tuple(self.parameters.items())))
+
+    def __copy__(self) -> Self:
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        parts = self._parts
+        built_of = (parts.model, parts.spec, dict(parts.values), parts.urdf)
+        return (_rebuild, (type(self), self.notes, *built_of))
+
+    def __repr__(self) -> str:
+        motors = ", ".join(self.actuated[:3]) + ", ..." * (len(self.actuated) > 3)
+        return (
+            f"Mechanism({self.name}, actuated=({motors}), {len(self.passive)} passive, "
+            f"{len(self.spec.loops)} loop{'s' * (len(self.spec.loops) != 1)}, "
+            f"mobility {self.mobility})"
+        )
+
+
+def _rebuild(kind: type[MechanismValue], notes: tuple[str, ...], *built_of: Any) -> MechanismValue:
+    return kind(build_parts(*built_of), notes=notes)

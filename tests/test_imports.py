@@ -1,0 +1,66 @@
+"""Imports run one way: from the mathematics to the pictures, and never back."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).resolve().parent.parent / "pmjac_pin"
+
+
+def name_of(path):
+    parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def imported(path):
+    """Return the names of all modules that a file imports, in functions too."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            found.add(node.module)
+            found.update(f"{node.module}.{alias.name}" for alias in node.names)
+    return found
+
+
+IMPORTS = {name_of(path): imported(path) for path in PACKAGE.rglob("*.py")}
+
+
+def reached(module):
+    """Return all modules that a module imports, directly or through others of the package."""
+    found, ahead = set(), [module]
+    while ahead:
+        new = IMPORTS.get(ahead.pop(), set()) - found
+        found |= new
+        ahead += new
+    return found
+
+
+@pytest.mark.parametrize("module", ["jacobian", "singularity", "ellipsoid", "ellipse", "partition"])
+def test_the_linear_algebra_knows_no_pinocchio(module):
+    roots = {name.partition(".")[0] for name in reached(f"pmjac_pin.{module}")}
+    assert "numpy" in roots
+    assert "pinocchio" not in roots
+
+
+def test_the_spec_knows_no_pinocchio():
+    assert "pinocchio" not in reached("pmjac_pin.spec")
+
+
+def knowing(package):
+    """Return the modules outside a package of ours that import anything of it."""
+    inside = {name for name in IMPORTS if f"{name}.".startswith(f"pmjac_pin.{package}.")}
+    return {name for name, names in IMPORTS.items() if names & inside} - inside
+
+
+def test_only_the_command_line_knows_the_viewer():
+    """And the package's face, which imports it when somebody asks for `view`."""
+    assert knowing("viewer") == {"pmjac_pin", "pmjac_pin.cli.view"}
+
+
+def test_nobody_knows_the_command_line():
+    assert knowing("cli") == {"pmjac_pin.__main__"}
