@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.homotopy.operation_modes import OperationModes
+from pmjac_pin.homotopy.parameter_homotopy import ComplexModes
 from pmjac_pin.labelled_values import (
     Labels,
     determinant,
@@ -23,6 +25,11 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.modes.assembly_modes import AssemblyModes
 from pmjac_pin.modes.names import pose_names
 from pmjac_pin.report import JointValue, ParameterValue, Quantity, ToolPose, Vector
+from pmjac_pin.solutions_report import (
+    SolutionsReport,
+    make_solutions_report,
+    operation_mode_numbers,
+)
 
 
 class CertificateReport(msgspec.Struct, frozen=True):
@@ -73,6 +80,8 @@ class ModeReport(msgspec.Struct, frozen=True, kw_only=True):
         The share of the random starts that led here.
     mirror_image : int or None
         Number of the mode that is its mirror image in the plane of the base.
+    operation_mode : int or None
+        Number of its operation mode, the one with most solutions first; None where it is unknown.
     certificate : CertificateReport
     """
 
@@ -88,6 +97,7 @@ class ModeReport(msgspec.Struct, frozen=True, kw_only=True):
     sign: int | None
     share: float
     mirror_image: int | None
+    operation_mode: int | None
     certificate: CertificateReport
 
 
@@ -115,6 +125,8 @@ class ModesReport(msgspec.Struct, frozen=True, kw_only=True):
     starts : int
         Random starts that were tried.
     complete : CompletenessReport
+    solutions : SolutionsReport or None
+        All complex solutions, where they were asked for.
     modes : tuple of ModeReport
     """
 
@@ -126,11 +138,18 @@ class ModesReport(msgspec.Struct, frozen=True, kw_only=True):
     limits: bool
     starts: int
     complete: CompletenessReport
+    solutions: SolutionsReport | None
     modes: tuple[ModeReport, ...]
 
 
 def make_modes_report(
-    mechanism: Mechanism, actuated: ArrayLike, modes: AssemblyModes, *, limits: bool = True
+    mechanism: Mechanism,
+    actuated: ArrayLike,
+    modes: AssemblyModes,
+    *,
+    limits: bool = True,
+    solutions: ComplexModes | None = None,
+    operation_modes: OperationModes | None = None,
 ) -> ModesReport:
     """Collect what is known of the assembly modes that were found.
 
@@ -143,6 +162,10 @@ def make_modes_report(
         Found at these; there may be none.
     limits : bool
         Whether the joints had to be within their limits.
+    solutions : ComplexModes, optional
+        At these motor values.
+    operation_modes : OperationModes, optional
+        Of the same homotopy.
 
     Examples
     --------
@@ -153,6 +176,9 @@ def make_modes_report(
     [(1, (), -1), (2, ('home',), 1)]
     """
     labels, complete = Labels.of(mechanism), modes.complete
+    numbers: tuple[int | None, ...] = (None,) * len(modes)
+    if solutions is not None and operation_modes is not None:
+        numbers = operation_mode_numbers(modes, solutions, operation_modes)
     return ModesReport(
         mechanism=encodable(mechanism.name),
         description=mechanism.spec.description,
@@ -164,17 +190,20 @@ def make_modes_report(
         complete=CompletenessReport(
             complete.kind, complete.statement, complete.unseen, complete.confidence
         ),
-        modes=_modes(mechanism, modes, labels),
+        solutions=None if solutions is None else make_solutions_report(solutions, operation_modes),
+        modes=_modes(mechanism, modes, labels, numbers),
     )
 
 
-def _modes(mechanism: Mechanism, modes: AssemblyModes, labels: Labels) -> tuple[ModeReport, ...]:
+def _modes(
+    mechanism: Mechanism, modes: AssemblyModes, labels: Labels, numbers: tuple[int | None, ...]
+) -> tuple[ModeReport, ...]:
     names = pose_names(mechanism, modes)
     rows = mechanism.home.split_jacobian().rows
-    found = zip(modes, names, modes.shares, modes.mirror_images, strict=True)
+    found = zip(modes, names, modes.shares, modes.mirror_images, numbers, strict=True)
     return tuple(
-        _mode(number, mode, rows, labels, poses=poses, share=share, mirror=mirror)
-        for number, (mode, poses, share, mirror) in enumerate(found, start=1)
+        _mode(index, mode, rows, labels, poses=poses, share=share, mirror=mirror, operation=number)
+        for index, (mode, poses, share, mirror, number) in enumerate(found, start=1)
     )
 
 
@@ -187,6 +216,7 @@ def _mode(
     poses: tuple[str, ...],
     share: float,
     mirror: int | None,
+    operation: int | None,
 ) -> ModeReport:
     split, singularity = mode.split_jacobian(), mode.singularity()
     det = determinant(split, labels)
@@ -206,6 +236,7 @@ def _mode(
         sign=sign,
         share=share,
         mirror_image=None if mirror is None else mirror + 1,
+        operation_mode=operation,
         certificate=_certificate(mode),
     )
 

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from pmjac_pin.blocks import Block, Heading, Paragraph, Table, brief, numbers
 from pmjac_pin.modes_report import ModeReport, ModesReport
+from pmjac_pin.solutions_report import SolutionsReport
 from pmjac_pin.tables import motor_values
 
 _SIGNS = {1: "+", -1: "-", 0: "0", None: ""}
@@ -29,6 +30,8 @@ def modes_blocks(report: ModesReport) -> Iterator[Block]:
         yield Paragraph(LEGEND)
         yield _tools(report)
     yield Paragraph(f"Complete? {report.complete.statement}.")
+    if report.solutions is not None:
+        yield from _solutions(report.solutions)
 
 
 def modes_title(report: ModesReport) -> str:
@@ -53,8 +56,23 @@ def count(report: ModesReport) -> str:
     return f"{found or 'No'} assembly mode{'s' * (found != 1)} {within}."
 
 
+def _solutions(found: SolutionsReport) -> Iterator[Block]:
+    """Say how many solutions there are over the complex numbers, and how they hang together."""
+    yield Paragraph(
+        f"Over the complex numbers there are {found.count} solutions, {found.certified} of them "
+        f"proven to be there, and {found.real} of them real, limits left aside "
+        f"({found.statement})."
+    )
+    if found.operation_modes:
+        sizes = ", ".join(map(str, found.operation_modes))
+        yield Paragraph(
+            f"Operation modes, by how many of all solutions they have: {sizes} "
+            f"({found.operation_statement})."
+        )
+
+
 def _table(report: ModesReport) -> Table:
-    header = (
+    header: tuple[str, ...] = (
         "mode",
         "residual\n[m]",
         "σ",
@@ -63,12 +81,13 @@ def _table(report: ModesReport) -> Table:
         "mirror\nimage",
         "proven\n[rad]",
     )
-    return Table(
-        "",
-        (*header, "which is"),
-        tuple((*_row(mode), _names(mode)) for mode in report.modes),
-        ">>>>>>><",
-    )
+    rows = [_row(mode) for mode in report.modes]
+    if any(mode.operation_mode for mode in report.modes):
+        header = (*header, "operation\nmode")
+        numbers = [mode.operation_mode or "" for mode in report.modes]
+        rows = [(*row, str(number)) for row, number in zip(rows, numbers, strict=True)]
+    named = tuple((*row, _names(mode)) for row, mode in zip(rows, report.modes, strict=True))
+    return Table("", (*header, "which is"), named, ">" * len(header) + "<")
 
 
 def _row(mode: ModeReport) -> tuple[str, ...]:

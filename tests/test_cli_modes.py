@@ -48,13 +48,36 @@ def test_without_motor_values_those_of_home(run):
 
 
 def test_options_reach_the_search(run):
-    _, out, _ = run("four_bar", "--set", "l1=1.2", "--no-limits", "--unseen", "0.02", "--json")
+    _, out, _ = run(
+        "four_bar", "--set", "l1=1.2", "--no-limits", "--unseen", "0.2", "--no-proof", "--json"
+    )
     found = json.loads(out)
     assert {parameter["name"]: parameter["value"] for parameter in found["parameters"]}["l1"] == 1.2
-    assert (found["limits"], found["starts"]) == (False, 4096)
+    assert (found["limits"], found["starts"]) == (False, 2560)
     _, out, _ = run("four_bar", "--most-starts", "1", "--confidence", "0.9", "--no-proof", "--json")
     complete = json.loads(out)["complete"]
     assert (complete["kind"], complete["confidence"]) == ("neither", 0.9)
+
+
+def test_all_complex_solutions(run):
+    status, out, _ = run("four_bar", "--homotopy", "--no-proof", "--most-starts", "1")
+    assert status == 0
+    assert "Complete? tolerance: of 2 paths of complex solutions" in out
+    assert "Over the complex numbers there are 2 solutions, 2 of them proven to be there" in (
+        " ".join(out.split())
+    )
+    assert "operation" not in out.lower()
+
+
+def test_operation_modes(run):
+    argv = ("four_bar", "--set", "l0=3,l1=1,l2=3,l3=1", "--operation-modes")
+    status, out, _ = run(*argv)
+    assert status == 0
+    assert "Operation modes, by how many of all solutions they have: 1, 1" in out
+    _, out, _ = run(*argv, "--json")
+    found = json.loads(out)
+    assert found["solutions"]["operation_modes"] == [1, 1]
+    assert sorted(mode["operation_mode"] for mode in found["modes"]) == [1, 2]
 
 
 @pytest.mark.parametrize("json_too", [(), ("--json",)])

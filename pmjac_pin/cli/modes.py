@@ -13,13 +13,22 @@ from pmjac_pin.blocks import Block, Verbatim
 from pmjac_pin.cli.options import At, Choice, Json, Name, motor_values
 from pmjac_pin.cli.output import Output
 from pmjac_pin.errors import ArgumentError
+from pmjac_pin.homotopy.parameter_homotopy import ParameterHomotopy, parameter_homotopy
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.mode_sheet import modes_figure
 from pmjac_pin.modes.assembly_modes import AssemblyModes
-from pmjac_pin.modes_report import make_modes_report
+from pmjac_pin.modes_report import ModesReport, make_modes_report
 from pmjac_pin.modes_tables import modes_blocks
 from pmjac_pin.plotting import save_figure
 from pmjac_pin.report import to_json
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """The assembly modes, and what is known of them."""
+
+    modes: AssemblyModes
+    report: ModesReport
 
 
 @Parameter(name="*")
@@ -37,9 +46,37 @@ class Search:
         int, Parameter(help="Starts after which to give up on it (default: 200000).")
     ] = 200_000
     no_proof: Annotated[bool, Parameter(help="Leave it at the search's statistics.")] = False
+    homotopy: Annotated[
+        bool, Parameter(help="Count all complex solutions, too: seconds to minutes.")
+    ] = False
+    operation_modes: Annotated[
+        bool, Parameter(help="And tell which of them hang together: longer.")
+    ] = False
 
-    def modes(self, mechanism: Mechanism, values: Sequence[float]) -> AssemblyModes:
-        """Return the closed poses at these motor values."""
+    def report(self, mechanism: Mechanism, values: Sequence[float]) -> Found:
+        """Return the closed poses at these motor values, and what is known of them."""
+        homotopy = None
+        if self.homotopy or self.operation_modes:
+            homotopy = parameter_homotopy(mechanism, rng=self.seed)
+        modes = self._modes(mechanism, values, homotopy)
+        report = make_modes_report(
+            mechanism,
+            values,
+            modes,
+            limits=not self.no_limits,
+            solutions=homotopy.at(values) if homotopy else None,
+            operation_modes=homotopy.operation_modes(rng=self.seed)
+            if homotopy and self.operation_modes
+            else None,
+        )
+        return Found(modes, report)
+
+    def _modes(
+        self,
+        mechanism: Mechanism,
+        values: Sequence[float],
+        homotopy: ParameterHomotopy | None,
+    ) -> AssemblyModes:
         return mechanism.assembly_modes(
             values,
             rng=self.seed,
@@ -48,6 +85,7 @@ class Search:
             confidence=self.confidence,
             most_starts=self.most_starts,
             proof=not self.no_proof,
+            homotopy=homotopy,
         )
 
 
@@ -71,13 +109,12 @@ def modes_command(
     """Find all closed poses at these motor values, and say what is known of their number."""
     loaded = choice.load(mechanism)
     values = _motor_values(loaded, at, from_)
-    modes = search.modes(loaded, values)
-    report = make_modes_report(loaded, values, modes, limits=not search.no_limits)
+    found = search.report(loaded, values)
     drawn: list[Block] = []
     if output is not None:
-        save_figure(modes_figure(modes, report), output)
+        save_figure(modes_figure(found.modes, found.report), output)
         drawn = [Verbatim(str(output))]
-    return f"{to_json(report)}\n" if json else [*modes_blocks(report), *drawn]
+    return f"{to_json(found.report)}\n" if json else [*modes_blocks(found.report), *drawn]
 
 
 def _motor_values(mechanism: Mechanism, at: str | None, pose: str | None) -> Sequence[float]:

@@ -19,7 +19,7 @@ from pmjac_pin.modes.closed_pose import closed_pose, order
 from pmjac_pin.modes.mirror import mirror_images
 from pmjac_pin.modes.proof import prove
 from pmjac_pin.modes.random_search import RandomSearch
-from pmjac_pin.modes.search_problem import SearchProblem, search_problem, with_legs
+from pmjac_pin.modes.search_problem import search_problem, with_legs
 from pmjac_pin.modes.settling import Census, HomotopyCensus, ProofCensus, missing, settled
 from pmjac_pin.modes.starts import StartSpace
 from pmjac_pin.parts import Parts
@@ -47,7 +47,7 @@ def find_modes(
     problem, legs = search_problem(parts, base)
     search = RandomSearch(problem, StartSpace.of(problem, limits), rng)
     search.run(_FIRST_STARTS)
-    censuses = list(_censuses(mechanism, problem, values, limits, aim))
+    censuses = list(_censuses(mechanism, values, limits, aim))
 
     def judged() -> tuple[list[_Found], Completeness | None]:
         rows = [with_legs(parts, legs, problem, base, q) for q in search.met.q]
@@ -69,16 +69,14 @@ def find_modes(
     )
 
 
-def _censuses(
-    mechanism: Mechanism, problem: SearchProblem, values: Array, limits: bool, aim: Aim
-) -> Iterator[Census]:
+def _censuses(mechanism: Mechanism, values: Array, limits: bool, aim: Aim) -> Iterator[Census]:
     """Yield what tells all modes, as far as it was asked for; the proof first."""
     if aim.proof:
         yield ProofCensus(mechanism._parts, prove(mechanism._parts, values, limits))
     if aim.homotopy is not None:
         if aim.homotopy.mechanism is not mechanism:
             raise ArgumentError("the homotopy is that of another mechanism")
-        yield HomotopyCensus(mechanism, problem, aim.homotopy.at(values), limits)
+        yield HomotopyCensus(mechanism, aim.homotopy.at(values), limits)
 
 
 def _settled(

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.modes.assembly_modes import Completeness
 from pmjac_pin.modes.closed_pose import closed_pose
-from pmjac_pin.modes.distinct import Signatures
 from pmjac_pin.modes.proof import Proof
-from pmjac_pin.modes.search_problem import SearchProblem, without_legs
+from pmjac_pin.modes.recognition import Recognition
 from pmjac_pin.parts import Parts
 
 if TYPE_CHECKING:
@@ -76,10 +75,7 @@ class ProofCensus:
 class HomotopyCensus:
     """The real ones of all complex solutions, within the joints' limits or not."""
 
-    def __init__(
-        self, mechanism: Mechanism, problem: SearchProblem, modes: ComplexModes, limits: bool
-    ) -> None:
-        self._parts, self._problem = mechanism._parts, problem
+    def __init__(self, mechanism: Mechanism, modes: ComplexModes, limits: bool) -> None:
         rows = [closed_pose(mechanism, mode.q, limits) for mode in modes.real]
         self._modes = [mode for mode in rows if mode is not None]
         self._complete = modes.complete if modes.complete.kind == "tolerance" else None
@@ -95,15 +91,9 @@ class HomotopyCensus:
 
     def matched(self, found: Sequence[Configuration]) -> list[int]:
         """Return which real solution has all bodies where each found mode has them."""
-        known, given = self._reduced(self._modes), self._reduced(found)
-        signatures = Signatures.of(self._problem, known)
-        places, signs = signatures(known), signatures(given)
-        pairs = [np.flatnonzero(signatures.same(places, one)) for one in signs]
-        return [int(pair[0]) if pair.size else -1 for pair in pairs]
-
-    def _reduced(self, modes: Sequence[Configuration]) -> Array:
-        rows = [without_legs(self._parts, self._problem, mode.q) for mode in modes]
-        return np.array(rows).reshape(len(rows), self._problem.model.nq)
+        recognition = Recognition(self._modes)
+        places = [recognition.index(mode) for mode in found]
+        return [-1 if index is None else index for index in places]
 
 
 def missing(census: Census, found: Sequence[Configuration]) -> list[Array]:

@@ -16,7 +16,7 @@ from pmjac_pin.errors import ArgumentError, PmjacError
 from pmjac_pin.modes.aim import Aim
 from pmjac_pin.modes.assembly_modes import AssemblyModes
 from pmjac_pin.modes.find import find_modes
-from pmjac_pin.modes.names import SAME_MOTORS, Recognition
+from pmjac_pin.modes.recognition import SAME_MOTORS, Recognition
 from pmjac_pin.modes_report import ModeReport, make_modes_report
 from pmjac_pin.modes_tables import count
 from pmjac_pin.viewer.messages import FindModes, Modes, ModesCommand, ShowMode, StopSearch
