@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pmjac_pin.ellipsoid import Ellipsoid, force_ellipsoid, velocity_ellipsoid
 from pmjac_pin.errors import ArgumentError, ForbiddenRatesError, IdleMotionError, SingularError
 from pmjac_pin.factorisation import Factorisation, norm
-from pmjac_pin.partition import Partition
+from pmjac_pin.partition import Partition, ToolRanks
 from pmjac_pin.read_only import ReadOnlyArrays, read_only
 from pmjac_pin.singularity import Singularity, analyse_singularity, forbidden_rates
 
@@ -140,17 +140,30 @@ class EquivalentJacobian(SplitJacobian):
         """[J_ω]eqᵀ [J_ω]eq, shape (n, n) (33)."""
         return read_only(self.Jw_eq.T @ self.Jw_eq)
 
+    @cached_property
+    def tool_ranks(self) -> ToolRanks:
+        """Ranks of J_eq, of its linear and of its angular rows, judged as `Singularity` does.
+
+        On an orthonormal basis of the motions G θ̇: near a singularity of K*, where G grows
+        beyond bounds, one large column must not hide the others.
+        """
+        motions = np.linalg.qr(self.motion_map / self.partition.column_scale[:, None])[0]
+        return self.partition.tool_ranks(self.tool_jacobian, motions)
+
     def velocity_ellipsoid(self) -> Ellipsoid:
-        """Return the tool velocities of all |θ̇| = 1: the principal velocities, in m/s."""
-        return velocity_ellipsoid(self.Jv_eq, unit="m/s")
+        """Return the tool velocities of all |θ̇| = 1: the principal velocities, in m/s.
+
+        As flat as `tool_ranks` says: a radius that is only rounding is 0.
+        """
+        return velocity_ellipsoid(self.Jv_eq, unit="m/s", rank=self.tool_ranks.linear)
 
     def angular_ellipsoid(self) -> Ellipsoid:
         """Return the tool's angular velocities of all |θ̇| = 1, in rad/s."""
-        return velocity_ellipsoid(self.Jw_eq, unit="rad/s")
+        return velocity_ellipsoid(self.Jw_eq, unit="rad/s", rank=self.tool_ranks.angular)
 
     def force_ellipsoid(self) -> Ellipsoid:
         """Return the tool forces, without moment, that motor efforts |τ| = 1 balance, in N."""
-        return force_ellipsoid(self.Jv_eq, unit="N")
+        return force_ellipsoid(self.Jv_eq, unit="N", rank=self.tool_ranks.linear)
 
     def __repr__(self) -> str:
         return f"EquivalentJacobian({self._sizes()})"

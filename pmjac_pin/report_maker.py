@@ -246,8 +246,10 @@ def _singular_values(
         "Jw_eq": None,
     }
     if jacobian is not None:
-        found["Jv_eq"] = SingularValues(_spectrum(jacobian.Jv_eq), "m/s")
-        found["Jw_eq"] = SingularValues(_spectrum(jacobian.Jw_eq), "rad/s")
+        motors = len(labels.actuated)
+        linear, angular = jacobian.velocity_ellipsoid(), jacobian.angular_ellipsoid()
+        found["Jv_eq"] = SingularValues(vector(linear.radii[:motors]), linear.unit)
+        found["Jw_eq"] = SingularValues(vector(angular.radii[:motors]), angular.unit)
     return found
 
 

@@ -226,10 +226,12 @@ def test_the_readout_is_the_library_s(name):
     jacobian = configuration.jacobian()
     np.testing.assert_array_equal(readout.J_eq, jacobian.J_eq)
     singular_values = np.linalg.svd(jacobian.Jv_eq, compute_uv=False)
-    np.testing.assert_allclose(readout.Jv_singular_values, singular_values)
+    np.testing.assert_allclose(readout.Jv_singular_values, singular_values, atol=1e-14)
     np.testing.assert_allclose(
-        readout.Jw_singular_values, np.linalg.svd(jacobian.Jw_eq, compute_uv=False)
+        readout.Jw_singular_values, np.linalg.svd(jacobian.Jw_eq, compute_uv=False), atol=1e-14
     )
+    assert np.count_nonzero(readout.Jv_singular_values) == jacobian.tool_ranks.linear
+    assert np.count_nonzero(readout.Jw_singular_values) == jacobian.tool_ranks.angular
     singularity = configuration.singularity()
     if readout.loops:
         assert (readout.smallest, readout.condition) == (

@@ -141,9 +141,10 @@ def _equivalent(configuration: Configuration) -> tuple[EquivalentJacobian | None
 
 
 def _of_jacobian(jacobian: EquivalentJacobian) -> dict[str, Any]:
+    motors = jacobian.partition.actuated.size
     return {
-        "Jv": tuple(np.linalg.svd(jacobian.Jv_eq, compute_uv=False).tolist()),
-        "Jw": tuple(np.linalg.svd(jacobian.Jw_eq, compute_uv=False).tolist()),
+        "Jv": tuple(jacobian.velocity_ellipsoid().radii[:motors].tolist()),
+        "Jw": tuple(jacobian.angular_ellipsoid().radii[:motors].tolist()),
         "J_eq": tuple(map(tuple, jacobian.J_eq.tolist())),
     }
 
