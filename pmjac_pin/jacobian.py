@@ -84,6 +84,12 @@ class SplitJacobian(ReadOnlyArrays):
         return read_only(self.tool_jacobian[3:, self.partition.passive])
 
     @property
+    def tool_sizes(self) -> Array:
+        """What the entries of J and J* are compared with, linear and angular, shape (2,)."""
+        sizes = self.partition.tool_sizes(self.tool_jacobian)
+        return read_only(np.array(sizes) / self.partition.column_scale.min(initial=1.0))
+
+    @property
     def det_K_star(self) -> float | None:
         """Determinant of K*, None where K* is not square. It decides nothing."""
         rows, columns = self.K_star.shape
@@ -129,6 +135,16 @@ class EquivalentJacobian(SplitJacobian):
         motion[self.partition.actuated] = np.eye(self.partition.actuated.size)
         motion[self.partition.passive] = self.passive_rates
         return read_only(motion)
+
+    @property
+    def sizes(self) -> Array:
+        """What the entries of J_eq are compared with, linear and angular, shape (2,).
+
+        ‖J‖ ‖G‖ for J_eq = J G: of that, rounding leaves some 1e-16 where J_eq should be zero.
+        """
+        motions = self.motion_map / self.partition.column_scale[:, None]
+        sizes = np.array(self.partition.tool_sizes(self.tool_jacobian))
+        return read_only(sizes * norm(motions))
 
     @cached_property
     def gv_eq(self) -> Array:

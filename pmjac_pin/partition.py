@@ -154,10 +154,7 @@ class Partition(ReadOnlyArrays):
     def tool_ranks(self, tool_jacobian: Array, motions: Array) -> ToolRanks:
         """Return how many independent velocities these motions give the tool.
 
-        What vanishes is judged against the tool Jacobian before elimination, whose columns
-        cancel. A linear velocity is ω × r, so its rounding is that of arms as long as the
-        mechanism, even where all of them end in the tool: its rows are judged beside the
-        angular ones times `length`. Angular rows are sums of axes and know no arms.
+        What vanishes is judged against the tool Jacobian before elimination (`tool_sizes`).
 
         Parameters
         ----------
@@ -166,12 +163,22 @@ class Partition(ReadOnlyArrays):
             Orthonormal columns, on the scaled rates, that span what the loops allow.
         """
         scaled = self.scaled_tool(tool_jacobian)
-        moved, size = scaled @ motions, norm(scaled)
+        moved, (size, angular) = scaled @ motions, self.tool_sizes(tool_jacobian)
         return ToolRanks(
             self.factorise(moved, size).rank,
             self.factorise(moved[:3], size).rank,
-            self.factorise(moved[3:], norm(scaled[3:])).rank,
+            self.factorise(moved[3:], self.length * angular).rank,
         )
+
+    def tool_sizes(self, tool_jacobian: Array) -> tuple[float, float]:
+        """Return the size of the linear and of the angular rows, m/s and rad/s per scaled rate.
+
+        A linear velocity is ω × r, so its rounding is that of arms as long as the mechanism,
+        even where all of them end in the tool: its rows count beside the angular ones times
+        `length`. Angular velocities are sums of axes and know no arms.
+        """
+        scaled = self.scaled_tool(tool_jacobian)
+        return norm(scaled), norm(scaled[3:]) / self.length
 
     def shown_rows(self, scaled: Array) -> Index:
         """Return the rows of η to show: those kept since home, while they are independent."""
