@@ -21,6 +21,7 @@ from pmjac_pin.singularity import Singularity, analyse_singularity, forbidden_ra
 
 Array = NDArray[np.float64]
 FrameName = Literal["LOCAL", "WORLD", "LOCAL_WORLD_ALIGNED"]
+_STILL = 1e-6  # of the largest rate of a motion
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -259,13 +260,21 @@ def _singular(singularity: Singularity) -> SingularError:
     )
 
 
+def _moving(names: tuple[str, ...], rates: Array) -> list[tuple[str, float]]:
+    """Return the joints that take part in a motion: the others' rates are rounding."""
+    floor = _STILL * np.abs(rates).max()
+    return [
+        (name, rate) for name, rate in zip(names, rates.tolist(), strict=True) if abs(rate) > floor
+    ]
+
+
 def _refuse_forbidden(factors: Factorisation, scaled: Array, partition: Partition) -> None:
     forbidden = forbidden_rates(factors.left_null_space, scaled, partition)
     if not forbidden.shape[1]:
         return
     names = partition.actuated_names
     directions = "; ".join(
-        ", ".join(f"{name} {rate:+.3g}" for name, rate in zip(names, column, strict=True))
+        ", ".join(f"{name} {rate:+.3g}" for name, rate in _moving(names, column))
         for column in forbidden.T
     )
     motors = f"{len(names)} motor{'s are' if len(names) > 1 else ' is'}"
@@ -287,9 +296,7 @@ def refuse_felt_idle_motion(
         return
     idle = partition.column_scale[partition.passive] * (factors.null_space @ motions.right[0])
     idle /= idle[np.argmax(np.abs(idle))]
-    moving = ", ".join(
-        name for name, rate in zip(partition.passive_names, idle, strict=True) if abs(rate) > 1e-6
-    )
+    moving = ", ".join(name for name, _ in _moving(partition.passive_names, idle))
     raise IdleMotionError(
         f"the tool is moved by a passive motion that no motor commands: {moving} "
         f"move freely with all motors locked; make one of them actuated, or put the tool on a "
