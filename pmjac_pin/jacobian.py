@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pmjac_pin.ellipsoid import Ellipsoid, force_ellipsoid, velocity_ellipsoid
 from pmjac_pin.errors import ArgumentError, ForbiddenRatesError, IdleMotionError, SingularError
 from pmjac_pin.factorisation import Factorisation, norm
-from pmjac_pin.partition import Partition, ToolRanks
+from pmjac_pin.partition import Partition, TwistRanks
 from pmjac_pin.read_only import ReadOnlyArrays, read_only
 from pmjac_pin.singularity import Singularity, analyse_singularity, forbidden_rates
 
@@ -158,7 +158,7 @@ class EquivalentJacobian(SplitJacobian):
         return read_only(self.Jw_eq.T @ self.Jw_eq)
 
     @cached_property
-    def tool_ranks(self) -> ToolRanks:
+    def tool_ranks(self) -> TwistRanks:
         """Ranks of J_eq, of its linear and of its angular rows, judged as `Singularity` does.
 
         On an orthonormal basis of the motions G θ̇: near a singularity of K*, where G grows

@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 
-class ToolRanks(NamedTuple):
+class TwistRanks(NamedTuple):
     """Dimensions of the tool's twists, of its linear and of its angular velocities."""
 
     twist: int
@@ -151,7 +151,7 @@ class Partition(ReadOnlyArrays):
         scaled[3:] *= self.length
         return scaled
 
-    def tool_ranks(self, tool_jacobian: Array, motions: Array) -> ToolRanks:
+    def tool_ranks(self, tool_jacobian: Array, motions: Array) -> TwistRanks:
         """Return how many independent velocities these motions give the tool.
 
         What vanishes is judged against the tool Jacobian before elimination (`tool_sizes`).
@@ -164,7 +164,7 @@ class Partition(ReadOnlyArrays):
         """
         scaled = self.scaled_tool(tool_jacobian)
         moved, (size, angular) = scaled @ motions, self.tool_sizes(tool_jacobian)
-        return ToolRanks(
+        return TwistRanks(
             self.factorise(moved, size).rank,
             self.factorise(moved[:3], size).rank,
             self.factorise(moved[3:], self.length * angular).rank,
