@@ -7,10 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from pmjac_pin.labelled import LabelledMatrix
-
-ROUNDING = 1e-13
-"""An entry below this share of the largest of its matrix is rounding, and shown as zero."""
+from pmjac_pin.labelled import ROUNDING, LabelledMatrix
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +58,7 @@ def matrix_table(title: str, matrix: LabelledMatrix) -> Table:
     """Show a matrix: its name, its size, and a unit at every row and column."""
     header = [f"{name}\n[{u}]" for name, u in zip(matrix.columns, matrix.column_units, strict=True)]
     labels = [f"{name} [{u}]" for name, u in zip(matrix.rows, matrix.row_units, strict=True)]
-    rows = zip(labels, numbers(matrix.values), strict=True)
+    rows = zip(labels, numbers(matrix.values, matrix.size), strict=True)
     return Table(
         title,
         ("", *header),
@@ -70,20 +67,25 @@ def matrix_table(title: str, matrix: LabelledMatrix) -> Table:
     )
 
 
-def numbers(matrix: Iterable[Sequence[float]]) -> list[list[str]]:
+def numbers(matrix: Iterable[Sequence[float]], size: float = 0.0) -> list[list[str]]:
     """Write the entries of a matrix alike: four decimals, as the lecture prints them.
 
     With an exponent where four decimals would not show an entry, and throughout where the
-    largest is very large or very small.
+    largest is very large or very small. Rounding beside `size`, or beside the largest, is 0.
 
     Examples
     --------
     >>> numbers([[0.5, -2.0], [1e-5, 1e-17]])
     [['0.5000', '-2.0000'], ['1.000e-05', '0.0000']]
+    >>> numbers([[1e-17, -2e-16]], size=1.0)
+    [['0.0000', '0.0000']]
     """
     rows = [list(row) for row in matrix]
     largest = max((abs(x) for row in rows for x in row if math.isfinite(x)), default=0.0)
-    return [[_number(x, largest) for x in row] for row in rows]
+    rounding = ROUNDING * max(largest, size)
+    if largest <= rounding:
+        largest = 0.0
+    return [[_number(x, largest, rounding) for x in row] for row in rows]
 
 
 def number(value: float) -> str:
@@ -96,10 +98,10 @@ def brief(value: float) -> str:
     return "∞" if value == math.inf else f"{value:.3g}"
 
 
-def _number(value: float, largest: float) -> str:
+def _number(value: float, largest: float, rounding: float) -> str:
     if not math.isfinite(value):
         return "∞" if value > 0 else "-∞" if value < 0 else "nan"
-    if abs(value) <= ROUNDING * largest:
+    if abs(value) <= rounding:
         value = 0.0
     plain = largest == 0.0 or 1e-2 <= largest < 1e5
     too_small = 0.0 < abs(value) < 5e-5

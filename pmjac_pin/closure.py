@@ -80,8 +80,9 @@ def follow(
         step = min(step, largest_step / pace if pace else 1.0)
         last = step >= 1.0 - share
         stride = 1.0 - share if last else step
-        ahead = problem.integrate(point.q, velocity * stride)
-        candidate = _correct(problem, target(ahead) if last else ahead, point, pace * stride, last)
+        tangent = velocity * stride
+        ahead = problem.integrate(point.q, tangent)
+        candidate = _correct(problem, target(ahead) if last else ahead, point, tangent, last)
         if candidate is None:
             step *= 0.5
             if step < _SMALLEST_STEP:
@@ -143,42 +144,57 @@ def _path_velocity(point: Closed, displacement: Array, partition: Partition) -> 
 
 
 def _correct(
-    problem: ClosureProblem, q: Array, start: Closed, motion: float, last: bool
+    problem: ClosureProblem, q: Array, start: Closed, tangent: Array, last: bool
 ) -> Closed | None:
     """Newton on the passive joints; None unless it contracts at once and stays on the mode.
 
     A first correction that is small beside the predicted motion, and each next one small
-    beside the one before, say that the prediction was close to the path. K* changing by less
-    than its smallest singular value says that no singularity lies between them. Within the
+    beside the one before, say that the prediction was close to the path. That K* stays regular
+    (`Factorisation.stays_regular`) says that no singularity lies between them. Within the
     tolerance there is nothing left to tell apart: there it only polishes, slowly at a fold.
     """
     partition = problem.partition
     enough = ROUNDING * partition.length if last else problem.tolerance
-    allowed, previous_gap = _LARGEST_CORRECTION * motion, np.inf
+    allowed = _LARGEST_CORRECTION * norm(tangent / partition.column_scale)
+    corrections = no_motion = np.zeros(tangent.size)
+    previous_gap = np.inf
     for iteration in range(1, _MOST_CORRECTIONS):
         residual, jacobian = problem.evaluate(q)
         gap = problem.gap(residual)
         closed = gap <= problem.tolerance
-        if gap <= enough or (closed and gap > 0.5 * previous_gap):
-            return _same_mode(start, _point(problem, q, gap, jacobian, iteration), partition)
-        velocity = _newton_step(residual, jacobian, partition)
+        done = gap <= enough or (closed and gap > 0.5 * previous_gap)
+        velocity = no_motion if done else _newton_step(residual, jacobian, partition)
         size = norm(velocity / partition.column_scale)
-        if closed and not np.isfinite(size):
-            return _same_mode(start, _point(problem, q, gap, jacobian, iteration), partition)
+        if done or (closed and not np.isfinite(size)):
+            point = _point(problem, q, gap, jacobian, iteration)
+            return point if _same_mode(problem, start, point, tangent, corrections) else None
         if not (closed or size <= allowed):
             return None
         allowed, previous_gap = _SLOWEST_CONTRACTION * size, gap
         q = problem.integrate(q, velocity)
+        corrections = corrections + velocity
     return None
 
 
-def _same_mode(start: Closed, point: Closed, partition: Partition) -> Closed | None:
-    """Return `point` if no singularity lies between it and `start`, or if it is one itself."""
-    rank, passive = partition.passive_rank, partition.passive
-    if _is_singular(point, partition):
-        return point
-    K_star = point.scaled.take(passive, axis=1)
-    return point if start.factors.stays_regular_to(K_star, rank) else None
+def _same_mode(
+    problem: ClosureProblem, start: Closed, end: Closed, tangent: Array, corrections: Array
+) -> bool:
+    """Tell whether no singularity lies between two points; the end may be one itself.
+
+    Halfway along a path that starts with the velocity t and ends at t + c, it is at t/2 + c/4,
+    to second order.
+    """
+    partition = problem.partition
+    passive = partition.passive
+    if _is_singular(end, partition):
+        return True
+
+    def middle() -> Array:
+        q = problem.integrate(problem.integrate(start.q, 0.5 * tangent), 0.25 * corrections)
+        return partition.scaled(problem.evaluate(q)[1]).take(passive, axis=1)
+
+    K_star = end.scaled.take(passive, axis=1)
+    return start.factors.stays_regular(K_star, middle, partition.passive_rank)
 
 
 def _newton_step(residual: Array, jacobian: Array, partition: Partition) -> Array:

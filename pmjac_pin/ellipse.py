@@ -20,7 +20,7 @@ from pmjac_pin.errors import ArgumentError
 Array = NDArray[np.float64]
 
 FLATNESS_TOLERANCE = 1e-9
-"""Relative to the largest, a radius or singular value at or below this counts as zero."""
+"""A radius or singular value at or below this times the largest is rounding: it becomes 0."""
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -96,10 +96,14 @@ def image_of_ball(A: Array) -> tuple[Array, Array]:
     return radii, oriented(axes)
 
 
+def flattened(radii: Array, size: float) -> Array:
+    """Return the radii, with zeros for those that are flat beside `size`."""
+    return np.where(radii > FLATNESS_TOLERANCE * size, radii, 0.0)
+
+
 def polar(radii: Array, axes: Array) -> tuple[Array, Array]:
     """Return radii and axes of the polar set {y : x · y ≤ 1 for all x of the ellipsoid}."""
-    floor = FLATNESS_TOLERANCE * float(radii[0]) if radii[0] < math.inf else 0.0
-    reciprocal = [math.inf if r <= floor else 1 / r for r in radii.tolist()]
+    reciprocal = [1 / r if r else math.inf for r in radii.tolist()]
     return np.array(reciprocal[::-1]), oriented(axes[:, ::-1])
 
 

@@ -22,6 +22,7 @@ from pmjac_pin.ellipse import (
     Ellipse,
     brief,
     check_drawable,
+    flattened,
     image_of_ball,
     polar,
     real_array,
@@ -92,13 +93,8 @@ class Ellipsoid:
 
     @property
     def rank(self) -> int:
-        """Dimension of the ellipsoid's span.
-
-        The infinite radii, and those above 1e-9 (`FLATNESS_TOLERANCE`) of the largest finite one.
-        """
-        radii = self.radii.tolist()
-        floor = FLATNESS_TOLERANCE * max((r for r in radii if r < math.inf), default=0.0)
-        return sum(r > floor for r in radii)
+        """Dimension of the ellipsoid's span: how many radii are not zero."""
+        return int(np.count_nonzero(self.radii))
 
     @property
     def volume(self) -> float:
@@ -145,7 +141,7 @@ class Ellipsoid:
         # Judged on directions alone: a plane that holds all of a flat ellipsoid cuts nothing.
         if np.any(np.abs(normal @ axes) > FLATNESS_TOLERANCE):
             image = image @ np.linalg.svd((normal @ image)[np.newaxis])[2][1:].T
-        return Ellipse(*image_of_ball(basis.T @ image), basis, self.unit)
+        return self._flat_image(basis, image)
 
     def projection(self, plane: str | ArrayLike) -> Ellipse:
         """Project the ellipsoid orthogonally on a plane: its shadow, the image under BᵀA.
@@ -157,7 +153,11 @@ class Ellipsoid:
         if self.radii[0] == math.inf:
             cut = Ellipsoid(*polar(self.radii, self.axes), self.unit).section(plane)
             return Ellipse(*polar(cut.radii, cut.axes), basis, self.unit)
-        return Ellipse(*image_of_ball(basis.T @ (self.axes * self.radii)), basis, self.unit)
+        return self._flat_image(basis, self.axes * self.radii)
+
+    def _flat_image(self, basis: Array, image: Array) -> Ellipse:
+        radii, axes = image_of_ball(basis.T @ image)
+        return Ellipse(flattened(radii, float(self.radii[0])), axes, basis, self.unit)
 
     def points(self, n_u: int = 61, n_v: int = 31) -> Array:
         """Return surface points on a grid, as matplotlib's ``plot_surface`` takes them.
@@ -190,7 +190,9 @@ class Ellipsoid:
         return grid
 
 
-def velocity_ellipsoid(jacobian: ArrayLike, unit: str = "m/s") -> Ellipsoid:
+def velocity_ellipsoid(
+    jacobian: ArrayLike, unit: str = "m/s", rank: int | None = None
+) -> Ellipsoid:
     """Return the tool velocities {J θ̇ : |θ̇| ≤ 1} of all motor rates within one.
 
     The radii are the singular values of J, the square roots of the eigenvalues of g = JᵀJ:
@@ -203,6 +205,10 @@ def velocity_ellipsoid(jacobian: ArrayLike, unit: str = "m/s") -> Ellipsoid:
         have different units and make no ellipsoid together.
     unit : str
         Unit of the radii: "m/s" for linear rows, "rad/s" for angular ones.
+    rank : int, optional
+        The rank of `jacobian` where more is known than its numbers: a difference of large
+        numbers may be rounding throughout. By default the number of singular values above 1e-9
+        (`FLATNESS_TOLERANCE`) of the largest. The radii beyond it are zero.
 
     Returns
     -------
@@ -212,17 +218,19 @@ def velocity_ellipsoid(jacobian: ArrayLike, unit: str = "m/s") -> Ellipsoid:
     Raises
     ------
     ArgumentError
-        If `jacobian` is not a real, finite 3 × n array.
+        If `jacobian` is not a real, finite 3 × n array, or cannot have such a rank.
 
     Examples
     --------
     >>> velocity_ellipsoid([[0.3], [0.4], [0.0]])
     Ellipsoid(radii=[0.5 0 0] m/s, rank=1)
+    >>> velocity_ellipsoid([[1e-17], [0.0], [0.0]], rank=0)
+    Ellipsoid(radii=[0 0 0] m/s, rank=0)
     """
-    return Ellipsoid(*image_of_ball(_block(jacobian)), unit)
+    return Ellipsoid(*_principal(jacobian, rank), unit)
 
 
-def force_ellipsoid(jacobian: ArrayLike, unit: str = "N") -> Ellipsoid:
+def force_ellipsoid(jacobian: ArrayLike, unit: str = "N", rank: int | None = None) -> Ellipsoid:
     """Return the tool forces {f : |Jᵀf| ≤ 1} that motor efforts within one can hold.
 
     By the power balance f · v = (Jᵀf) · θ̇ this is the polar of the velocity
@@ -232,22 +240,35 @@ def force_ellipsoid(jacobian: ArrayLike, unit: str = "N") -> Ellipsoid:
     Parameters
     ----------
     jacobian : array_like, shape (3, n)
-        As for `velocity_ellipsoid`. Singular values at or below 1e-9 (`FLATNESS_TOLERANCE`) of the
-        largest count as zero.
+        As for `velocity_ellipsoid`.
     unit : str
         Unit of the radii: "N" for linear rows, "N m" for angular ones.
+    rank : int, optional
+        As for `velocity_ellipsoid`: the number of finite radii.
 
     Raises
     ------
     ArgumentError
-        If `jacobian` is not a real, finite 3 × n array.
+        If `jacobian` is not a real, finite 3 × n array, or cannot have such a rank.
 
     Examples
     --------
     >>> force_ellipsoid([[4.0, 0.0], [0.0, 0.5], [0.0, 0.0]])
     Ellipsoid(radii=[inf 2 0.25] N, rank=3)
     """
-    return Ellipsoid(*polar(*image_of_ball(_block(jacobian))), unit)
+    return Ellipsoid(*polar(*_principal(jacobian, rank)), unit)
+
+
+def _principal(jacobian: ArrayLike, rank: int | None) -> tuple[Array, Array]:
+    """Return the radii of the velocities, zero beyond the rank, and the axes."""
+    block = _block(jacobian)
+    radii, axes = image_of_ball(block)
+    if rank is None:
+        return flattened(radii, float(radii[0])), axes
+    if rank not in range(min(block.shape) + 1):
+        raise ArgumentError(f"a block of shape {block.shape} cannot have rank {rank!r}")
+    radii[np.arange(radii.size) >= rank] = 0.0
+    return radii, axes
 
 
 def _right_handed(axes: Array) -> bool:

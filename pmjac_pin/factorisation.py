@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,8 +16,7 @@ Array = NDArray[np.float64]
 #: grows with the square of the distance.
 RANK_TOLERANCE = 1e-6
 
-
-_SAFE_CHANGE = 0.7  # of σ_r: below 1, since a path's matrices are not quite on a straight line
+_SAFE_CHANGE = 0.7  # below 1, for what a way does beyond the second order
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,15 +58,43 @@ class Factorisation:
         projected = (self.left[:, :r].T @ b).T / self.singular_values[:r]
         return self.right[:r].T @ projected.T
 
-    def stays_regular_to(self, matrix: Array, rank: int) -> bool:
-        """Tell whether `matrix` is so near to A that no drop below `rank` lies between them.
-
-        On the subspaces of A's first `rank` singular values, ‖U_rᵀ (B − A) V_r‖_F stays below
-        σ_r (Weyl): then no matrix on the straight line from A to B has lost rank there.
-        """
-        change = self.left[:, :rank].T @ matrix @ self.right[:rank].T
+    def change_to(self, matrix: Array, rank: int) -> Array:
+        """Return U_rᵀ (B − A) V_r, shape (rank, rank), on A's first `rank` singular values."""
+        change: Array = self.left[:, :rank].T @ matrix @ self.right[:rank].T
         change[np.diag_indices(rank)] -= self.singular_values[:rank]
-        return rank == 0 or norm(change) < _SAFE_CHANGE * float(self.singular_values[rank - 1])
+        return change
+
+    def stays_regular(self, end: Array, middle: Callable[[], Array], rank: int) -> bool:
+        """Tell whether no drop below `rank` lies on the way from A to another matrix.
+
+        With E(s) = Σ_r⁻¹ U_rᵀ (A(s) − A) V_r for the matrix A(s) on the way, 0 ≤ s ≤ 1,
+
+            U_rᵀ A(s) V_r = Σ_r (I + E(s))
+
+        is invertible where ‖E(s)‖ < 1 (Neumann), and then A(s), of which it is a part, has at
+        least rank r: whatever its shape, its other rows and columns. The part for s = 1 alone is
+        enough on a straight line: E(s) = s E(1). A way that bends departs from it, to second order
+        by 4 s (1 − s) D with D = E(½) − E(1)/2, so that ‖E(s)‖ ≤ ‖E(1)‖ + ‖D‖.
+
+        Where even ‖U_rᵀ (B − A) V_r‖ is below σ_r, so that ‖E(1)‖ is as well, the way is taken
+        to be too short to bend as much, and A(½) is not asked for.
+
+        Parameters
+        ----------
+        end : ndarray, shape (p, k)
+            B = A(1).
+        middle : callable
+            Returns A(½); called only if it matters.
+        rank : int
+        """
+        change, values = self.change_to(end, rank), self.singular_values[:rank, np.newaxis]
+        if rank == 0 or norm(change) < _SAFE_CHANGE * float(values[-1, 0]):
+            return True
+        share = norm(change / values)
+        if share >= _SAFE_CHANGE:
+            return False
+        bend = self.change_to(middle(), rank) - 0.5 * change
+        return share + norm(bend / values) < _SAFE_CHANGE
 
 
 def norm(array: Array) -> float:

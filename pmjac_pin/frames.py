@@ -6,10 +6,16 @@ from dataclasses import dataclass
 
 import pinocchio as pin
 
-from pmjac_pin.errors import unknown_name
+from pmjac_pin.errors import ArgumentError, unknown_name
 
-# A link, a fixed joint and a joint may share a name: a user who writes it means the link.
-_PREFERENCE = (pin.FrameType.BODY, pin.FrameType.FIXED_JOINT, pin.FrameType.OP_FRAME)
+# A link may share its name with a joint: a user who writes it means the link.
+_JOINTS = (pin.FrameType.JOINT, pin.FrameType.FIXED_JOINT)
+_KINDS = {
+    pin.FrameType.BODY: "link",
+    pin.FrameType.FIXED_JOINT: "fixed joint",
+    pin.FrameType.JOINT: "joint",
+    pin.FrameType.OP_FRAME: "frame",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,12 +38,14 @@ class Frame:
 
 
 def find_frame(model: pin.Model, name: str) -> Frame:
-    """Return a frame by its name.
+    """Return a frame by its name: a link or an added frame rather than a joint.
 
     Raises
     ------
     UnknownNameError
         Where Pinocchio's ``getFrameId`` would return ``nframes`` in silence.
+    ArgumentError
+        Several of this name in different places, such as a link and a frame added to the model.
     """
     matches = [
         index
@@ -46,11 +54,15 @@ def find_frame(model: pin.Model, name: str) -> Frame:
     ]
     if not matches:
         raise unknown_name("frame", name, tuple(frame.name for frame in model.frames))
+    meant = [index for index in matches if model.frames[index].type not in _JOINTS] or matches
+    frames = [model.frames[index] for index in meant]
+    if not all(_at_one_place(frames[0], frame) for frame in frames[1:]):
+        places = " and ".join(
+            f"a {_KINDS[f.type]} on {model.names[f.parentJoint]!r}" for f in frames
+        )
+        raise ArgumentError(f"frame {name!r} is ambiguous: {places} have this name; rename one")
+    return Frame(meant[0], frames[0].parentJoint, frames[0].placement.copy())
 
-    def preference(index: int) -> int:
-        kind = model.frames[index].type
-        return _PREFERENCE.index(kind) if kind in _PREFERENCE else len(_PREFERENCE)
 
-    index = min(matches, key=preference)
-    frame = model.frames[index]
-    return Frame(index, frame.parentJoint, frame.placement.copy())
+def _at_one_place(one: pin.Frame, other: pin.Frame) -> bool:
+    return bool(one.parentJoint == other.parentJoint and one.placement.isApprox(other.placement))

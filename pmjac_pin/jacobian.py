@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 from pmjac_pin.ellipsoid import Ellipsoid, force_ellipsoid, velocity_ellipsoid
 from pmjac_pin.errors import ArgumentError, ForbiddenRatesError, IdleMotionError, SingularError
 from pmjac_pin.factorisation import Factorisation, norm
-from pmjac_pin.partition import Partition
+from pmjac_pin.partition import Partition, TwistRanks
 from pmjac_pin.read_only import ReadOnlyArrays, read_only
 from pmjac_pin.singularity import Singularity, analyse_singularity, forbidden_rates
 
 Array = NDArray[np.float64]
 FrameName = Literal["LOCAL", "WORLD", "LOCAL_WORLD_ALIGNED"]
+_STILL = 1e-6  # of the largest rate of a motion
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -84,6 +85,12 @@ class SplitJacobian(ReadOnlyArrays):
         return read_only(self.tool_jacobian[3:, self.partition.passive])
 
     @property
+    def tool_sizes(self) -> Array:
+        """What the entries of J and J* are compared with, linear and angular, shape (2,)."""
+        sizes = self.partition.tool_sizes(self.tool_jacobian)
+        return read_only(np.array(sizes) / self.partition.column_scale.min(initial=1.0))
+
+    @property
     def det_K_star(self) -> float | None:
         """Determinant of K*, None where K* is not square. It decides nothing."""
         rows, columns = self.K_star.shape
@@ -130,6 +137,16 @@ class EquivalentJacobian(SplitJacobian):
         motion[self.partition.passive] = self.passive_rates
         return read_only(motion)
 
+    @property
+    def sizes(self) -> Array:
+        """What the entries of J_eq are compared with, linear and angular, shape (2,).
+
+        ‖J‖ ‖G‖ for J_eq = J G: of that, rounding leaves some 1e-16 where J_eq should be zero.
+        """
+        motions = self.motion_map / self.partition.column_scale[:, None]
+        sizes = np.array(self.partition.tool_sizes(self.tool_jacobian))
+        return read_only(sizes * norm(motions))
+
     @cached_property
     def gv_eq(self) -> Array:
         """[J_v]eqᵀ [J_v]eq, shape (n, n) (33). For display: its rank is not decided on it."""
@@ -140,17 +157,30 @@ class EquivalentJacobian(SplitJacobian):
         """[J_ω]eqᵀ [J_ω]eq, shape (n, n) (33)."""
         return read_only(self.Jw_eq.T @ self.Jw_eq)
 
+    @cached_property
+    def tool_ranks(self) -> TwistRanks:
+        """Ranks of J_eq, of its linear and of its angular rows, judged as `Singularity` does.
+
+        On an orthonormal basis of the motions G θ̇: near a singularity of K*, where G grows
+        beyond bounds, one large column must not hide the others.
+        """
+        motions = np.linalg.qr(self.motion_map / self.partition.column_scale[:, None])[0]
+        return self.partition.tool_ranks(self.tool_jacobian, motions)
+
     def velocity_ellipsoid(self) -> Ellipsoid:
-        """Return the tool velocities of all |θ̇| = 1: the principal velocities, in m/s."""
-        return velocity_ellipsoid(self.Jv_eq, unit="m/s")
+        """Return the tool velocities of all |θ̇| = 1: the principal velocities, in m/s.
+
+        As flat as `tool_ranks` says: a radius that is only rounding is 0.
+        """
+        return velocity_ellipsoid(self.Jv_eq, unit="m/s", rank=self.tool_ranks.linear)
 
     def angular_ellipsoid(self) -> Ellipsoid:
         """Return the tool's angular velocities of all |θ̇| = 1, in rad/s."""
-        return velocity_ellipsoid(self.Jw_eq, unit="rad/s")
+        return velocity_ellipsoid(self.Jw_eq, unit="rad/s", rank=self.tool_ranks.angular)
 
     def force_ellipsoid(self) -> Ellipsoid:
         """Return the tool forces, without moment, that motor efforts |τ| = 1 balance, in N."""
-        return force_ellipsoid(self.Jv_eq, unit="N")
+        return force_ellipsoid(self.Jv_eq, unit="N", rank=self.tool_ranks.linear)
 
     def __repr__(self) -> str:
         return f"EquivalentJacobian({self._sizes()})"
@@ -230,13 +260,21 @@ def _singular(singularity: Singularity) -> SingularError:
     )
 
 
+def _moving(names: tuple[str, ...], rates: Array) -> list[tuple[str, float]]:
+    """Return the joints that take part in a motion: the others' rates are rounding."""
+    floor = _STILL * np.abs(rates).max()
+    return [
+        (name, rate) for name, rate in zip(names, rates.tolist(), strict=True) if abs(rate) > floor
+    ]
+
+
 def _refuse_forbidden(factors: Factorisation, scaled: Array, partition: Partition) -> None:
     forbidden = forbidden_rates(factors.left_null_space, scaled, partition)
     if not forbidden.shape[1]:
         return
     names = partition.actuated_names
     directions = "; ".join(
-        ", ".join(f"{name} {rate:+.3g}" for name, rate in zip(names, column, strict=True))
+        ", ".join(f"{name} {rate:+.3g}" for name, rate in _moving(names, column))
         for column in forbidden.T
     )
     motors = f"{len(names)} motor{'s are' if len(names) > 1 else ' is'}"
@@ -258,9 +296,7 @@ def refuse_felt_idle_motion(
         return
     idle = partition.column_scale[partition.passive] * (factors.null_space @ motions.right[0])
     idle /= idle[np.argmax(np.abs(idle))]
-    moving = ", ".join(
-        name for name, rate in zip(partition.passive_names, idle, strict=True) if abs(rate) > 1e-6
-    )
+    moving = ", ".join(name for name, _ in _moving(partition.passive_names, idle))
     raise IdleMotionError(
         f"the tool is moved by a passive motion that no motor commands: {moving} "
         f"move freely with all motors locked; make one of them actuated, or put the tool on a "

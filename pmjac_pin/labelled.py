@@ -24,6 +24,9 @@ RADIAN: Powers = (0, 1)
 
 _POWERS = {"m": METRE, "m²": SQUARE_METRE, "rad": RADIAN}
 
+#: An entry up to this share of the size of its matrix is rounding, and shown as zero.
+ROUNDING = 1e-13
+
 LINEAR = ("v_x", "v_y", "v_z")
 ANGULAR = ("ω_x", "ω_y", "ω_z")
 
@@ -40,6 +43,9 @@ class LabelledMatrix(msgspec.Struct, frozen=True):
     row_units, column_units : tuple of str
     values : tuple of tuple of float
         Row by row.
+    size : float
+        What an entry is compared with: up to 1e-13 (`ROUNDING`) of it is rounding. The largest
+        entry or, in J_eq = J − J* K*⁻¹ K, the size of what cancels.
     """
 
     rows: tuple[str, ...]
@@ -47,6 +53,7 @@ class LabelledMatrix(msgspec.Struct, frozen=True):
     columns: tuple[str, ...]
     column_units: tuple[str, ...]
     values: tuple[tuple[float, ...], ...]
+    size: float
 
 
 def labelled(
@@ -55,10 +62,13 @@ def labelled(
     row_units: tuple[str, ...],
     columns: tuple[str, ...],
     column_units: tuple[str, ...],
+    *,
+    size: float = 0.0,
 ) -> LabelledMatrix:
-    """Put labels on an array, shape (len(rows), len(columns))."""
+    """Put labels on an array, shape (len(rows), len(columns)), of at least this size."""
     entries = tuple(tuple(map(float, row)) for row in values)
-    return LabelledMatrix(rows, row_units, columns, column_units, entries)
+    size = float(np.abs(values).max(initial=size))
+    return LabelledMatrix(rows, row_units, columns, column_units, entries, size)
 
 
 def joint_powers(mechanism: Mechanism) -> tuple[tuple[Powers, ...], tuple[Powers, ...]]:

@@ -163,8 +163,9 @@ def build(
     for frame in list(model.frames)[1:]:
         if frame.parentJoint not in carriers:
             continue
-        # The joint that a frame was named after may be turned round or gone.
-        kind = pin.FrameType.OP_FRAME if frame.type == pin.FrameType.JOINT else frame.type
+        # The joint that a frame was named after may be turned round or gone: it is what stays
+        # of it, and as a joint's frame it gives way to a link of the same name.
+        kind = pin.FrameType.FIXED_JOINT if frame.type == pin.FrameType.JOINT else frame.type
         _add_frame(tree, frame.name, carriers[frame.parentJoint], frame.placement, kind)
     for name, (body, place) in extra.items():
         _add_frame(tree, name, carriers[body], place, pin.FrameType.OP_FRAME)

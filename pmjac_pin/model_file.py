@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import msgspec
 
@@ -18,11 +19,10 @@ MAXIMAL_SIZE = 1 << 20  # bytes; the largest of our own model files has a few th
 
 # Which table a path in one of msgspec's messages leads to: the last that fits.
 _TABLES = (
-    (r"", (MechanismSpec,)),
-    (r"^loop\[", tuple(LOOP_KINDS.values())),
-    (r"^tool", (Tool,)),
-    (r"^parameters\[", (Parameter,)),
-    (r"moves\[", (Move,)),
+    (r"", MechanismSpec),
+    (r"^tool", Tool),
+    (r"^parameters\[", Parameter),
+    (r"moves\[", Move),
 )
 _WORDS = {
     "Object contains unknown field": "unknown key",
@@ -45,9 +45,10 @@ def read_model_file(path: Path) -> MechanismSpec:
     """
     text = read_text(path, MAXIMAL_SIZE)
     try:
-        spec = msgspec.convert(tomllib.loads(text), MechanismSpec)
+        given = tomllib.loads(text)
+        spec = msgspec.convert(given, MechanismSpec)
     except msgspec.ValidationError as error:
-        raise ModelFileError(f"{path}: {_explained(error)}", path=str(path)) from None
+        raise ModelFileError(f"{path}: {_explained(error, given)}", path=str(path)) from None
     except (ValueError, RecursionError, OverflowError) as error:
         raise ModelFileError(f"{path}: not valid TOML: {error}", path=str(path)) from None
     if not spec.urdf:
@@ -55,18 +56,34 @@ def read_model_file(path: Path) -> MechanismSpec:
     return spec if spec.name else msgspec.structs.replace(spec, name=path.stem)
 
 
-def _explained(error: msgspec.ValidationError) -> str:
+def _explained(error: msgspec.ValidationError, given: dict[str, Any]) -> str:
     """Turn msgspec's message into ours: TOML's words for things, and the near match."""
     message = str(error)
     for theirs, ours in _WORDS.items():
         message = message.replace(theirs, ours)
     if unknown := re.search(r"unknown key `([^`]*)`(?: - at `([^`]*)`)?", message):
-        return message + did_you_mean(unknown[1], _keys(unknown[2] or ""))
+        key, place = unknown[1], unknown[2] or ""
+        if loop := re.fullmatch(r"loop\[(\d+)\]", place):
+            return message + _of_another_kind(key, given["loop"][int(loop[1])]["kind"])
+        return message + did_you_mean(key, _keys(place))
     if kind := re.search(r"Invalid value '([^']*)' - at `loop\[\d+\]\.kind`", message):
         return message + did_you_mean(kind[1], LOOP_KINDS)
     return message
 
 
+def _of_another_kind(key: str, kind: str) -> str:
+    """Say which kinds of loop know a key that this kind does not, and what this kind knows."""
+    others = [other for other, table in LOOP_KINDS.items() if key in _fields(table)]
+    own = _fields(LOOP_KINDS[kind])
+    if not others:
+        return did_you_mean(key, own)
+    known = f"{others[0]} loops" if len(others) == 1 else "other kinds of loop"
+    return f": a key of {known}; this one is {kind} and has {', '.join(own)}"
+
+
 def _keys(path: str) -> list[str]:
-    tables = next(tables for pattern, tables in reversed(_TABLES) if re.search(pattern, path))
-    return sorted({key.encode_name for table in tables for key in msgspec.structs.fields(table)})
+    return _fields(next(table for pattern, table in reversed(_TABLES) if re.search(pattern, path)))
+
+
+def _fields(table: type) -> list[str]:
+    return sorted(field.encode_name for field in msgspec.structs.fields(table))

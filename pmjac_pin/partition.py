@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
@@ -21,6 +22,14 @@ from pmjac_pin.read_only import ReadOnlyArrays, read_only
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
+
+
+class TwistRanks(NamedTuple):
+    """Dimensions of the tool's twists, of its linear and of its angular velocities."""
+
+    twist: int
+    linear: int
+    angular: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,6 +158,35 @@ class Partition(ReadOnlyArrays):
         scaled[3:] *= self.length
         return scaled
 
+    def tool_ranks(self, tool_jacobian: Array, motions: Array) -> TwistRanks:
+        """Return how many independent velocities these motions give the tool.
+
+        What vanishes is judged against the tool Jacobian before elimination (`tool_sizes`).
+
+        Parameters
+        ----------
+        tool_jacobian : ndarray, shape (6, nv)
+        motions : ndarray, shape (nv, k)
+            Orthonormal columns, on the scaled rates, that span what the loops allow.
+        """
+        scaled = self.scaled_tool(tool_jacobian)
+        moved, (size, angular) = scaled @ motions, self.tool_sizes(tool_jacobian)
+        return TwistRanks(
+            self.factorise(moved, size).rank,
+            self.factorise(moved[:3], size).rank,
+            self.factorise(moved[3:], self.length * angular).rank,
+        )
+
+    def tool_sizes(self, tool_jacobian: Array) -> tuple[float, float]:
+        """Return the size of the linear and of the angular rows, m/s and rad/s per scaled rate.
+
+        A linear velocity is ω × r, so its rounding is that of arms as long as the mechanism,
+        even where all of them end in the tool: its rows count beside the angular ones times
+        `length`. Angular velocities are sums of axes and know no arms.
+        """
+        scaled = self.scaled_tool(tool_jacobian)
+        return norm(scaled), norm(scaled[3:]) / self.length
+
     def shown_rows(self, scaled: Array) -> Index:
         """Return the rows of η to show: those kept since home, while they are independent."""
         if self.kept_rows.size == scaled.shape[0]:
@@ -182,9 +220,8 @@ class Partition(ReadOnlyArrays):
         size = norm(scaled)
         whole = self.factorise(scaled, size)
         passive = self.factorise(scaled[:, self.passive], size)
-        scaled_tool = self.scaled_tool(tool_jacobian)
-        tool = self.factorise(scaled_tool @ whole.null_space, norm(scaled_tool))
-        return passive.rank, whole.rank, tool.rank
+        tool = self.tool_ranks(tool_jacobian, whole.null_space)
+        return passive.rank, whole.rank, tool.twist
 
 
 def _check_shapes(

@@ -142,29 +142,32 @@ def _matrices(
     passive_rates = (labels.passive, tuple(map(rate_unit, labels.passive_powers)))
     linear = (LINEAR, (rate_unit(METRE),) * 3)
     angular = (ANGULAR, (rate_unit(RADIAN),) * 3)
+    v, w = split.tool_sizes.tolist()
+    size = float(np.abs(split.constraint_jacobian).max(initial=0.0))
     known = {
-        "K": labelled(split.K, equations, equation_units, *motors),
-        "K_star": labelled(split.K_star, equations, equation_units, *passive),
-        "Jv": labelled(split.Jv, *linear, *motor_rates),
-        "Jv_star": labelled(split.Jv_star, *linear, *passive_rates),
-        "Jw": labelled(split.Jw, *angular, *motor_rates),
-        "Jw_star": labelled(split.Jw_star, *angular, *passive_rates),
+        "K": labelled(split.K, equations, equation_units, *motors, size=size),
+        "K_star": labelled(split.K_star, equations, equation_units, *passive, size=size),
+        "Jv": labelled(split.Jv, *linear, *motor_rates, size=v),
+        "Jv_star": labelled(split.Jv_star, *linear, *passive_rates, size=v),
+        "Jw": labelled(split.Jw, *angular, *motor_rates, size=w),
+        "Jw_star": labelled(split.Jw_star, *angular, *passive_rates, size=w),
     }
     if jacobian is not None:
+        v, w = jacobian.sizes.tolist()
         known |= {
             "passive_rates": labelled(jacobian.passive_rates, *passive_rates, *motor_rates),
-            "Jv_eq": labelled(jacobian.Jv_eq, *linear, *motor_rates),
-            "Jw_eq": labelled(jacobian.Jw_eq, *angular, *motor_rates),
-            "gv_eq": _metric(jacobian.gv_eq, METRE, labels),
-            "gw_eq": _metric(jacobian.gw_eq, RADIAN, labels),
+            "Jv_eq": labelled(jacobian.Jv_eq, *linear, *motor_rates, size=v),
+            "Jw_eq": labelled(jacobian.Jw_eq, *angular, *motor_rates, size=w),
+            "gv_eq": _metric(jacobian.gv_eq, METRE, labels, v),
+            "gw_eq": _metric(jacobian.gw_eq, RADIAN, labels, w),
         }
     return Matrices(**known)
 
 
-def _metric(values: Array, twist: Powers, labels: Labels) -> LabelledMatrix:
+def _metric(values: Array, twist: Powers, labels: Labels, size: float) -> LabelledMatrix:
     rows = tuple(metric_unit(twist, joint) for joint in labels.actuated_powers)
     columns = tuple(map(rate_unit, labels.actuated_powers))
-    return labelled(values, labels.actuated, rows, labels.actuated, columns)
+    return labelled(values, labels.actuated, rows, labels.actuated, columns, size=size**2)
 
 
 def _singular_values(
@@ -178,8 +181,10 @@ def _singular_values(
         "Jw_eq": None,
     }
     if jacobian is not None:
-        found["Jv_eq"] = SingularValues(_spectrum(jacobian.Jv_eq), "m/s")
-        found["Jw_eq"] = SingularValues(_spectrum(jacobian.Jw_eq), "rad/s")
+        motors = len(labels.actuated)
+        linear, angular = jacobian.velocity_ellipsoid(), jacobian.angular_ellipsoid()
+        found["Jv_eq"] = SingularValues(vector(linear.radii[:motors]), linear.unit)
+        found["Jw_eq"] = SingularValues(vector(angular.radii[:motors]), angular.unit)
     return found
 
 

@@ -38,6 +38,8 @@ class Singularity(ReadOnlyArrays):
         Of [K K*].
     tool_rank, generic_tool_rank : int
         Dimension of the tool twists that the loops allow.
+    linear_rank, angular_rank : int
+        Dimensions of the linear and of the angular velocities among these.
     free_motions : ndarray, shape (m_p, m_p − rank)
         Columns span null(K*): the passive rates, in m/s or rad/s, that are possible with all
         motors locked. Idle motions, free at every pose, are among them.
@@ -54,6 +56,8 @@ class Singularity(ReadOnlyArrays):
     generic_constraint_rank: int
     tool_rank: int
     generic_tool_rank: int
+    linear_rank: int
+    angular_rank: int
     free_motions: Array
     forbidden_rates: Array
     actuated_names: tuple[str, ...]
@@ -141,8 +145,7 @@ def analyse_singularity(
     size = norm(scaled)
     passive = partition.factorise(scaled[:, partition.passive], size)
     whole = partition.factorise(scaled, size)
-    scaled_tool = partition.scaled_tool(tool_jacobian)
-    tool = partition.factorise(scaled_tool @ whole.null_space, norm(scaled_tool))
+    tool = partition.tool_ranks(tool_jacobian, whole.null_space)
     forbidden = forbidden_rates(passive.left_null_space, scaled, partition)
     free = partition.column_scale[partition.passive, None] * passive.null_space
     return Singularity(
@@ -152,8 +155,10 @@ def analyse_singularity(
         generic_rank=partition.passive_rank,
         constraint_rank=whole.rank,
         generic_constraint_rank=partition.constraint_rank,
-        tool_rank=tool.rank,
+        tool_rank=tool.twist,
         generic_tool_rank=partition.tool_rank,
+        linear_rank=tool.linear,
+        angular_rank=tool.angular,
         free_motions=free,
         forbidden_rates=forbidden,
         actuated_names=partition.actuated_names,

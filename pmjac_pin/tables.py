@@ -164,7 +164,8 @@ def _pose(report: Report) -> Iterator[Block]:
 
 
 def _tool(report: Report) -> Table:
-    position = numbers([[x] for x in report.tool.position])
+    size = report.singularity.characteristic_length
+    position = numbers([[x] for x in report.tool.position], size)
     rows = zip("xyz", position, numbers(report.tool.rotation), strict=True)
     return Table(
         "Tool in the world",

@@ -152,6 +152,19 @@ def test_agile_eye_is_its_closed_form(rng):
         np.testing.assert_allclose(jacobian.Jv_eq, np.cross(Jw, t, axisa=0).T, atol=EXACT)
 
 
+@pytest.mark.parametrize("front", [0.0, 0.05, 0.3])
+def test_agile_eyes_tool_is_as_far_in_front_of_its_centre_as_the_parameter_says(front, rng):
+    mechanism = pj.load("agile_eye", {"front": front})
+    for configuration in mechanisms.random_closed(mechanism, rng, 4, 0.5):
+        t, R = pose_of(configuration)
+        np.testing.assert_allclose(t, front * R[:, 2], atol=1e-12)
+        jacobian = configuration.jacobian()
+        default = pj.load("agile_eye").close(configuration.actuated).jacobian()
+        np.testing.assert_allclose(jacobian.Jw_eq, default.Jw_eq, atol=EXACT)
+        np.testing.assert_allclose(jacobian.Jv_eq, default.Jv_eq * front / 0.05, atol=EXACT)
+        assert jacobian.velocity_ellipsoid().rank == (2 if front else 0)
+
+
 def test_agile_eye_turns_alike_in_all_directions_at_home():
     Jw = pj.load("agile_eye").home.jacobian().Jw_eq
     np.testing.assert_allclose(Jw @ Jw.T, np.eye(3), atol=EXACT)

@@ -49,6 +49,50 @@ def test_it_never_jumps_to_another_mode(start, rng):
     assert min(outcomes.values()) > 3
 
 
+def in_short_steps(start, target, steps=1000):
+    """Close one short step after the other; where that ends, and at which share of the path."""
+    mechanism, begin, pose = start.mechanism, start.actuated, start
+    for step in range(1, steps + 1):
+        theta = begin + step / steps * (target - begin)
+        try:
+            pose = mechanism.close(theta, guess=pose, enforce_limits=False)
+        except pj.ClosureError as error:
+            return error.reached, (step - 1 + error.share) / steps
+    return pose, 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["rocker_rocker", "five_bar", "planar_3rrr", "three_rps"])
+def test_long_steps_end_where_short_ones_do(name, rng):
+    """Beside singularities, too, and beyond the limits: at the target or at the same fold."""
+    mechanism = mechanisms.rocker_rocker() if name == "rocker_rocker" else pj.load(name)
+    start, outcomes = mechanism.home, {"closed": 0, "stopped": 0}
+    for _ in range(40):
+        target = start.actuated + rng.uniform(-1.5, 1.5, len(mechanism.actuated))
+        expected, share = in_short_steps(start, target)
+        try:
+            reached = mechanism.close(target, guess=start, enforce_limits=False)
+        except pj.ClosureError as error:
+            assert error.share == pytest.approx(share, abs=1e-5)
+            reached = error.reached
+            outcomes["stopped"] += 1
+        else:
+            assert share == 1.0
+            outcomes["closed"] += 1
+            start = reached
+        apart = pin.difference(mechanism.model, reached.q, expected.q)
+        np.testing.assert_allclose(apart, 0.0, atol=1e-9 if share == 1.0 else 1e-3)
+    assert min(outcomes.values()) > 1
+
+
+@pytest.mark.slow
+def test_a_path_along_a_singularity_takes_long_steps():
+    """The plate stays near the base's plane, σ at 4e-4; what changes is not what is weak."""
+    mechanism = pj.load("delta")
+    target = mechanism.home.actuated + np.array([2.07, 4.93, 1.98])
+    assert mechanism.close(target, enforce_limits=False).iterations < 6000
+
+
 def test_the_lectures_poses_are_not_joined_by_a_straight_path():
     """The path from A's printed mode ends at a fold just before B; large Newton steps jump it."""
     mechanism = pj.load("three_rps_ss")

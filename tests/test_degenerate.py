@@ -97,6 +97,22 @@ def test_forbidden_motor_rates_are_named():
     assert configuration.singularity().kind == "regular"
 
 
+@pytest.mark.parametrize("yaw", [0.3, 1.1, 2.0])
+def test_a_motor_that_takes_no_part_in_what_is_forbidden_is_not_named(yaw):
+    flat = mechanisms.yawing_four_bar()
+    pose = flat.close([yaw, 0.9])
+    motors = ["yaw", "theta1", "phi1"]
+    mechanism = pj.Mechanism.from_pinocchio(
+        flat.model, flat.spec.loops, motors, "tool", home=pose.q
+    )
+    with pytest.raises(pj.ForbiddenRatesError) as caught:
+        mechanism.home.jacobian()
+    still, *moving = caught.value.forbidden_rates[:, 0]
+    assert abs(still) < 1e-12
+    named = ", ".join(f"{n} {rate:+.3g}" for n, rate in zip(motors[1:], moving, strict=True))
+    assert f"motor rates ({named}): 3 motors are too many" in str(caught.value)
+
+
 def test_forbidden_targets_are_not_closed():
     mechanism = mechanisms.over_actuated_four_bar()
     with pytest.raises(pj.ClosureError, match="they forbid these motors to move so together"):

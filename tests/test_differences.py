@@ -57,13 +57,13 @@ def poses(request, mechanism):
 
 
 def derivative(configuration):
-    """The difference quotient at that of three steps where it changes least to the next one.
+    """The difference quotient at that of four steps where it changes least to the next one.
 
     Near a singularity rounding, divided by K*, spoils small steps, and the fold large ones.
     """
     smallest = min(1.0, configuration.singularity().smallest)
     quotients = []
-    for factor in (1, 30, 1000):
+    for factor in (1, 10, 100, 1000):
         try:
             h = factor * (1e-3 * smallest**2 + 1e-7)
             quotients.append(difference_quotient(configuration, h))

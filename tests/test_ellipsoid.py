@@ -140,6 +140,29 @@ def test_rank_is_relative(rng):
     assert force_ellipsoid(np.diag([1, 1e-8, 1e-10])).rank == 3
 
 
+def test_a_known_rank_says_which_radii_are_rounding(rng):
+    J = block(rng, 4, 2) + 1e-7 * rng.standard_normal((3, 4))
+    assert velocity_ellipsoid(J).rank == 3
+    for rank in range(4):
+        velocity, force = velocity_ellipsoid(J, rank=rank), force_ellipsoid(J, rank=rank)
+        assert velocity.rank == rank
+        np.testing.assert_array_equal(velocity.radii[:rank], velocity_ellipsoid(J).radii[:rank])
+        assert np.isinf(force.radii).tolist() == [True] * (3 - rank) + [False] * rank
+
+
+@pytest.mark.parametrize("rank", [-1, 3, 1.5, "1"])
+@pytest.mark.parametrize("build", [velocity_ellipsoid, force_ellipsoid])
+def test_ranks_that_cannot_be_are_refused(build, rank):
+    message = refusal(build, np.eye(3)[:, :2], rank=rank)
+    assert message == f"a block of shape (3, 2) cannot have rank {rank!r}"
+
+
+def test_the_shadow_of_a_needle_along_itself_is_a_point(rng):
+    for direction in rng.standard_normal((20, 3)):
+        needle = velocity_ellipsoid(direction[:, None])
+        assert needle.projection(direction).radii.tolist() == [0.0, 0.0]
+
+
 def test_volume_and_area():
     ball = velocity_ellipsoid(2 * np.eye(3))
     assert ball.volume == pytest.approx(4 / 3 * math.pi * 8)

@@ -69,6 +69,20 @@ MODEL_ERRORS = {
         ('kind = "point"', 'kind = "poimt"'),
         "{path}: Invalid value 'poimt' - at `loop[0].kind`; did you mean 'point'",
     ),
+    "a key of one other kind of loop": (
+        ('kind = "point"', 'kind = "point"\naxes = [[1, 0, 0], [0, 1, 0]]'),
+        "{path}: unknown key `axes` - at `loop[0]`: a key of universal loops; this one is point "
+        "and has frames",
+    ),
+    "a key of other kinds of loop": (
+        ('kind = "point"', 'kind = "universal"\naxis = [0, 0, 1]'),
+        "{path}: unknown key `axis` - at `loop[0]`: a key of other kinds of loop; this one is "
+        "universal and has axes, frames",
+    ),
+    "a misspelt key of a loop": (
+        ('kind = "point"', 'kind = "revolute"\naxes_ = [0, 0, 1]'),
+        "{path}: unknown key `axes_` - at `loop[0]`; did you mean 'axis'",
+    ),
     "unknown frame in a loop": (
         ("coupler_tip", "coupler_tipp"),
         "{path}: unknown frame 'coupler_tipp'; did you mean 'coupler_tip'",

@@ -108,10 +108,13 @@ def test_singularity_and_singular_values(homes, name):
             case _:
                 expected = getattr(singularity, key)
                 assert value == (None if expected == math.inf else expected)
+    values = {key: found["values"] for key, found in report["singular_values"].items()}
     for key in ("K_star", "Jv_eq", "Jw_eq"):
         matrix = getattr(jacobian, key)
         expected = np.linalg.svd(matrix, compute_uv=False) if matrix.size else []
-        np.testing.assert_array_equal(report["singular_values"][key]["values"], expected)
+        np.testing.assert_allclose(values[key], expected, rtol=1e-12, atol=1e-14)
+    assert np.count_nonzero(values["Jv_eq"]) == jacobian.tool_ranks.linear
+    assert np.count_nonzero(values["Jw_eq"]) == jacobian.tool_ranks.angular
 
 
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)

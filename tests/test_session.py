@@ -224,12 +224,17 @@ def test_the_readout_is_the_library_s(name):
     configuration = pj.load(name).home
     readout = make_readout(configuration)
     jacobian = configuration.jacobian()
-    np.testing.assert_array_equal(readout.J_eq, jacobian.J_eq)
+    np.testing.assert_allclose(readout.J_eq, jacobian.J_eq, rtol=0.0, atol=1e-13)
+    shown = np.array(readout.J_eq)
+    np.testing.assert_array_equal(shown[shown != 0.0], jacobian.J_eq[shown != 0.0])
+    assert (np.abs(shown[shown != 0.0]) > 1e-12).all()
     singular_values = np.linalg.svd(jacobian.Jv_eq, compute_uv=False)
-    np.testing.assert_allclose(readout.Jv_singular_values, singular_values)
+    np.testing.assert_allclose(readout.Jv_singular_values, singular_values, atol=1e-14)
     np.testing.assert_allclose(
-        readout.Jw_singular_values, np.linalg.svd(jacobian.Jw_eq, compute_uv=False)
+        readout.Jw_singular_values, np.linalg.svd(jacobian.Jw_eq, compute_uv=False), atol=1e-14
     )
+    assert np.count_nonzero(readout.Jv_singular_values) == jacobian.tool_ranks.linear
+    assert np.count_nonzero(readout.Jw_singular_values) == jacobian.tool_ranks.angular
     singularity = configuration.singularity()
     if readout.loops:
         assert (readout.smallest, readout.condition) == (

@@ -14,7 +14,7 @@ from rich.console import Console
 import pmjac_pin as pj
 from pmjac_pin.blocks import Heading, Paragraph, Table, Verbatim, brief, number, numbers
 from pmjac_pin.report_maker import make_report
-from pmjac_pin.tables import TITLES, matrix_blocks, report_blocks
+from pmjac_pin.tables import TITLES, matrix_blocks, report_blocks, singular_values_table
 from pmjac_pin.terminal import draw, new_console, one_line, to_ascii, write
 
 LONG = "the_joint_that_somebody_gave_a_name_of_far_more_than_eighty_characters_in_one_word_alone_99"
@@ -49,10 +49,19 @@ def test_no_line_is_too_long_and_no_number_is_cut(reports, name, width):
     for key in ("K", "K_star", "Jv", "Jv_star"):
         matrix = getattr(report.matrices, key)
         if matrix.rows and matrix.columns:
-            shown = sorted(entry for row in numbers(matrix.values) for entry in row)
+            shown = sorted(entry for row in numbers(matrix.values, matrix.size) for entry in row)
             [block] = [b for b in matrix_blocks(report, (key,)) if isinstance(b, Table)]
             found = re.findall(r"-?\d\.\d{3,4}(?:e-\d\d)?\b", drawn([block], width))
             assert sorted(found) == shown
+
+
+@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+def test_rounding_is_shown_as_zero(reports, name):
+    report = reports[name]
+    keys = [key for key in TITLES if getattr(report.matrices, key) is not None]
+    blocks = [*matrix_blocks(report, tuple(keys)), singular_values_table(report)]
+    blocks += [block for block in report_blocks(report) if "Tool" in getattr(block, "title", "")]
+    assert not re.search(r"e-[1-9]\d", drawn(blocks))
 
 
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)

@@ -13,6 +13,7 @@ from pmjac_pin.ellipsoid import Ellipsoid
 from pmjac_pin.errors import NoJacobianError
 from pmjac_pin.factorisation import norm
 from pmjac_pin.jacobian import EquivalentJacobian
+from pmjac_pin.labelled import ROUNDING
 from pmjac_pin.singularity import Singularity
 from pmjac_pin.viewer.free_motion import NEAR_SINGULAR, easiest_motions
 from pmjac_pin.viewer.tool_ranks import ToolRanks
@@ -80,7 +81,7 @@ class Readout(msgspec.Struct, frozen=True, kw_only=True):
     residual : float
         Euclidean norm of the gaps of all loops, m.
     J_eq : tuple of tuple of float or None
-        Six rows, linear ones first.
+        Six rows, linear ones first; what is only rounding is 0.
     sections : tuple of Section or None
     warning : Nearness
     refusal : str or None
@@ -141,10 +142,13 @@ def _equivalent(configuration: Configuration) -> tuple[EquivalentJacobian | None
 
 
 def _of_jacobian(jacobian: EquivalentJacobian) -> dict[str, Any]:
+    motors = jacobian.partition.actuated.size
+    rounding = ROUNDING * jacobian.sizes.repeat(3)[:, None]
+    J_eq = np.where(np.abs(jacobian.J_eq) > rounding, jacobian.J_eq, 0.0)
     return {
-        "Jv": tuple(np.linalg.svd(jacobian.Jv_eq, compute_uv=False).tolist()),
-        "Jw": tuple(np.linalg.svd(jacobian.Jw_eq, compute_uv=False).tolist()),
-        "J_eq": tuple(map(tuple, jacobian.J_eq.tolist())),
+        "Jv": tuple(jacobian.velocity_ellipsoid().radii[:motors].tolist()),
+        "Jw": tuple(jacobian.angular_ellipsoid().radii[:motors].tolist()),
+        "J_eq": tuple(map(tuple, J_eq.tolist())),
     }
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,8 +23,7 @@ Array = NDArray[np.float64]
 
 _PROBES = 4  # poses near home, besides the named ones
 _DISTANCE = 0.1  # of the motors from home, where a rate of 1 is one of the mechanism's size
-_ZERO = 1e-7  # of the largest singular value anywhere
-_NEARLY_ZERO = 0.01
+_NEARLY_ZERO = 0.01  # of the largest singular value anywhere
 _NAMES = ("[J_v]eq", "[J_ω]eq")
 
 
@@ -52,34 +51,31 @@ class ToolRanks:
         >>> ToolRanks.of(pj.load("serial_2r")).generic
         (2, 1)
         """
-        found = [_singular_values(jacobian) for jacobian in _probes(mechanism)]
-        values = [np.array([pair[half] for pair in found]).reshape(-1, 3) for half in (0, 1)]
-        sizes = [float(half.max(initial=0.0)) for half in values]
-        ranks = [
-            int((half > _ZERO * size).sum(axis=1).max(initial=0))
-            for half, size in zip(values, sizes, strict=True)
-        ]
-        return cls((ranks[0], ranks[1]), (sizes[0], sizes[1]))
+        probes = list(_probes(mechanism))
+        found = [_singular_values(jacobian) for jacobian in probes]
+        sizes = [max((float(pair[half].max()) for pair in found), default=0.0) for half in (0, 1)]
+        linear = max((jacobian.tool_ranks.linear for jacobian in probes), default=0)
+        angular = max((jacobian.tool_ranks.angular for jacobian in probes), default=0)
+        return cls((linear, angular), (sizes[0], sizes[1]))
 
     def loss(self, jacobian: EquivalentJacobian) -> str:
         """Say in a sentence what the tool has lost, or almost; empty where it has not."""
-        values = _singular_values(jacobian)
-        for limit, sentence in (
-            (_ZERO, "Here the tool cannot move in every way that it can elsewhere: {}."),
-            (_NEARLY_ZERO, "Here the tool almost loses a way to move: {}."),
-        ):
-            drops = list(self._drops(values, limit))
-            if drops:
-                return sentence.format(", ".join(drops))
+        _, *ranks = jacobian.tool_ranks
+        if lost := self._drops(ranks, "has"):
+            return f"Here the tool cannot move in every way that it can elsewhere: {lost}."
+        of_both = zip(_singular_values(jacobian), self.sizes, strict=True)
+        large = [int((values > _NEARLY_ZERO * size).sum()) for values, size in of_both]
+        if almost := self._drops(large, "is near"):
+            return f"Here the tool almost loses a way to move: {almost}."
         return ""
 
-    def _drops(self, values: tuple[Array, Array], limit: float) -> Iterator[str]:
-        of_both = zip(_NAMES, values, self.generic, self.sizes, strict=True)
-        for name, singular_values, generic, size in of_both:
-            rank = int((singular_values > limit * size).sum())
-            if rank < generic:
-                verb = "has" if limit == _ZERO else "is near"
-                yield f"{name} {verb} rank {rank} instead of {generic}"
+    def _drops(self, ranks: Sequence[int], verb: str) -> str:
+        of_both = zip(_NAMES, ranks, self.generic, strict=True)
+        return ", ".join(
+            f"{name} {verb} rank {rank} instead of {generic}"
+            for name, rank, generic in of_both
+            if rank < generic
+        )
 
 
 def _singular_values(jacobian: EquivalentJacobian) -> tuple[Array, Array]:
