@@ -190,9 +190,7 @@ class Ellipsoid:
         return grid
 
 
-def velocity_ellipsoid(
-    jacobian: ArrayLike, unit: str = "m/s", rank: int | None = None
-) -> Ellipsoid:
+def velocity_ellipsoid(jacobian: ArrayLike, unit: str = "m/s", rounding: float = 0.0) -> Ellipsoid:
     """Return the tool velocities {J θ̇ : |θ̇| ≤ 1} of all motor rates within one.
 
     The radii are the singular values of J, the square roots of the eigenvalues of g = JᵀJ:
@@ -205,10 +203,9 @@ def velocity_ellipsoid(
         have different units and make no ellipsoid together.
     unit : str
         Unit of the radii: "m/s" for linear rows, "rad/s" for angular ones.
-    rank : int, optional
-        The rank of `jacobian` where more is known than its numbers: a difference of large
-        numbers may be rounding throughout. By default the number of singular values above 1e-9
-        (`FLATNESS_TOLERANCE`) of the largest. The radii beyond it are zero.
+    rounding : float
+        Radii up to this are zero, as are those up to 1e-9 (`FLATNESS_TOLERANCE`) of the largest:
+        a Jacobian that is a difference of large numbers may be rounding throughout.
 
     Returns
     -------
@@ -218,19 +215,19 @@ def velocity_ellipsoid(
     Raises
     ------
     ArgumentError
-        If `jacobian` is not a real, finite 3 × n array, or cannot have such a rank.
+        If `jacobian` is not a real, finite 3 × n array, or `rounding` no number ≥ 0.
 
     Examples
     --------
     >>> velocity_ellipsoid([[0.3], [0.4], [0.0]])
     Ellipsoid(radii=[0.5 0 0] m/s, rank=1)
-    >>> velocity_ellipsoid([[1e-17], [0.0], [0.0]], rank=0)
+    >>> velocity_ellipsoid([[1e-17], [0.0], [0.0]], rounding=1e-12)
     Ellipsoid(radii=[0 0 0] m/s, rank=0)
     """
-    return Ellipsoid(*_principal(jacobian, rank), unit)
+    return Ellipsoid(*_principal(jacobian, rounding), unit)
 
 
-def force_ellipsoid(jacobian: ArrayLike, unit: str = "N", rank: int | None = None) -> Ellipsoid:
+def force_ellipsoid(jacobian: ArrayLike, unit: str = "N", rounding: float = 0.0) -> Ellipsoid:
     """Return the tool forces {f : |Jᵀf| ≤ 1} that motor efforts within one can hold.
 
     By the power balance f · v = (Jᵀf) · θ̇ this is the polar of the velocity
@@ -243,32 +240,30 @@ def force_ellipsoid(jacobian: ArrayLike, unit: str = "N", rank: int | None = Non
         As for `velocity_ellipsoid`.
     unit : str
         Unit of the radii: "N" for linear rows, "N m" for angular ones.
-    rank : int, optional
-        As for `velocity_ellipsoid`: the number of finite radii.
+    rounding : float
+        Of `jacobian`, as for `velocity_ellipsoid`: what is zero there is infinite here.
 
     Raises
     ------
     ArgumentError
-        If `jacobian` is not a real, finite 3 × n array, or cannot have such a rank.
+        If `jacobian` is not a real, finite 3 × n array, or `rounding` no number ≥ 0.
 
     Examples
     --------
     >>> force_ellipsoid([[4.0, 0.0], [0.0, 0.5], [0.0, 0.0]])
     Ellipsoid(radii=[inf 2 0.25] N, rank=3)
     """
-    return Ellipsoid(*polar(*_principal(jacobian, rank)), unit)
+    return Ellipsoid(*polar(*_principal(jacobian, rounding)), unit)
 
 
-def _principal(jacobian: ArrayLike, rank: int | None) -> tuple[Array, Array]:
-    """Return the radii of the velocities, zero beyond the rank, and the axes."""
+def _principal(jacobian: ArrayLike, rounding: float) -> tuple[Array, Array]:
+    """Return the radii of the velocities, zero where they are rounding, and the axes."""
     block = _block(jacobian)
+    if not (isinstance(rounding, int | float) and rounding >= 0.0):
+        raise ArgumentError(f"rounding must be a number ≥ 0, got {rounding!r}")
     radii, axes = image_of_ball(block)
-    if rank is None:
-        return flattened(radii, float(radii[0])), axes
-    if rank not in range(min(block.shape) + 1):
-        raise ArgumentError(f"a block of shape {block.shape} cannot have rank {rank!r}")
-    radii[np.arange(radii.size) >= rank] = 0.0
-    return radii, axes
+    flat = flattened(radii, float(radii[0]))
+    return np.where(flat > rounding, flat, 0.0), axes
 
 
 def _right_handed(axes: Array) -> bool:

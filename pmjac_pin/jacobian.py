@@ -22,6 +22,7 @@ from pmjac_pin.singularity import Singularity, analyse_singularity, forbidden_ra
 Array = NDArray[np.float64]
 FrameName = Literal["LOCAL", "WORLD", "LOCAL_WORLD_ALIGNED"]
 _STILL = 1e-6  # of the largest rate of a motion
+_ROUNDING = 1e-12  # of ‖J‖ ‖G‖
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -167,20 +168,25 @@ class EquivalentJacobian(SplitJacobian):
         motions = np.linalg.qr(self.motion_map / self.partition.column_scale[:, None])[0]
         return self.partition.tool_ranks(self.tool_jacobian, motions)
 
+    @property
+    def _rounding(self) -> list[float]:
+        """What a radius may be by rounding alone: far above it, and far below all that matters."""
+        return [_ROUNDING * size for size in self.sizes.tolist()]
+
     def velocity_ellipsoid(self) -> Ellipsoid:
         """Return the tool velocities of all |θ̇| = 1: the principal velocities, in m/s.
 
-        As flat as `tool_ranks` says: a radius that is only rounding is 0.
+        A radius that is only rounding, beside `sizes`, is 0.
         """
-        return velocity_ellipsoid(self.Jv_eq, unit="m/s", rank=self.tool_ranks.linear)
+        return velocity_ellipsoid(self.Jv_eq, unit="m/s", rounding=self._rounding[0])
 
     def angular_ellipsoid(self) -> Ellipsoid:
         """Return the tool's angular velocities of all |θ̇| = 1, in rad/s."""
-        return velocity_ellipsoid(self.Jw_eq, unit="rad/s", rank=self.tool_ranks.angular)
+        return velocity_ellipsoid(self.Jw_eq, unit="rad/s", rounding=self._rounding[1])
 
     def force_ellipsoid(self) -> Ellipsoid:
         """Return the tool forces, without moment, that motor efforts |τ| = 1 balance, in N."""
-        return force_ellipsoid(self.Jv_eq, unit="N", rank=self.tool_ranks.linear)
+        return force_ellipsoid(self.Jv_eq, unit="N", rounding=self._rounding[0])
 
     def __repr__(self) -> str:
         return f"EquivalentJacobian({self._sizes()})"

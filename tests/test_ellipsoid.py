@@ -140,21 +140,24 @@ def test_rank_is_relative(rng):
     assert force_ellipsoid(np.diag([1, 1e-8, 1e-10])).rank == 3
 
 
-def test_a_known_rank_says_which_radii_are_rounding(rng):
+def test_radii_up_to_a_known_rounding_are_zero(rng):
     J = block(rng, 4, 2) + 1e-7 * rng.standard_normal((3, 4))
-    assert velocity_ellipsoid(J).rank == 3
-    for rank in range(4):
-        velocity, force = velocity_ellipsoid(J, rank=rank), force_ellipsoid(J, rank=rank)
+    whole = velocity_ellipsoid(J)
+    assert whole.rank == 3
+    for rank, rounding in enumerate((*(1.0001 * whole.radii), 0.0)):
+        velocity, force = (
+            build(J, rounding=rounding) for build in (velocity_ellipsoid, force_ellipsoid)
+        )
         assert velocity.rank == rank
-        np.testing.assert_array_equal(velocity.radii[:rank], velocity_ellipsoid(J).radii[:rank])
+        np.testing.assert_array_equal(velocity.radii[:rank], whole.radii[:rank])
         assert np.isinf(force.radii).tolist() == [True] * (3 - rank) + [False] * rank
 
 
-@pytest.mark.parametrize("rank", [-1, 3, 1.5, "1"])
+@pytest.mark.parametrize("rounding", [-1.0, math.nan, "much"])
 @pytest.mark.parametrize("build", [velocity_ellipsoid, force_ellipsoid])
-def test_ranks_that_cannot_be_are_refused(build, rank):
-    message = refusal(build, np.eye(3)[:, :2], rank=rank)
-    assert message == f"a block of shape (3, 2) cannot have rank {rank!r}"
+def test_what_is_no_rounding_is_refused(build, rounding):
+    message = refusal(build, np.eye(3)[:, :2], rounding=rounding)
+    assert message == f"rounding must be a number ≥ 0, got {rounding!r}"
 
 
 def test_the_shadow_of_a_needle_along_itself_is_a_point(rng):

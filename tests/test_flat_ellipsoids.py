@@ -83,6 +83,15 @@ def test_a_large_motion_hides_no_small_one(distance):
     assert ellipsoid.radii[2] > 0.05
 
 
+@pytest.mark.parametrize("angle", [1e-3, 1e-7, 1e-8])
+def test_a_radius_is_shown_as_long_as_it_is_no_rounding(angle):
+    """Two links in line but for an angle: J is sin(angle) from losing a rank."""
+    jacobian = pj.load("serial_2r").configuration([0.3, angle]).jacobian()
+    values = np.linalg.svd(jacobian.Jv_eq, compute_uv=False)
+    np.testing.assert_allclose(jacobian.velocity_ellipsoid().radii[:2], values[:2], rtol=1e-6)
+    assert 0.0 < values[1] < 2.0 * angle
+
+
 @pytest.mark.parametrize("far", [1.0, 1e6])
 def test_turning_counts_wherever_the_worlds_origin_is(far):
     """In the WORLD frame the linear rows are as long as the way to the origin."""
