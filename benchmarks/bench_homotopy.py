@@ -3,7 +3,7 @@
 `pj.parameter_homotopy` works on the model file: `start` is what it takes once for a mechanism,
 `at` what it takes for each set of motor values, proofs of the ends included. pypolsys
 (POLSYS_PLP) and bertini2, where they are installed (the extra `peers`), get polynomials that are
-written by hand from the geometry, in tests/hand_polynomials.py, so that equal counts mean
+written by hand from the geometry, in tests/polynomials_by_hand.py, so that equal counts mean
 something. `assembly_modes` is after the real ones alone, and says what their number rests on.
 Each solver runs in a process of its own, on one thread, with a limit of time; a time is the best
 of three, or of as many as fit into ten seconds.
@@ -56,8 +56,8 @@ def assembly_modes(name: str, motors: list[float]) -> Outcome:
 
 
 def peer(module: str, name: str, motors: list[float]) -> Outcome:
-    from hand_polynomials import SYSTEMS  # noqa: PLC0415 - on the child's path only
     from homotopy_oracles import ORACLES  # noqa: PLC0415
+    from polynomials_by_hand import SYSTEMS  # noqa: PLC0415 - on the child's path only
 
     found = ORACLES[module](SYSTEMS[name](motors))
     note = f"{found.paths} paths, {found.lost} lost" if found.lost else f"{found.paths} paths"

@@ -13,8 +13,8 @@ import pmjac_pin as pj
 
 pytest.importorskip("sympy", reason="the polynomials are written in SymPy")
 
-from hand_polynomials import SYSTEMS
 from homotopy_oracles import ORACLES
+from polynomials_by_hand import SYSTEMS
 
 pytestmark = pytest.mark.slow  # the peers are installed with the slow tests only
 
