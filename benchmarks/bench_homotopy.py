@@ -102,9 +102,11 @@ def line(label: str, outcome: Outcome, reference: Outcome) -> str:
         return f"  {label:16}{outcome['note']}"
     ratio = f"{outcome['seconds'] / reference['seconds']:10.3f}" if "seconds" in reference else ""
     told = [outcome["note"]]
-    if any(
-        outcome[key] not in ("", reference.get(key, outcome[key])) for key in ("complex", "real")
-    ):
+    differs = (
+        "" not in (outcome[key], reference.get(key, "")) and outcome[key] != reference[key]
+        for key in ("complex", "real")
+    )
+    if any(differs):
         told.append("DIFFERS")
     return (
         f"  {label:16}{outcome['complex']:>8}{outcome['real']:>6}{outcome['seconds']:10.3f}"
@@ -124,9 +126,9 @@ def main() -> int:
     print(f"  {'':16}{'complex':>8}{'real':>6}{'seconds':>10}{'ratio':>10}")
     for name, motors in CASES:
         print(f"{name} at ({', '.join(f'{value:.4g}' for value in motors)})")
-        ours = run("start", name, motors)
-        print(line("start", ours, ours))
-        print(line("at", run("at", name, motors), ours))
+        ours = run("at", name, motors)
+        print(line("start", run("start", name, motors), ours))
+        print(line("at", ours, ours))
         for module in PEERS:
             print(line(labels[module], run(module, name, motors), ours))
         print(line("assembly_modes", run("assembly_modes", name, motors), ours), flush=True)

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from pmjac_pin.direct_kinematics import motor_values
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.homotopy.polynomial_loops import PolynomialLoops
-from pmjac_pin.modes.legs import Leg
+from pmjac_pin.modes.legs import Leg, names_of
 from pmjac_pin.modes.search_problem import SearchProblem, search_problem, with_legs
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ class Machines:
         columns = parts.problem.partition.actuated
         base = parts.coordinates.with_values(parts.home_q, columns, values)
         problem, legs = search_problem(parts, base)
-        if [leg.joints for leg in legs] != [leg.joints for leg in self._legs]:
+        if names_of(legs) != names_of(self._legs):
             name, given = self.mechanism.name, ", ".join(f"{value:g}" for value in values)
             raise ArgumentError(f"{name}: at {given} its legs are not those of its home pose")
         return self._machine(problem, legs), ClosedForm(self, problem, legs, base)

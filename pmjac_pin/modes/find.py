@@ -47,14 +47,14 @@ def find_modes(
     problem, legs = search_problem(parts, base)
     search = RandomSearch(problem, StartSpace.of(problem, limits), rng)
     search.run(_FIRST_STARTS)
-    censuses = list(_censuses(mechanism, values, limits, aim))
+    censuses = [one for one in _censuses(mechanism, values, limits, aim) if one.complete]
 
     def judged() -> tuple[list[_Found], Completeness | None]:
         rows = [with_legs(parts, legs, problem, base, q) for q in search.met.q]
         found = _closed(mechanism, rows, search.shares, limits)
         return _settled(mechanism, found, censuses, limits)
 
-    found, complete = judged()
+    found, complete = judged() if censuses else ([], None)
     if complete is None:
         search.until(aim)
         found, complete = judged()

@@ -13,7 +13,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.frames import Frame, find_frame
-from pmjac_pin.linkage import edges_of
+from pmjac_pin.linkage import Edge
 from pmjac_pin.modes.legs import Leg
 from pmjac_pin.parts import Parts
 
@@ -27,10 +27,10 @@ def reached(parts: Parts, leg: Leg, q: Array) -> Array:
     mode: the one within the joints' limits, or the one nearer to home.
     """
     coordinates = parts.coordinates
-    passive = [name for name in leg.joints if name not in parts.spec.actuated]
-    columns = coordinates.columns(passive)
+    passive = [edge for edge in leg.edges if edge.name not in parts.spec.actuated]
+    columns = coordinates.columns([edge.name for edge in passive])
     if len(passive) == 1:
-        return _ball_turned(parts, leg, passive[0], q)
+        return _ball_turned(parts, leg, passive[0].name, q)
     zero = coordinates.with_values(q, columns, np.zeros(2))
     home = coordinates.values(parts.home_q)[columns]
     poses = [
@@ -60,15 +60,11 @@ def _ends(parts: Parts, leg: Leg, q: Array) -> tuple[pin.Data, Array, Array, Arr
 
 
 def _hinge_angles(
-    parts: Parts, leg: Leg, passive: list[str], zero: Array
+    parts: Parts, leg: Leg, passive: list[Edge], zero: Array
 ) -> list[tuple[float, float]]:
     """Return both pairs of angles (second hinge, first hinge)."""
     data, centre, end, target = _ends(parts, leg, zero)
-    edges = edges_of(parts.model)
-    b, a = (
-        (data.oMi[edges[name].child] * edges[name].after.inverse()).rotation[:, 2]
-        for name in passive
-    )
+    b, a = ((data.oMi[edge.child] * edge.after.inverse()).rotation[:, 2] for edge in passive)
     w, d = end - centre, target - centre
     aside = np.cross(b, a)
     height = min(1.0, max(-1.0, float(d @ a) / leg.length))

@@ -9,7 +9,6 @@ less.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,7 +31,7 @@ class Leg:
 
     Attributes
     ----------
-    joints : tuple of str
+    edges : tuple of Edge
         All of its joints, the last first.
     loop : Loop
         The point loop that ends it.
@@ -46,7 +45,7 @@ class Leg:
         From the centre to the end.
     """
 
-    joints: tuple[str, ...]
+    edges: tuple[Edge, ...]
     loop: Loop
     frame: str
     body: int
@@ -69,8 +68,7 @@ def find_legs(parts: Parts, q: Array) -> list[Leg]:
                 chain = _chain(parts, joints, lonely, end.joint)
                 if chain and (leg := _leg(parts, data, chain, end)):
                     centre, length = leg
-                    names = tuple(edge.name for edge in chain)
-                    legs.append(Leg(names, loop, other, chain[-1].parent, centre, length))
+                    legs.append(Leg(chain, loop, other, chain[-1].parent, centre, length))
                     break
     return legs
 
@@ -142,7 +140,6 @@ def _leg(
     return (stand.actInv(centre), reach) if reach > _SQUARE * length else None
 
 
-def names_of(legs: list[Leg]) -> Iterator[str]:
-    """Yield the names of all joints in legs."""
-    for leg in legs:
-        yield from leg.joints
+def names_of(legs: list[Leg]) -> list[str]:
+    """Return the names of all joints in legs."""
+    return [edge.name for leg in legs for edge in leg.edges]

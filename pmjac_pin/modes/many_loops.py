@@ -19,7 +19,7 @@ from pmjac_pin.frames import Frame, find_frame
 from pmjac_pin.loop_rows import HALF_A_TURN, Along, Distance, Gap, RightAngle, Rows, Tilt, Turn
 from pmjac_pin.loop_spec import JointLoop, Loop
 from pmjac_pin.loops import loop_blocks
-from pmjac_pin.modes.many_poses import ManyPoses, Poses
+from pmjac_pin.modes.many_poses import ManyPoses, Poses, crossed
 
 Array = NDArray[np.float64]
 
@@ -63,7 +63,7 @@ class ManyLoops:
         rotation, mask = poses.rotations[frame.joint], self._tree.moved_by[frame.joint]
         point = poses.positions[frame.joint] + rotation @ frame.placement.translation
         angular = poses.angular * mask
-        velocity = poses.linear * mask - np.cross(point[:, :, None], angular, axis=1)
+        velocity = poses.linear * mask - crossed(point, angular)
         return _End(point, rotation @ frame.placement.rotation, velocity, angular)
 
 
@@ -90,7 +90,7 @@ def _rows(block: Rows, one: _End, other: _End) -> tuple[Array, Array]:
         case Along():
             directions = np.einsum("bij,kj->bki", other.axes, block.directions)
             # The directions turn with the second frame.
-            whole = rates - np.cross(other.angular, gap[:, :, None], axis=1)
+            whole = rates + crossed(gap, other.angular)
             return np.einsum("bki,bi->bk", directions, gap), directions @ whole
         case Turn():
             return Rotation.from_matrix(
@@ -101,13 +101,13 @@ def _rows(block: Rows, one: _End, other: _End) -> tuple[Array, Array]:
             directions = np.einsum("bij,kj->bki", other.axes, block.across)
             above = 1.0 + np.einsum("bi,bi->b", axis, other.axes @ block.axis)
             factor = np.sqrt(2.0 / np.maximum(above, HALF_A_TURN))[:, None]
-            swing = np.cross(turning, axis[:, :, None], axis=1)
+            swing = -crossed(axis, turning)
             aside = factor * np.einsum("bki,bi->bk", directions, axis)
             aside[above < HALF_A_TURN] = 2.0, 0.0  # where its direction is lost, as in `loop_rows`
             return aside, factor[:, :, None] * (directions @ swing)
         case RightAngle():
             axis, normal = one.axes @ block.first, other.axes @ block.second
-            swing = np.cross(turning, axis[:, :, None], axis=1)
+            swing = -crossed(axis, turning)
             cosine = np.einsum("bi,bi->b", axis, normal)
             return cosine[:, None], np.einsum("bi,biv->bv", normal, swing)[:, None]
     raise NotImplementedError(type(block).__name__)

@@ -115,17 +115,17 @@ def _rates(edge: Edge, moved: Array, origin: Array) -> tuple[Array, Array]:
     no = np.zeros((*z.shape[:2], 1))
     match edge.kind:
         case "revolute" | "continuous":
-            return z, _crossed(origin, z)
+            return z, crossed(origin, z)
         case "prismatic":
             return no, z
         case "spherical":
-            return moved, _crossed(origin, moved)
+            return moved, crossed(origin, moved)
         case "planar":
             slides = moved[:, :, :2]
             angular = np.concatenate([np.zeros_like(slides), z], axis=2)
-            return angular, np.concatenate([slides, _crossed(origin, z)], axis=2)
+            return angular, np.concatenate([slides, crossed(origin, z)], axis=2)
     angular = np.concatenate([np.zeros_like(moved), moved], axis=2)
-    return angular, np.concatenate([moved, _crossed(origin, moved)], axis=2)
+    return angular, np.concatenate([moved, crossed(origin, moved)], axis=2)
 
 
 def _integrated(edge: Edge, entries: Array, rates: Array) -> Array:
@@ -163,6 +163,10 @@ def _about_z(cosine: Array, sine: Array) -> Array:
     return turn
 
 
-def _crossed(points: Array, vectors: Array) -> Array:
+def crossed(points: Array, vectors: Array) -> Array:
     """Return points (b, 3) × each column of vectors (b, 3, k)."""
-    return np.cross(points[:, :, None], vectors, axis=1)
+    x, y, z = points.T
+    skew = np.zeros((len(points), 3, 3))
+    skew[:, 0, 1], skew[:, 0, 2], skew[:, 1, 2] = -z, y, -x
+    skew[:, 1, 0], skew[:, 2, 0], skew[:, 2, 1] = z, -y, x
+    return skew @ vectors
