@@ -83,7 +83,7 @@ def _table(report: ModesReport) -> Table:
     )
     rows = [_row(mode) for mode in report.modes]
     if any(mode.operation_mode for mode in report.modes):
-        header = (*header, "operation\nmode")
+        header = (*header, "oper-\nation\nmode")
         numbers = [mode.operation_mode or "" for mode in report.modes]
         rows = [(*row, str(number)) for row, number in zip(rows, numbers, strict=True)]
     named = tuple((*row, _names(mode)) for row, mode in zip(rows, report.modes, strict=True))

@@ -155,6 +155,19 @@ def test_what_completeness_rests_on(name, count, kind):
     assert 0.0 < bound.unseen <= 2e-3
 
 
+def test_a_universal_joint_turned_over_makes_no_mode_of_its_own():
+    """The proof counts joint values: sixteen of them are the ankle's four modes."""
+    mechanism = pj.load("ankle")
+    theta = mechanism.home.actuated
+    modes = mechanism.assembly_modes(theta, rng=0, limits=False)
+    assert (len(modes), modes.complete.kind) == (4, "proof")
+    assert "exactly 16, by" in str(modes.complete)
+    assert str(modes.complete).endswith(": 4 modes, universal joints turned over or not")
+    within = mechanism.assembly_modes(theta, rng=0)
+    assert (len(within), within.complete.kind) == (4, "proof")
+    assert "exactly 4, by" in str(within.complete)
+
+
 def test_a_small_budget_is_admitted():
     modes = pj.load("three_rps").assembly_modes([1, 1, 1.1], rng=0, most_starts=10, proof=False)
     assert modes.complete.kind == "neither"

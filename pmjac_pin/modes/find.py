@@ -47,7 +47,7 @@ def find_modes(
     problem, legs = search_problem(parts, base)
     search = RandomSearch(problem, StartSpace.of(problem, limits), rng)
     search.run(_FIRST_STARTS)
-    censuses = [one for one in _censuses(mechanism, values, limits, aim) if one.complete]
+    censuses = [one for one in _censuses(mechanism, values, limits, aim) if one.whole]
 
     def judged() -> tuple[list[_Found], Completeness | None]:
         rows = [with_legs(parts, legs, problem, base, q) for q in search.met.q]
@@ -72,7 +72,7 @@ def find_modes(
 def _censuses(mechanism: Mechanism, values: Array, limits: bool, aim: Aim) -> Iterator[Census]:
     """Yield what tells all modes, as far as it was asked for; the proof first."""
     if aim.proof:
-        yield ProofCensus(mechanism._parts, prove(mechanism._parts, values, limits))
+        yield ProofCensus(mechanism, prove(mechanism._parts, values, limits))
     if aim.homotopy is not None:
         if aim.homotopy.mechanism is not mechanism:
             raise ArgumentError("the homotopy is that of another mechanism")

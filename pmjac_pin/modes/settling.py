@@ -14,7 +14,6 @@ from pmjac_pin.modes.assembly_modes import Completeness
 from pmjac_pin.modes.closed_pose import closed_pose
 from pmjac_pin.modes.proof import Proof
 from pmjac_pin.modes.recognition import Recognition
-from pmjac_pin.parts import Parts
 
 if TYPE_CHECKING:
     from pmjac_pin.homotopy.parameter_homotopy import ComplexModes
@@ -28,48 +27,75 @@ class Census(Protocol):
 
     Attributes
     ----------
-    complete : Completeness or None
-        What it rests on that these are all; None where they may not be.
+    whole : bool
+        Whether these are all: others are of no use here.
     """
 
     @property
-    def complete(self) -> Completeness | None: ...  # noqa: D102
+    def whole(self) -> bool: ...  # noqa: D102
+
+    def completeness(self, count: int) -> Completeness:
+        """Return what it rests on that they are all, the rows being so many modes."""
+        ...
 
     def rows(self) -> list[Array]:
         """Return the modes as rows of q."""
         ...
 
-    def matched(self, found: Sequence[Configuration]) -> list[int]:
-        """Return for each found mode which row it is, −1 for none."""
+    def found_as(self, found: Sequence[Configuration]) -> list[int | None]:
+        """Return for each row which of the found modes it is, None for none."""
         ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ProofCensus:
-    """The modes that interval arithmetic has proven."""
+    """The modes that interval arithmetic has proven.
 
-    parts: Parts
+    It counts values of joints: two of its rows may be one mode, a leg's universal joint being
+    turned over.
+    """
+
+    mechanism: Mechanism
     proof: Proof
 
     @property
-    def complete(self) -> Completeness | None:
-        """A proof, if it is settled."""
-        if not self.proof.complete:
-            return None
-        return Completeness("proof", f"proof: {self.proof.statement}", 0.0, 1.0)
+    def whole(self) -> bool:
+        """Whether it is settled."""
+        return self.proof.complete
+
+    def completeness(self, count: int) -> Completeness:
+        """Return a proof; it says where joint values are more than modes."""
+        turned = (
+            ""
+            if count == len(self.proof.q)
+            else f": {count} modes, universal joints turned over or not"
+        )
+        return Completeness("proof", f"proof: {self.proof.statement}{turned}", 0.0, 1.0)
 
     def rows(self) -> list[Array]:
         """Return the middles of the enclosures."""
         return list(self.proof.q)
 
-    def matched(self, found: Sequence[Configuration]) -> list[int]:
+    def found_as(self, found: Sequence[Configuration]) -> list[int | None]:
+        """Return which found mode is in each one's neighbourhood, or has its bodies there."""
+        places: list[int | None] = [None] * len(self.proof.q)
+        for index, row in enumerate(self._enclosures(found)):
+            if row is not None:
+                places[row] = index
+        recognition = Recognition(found)
+        for row, q in enumerate(self.proof.q):
+            if places[row] is None and (pose := closed_pose(self.mechanism, q, limits=False)):
+                places[row] = recognition.index(pose)
+        return places
+
+    def _enclosures(self, found: Sequence[Configuration]) -> Sequence[int | None]:
         """Return in whose neighbourhood each found mode is."""
-        columns = self.parts.coordinates.columns(self.proof.names)
         if not self.proof.names:
-            return list(range(len(found)))
-        values = [self.parts.coordinates.values(one.q)[columns] for one in found]
-        rows = np.array(values).reshape(len(found), columns.size)
-        return [-1 if index is None else index for index in self.proof.match(rows)]
+            return range(len(found))
+        coordinates = self.mechanism._parts.coordinates
+        columns = coordinates.columns(self.proof.names)
+        rows = np.array([coordinates.values(one.q)[columns] for one in found])
+        return self.proof.match(rows.reshape(len(found), columns.size))
 
 
 class HomotopyCensus:
@@ -78,35 +104,34 @@ class HomotopyCensus:
     def __init__(self, mechanism: Mechanism, modes: ComplexModes, limits: bool) -> None:
         rows = [closed_pose(mechanism, mode.q, limits) for mode in modes.real]
         self._modes = [mode for mode in rows if mode is not None]
-        self._complete = modes.complete if modes.complete.kind == "tolerance" else None
+        self._complete = modes.complete
 
     @property
-    def complete(self) -> Completeness | None:
-        """A tolerance, if no path was lost."""
+    def whole(self) -> bool:
+        """Whether no path was lost."""
+        return self._complete.kind == "tolerance"
+
+    def completeness(self, count: int) -> Completeness:
+        """Return a tolerance."""
         return self._complete
 
     def rows(self) -> list[Array]:
         """Return the real solutions."""
         return [mode.q for mode in self._modes]
 
-    def matched(self, found: Sequence[Configuration]) -> list[int]:
-        """Return which real solution has all bodies where each found mode has them."""
-        recognition = Recognition(self._modes)
-        places = [recognition.index(mode) for mode in found]
-        return [-1 if index is None else index for index in places]
+    def found_as(self, found: Sequence[Configuration]) -> list[int | None]:
+        """Return which found mode has all bodies where each real solution has them."""
+        recognition = Recognition(found)
+        return [recognition.index(mode) for mode in self._modes]
 
 
 def missing(census: Census, found: Sequence[Configuration]) -> list[Array]:
-    """Return the modes of a complete census that are not among the found ones."""
-    if census.complete is None:
-        return []
-    met = set(census.matched(found))
-    return [row for index, row in enumerate(census.rows()) if index not in met]
+    """Return the modes of a census that are not among the found ones."""
+    places = census.found_as(found)
+    return [row for row, place in zip(census.rows(), places, strict=True) if place is None]
 
 
 def settled(census: Census, found: Sequence[Configuration]) -> Completeness | None:
     """Return what the census rests on, where it says that the found modes are all; else None."""
-    if census.complete is None:
-        return None
-    same = sorted(census.matched(found)) == list(range(len(census.rows())))
-    return census.complete if same else None
+    places = census.found_as(found)
+    return census.completeness(len(found)) if {*places} == {*range(len(found))} else None
