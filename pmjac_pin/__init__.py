@@ -23,12 +23,9 @@ from pmjac_pin.errors import (
     SingularError,
     UnknownNameError,
 )
+from pmjac_pin.homotopy.complex_modes import ComplexModes
 from pmjac_pin.homotopy.operation_modes import OperationModes
-from pmjac_pin.homotopy.parameter_homotopy import (
-    ComplexModes,
-    ParameterHomotopy,
-    parameter_homotopy,
-)
+from pmjac_pin.homotopy.parameter_homotopy import ParameterHomotopy, parameter_homotopy
 from pmjac_pin.jacobian import EquivalentJacobian, SplitJacobian, equivalent_jacobian
 from pmjac_pin.loading import load
 from pmjac_pin.loop_spec import (

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.homotopy.complex_modes import ComplexModes
 from pmjac_pin.homotopy.operation_modes import OperationModes
-from pmjac_pin.homotopy.parameter_homotopy import ComplexModes
 from pmjac_pin.labelled_values import (
     Labels,
     determinant,

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import msgspec
 
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.homotopy.complex_modes import ComplexModes
 from pmjac_pin.homotopy.operation_modes import OperationModes
-from pmjac_pin.homotopy.parameter_homotopy import ComplexModes
 from pmjac_pin.modes.recognition import Recognition
 
 

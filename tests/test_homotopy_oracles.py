@@ -14,7 +14,7 @@ import pmjac_pin as pj
 pytest.importorskip("sympy", reason="the polynomials are written in SymPy")
 
 from homotopy_oracles import ORACLES
-from polynomials_by_hand import SYSTEMS
+from polynomials_by_hand import SYSTEMS, stewart_gough
 
 pytestmark = pytest.mark.slow  # the peers are installed with the slow tests only
 
@@ -91,3 +91,19 @@ def test_dietmaiers_forty_are_all_there_are(oracle):
         same_sets(places(found.real), expected, 1e-6)
     for place in places(found.real):
         assert np.abs(expected - place).max(axis=1).min() <= 1e-6
+
+
+def test_a_gough_platform_with_flat_base_and_platform():
+    """Twenty-eight; further eight of the polynomials have |e|² = 0 and are no poses."""
+    pytest.importorskip("bertini", reason="a peer, of the extra `peers`")
+    mechanism = pj.load("stewart_gough")
+    values = mechanism.parameters
+    names = [f"{letter}{leg}" for letter in "bp" for leg in range(1, 7)]
+    points = [tuple(values.get(f"{name}{axis}", 0.0) for axis in "xyz") for name in names]
+    lengths = mechanism.home.actuated * np.linspace(0.9, 1.1, 6)
+    system = stewart_gough(lengths.tolist(), points[:6], points[6:])
+    found = ORACLES["bertini"](system).points
+    poses = found[np.abs((found[:, :4] ** 2).sum(axis=1)) > 1e-3]
+    ours = pj.parameter_homotopy(mechanism, rng=0).at(lengths)
+    assert (len(poses), ours.count, ours.certified, ours.complete.kind) == (28, 28, 28, "tolerance")
+    assert len(ours.real) == int((np.abs(poses.imag).max(axis=1) < 1e-7).sum())

@@ -30,6 +30,7 @@ Complex = NDArray[np.complex128]
 Mask = NDArray[np.bool_]
 Balls = NDArray[Any]
 
+_REAL = 1e-7  # imaginary part of a solution that may be real
 _RADII = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 
 
@@ -54,6 +55,20 @@ def proven(loops: PolynomialLoops, p: Complex, x: Complex) -> Mask:
                 if box is not None and other is not None and _overlap(box, other):
                     certain[index] = False
     return certain
+
+
+def told_real(loops: PolynomialLoops, p: Complex, x: Complex) -> Complex:
+    """Return solutions (r, n), those that are real to 1e-7 without their imaginary parts.
+
+    A pair of complex solutions may be as near to the real ones: what is proven decides, where
+    it is not real.
+    """
+    x = x.copy()
+    near = np.flatnonzero(np.abs(x.imag).max(axis=1, initial=0.0) <= _REAL)
+    apart = proven(loops, p, x[near]) & (np.abs(x[near].imag).max(axis=1, initial=0.0) > 0.0)
+    real = near[~apart]
+    x[real] = x[real].real
+    return x
 
 
 def _box(loops: PolynomialLoops, p: Complex, x: Complex) -> Balls | None:

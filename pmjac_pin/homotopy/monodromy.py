@@ -12,6 +12,7 @@ References
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +24,8 @@ from pmjac_pin.homotopy.curve import SAME, Curve, Planes, distinct
 
 Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]
+
+_log = logging.getLogger(__name__)
 
 STRAIGHT = 1e-8  # what is left of the trace's bend, relative to its terms
 _AT_ONCE = 64  # points that walk together: small sets go round several paths at a time
@@ -119,6 +122,22 @@ class PlaneSection:
         return PlaneSection(
             self.curve, self.normal, self.offset, points, np.unique(np.vstack(links), axis=0)
         )
+
+
+def all_points(
+    curve: Curve, point: Complex, rng: np.random.Generator, most_rounds: int
+) -> tuple[PlaneSection, float]:
+    """Return all points of an irreducible curve in a plane through one, and the trace's bend."""
+    section, bend = PlaneSection.through(curve, point, rng), np.inf
+    for _ in range(most_rounds):
+        before = len(section.points)
+        section = section.grown(rng)
+        _log.info("monodromy: %d points", len(section.points))
+        if len(section.points) == before:
+            bend = section.bends(np.zeros(before, dtype=np.intp))[0]
+            if bend < STRAIGHT:
+                break
+    return section, bend
 
 
 def _closed_path(here: Planes, count: int, rng: np.random.Generator) -> tuple[Planes, Planes]:

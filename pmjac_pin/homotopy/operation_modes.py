@@ -29,7 +29,7 @@ from pmjac_pin.homotopy.polynomial_loops import PolynomialLoops
 from pmjac_pin.modes.assembly_modes import Completeness
 
 if TYPE_CHECKING:
-    from pmjac_pin.homotopy.parameter_homotopy import ComplexModes
+    from pmjac_pin.homotopy.complex_modes import ComplexModes
 
 Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]

@@ -14,7 +14,6 @@ References
 
 from __future__ import annotations
 
-import logging
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
@@ -23,11 +22,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.homotopy.complex_modes import ComplexModes
 from pmjac_pin.homotopy.curve import SAME, Curve, Planes
-from pmjac_pin.homotopy.endpoints import proven
+from pmjac_pin.homotopy.endpoints import proven, told_real
 from pmjac_pin.homotopy.machines import ClosedForm, Line, Machine, Machines
-from pmjac_pin.homotopy.monodromy import STRAIGHT, PlaneSection
+from pmjac_pin.homotopy.monodromy import STRAIGHT, all_points
 from pmjac_pin.homotopy.operation_modes import OperationModes, find_operation_modes
+from pmjac_pin.homotopy.paths import Ends, led, led_to_end
 from pmjac_pin.homotopy.polynomial_loops import PolynomialLoops
 from pmjac_pin.modes.assembly_modes import Completeness
 from pmjac_pin.modes.closed_pose import closed_pose, generator, order
@@ -40,50 +41,7 @@ Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 
-_log = logging.getLogger(__name__)
-
-_REAL = 1e-7  # imaginary part of a solution that is real
 _MET = 1e-7  # rows left out that hold
-# A path is followed to a share 1 − 4⁻ᵏ of it, for one k after the other. If it is lost, it was
-# one to infinity where it last grew by more than this from one stop to the next.
-_STOPS = (*(1.0 - 0.25**k for k in range(1, 9)), 1.0)
-_GROWING = 1.5
-_EXACT = 1e-9
-_ARRIVED, _TO_INFINITY, _LOST = range(3)  # what became of a path
-
-
-@dataclass(frozen=True, eq=False)
-class ComplexModes:
-    """All isolated complex solutions of the loop equations at given motor values.
-
-    Attributes
-    ----------
-    real : tuple of Configuration
-        The real ones, sorted as `AssemblyModes` are; joints may be beyond their limits.
-    count : int
-        All of them, complex ones too. Where orientations are quaternions, each counts once.
-    certified : int
-        How many of them are proven to be near exact solutions, all different.
-    at_infinity : int
-        Paths that went beyond all bounds.
-    singular : int
-        Paths that ended at a solution where K* is singular, or were lost: not counted above.
-    generic : tuple of int
-        For each real one, the solution of the random machine whose path ended there.
-    complete : Completeness
-        Whether these are all, and what this rests on.
-    """
-
-    real: tuple[Configuration, ...]
-    count: int
-    certified: int
-    at_infinity: int
-    singular: int
-    generic: tuple[int, ...]
-    complete: Completeness
-
-    def __repr__(self) -> str:
-        return f"ComplexModes({self.count} solutions, {len(self.real)} real, {self.complete})"
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,20 +58,24 @@ class ParameterHomotopy:
         Of the curve whose points were found by monodromy.
     bend : float
         How far the trace of these points is from a straight line, relative to its terms.
+    lost : int
+        Paths from these points that neither arrived nor went to infinity: solutions may be
+        missing.
     """
 
     mechanism: Mechanism
     count: int
     degree: int
     bend: float
+    lost: int
     _machines: Machines
     _machine: Machine
     _solutions: Complex
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Let it be kept in a file: what the mechanism is made of can be made again."""
-        known = (self.count, self.degree, self.bend, self._machine, self._solutions)
-        return _restored, (self.mechanism, *known)
+        counts = (self.count, self.degree, self.bend, self.lost)
+        return _restored, (self.mechanism, counts, self._machine, self._solutions)
 
     def __repr__(self) -> str:
         return f"ParameterHomotopy({self.mechanism.name}, {self.count} solutions)"
@@ -140,15 +102,12 @@ class ParameterHomotopy:
         """
         machine, form = self._machines.at(actuated)
         loops = self._machines.loops
-        ends, fate = _led(Curve(Line(loops, self._machine, machine)), self._solutions)
-        met = np.flatnonzero(fate == _ARRIVED)
-        met = met[loops.unmet(ends[met], np.tile(machine.p, (met.size, 1))) <= _MET]
-        met = met[_first_of_each(loops, ends[met])]
-        x = ends[met]
-        real = np.abs(x.imag).max(axis=1, initial=0.0) <= _REAL
-        x[real] = x[real].real
+        ends = led_to_end(Curve(Line(loops, self._machine, machine)), self._solutions)
+        met = _solutions_of(loops, machine, ends)
+        x = told_real(loops, machine.p, ends.points[met])
+        real = np.abs(x.imag).max(axis=1, initial=0.0) == 0.0
         found = self._configurations(form, x[real].real, met[real])
-        infinite = int((fate == _TO_INFINITY).sum())
+        infinite = int(ends.to_infinity.sum())
         certified = int(proven(loops, machine.p, x).sum())
         return ComplexModes(
             real=tuple(configuration for configuration, _ in found),
@@ -197,6 +156,12 @@ class ParameterHomotopy:
         trace = f"monodromy; the trace of {self.degree} points is"
         if self.bend > STRAIGHT:
             statement = f"neither: {trace} bent by {self.bend:.1g}, solutions are missing"
+            return Completeness("neither", statement, 1.0, math.nan)
+        if self.lost:
+            statement = (
+                f"neither: of {self.degree} paths to random motor values {self.lost} end at "
+                "solutions that are not isolated, or are lost"
+            )
             return Completeness("neither", statement, 1.0, math.nan)
         singular = self.count - met - infinite
         kind: Literal["neither", "tolerance"] = "neither" if singular else "tolerance"
@@ -251,75 +216,41 @@ def parameter_homotopy(
     first = loops.somewhere(random)
     start = machines.offset(target, first)
     curve = Curve(Line.through(loops, start, random))
-    section, bend = _all_points(curve, np.append(first, 0.0), random, most_rounds)
+    section, bend = all_points(curve, np.append(first, 0.0), random, most_rounds)
     at_start = Planes.at_machine(0.0, loops.count, len(section.points))
-    ends, arrived = curve.walk(section.points, section.planes(), at_start)
-    ends, fate = _led(Curve(Line(loops, start, target)), ends[arrived][:, :-1])
-    x = ends[fate == _ARRIVED]
-    x = x[loops.unmet(x, np.tile(target.p, (len(x), 1))) <= _MET]
-    x = x[_first_of_each(loops, x)]
+    shut = led(curve, section.points, section.planes(), at_start)
+    ends = led_to_end(Curve(Line(loops, start, target)), shut.points[shut.arrived, :-1])
+    solutions = ends.points[_solutions_of(loops, target, ends)]
     return ParameterHomotopy(
         mechanism=mechanism,
-        count=len(x),
+        count=len(solutions),
         degree=len(section.points),
         bend=bend,
+        lost=shut.lost + ends.lost,
         _machines=machines,
         _machine=target,
-        _solutions=x,
+        _solutions=solutions,
     )
 
 
-def _restored(mechanism: Mechanism, *known: Any) -> ParameterHomotopy:
-    count, degree, bend, machine, solutions = known
-    machines = Machines(mechanism)
-    return ParameterHomotopy(mechanism, count, degree, bend, machines, machine, solutions)
+def _restored(
+    mechanism: Mechanism,
+    counts: tuple[int, int, float, int],
+    machine: Machine,
+    solutions: Complex,
+) -> ParameterHomotopy:
+    return ParameterHomotopy(mechanism, *counts, Machines(mechanism), machine, solutions)
 
 
-def _all_points(
-    curve: Curve, point: Complex, rng: np.random.Generator, most_rounds: int
-) -> tuple[PlaneSection, float]:
-    """Return all points of an irreducible curve in a plane through one, and the trace's bend."""
-    section, bend = PlaneSection.through(curve, point, rng), np.inf
-    for _ in range(most_rounds):
-        before = len(section.points)
-        section = section.grown(rng)
-        _log.info("monodromy: %d points", len(section.points))
-        if len(section.points) == before:
-            bend = section.bends(np.zeros(before, dtype=np.intp))[0]
-            if bend < STRAIGHT:
-                break
-    return section, bend
-
-
-def _led(curve: Curve, solutions: Complex) -> tuple[Complex, Index]:
-    """Lead solutions x from the line's first machine to its last; return them and their fate.
-
-    A path that does not arrive is judged by whether it grew.
-    """
-    here, share = np.hstack([solutions, np.zeros((len(solutions), 1))]), 0.0
-    fate = np.full(len(here), _ARRIVED)
-    size = np.abs(here).max(axis=1, initial=0.0)
-    growth = np.ones(len(here))
-    for stop in _STOPS:
-        going = np.flatnonzero(fate == _ARRIVED)
-        start, end = (Planes.at_machine(t, curve.line.count, going.size) for t in (share, stop))
-        here[going], arrived = curve.walk(here[going], start, end)
-        fate[going[~arrived]] = np.where(growth[going[~arrived]] > _GROWING, _TO_INFINITY, _LOST)
-        before, size = size, np.abs(here).max(axis=1, initial=0.0)
-        growth[going] = size[going] / np.maximum(before[going], 1.0)
-        share = stop
-    arrived = fate == _ARRIVED
-    there = Planes.at_machine(1.0, curve.line.count, int(arrived.sum()))
-    here[arrived], last = curve.corrected(here[arrived], there, 3)
-    fate[np.flatnonzero(arrived)[last > _EXACT]] = _LOST
-    return here[:, :-1], fate
-
-
-def _first_of_each(loops: PolynomialLoops, x: Complex) -> Index:
-    """Return the rows that are not, but for the signs of quaternions, an earlier one."""
+def _solutions_of(loops: PolynomialLoops, machine: Machine, ends: Ends) -> Index:
+    """Return which ends solve all rows of the machine, of twins and of equal ones the first."""
+    arrived = np.flatnonzero(ends.arrived)
+    p = np.tile(machine.p, (arrived.size, 1))
     kept: list[int] = []
-    for index, one in enumerate(x):
-        twins, size = loops.twins(one), SAME * (1.0 + np.abs(one).max(initial=0.0))
-        if not any(np.abs(twin - x[other]).max() <= size for twin in twins for other in kept):
-            kept.append(index)
+    for index in arrived[loops.unmet(ends.points[arrived], p) <= _MET]:
+        x = ends.points[index]
+        twins, size = loops.twins(x), SAME * (1.0 + np.abs(x).max(initial=0.0))
+        others = [ends.points[other] for other in kept]
+        if not any(np.abs(twin - other).max() <= size for twin in twins for other in others):
+            kept.append(int(index))
     return np.array(kept, dtype=np.intp)

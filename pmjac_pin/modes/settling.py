@@ -16,7 +16,7 @@ from pmjac_pin.modes.proof import Proof
 from pmjac_pin.modes.recognition import Recognition
 
 if TYPE_CHECKING:
-    from pmjac_pin.homotopy.parameter_homotopy import ComplexModes
+    from pmjac_pin.homotopy.complex_modes import ComplexModes
     from pmjac_pin.mechanism import Mechanism
 
 Array = NDArray[np.float64]
