@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
+from pmjac_pin.modes import find
+from pmjac_pin.modes.closed_pose import closed_pose
 
 LECTURE_A = np.array(
     [
@@ -235,3 +237,15 @@ def test_a_leg_is_a_rod_only_where_it_can_point_everywhere():
         assert len(legs) == count
         lengths = [leg.length for leg in legs]
         np.testing.assert_allclose(lengths, mechanism.home.actuated[:count], atol=1e-12)
+
+
+def test_poses_that_pinocchio_closes_to_one_are_one_mode(monkeypatch):
+    """Beside a fold the search may keep two poses apart that are the same when closed exactly."""
+    mechanism = pj.load("four_bar")
+    expected = mechanism.assembly_modes([0.9], rng=0, proof=False)
+    one = closed_pose(mechanism, expected[0].q, limits=True)
+    monkeypatch.setattr(find, "closed_pose", lambda *_: one)
+    [mode] = mechanism.assembly_modes([0.9], rng=0, proof=False)
+    assert mode is one
+    [share] = mechanism.assembly_modes([0.9], rng=0, proof=False).shares
+    assert share == pytest.approx(sum(expected.shares))

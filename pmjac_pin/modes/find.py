@@ -19,6 +19,7 @@ from pmjac_pin.modes.closed_pose import closed_pose, order
 from pmjac_pin.modes.mirror import mirror_images
 from pmjac_pin.modes.proof import prove
 from pmjac_pin.modes.random_search import RandomSearch
+from pmjac_pin.modes.recognition import Recognition
 from pmjac_pin.modes.search_problem import search_problem, with_legs
 from pmjac_pin.modes.settling import Census, HomotopyCensus, ProofCensus, missing, settled
 from pmjac_pin.modes.starts import StartSpace
@@ -98,7 +99,15 @@ def _closed(
     pairs = [
         (closed_pose(mechanism, q, limits), share) for q, share in zip(rows, shares, strict=True)
     ]
-    return [(configuration, share) for configuration, share in pairs if configuration is not None]
+    found = [(configuration, share) for configuration, share in pairs if configuration is not None]
+    # Beside a singularity, Pinocchio's Newton may lead two of the search's poses to one.
+    recognition = Recognition([configuration for configuration, _ in found])
+    shared: dict[int, float] = {}
+    for configuration, share in found:
+        first = recognition.index(configuration)
+        if first is not None:
+            shared[first] = shared.get(first, 0.0) + share
+    return [(found[index][0], share) for index, share in shared.items()]
 
 
 def _refuse_felt_idle_motion(parts: Parts) -> None:
