@@ -50,5 +50,5 @@ def test_a_double_solution_is_not_proven():
     for name, angle in {"phi1": np.pi, "phi2": -np.pi}.items():
         q[model.joints[model.getJointId(name)].idx_q] = angle
     x = machines.loops.unknowns(q[None])
-    assert machines.loops.unmet(x, machine.p[None])[0] <= 1e-14
+    assert machines.loops.unmet(x, machine.p)[0] <= 1e-14
     assert not proven(machines.loops, machine.p, x).any()

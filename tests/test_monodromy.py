@@ -9,6 +9,7 @@ import pmjac_pin as pj
 from pmjac_pin.homotopy.curve import Curve, Planes
 from pmjac_pin.homotopy.machines import Line, Machines
 from pmjac_pin.homotopy.monodromy import STRAIGHT, PlaneSection
+from pmjac_pin.homotopy.paths import led
 
 
 class PlaneCurve:
@@ -16,20 +17,27 @@ class PlaneCurve:
 
     count = 1
 
-    def __init__(self, value, slopes):
-        self._value, self._slopes = value, slopes
+    def __init__(self, degree, value, slopes):
+        self._degree, self._value, self._slopes = degree, value, slopes
 
-    def evaluate(self, x, t):
-        slopes = np.stack(self._slopes(x[:, 0], t), axis=1)
-        return self._value(x[:, 0], t)[:, None], slopes[:, None, :]
+    def evaluate(self, X, t):
+        """h^d f(X/h, t) and its derivatives by X, h and t; d is the degree in x."""
+        (X, h), d = X.T, self._degree
+        x = X / h
+        value, (by_x, by_t) = self._value(x, t), self._slopes(x, t)
+        by_h = d * h ** (d - 1) * value - h ** (d - 1) * x * by_x
+        slopes = np.stack([h ** (d - 1) * by_x, by_h, h**d * by_t], axis=1)
+        return (h**d * value)[:, None], slopes[:, None, :]
 
 
 CUBIC = PlaneCurve(
+    3,
     lambda x, t: x**3 + t * t * x - 2 * t + 1,
     lambda x, t: (3 * x * x + t * t, 2 * t * x - 2),
 )
 # A circle and a parabola: (x² + t² − 4) (x − t²).
 TWO = PlaneCurve(
+    3,
     lambda x, t: (x * x + t * t - 4) * (x - t * t),
     lambda x, t: (
         2 * x * (x - t * t) + x * x + t * t - 4,
@@ -119,11 +127,24 @@ def test_walking_there_and_back_the_same_way_changes_nothing(rng, share):
     np.testing.assert_allclose(back, points, atol=1e-8)
 
 
-def test_a_path_to_infinity_does_not_arrive():
-    """t x = 1, led to t = 0."""
-    line = PlaneCurve(lambda x, t: t * x - 1.0, lambda x, t: (t, x))
-    moved, arrived = Curve(line).walk(
-        np.array([[1.0, 1.0]], complex), Planes.at_machine(1.0, 1, 1), Planes.at_machine(0.0, 1, 1)
-    )
-    assert not arrived.any()
-    assert np.abs(moved).max() > 1e3
+def test_a_path_to_infinity_is_told_and_one_far_away_arrives():
+    """(t + d) x = 1, led to t = 0: x = 1/d."""
+    for d, far in ((0.0, None), (1e-6, 1e6), (1e-3, 1e3)):
+        line = PlaneCurve(1, lambda x, t, d=d: (t + d) * x - 1.0, lambda x, t, d=d: (t + d, x))
+        ends = led(
+            Curve(line),
+            np.array([[1.0 / (1.0 + d), 1.0]], complex),
+            Planes.at_machine(1.0, 1, 1),
+            Planes.at_machine(0.0, 1, 1),
+        )
+        assert (ends.arrived[0], ends.to_infinity[0], ends.lost) == (bool(far), not far, 0)
+        if far:
+            np.testing.assert_allclose(ends.points[0, 0], far, rtol=1e-9)
+
+
+def test_a_double_point_is_lost():
+    """x² = t, led to t = 0."""
+    line = PlaneCurve(2, lambda x, t: x * x - t, lambda x, t: (2 * x, 0 * t - 1.0))
+    starts = np.array([[1.0, 1.0], [-1.0, 1.0]], complex)
+    ends = led(Curve(line), starts, Planes.at_machine(1.0, 1, 2), Planes.at_machine(0.0, 1, 2))
+    assert (ends.arrived.any(), ends.to_infinity.any(), ends.lost) == (False, False, 2)

@@ -32,9 +32,12 @@ def test_closed_poses_solve_them_at_any_motor_values(name, rng):
         problem, _ = search_problem(mechanism._parts, form.base)
         row = without_legs(mechanism._parts, problem, configuration.q)[None]
         x = machines.loops.unknowns(row)
-        values, _ = machines.loops.evaluate(x, machine.p[None], 0 * machine.p[None])
-        assert np.abs(values).max() <= 1e-11
-        assert machines.loops.unmet(x, machine.p[None]).max() <= 1e-11
+        numbers = machine.numbers[None]
+        for size in (1.0, 0.3 - 0.4j):
+            ray = size * np.append(x[0], 1.0)[None]
+            values, _ = machines.loops.evaluate(ray, numbers, 0 * numbers)
+            assert np.abs(values).max() <= 1e-11
+        assert machines.loops.unmet(x, machine.p).max() <= 1e-11
         [q] = form.poses(x.real)
         found = closed_pose(mechanism, q, limits=False)
         np.testing.assert_allclose(
@@ -45,17 +48,20 @@ def test_closed_poses_solve_them_at_any_motor_values(name, rng):
 @pytest.mark.parametrize("name", mechanisms.CLOSED)
 def test_derivatives_by_unknowns_and_motors_are_exact(name, rng):
     _, machines = machines_of(name)
-    loops, p = machines.loops, machines.home.near(rng).p
-    x = loops.somewhere(rng)
-    rate = rng.normal(size=p.size) + 1j * rng.normal(size=p.size)
-    _, jacobian = loops.evaluate(x[None], p[None], rate[None])
+    loops = machines.loops
+    machine = machines.offset(machines.home.near(rng), loops.somewhere(rng)).numbers
+    X, rate = (
+        rng.normal(size=size) + 1j * rng.normal(size=size)
+        for size in (loops.count + 1, machine.size)
+    )
+    _, jacobian = loops.evaluate(X[None], machine[None], rate[None])
     scale = 1e-7 * max(1.0, np.abs(jacobian).max())
     h = 1e-6
-    for column in range(loops.count + 1):
-        dx = h * np.eye(loops.count + 1)[column, :-1]
-        dp = h * rate if column == loops.count else 0 * rate
+    for column in range(loops.count + 2):
+        dX = h * np.eye(loops.count + 2)[column, :-1]
+        dp = h * rate if column == loops.count + 1 else 0 * rate
         ahead, behind = (
-            loops.evaluate((x + sign * dx)[None], (p + sign * dp)[None], rate[None])[0][0]
+            loops.evaluate((X + sign * dX)[None], (machine + sign * dp)[None], rate[None])[0][0]
             for sign in (1, -1)
         )
         difference = (ahead - behind) / (2 * h)
@@ -65,9 +71,9 @@ def test_derivatives_by_unknowns_and_motors_are_exact(name, rng):
 @pytest.mark.parametrize("name", mechanisms.CLOSED)
 def test_random_unknowns_have_unit_length(name, rng):
     _, machines = machines_of(name)
-    loops = machines.loops
-    p = machines.home.p[None]
-    values, _ = loops.evaluate(loops.somewhere(rng)[None], p, 0 * p)
+    loops, machine = machines.loops, machines.home.numbers[None]
+    X = np.append(loops.somewhere(rng), 1.0)[None]
+    values, _ = loops.evaluate(X, machine, 0 * machine)
     assert np.abs(values[0, : loops.count - loops.rows]).max(initial=0.0) <= 1e-12
 
 
@@ -76,11 +82,10 @@ def test_half_a_turn_is_no_closure():
     mechanism = pj.load("bricard")
     machines = Machines(mechanism)
     machine, _ = machines.at(mechanism.home.actuated)
-    p = machine.p[None]
     found = pj.parameter_homotopy(mechanism, rng=0).at(mechanism.home.actuated)
     assert len(found.real) == len(mechanism.assembly_modes(mechanism.home.actuated, rng=0))
     x = machines.loops.unknowns(mechanism.home.q[None])
-    assert machines.loops.unmet(x, p).max() <= 1e-9
+    assert machines.loops.unmet(x, machine.p).max() <= 1e-9
 
 
 @pytest.mark.parametrize(

@@ -34,6 +34,11 @@ class Machine:
     p: Complex
     gaps: Complex
 
+    @property
+    def numbers(self) -> Complex:
+        """All of them, (k + rows,)."""
+        return np.concatenate([self.p, self.gaps])
+
     def near(self, rng: np.random.Generator) -> Machine:
         """Return a random machine about this one, its loops shut."""
         size = np.maximum(np.abs(self.p), 0.5)
@@ -53,16 +58,11 @@ class Line:
         """Of unknowns x."""
         return self.loops.count
 
-    def evaluate(self, x: Complex, t: Complex) -> tuple[Complex, Complex]:
-        """Return F (b, count) and its derivative by (x, t), (b, count, count + 1)."""
-        rate = self.end.p - self.start.p
-        opening = self.end.gaps - self.start.gaps
-        p = self.start.p + t[:, None] * rate
-        values, jacobian = self.loops.evaluate(x, p, np.broadcast_to(rate, p.shape))
-        first = self.count - self.loops.rows
-        values[:, first:] += self.start.gaps + t[:, None] * opening
-        jacobian[:, first:, -1] += opening
-        return values, jacobian
+    def evaluate(self, X: Complex, t: Complex) -> tuple[Complex, Complex]:
+        """Return F (b, count) and its derivative by (X, h, t), (b, count, count + 2)."""
+        rate = self.end.numbers - self.start.numbers
+        machines = self.start.numbers + t[:, None] * rate
+        return self.loops.evaluate(X, machines, np.broadcast_to(rate, machines.shape))
 
     @classmethod
     def through(cls, loops: PolynomialLoops, start: Machine, rng: np.random.Generator) -> Line:
@@ -105,9 +105,7 @@ class Machines:
 
     def offset(self, machine: Machine, x: Complex) -> Machine:
         """Return the machine with these motors whose loops are shut, with offsets, at x."""
-        p = machine.p[None]
-        values, _ = self.loops.evaluate(x[None], p, np.zeros_like(p))
-        return Machine(machine.p, -values[0, self.loops.count - self.loops.rows :])
+        return Machine(machine.p, self.loops.gaps(x, machine.p))
 
     def _machine(self, problem: SearchProblem, legs: list[Leg]) -> Machine:
         motors = self.loops.motor_parameters(problem.base)

@@ -242,12 +242,17 @@ def _restored(
     return ParameterHomotopy(mechanism, *counts, Machines(mechanism), machine, solutions)
 
 
+def _solving(loops: PolynomialLoops, machine: Machine, x: Complex, rows: Index) -> Index:
+    """Return which of some rows of x solve all rows of η, beside the size of their terms."""
+    size = (1.0 + np.abs(x[rows]).max(axis=1, initial=0.0)) ** 2
+    return np.asarray(rows[loops.unmet(x[rows], machine.p) <= _MET * size])
+
+
 def _solutions_of(loops: PolynomialLoops, machine: Machine, ends: Ends) -> Index:
     """Return which ends solve all rows of the machine, of twins and of equal ones the first."""
     arrived = np.flatnonzero(ends.arrived)
-    p = np.tile(machine.p, (arrived.size, 1))
     kept: list[int] = []
-    for index in arrived[loops.unmet(ends.points[arrived], p) <= _MET]:
+    for index in _solving(loops, machine, ends.points, arrived):
         x = ends.points[index]
         twins, size = loops.twins(x), SAME * (1.0 + np.abs(x).max(initial=0.0))
         others = [ends.points[other] for other in kept]

@@ -12,10 +12,11 @@ from pmjac_pin.homotopy.curve import Curve, Planes
 Complex = NDArray[np.complex128]
 Mask = NDArray[np.bool_]
 
-# A path is followed to a share 1 − 4⁻ᵏ of it, for one k after the other. If it is lost, it was
-# one to infinity where it last grew by more than this from one stop to the next.
-_STOPS = (*(1.0 - 0.25**k for k in range(1, 9)), 1.0)
+# A path is followed to a share 1 − 4⁻ᵏ of it, for one k after the other. It goes to infinity if it
+# last grew by more than this from one stop to the next, and is far away or lost.
+_STOPS = (*(1.0 - 0.25**k for k in range(1, 15)), 1.0)
 _GROWING = 1.5
+_FAR = 1e4
 _EXACT = 1e-9
 
 
@@ -42,10 +43,9 @@ class Ends:
 
 def led(curve: Curve, points: Complex, start: Planes, end: Planes) -> Ends:
     """Lead points of a curve from planes to planes."""
-    count, points = len(points), points.copy()
+    count, points, here = len(points), points.copy(), start
     going, growing = np.ones(count, dtype=bool), np.zeros(count, dtype=bool)
     size = np.abs(points).max(axis=1, initial=1.0)
-    here = start
     for stop in _STOPS:
         there = start.moved(np.full(count, stop), end - start)
         now = np.flatnonzero(going)
@@ -53,10 +53,11 @@ def led(curve: Curve, points: Complex, start: Planes, end: Planes) -> Ends:
         before, size, here = size, np.abs(points).max(axis=1, initial=1.0), there
         going[now[~arrived]] = False
         growing[now[arrived]] = (size > _GROWING * before)[now[arrived]]
-    now = np.flatnonzero(going)
+    infinite = growing & (~going | (size > _FAR))
+    now = np.flatnonzero(going & ~infinite)
     points[now], last = curve.corrected(points[now], end[now], 3)
     going[now[last > _EXACT]] = False
-    return Ends(points, going, ~going & growing)
+    return Ends(points, going & ~infinite, infinite)
 
 
 def led_to_end(curve: Curve, x: Complex) -> Ends:

@@ -1,8 +1,9 @@
 """The loop equations as polynomials in complex unknowns x, for motors p that are complex, too.
 
-Every pose is a product of matrices of polynomials, and so are the rows of η. Tilts and turns are
-taken as t·a = 0 and as the skew part of R, which vanish at half a turn as well: `unmet` tells.
-The coefficients are the doubles of the model, exactly, but that entries of a rotation below
+They are homogeneous in (X, h), with x = X/h, so that solutions far away are as easy to follow as
+others. Every pose is a product of matrices of polynomials, and so are the rows of η. Tilts and
+turns are taken as t·a = 0 and as the skew part of R, which vanish at half a turn as well: `unmet`
+tells. The coefficients are the doubles of the model, exactly, but that entries of a rotation below
 rounding are zero.
 """
 
@@ -14,7 +15,7 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+from flint import Ordering, acb, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError
@@ -54,7 +55,7 @@ class _Place:
 
 
 class PolynomialLoops:
-    """F(x; p) = 0: unit lengths and independent rows of η, over many points at once.
+    """F(X, h; p, γ) = 0: unit lengths and independent rows of η + γ, over many points at once.
 
     Parameters
     ----------
@@ -91,31 +92,60 @@ class PolynomialLoops:
             why = "passive motions that idle leave no isolated solutions"
             raise ArgumentError(f"{problem.model.name}: no homotopy for this mechanism: {why}")
         driven = max((joint.columns.stop for joint in self._joints), default=0)
-        names = [f"v{index}" for index in range(driven + rods)]
-        context = fmpq_mpoly_ctx.get(names, Ordering.degrevlex)
+        size = driven + rods + self.rows + 1
+        context = fmpq_mpoly_ctx.get([f"v{index}" for index in range(size)], Ordering.degrevlex)
         variables = symbols(context.gens())
-        rows, turned_over = self._equations(problem, variables, driven)
+        rows, turned_over = self._equations(problem, variables, driven, rods)
         units = [(variables[unit] * variables[unit]).sum() - 1 for unit in self._units]
-        rows = [context.constant(0) + row for row in rows]
-        self._table = PolynomialTable([*units, *(rows[k] for k in kept)], len(names))
-        self._checks = PolynomialTable([*rows, *turned_over], len(names))
+        gaps = variables[driven + rods : -1]
+        shut = [rows[kept_row] + gap for kept_row, gap in zip(kept, gaps, strict=True)]
+        self._table = PolynomialTable(
+            [_homogeneous(one, context, self.count) for one in (*units, *shut)], size
+        )
+        checks = [context.constant(0) + one for one in (*rows, *turned_over)]
+        self._checks = PolynomialTable(checks, size)
 
-    def evaluate(self, x: Complex, p: Complex, rate: Complex) -> tuple[Complex, Complex]:
-        """Return F (b, count), its derivatives by x and, as last column, along `rate` in p."""
-        values, slopes = self._table.evaluate(np.hstack([x, self._driven(p)]))
-        along = slopes[:, :, self.count :] @ self._driven_rates(p, rate)[:, :, None]
-        return values, np.concatenate([slopes[:, :, : self.count], along], axis=2)
+    def evaluate(self, X: Complex, machine: Complex, rate: Complex) -> tuple[Complex, Complex]:
+        """Return F (b, count), and its derivatives by (X, h) and along `rate`.
+
+        Parameters
+        ----------
+        X : ndarray, shape (b, count + 1)
+            The unknowns, h last.
+        machine, rate : ndarray, shape (b, k + rows)
+            p and γ, and how they change.
+        """
+        p, dp = machine[:, : -self.rows or None], rate[:, : -self.rows or None]
+        gaps, opening = machine[:, p.shape[1] :], rate[:, p.shape[1] :]
+        x, h = X[:, :-1], X[:, -1:]
+        values, slopes = self._table.evaluate(np.hstack([x, self._driven(p), gaps, h]))
+        rates = np.hstack([self._driven_rates(p, dp), opening])
+        along = slopes[:, :, self.count : -1] @ rates[:, :, None]
+        by_x = (slopes[:, :, : self.count], slopes[:, :, -1:])
+        return values, np.concatenate([*by_x, along], axis=2)
 
     def in_balls(self, x: Numbers, p: Numbers) -> tuple[Numbers, Numbers]:
-        """Return enclosures of F (count,) and of its derivatives by x, over balls."""
+        """Return enclosures of F (count,) and of its derivatives by x, over balls; h = 1, γ = 0."""
+        rest = np.array([acb(0)] * self.rows + [acb(1)], dtype=object)
         driven = self._driven(p[None])[0]
-        values, slopes = self._table.in_balls(np.concatenate([x, driven]))
+        values, slopes = self._table.in_balls(np.concatenate([x, driven, rest]))
         return values, slopes[:, : self.count]
+
+    def gaps(self, x: Complex, p: Complex) -> Complex:
+        """Return the offsets γ that shut the loops at one x."""
+        values, _ = self._table.evaluate(self._plain(x[None], p[None]))
+        return np.asarray(-values[0, self.count - self.rows :])
 
     def unmet(self, x: Complex, p: Complex) -> Array:
         """Return how far solutions (b, n) are from the rows left out, and from half a turn."""
-        values, _ = self._checks.evaluate(np.hstack([x, self._driven(p)]))
+        values, _ = self._checks.evaluate(self._plain(x, np.tile(p, (len(x), 1))))
         return np.asarray(np.abs(values).max(axis=1, initial=0.0))
+
+    def _plain(self, x: Complex, p: Complex) -> Complex:
+        """Return the variables' values with h = 1 and γ = 0."""
+        rest = np.zeros((len(x), self.rows + 1))
+        rest[:, -1] = 1.0
+        return np.hstack([x, self._driven(p), rest])
 
     def unknowns(self, q: Array) -> Complex:
         """Return x of real poses, rows of q."""
@@ -170,10 +200,10 @@ class PolynomialLoops:
         return np.column_stack([*columns, rate[:, len(self._motors) :]])
 
     def _equations(
-        self, problem: SearchProblem, variables: Symbols, driven: int
+        self, problem: SearchProblem, variables: Symbols, driven: int, rods: int
     ) -> tuple[list[fmpq_mpoly], list[fmpq_mpoly]]:
         """Return all rows of η, and what is 0 at a closed pose and not at half a turn."""
-        bodies, plain = self._bodies(variables), len(problem.closures) + driven - variables.size
+        bodies, plain = self._bodies(variables), len(problem.closures) - rods
         rows: list[fmpq_mpoly] = []
         turned_over: list[fmpq_mpoly] = []
         for index, loop in enumerate(problem.closures):
@@ -233,6 +263,14 @@ def _turned_over(block: Rows, one: _Place, other: _Place) -> Iterator[Any]:
 
 def _square(block: Rows, length: float) -> fmpq:
     return _rational(block.length / length) ** 2 if isinstance(block, Distance) else fmpq(0)
+
+
+def _homogeneous(one: fmpq_mpoly, context: fmpq_mpoly_ctx, unknowns: int) -> fmpq_mpoly:
+    """Return a polynomial with each term times hᵏ, so that all have the same degree in (X, h)."""
+    terms = {tuple(map(int, powers)): c for powers, c in one.to_dict().items()}
+    degree = max((sum(powers[:unknowns]) for powers in terms), default=0)
+    raised = {(*powers[:-1], degree - sum(powers[:unknowns])): c for powers, c in terms.items()}
+    return context.from_dict(raised)
 
 
 def _exact(numbers: Array) -> Symbols:
