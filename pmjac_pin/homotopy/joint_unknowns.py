@@ -1,7 +1,8 @@
 """The complex unknowns of joints, and the complex parameters that motors are.
 
 A joint that turns is its cosine and sine, with c² + s² = 1; a ball a quaternion of length 1;
-slides are lengths in characteristic lengths. A motor that turns by θ is one number u = exp(iθ),
+slides are lengths in characteristic lengths. A free body is a quaternion e of length 1 for its
+rotation and g = p e for its place p, with e · g = 0 (Study's coordinates). A motor that turns by θ is one number u = exp(iθ),
 of which 2c = u + 1/u and 2is = u − 1/u.
 """
 
@@ -26,10 +27,10 @@ Numbers = NDArray[Any]
 #: Of polynomials.
 Symbols = NDArray[Any]
 
-_SIZES = {"revolute": 2, "continuous": 2, "prismatic": 1, "spherical": 4, "planar": 4, "free": 7}
+_SIZES = {"revolute": 2, "continuous": 2, "prismatic": 1, "spherical": 4, "planar": 4, "free": 8}
 # Where a joint's numbers of length 1 begin: cosine and sine, or a quaternion.
-_UNIT = {"revolute": 0, "continuous": 0, "spherical": 0, "planar": 2, "free": 3}
-_SLIDES = {"prismatic": [2], "planar": [0, 1], "free": [0, 1, 2]}
+_UNIT = {"revolute": 0, "continuous": 0, "spherical": 0, "planar": 2, "free": 4}
+_SLIDES = {"prismatic": [2], "planar": [0, 1]}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,9 +62,9 @@ class JointUnknowns:
         return slice(self.columns.start + _UNIT[self.edge.kind], self.columns.stop)
 
     @property
-    def quaternion(self) -> slice | None:
-        """The variables that are a quaternion, None where there is none."""
-        return self.unit if self.edge.kind in ("spherical", "free") else None
+    def two_signs(self) -> bool:
+        """Whether the variables and their negatives are the same pose."""
+        return self.edge.kind in ("spherical", "free")
 
     def motion(self, variables: Symbols) -> tuple[Symbols, Symbols]:
         """Return the joint's rotation (3, 3) and translation (3, 1) in polynomials."""
@@ -71,8 +72,10 @@ class JointUnknowns:
         turn, slide = np.eye(3, dtype=int).astype(object), np.zeros((3, 1), dtype=object)
         for number, axis in enumerate(_SLIDES.get(kind, [])):
             slide[axis, 0] = own[number]
-        if self.quaternion is not None:
+        if self.two_signs:
             turn = _rotation(*own[-4:])
+            if kind == "free":
+                slide = _times_conjugate(own[:4], own[4:])[:3, None]
         elif self.unit is not None:
             c, s = own[-2:]
             turn[0, 0], turn[0, 1], turn[1, 0], turn[1, 1] = c, -s, s, c
@@ -83,13 +86,19 @@ class JointUnknowns:
         entries = q[:, self.joint.idx_q : self.joint.idx_q + self.joint.nq].copy()
         if self.edge.kind == "revolute":
             entries = np.hstack([np.cos(entries), np.sin(entries)])
+        if self.edge.kind == "free":
+            place = np.hstack([entries[:, :3] / self.length, np.zeros((len(q), 1))])
+            return np.hstack([_product(place, entries[:, 3:]), entries[:, 3:]]).astype(complex)
         entries[:, : _UNIT.get(self.edge.kind, 1)] /= self.length
         return entries.astype(complex)
 
     def put(self, x: Array, q: Array) -> None:
         """Write real numbers x (b, n) into rows of q."""
         entries, kind = x[:, self.columns].copy(), self.edge.kind
-        unit = _UNIT.get(kind, 1)
+        if kind == "free":
+            place = _times_conjugate(entries[:, :4].T, entries[:, 4:].T)[:3].T
+            entries = np.hstack([place, entries[:, 4:]])
+        unit = 3 if kind == "free" else _UNIT.get(kind, 1)
         entries[:, :unit] *= self.length
         if kind in _UNIT:
             entries[:, unit:] /= np.linalg.norm(entries[:, unit:], axis=1, keepdims=True)
@@ -138,6 +147,41 @@ def joint_unknowns(
         JointUnknowns(joint, edges[name], columns[name], name not in passive, length)
         for joint, name in zip(list(model.joints)[1:], names, strict=True)
     ]
+
+
+def _product(g: Array, e: Array) -> Array:
+    """Return the products of quaternions (b, 4), x, y, z, w."""
+    v, w = e[:, :3], e[:, 3:]
+    imaginary = g[:, 3:] * v + g[:, :3] * w + np.cross(g[:, :3], v)
+    real = g[:, 3:] * w - (g[:, :3] * v).sum(axis=1, keepdims=True)
+    return np.hstack([imaginary, real])
+
+
+def _times_conjugate(g: Symbols, e: Symbols) -> Symbols:
+    """Return g e*, of quaternions x, y, z, w along the first axis."""
+    (gx, gy, gz, gw), (x, y, z, w) = g, e
+    entries = (
+        gx * w - gw * x - gy * z + gz * y,
+        gy * w - gw * y - gz * x + gx * z,
+        gz * w - gw * z - gx * y + gy * x,
+        gw * w + gx * x + gy * y + gz * z,
+    )
+    return symbols(entries) if g.ndim == 1 else np.array(entries)
+
+
+def quaternion_of_gap(g: Symbols, e: Symbols, a: Symbols, b: Symbols) -> Symbols:
+    """Return g + e a − b e = (p + R a − b) e for places a on the body and b on its base."""
+    ex, ey, ez, ew = e
+    (ax, ay, az), (bx, by, bz) = a, b
+    sx, sy, sz, dx, dy, dz = ax + bx, ay + by, az + bz, ax - bx, ay - by, az - bz
+    return g + symbols(
+        (
+            ew * dx + ey * sz - ez * sy,
+            ew * dy + ez * sx - ex * sz,
+            ew * dz + ex * sy - ey * sx,
+            -(ex * dx + ey * dy + ez * dz),
+        )
+    )
 
 
 def _rotation(x: fmpq_mpoly, y: fmpq_mpoly, z: fmpq_mpoly, w: fmpq_mpoly) -> Symbols:

@@ -21,7 +21,13 @@ from numpy.typing import NDArray
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.factorisation import RANK_TOLERANCE
 from pmjac_pin.frames import find_frame
-from pmjac_pin.homotopy.joint_unknowns import Numbers, Symbols, joint_unknowns, symbols
+from pmjac_pin.homotopy.joint_unknowns import (
+    Numbers,
+    Symbols,
+    joint_unknowns,
+    quaternion_of_gap,
+    symbols,
+)
 from pmjac_pin.homotopy.polynomial_table import PolynomialTable
 from pmjac_pin.linkage import edges_of
 from pmjac_pin.loop_rows import Along, Distance, Gap, RightAngle, Rows, Tilt
@@ -38,20 +44,36 @@ _ROUNDING = 1e-15  # of an entry of a rotation, which is of size 1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Place:
-    """A rotation (3, 3) and an origin (3, 1) in polynomials, in characteristic lengths."""
+    """A rotation (3, 3) and an origin (3, 1) in polynomials, in characteristic lengths.
+
+    `floating` is, for a frame of a free body, that body's base, its g and e, and where the frame
+    is on the body.
+    """
 
     turn: Symbols
     origin: Symbols
+    floating: tuple[_Place, Symbols, Symbols, pin.SE3] | None = None
 
     def at(self, placement: pin.SE3, length: float) -> _Place:
         """Return a frame of a body."""
         shift = _exact(placement.translation[:, None] / length)
         turn = np.where(np.abs(placement.rotation) < _ROUNDING, 0.0, placement.rotation)
-        return _Place(self.turn @ _exact(turn), self.origin + self.turn @ shift)
+        floating = self.floating and (*self.floating[:3], self.floating[3] * placement)
+        return _Place(self.turn @ _exact(turn), self.origin + self.turn @ shift, floating)
 
     def seen_from(self, other: _Place) -> Symbols:
         """Return this rotation in another's axes."""
         return np.asarray(other.turn.T @ self.turn)
+
+    def rod(self, other: _Place, square: Any, length: float) -> Any:
+        """Return |gap|² − square, for a free body times |e|² = 1: of lower degree so."""
+        if self.floating is None:
+            gap = self.origin - other.origin
+            return (gap * gap).sum() - square
+        base, g, e, placement = self.floating
+        b = (base.turn.T @ (other.origin - base.origin)).ravel()
+        gap = quaternion_of_gap(g, e, _exact(placement.translation / length), b)
+        return (gap * gap).sum() - square * (e * e).sum()
 
 
 class PolynomialLoops:
@@ -85,18 +107,21 @@ class PolynomialLoops:
         self._motors = [joint for joint in self._joints if joint.motor]
         self._passive = [joint for joint in self._joints if not joint.motor]
         self._units = [joint.unit for joint in self._passive if joint.unit is not None]
+        self._free = [joint.columns for joint in self._passive if joint.edge.kind == "free"]
         self.count = max((joint.columns.stop for joint in self._passive), default=0)
         kept = _independent_rows(problem)
         self.rows = kept.size
-        if len(self._units) + self.rows != self.count:
+        if len(self._units) + len(self._free) + self.rows != self.count:
             why = "passive motions that idle leave no isolated solutions"
             raise ArgumentError(f"{problem.model.name}: no homotopy for this mechanism: {why}")
+        self._home = self.unknowns(problem.base[None])[0]
         driven = max((joint.columns.stop for joint in self._joints), default=0)
         size = driven + rods + self.rows + 1
         context = fmpq_mpoly_ctx.get([f"v{index}" for index in range(size)], Ordering.degrevlex)
         variables = symbols(context.gens())
         rows, turned_over = self._equations(problem, variables, driven, rods)
         units = [(variables[unit] * variables[unit]).sum() - 1 for unit in self._units]
+        units += [(variables[own][:4] * variables[own][4:]).sum() for own in self._free]
         gaps = variables[driven + rods : -1]
         shut = [rows[kept_row] + gap for kept_row, gap in zip(kept, gaps, strict=True)]
         self._table = PolynomialTable(
@@ -169,17 +194,20 @@ class PolynomialLoops:
         """Return x with the signs of its quaternions turned in every combination."""
         found = [x]
         for joint in self._passive:
-            if (columns := joint.quaternion) is not None:
+            if joint.two_signs:
                 turned = np.ones(self.count)
-                turned[columns] = -1.0
+                turned[joint.columns] = -1.0
                 found += [turned * other for other in found]
         return found
 
-    def somewhere(self, rng: np.random.Generator) -> Complex:
+    def somewhere(self, rng: np.random.Generator, spread: float = 0.3) -> Complex:
         """Return random complex unknowns whose units have length 1, shape (count,)."""
-        x = rng.normal(size=self.count) + 1j * rng.normal(size=self.count)
+        x = self._home + spread * (rng.normal(size=self.count) + 1j * rng.normal(size=self.count))
         for unit in self._units:
             x[unit] /= np.sqrt((x[unit] * x[unit]).sum())
+        for own in self._free:
+            g, e = x[own][:4], x[own][4:]
+            x[own.start : own.start + 4] -= (g * e).sum() * e
         return x
 
     def _driven(self, p: Numbers) -> Numbers:
@@ -214,7 +242,12 @@ class PolynomialLoops:
             one, other = (bodies[frame.joint].at(frame.placement, self.length) for frame in frames)
             rod = variables[driven + index - plain] if index >= plain else None
             for block in loop_blocks(loop, problem.values):
-                rows += _rows(block, one, other, rod or _square(block, self.length))
+                if isinstance(block, Distance):
+                    square = rod or _rational(block.length / self.length) ** 2
+                    ends = (one, other) if one.floating or not other.floating else (other, one)
+                    rows.append(ends[0].rod(ends[1], square, self.length))
+                    continue
+                rows += _rows(block, one, other)
                 turned_over += _turned_over(block, one, other)
         return rows, turned_over
 
@@ -225,19 +258,23 @@ class PolynomialLoops:
             edge = joint.edge
             base = bodies[edge.parent].at(edge.before, self.length)
             turn, slide = joint.motion(variables)
-            moved = _Place(base.turn @ turn, base.origin + base.turn @ slide)
+            own = variables[joint.columns]
+            floating = (base, own[:4], own[4:], pin.SE3.Identity())
+            moved = _Place(
+                base.turn @ turn,
+                base.origin + base.turn @ slide,
+                floating if edge.kind == "free" else None,
+            )
             bodies.append(moved.at(edge.after, self.length))
         return bodies
 
 
-def _rows(block: Rows, one: _Place, other: _Place, square: Any) -> Iterator[Any]:
-    """Yield the rows of a block; `square` is a rod's length²."""
+def _rows(block: Rows, one: _Place, other: _Place) -> Iterator[Any]:
+    """Yield the rows of a block."""
     gap = one.origin - other.origin
     match block:
         case Gap():
             yield from gap.ravel()
-        case Distance():
-            yield (gap * gap).sum() - square
         case Along():
             yield from (_exact(block.directions) @ other.turn.T @ gap).ravel()
         case Tilt():
@@ -259,10 +296,6 @@ def _turned_over(block: Rows, one: _Place, other: _Place) -> Iterator[Any]:
             return
         case _:
             yield (one.turn @ other.turn.T).trace() - 3
-
-
-def _square(block: Rows, length: float) -> fmpq:
-    return _rational(block.length / length) ** 2 if isinstance(block, Distance) else fmpq(0)
 
 
 def _homogeneous(one: fmpq_mpoly, context: fmpq_mpoly_ctx, unknowns: int) -> fmpq_mpoly:
