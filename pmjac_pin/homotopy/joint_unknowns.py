@@ -2,8 +2,8 @@
 
 A joint that turns is its cosine and sine, with c² + s² = 1; a ball a quaternion of length 1;
 slides are lengths in characteristic lengths. A free body is a quaternion e of length 1 for its
-rotation and g = p e for its place p, with e · g = 0 (Study's coordinates). A motor that turns by θ is one number u = exp(iθ),
-of which 2c = u + 1/u and 2is = u − 1/u.
+rotation and g = p e for its place p, with e · g = 0 (Study's coordinates). A motor that turns by
+θ is one number u = exp(iθ), of which 2c = u + 1/u and 2is = u − 1/u.
 """
 
 from __future__ import annotations

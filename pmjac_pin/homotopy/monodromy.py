@@ -59,7 +59,7 @@ class PlaneSection:
         normal = rng.normal(size=curve.size) + 1j * rng.normal(size=curve.size)
         return cls(curve, normal, complex(normal @ point), point[None], np.zeros((0, 2), int))
 
-    def planes(self, shift: float = 0.0, count: int | None = None) -> Planes:
+    def planes(self, shift: complex = 0.0, count: int | None = None) -> Planes:
         """Return the plane, or one parallel to it, for each of the points."""
         count = len(self.points) if count is None else count
         return Planes.all_at(self.normal, self.offset + shift, count)
@@ -88,14 +88,14 @@ class PlaneSection:
         _, labels = connected_components(coo_array(pairs, shape=(count, count)), directed=False)
         return np.asarray(labels, dtype=np.intp)
 
-    def bends(self, labels: Index) -> list[float]:
-        """Return, of each set, the trace's second difference over parallel planes.
+    def bends(self, labels: Index, shift: complex = 1.0) -> list[float]:
+        """Return, of each set, the trace's second difference over planes one and two shifts off.
 
         It is relative to the trace's terms; infinite where a path was lost.
         """
         count = len(self.points)
         starts = np.vstack([self.points, self.points])
-        shifted = [self.planes(shift) for shift in (1.0, 2.0)]
+        shifted = [self.planes(steps * shift) for steps in (1.0, 2.0)]
         ends = Planes(
             np.vstack([planes.normals for planes in shifted]),
             np.concatenate([planes.offsets for planes in shifted]),
@@ -134,10 +134,15 @@ def all_points(
         section = section.grown(rng)
         _log.info("monodromy: %d points", len(section.points))
         if len(section.points) == before:
-            bend = section.bends(np.zeros(before, dtype=np.intp))[0]
+            bend = section.bends(np.zeros(before, dtype=np.intp), random_turn(rng))[0]
             if bend < STRAIGHT:
                 break
     return section, bend
+
+
+def random_turn(rng: np.random.Generator) -> complex:
+    """Return a random complex number of size 1."""
+    return complex(np.exp(2j * np.pi * rng.uniform()))
 
 
 def _closed_path(here: Planes, count: int, rng: np.random.Generator) -> tuple[Planes, Planes]:

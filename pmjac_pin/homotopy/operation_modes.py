@@ -24,7 +24,7 @@ from scipy.sparse.csgraph import connected_components
 
 from pmjac_pin.homotopy.curve import SAME, Curve, Planes
 from pmjac_pin.homotopy.machines import Line, Machine
-from pmjac_pin.homotopy.monodromy import STRAIGHT, PlaneSection
+from pmjac_pin.homotopy.monodromy import STRAIGHT, PlaneSection, random_turn
 from pmjac_pin.homotopy.polynomial_loops import PolynomialLoops
 from pmjac_pin.modes.assembly_modes import Completeness
 
@@ -85,7 +85,7 @@ def find_operation_modes(
         section = section.grown(rng)
         labels = section.components()
         if (len(section.points), labels.max(initial=0)) == before:
-            bends = section.bends(labels)
+            bends = section.bends(labels, random_turn(rng))
             if max(bends) < STRAIGHT:
                 break
     return _sorted(owner, places, labels, bends, len(solutions))

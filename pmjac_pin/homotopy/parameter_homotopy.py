@@ -26,7 +26,7 @@ from pmjac_pin.homotopy.complex_modes import ComplexModes
 from pmjac_pin.homotopy.curve import SAME, Curve, Planes
 from pmjac_pin.homotopy.endpoints import proven, told_real
 from pmjac_pin.homotopy.machines import ClosedForm, Line, Machine, Machines
-from pmjac_pin.homotopy.monodromy import STRAIGHT, all_points
+from pmjac_pin.homotopy.monodromy import STRAIGHT, PlaneSection, all_points, random_turn
 from pmjac_pin.homotopy.operation_modes import OperationModes, find_operation_modes
 from pmjac_pin.homotopy.paths import Ends, led, led_to_end
 from pmjac_pin.homotopy.polynomial_loops import PolynomialLoops
@@ -42,6 +42,7 @@ Index = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 
 _MET = 1e-7  # rows left out that hold
+_TRIES = 4  # of ways to lead all points to one machine
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,8 +218,7 @@ def parameter_homotopy(
     start = machines.offset(target, first)
     curve = Curve(Line.through(loops, start, random))
     section, bend = all_points(curve, np.append(first, 0.0), random, most_rounds)
-    at_start = Planes.at_machine(0.0, loops.count, len(section.points))
-    shut = led(curve, section.points, section.planes(), at_start)
+    shut = _at_start(section, random)
     ends = led_to_end(Curve(Line(loops, start, target)), shut.points[shut.arrived, :-1])
     solutions = ends.points[_solutions_of(loops, target, ends)]
     return ParameterHomotopy(
@@ -231,6 +231,18 @@ def parameter_homotopy(
         _machine=target,
         _solutions=solutions,
     )
+
+
+def _at_start(section: PlaneSection, rng: np.random.Generator) -> Ends:
+    """Lead all points of a section to t = 0, on other paths if some are lost on the first."""
+    count = len(section.points)
+    there = Planes.at_machine(0.0, section.curve.line.count, count)
+    tries: list[Ends] = []
+    while not tries or (tries[-1].lost and len(tries) < _TRIES):
+        turn = random_turn(rng)
+        end = Planes(turn * there.normals, turn * there.offsets)
+        tries.append(led(section.curve, section.points, section.planes(), end))
+    return min(tries, key=lambda ends: ends.lost)
 
 
 def _restored(

@@ -13,10 +13,10 @@ Complex = NDArray[np.complex128]
 Mask = NDArray[np.bool_]
 
 # A path is followed to a share 1 − 4⁻ᵏ of it, for one k after the other. It goes to infinity if it
-# last grew by more than this from one stop to the next, and is far away or lost.
+# ends far away, or is lost while it grows by more than this from one stop to the next.
 _STOPS = (*(1.0 - 0.25**k for k in range(1, 15)), 1.0)
 _GROWING = 1.5
-_FAR = 1e4
+_FAR = 1e4  # numbers of this size are not those of real poses
 _EXACT = 1e-9
 
 
@@ -28,7 +28,8 @@ class Ends:
     ----------
     points : ndarray, shape (m, n)
     arrived, to_infinity : ndarray of bool, shape (m,)
-        All others are lost: they ended at a singular point, or tracking failed.
+        Beyond 1e4 counts as infinity: no numbers of real poses are that large. All others are
+        lost: they ended at a singular point, or tracking failed.
     """
 
     points: Complex
@@ -53,7 +54,7 @@ def led(curve: Curve, points: Complex, start: Planes, end: Planes) -> Ends:
         before, size, here = size, np.abs(points).max(axis=1, initial=1.0), there
         going[now[~arrived]] = False
         growing[now[arrived]] = (size > _GROWING * before)[now[arrived]]
-    infinite = growing & (~going | (size > _FAR))
+    infinite = np.where(going, size > _FAR, growing)
     now = np.flatnonzero(going & ~infinite)
     points[now], last = curve.corrected(points[now], end[now], 3)
     going[now[last > _EXACT]] = False

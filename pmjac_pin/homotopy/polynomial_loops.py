@@ -39,6 +39,7 @@ from pmjac_pin.partition import independent_rows
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
+_SPREAD = 0.3  # of random unknowns about home's
 _ROUNDING = 1e-15  # of an entry of a rotation, which is of size 1
 
 
@@ -200,9 +201,10 @@ class PolynomialLoops:
                 found += [turned * other for other in found]
         return found
 
-    def somewhere(self, rng: np.random.Generator, spread: float = 0.3) -> Complex:
-        """Return random complex unknowns whose units have length 1, shape (count,)."""
-        x = self._home + spread * (rng.normal(size=self.count) + 1j * rng.normal(size=self.count))
+    def somewhere(self, rng: np.random.Generator) -> Complex:
+        """Return random complex unknowns about home whose units have length 1, shape (count,)."""
+        x: Complex = rng.normal(size=self.count) + 1j * rng.normal(size=self.count)
+        x = self._home + _SPREAD * x
         for unit in self._units:
             x[unit] /= np.sqrt((x[unit] * x[unit]).sum())
         for own in self._free:
