@@ -11,35 +11,35 @@ from pmjac_pin.homotopy.machines import Machines
 
 
 def four_bar(theta):
-    """The equations, the motor's parameter, and both solutions."""
+    """The equations, the motor's numbers, and both solutions."""
     machines = Machines(pj.load("four_bar"))
-    machine, _ = machines.at([theta])
+    _, form = machines.at([theta])
     modes = machines.mechanism.assembly_modes([theta], rng=0)
     x = machines.loops.unknowns(np.array([mode.q for mode in modes]))
-    return machines.loops, machine.p, x
+    return machines.loops, form.driven, x
 
 
 @pytest.mark.parametrize("theta", [0.9, -2.0])
 def test_real_solutions_are_proven(theta):
-    loops, p, x = four_bar(theta)
-    np.testing.assert_array_equal(proven(loops, p, x), [True, True])
+    loops, driven, x = four_bar(theta)
+    np.testing.assert_array_equal(proven(loops, driven, x), [True, True])
 
 
 def test_what_is_no_solution_is_not_proven():
     """A box about a point further away than the box is wide holds no solution."""
-    loops, p, x = four_bar(0.9)
-    assert not proven(loops, p, x + 0.05).any()
+    loops, driven, x = four_bar(0.9)
+    assert not proven(loops, driven, x + 0.05).any()
 
 
 def test_one_solution_does_not_count_twice():
-    loops, p, x = four_bar(0.9)
-    np.testing.assert_array_equal(proven(loops, p, np.vstack([x, x[:1]])), [True, True, False])
+    loops, driven, x = four_bar(0.9)
+    np.testing.assert_array_equal(proven(loops, driven, np.vstack([x, x[:1]])), [True, True, False])
 
 
 def test_a_real_solution_is_not_proven_complex():
     """With an imaginary part of rounding it is neither proven real nor proven not to be."""
-    loops, p, x = four_bar(0.9)
-    assert not proven(loops, p, x + 1e-13j).any()
+    loops, driven, x = four_bar(0.9)
+    assert not proven(loops, driven, x + 1e-13j).any()
 
 
 def test_a_double_solution_is_not_proven():
@@ -51,4 +51,4 @@ def test_a_double_solution_is_not_proven():
         q[model.joints[model.getJointId(name)].idx_q] = angle
     x = machines.loops.unknowns(q[None])
     assert machines.loops.unmet(x, machine.p)[0] <= 1e-14
-    assert not proven(machines.loops, machine.p, x).any()
+    assert not proven(machines.loops, form.driven, x).any()

@@ -249,3 +249,28 @@ def test_poses_that_pinocchio_closes_to_one_are_one_mode(monkeypatch):
     assert mode is one
     [share] = mechanism.assembly_modes([0.9], rng=0, proof=False).shares
     assert share == pytest.approx(sum(expected.shares))
+
+
+@pytest.mark.parametrize(
+    ("lengths", "theta"),
+    [
+        ((2.0, 2.0, 3.0, 3.0), 1e-6),
+        ((2.0, 2.0, 3.0, 3.0), 1e-5),
+        ((2.0, 2.0, 3.0, 3.0), 1e-4),
+        ((3.0, 1.0, 3.0, 1.0), 1e-5),
+    ],
+)
+def test_beside_a_singularity_there_are_two_modes_still(lengths, theta):
+    """A kite's and a parallelogram's modes meet where all bars are in line."""
+    names = ("l0", "l1", "l2", "l3")
+    mechanism = pj.load("four_bar", dict(zip(names, lengths, strict=True)))
+    assert len(mechanism.assembly_modes([theta], rng=0, most_starts=20_000)) == 2
+
+
+@pytest.mark.slow
+def test_a_motion_with_locked_motors_is_told_and_left_out():
+    """Sarrus' linkage folded flat: one panel spins; the two modes beside that are found."""
+    modes = pj.load("sarrus").assembly_modes([0.7], rng=0)
+    assert (len(modes), modes.complete.kind) == (2, "neither")
+    assert "the loops also move with all motors locked" in str(modes.complete)
+    assert all(not mode.singularity().is_singular for mode in modes)

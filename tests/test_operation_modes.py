@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+
+import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -104,3 +107,46 @@ def test_too_few_rounds_are_admitted():
     found = homotopy.operation_modes(rng=0, most_rounds=1)
     assert found.complete.kind == "neither"
     assert "is not whole" in str(found.complete)
+
+
+def test_an_incomplete_homotopy_knows_no_operation_modes():
+    homotopy = pj.parameter_homotopy(pj.load("three_rps_ss"), rng=0, most_rounds=2)
+    found = homotopy.operation_modes(rng=0, most_rounds=5)
+    assert found.complete.kind == "neither"
+    assert "solutions are missing" in str(found.complete)
+
+
+def test_they_are_those_of_one_homotopy():
+    mechanism = pj.load("four_bar")
+    one, other = (pj.parameter_homotopy(mechanism, rng=seed) for seed in (0, 1))
+    found = one.operation_modes(rng=0)
+    assert found.of(one.at([0.9])) == (0, 0)
+    for strange in (other.at([0.9]), mechanism.assembly_modes([0.9], rng=0), "x"):
+        with pytest.raises(pj.ArgumentError, match="of the same homotopy"):
+            found.of(strange)
+
+
+def parallelogram(last):
+    """Two cranks of length 1, 3 apart; the coupler's rod is a ball with a hook, or a distance."""
+    joints = [
+        ("left", "revolute", "base", "crank", (0, 0, 0), (0, 0, 1)),
+        ("right", "revolute", "base", "rocker", (3, 0, 0), (0, 0, 1)),
+        ("tip", "fixed", "crank", "crank_end", (1, 0, 0)),
+        ("top", "fixed", "rocker", "rocker_end", (1, 0, 0)),
+    ]
+    home = {"left": 1.0, "right": 1.0}
+    loop = pj.DistanceLoop(frames=("crank_end", "rocker_end"), length=3.0)
+    if last == "ball":
+        joints += [
+            ("ball", "spherical", "crank_end", "coupler", (0, 0, 0)),
+            ("hook", "fixed", "coupler", "coupler_end", (3, 0, 0)),
+        ]
+        loop = pj.PointLoop(frames=("coupler_end", "rocker_end"))
+        home["ball"] = [0.0, 0.0, -math.sin(0.5), math.cos(0.5)]
+    return mechanisms.build(joints, [loop], ["left"], "rocker_end", home)
+
+
+@pytest.mark.parametrize("last", ["ball", "distance"])
+def test_a_leg_without_a_motor_keeps_its_length(last):
+    found = pj.parameter_homotopy(parallelogram(last), rng=0).operation_modes(rng=0)
+    assert found.sizes == (1, 1)

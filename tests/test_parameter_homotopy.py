@@ -6,6 +6,7 @@ import pickle
 
 import mechanisms
 import numpy as np
+import pinocchio as pin
 import pytest
 from test_modes import LECTURE_A, LECTURE_B, angles, same_sets
 
@@ -142,7 +143,7 @@ def test_limits_leave_solutions_out():
 
 
 def test_a_homotopy_of_another_mechanism_is_refused(three_rps):
-    with pytest.raises(pj.ArgumentError, match="that of another mechanism"):
+    with pytest.raises(pj.ArgumentError, match="another mechanism"):
         pj.load("four_bar").assembly_modes([0.9], rng=0, homotopy=three_rps)
 
 
@@ -158,3 +159,87 @@ def test_it_can_be_kept_in_a_file(three_rps):
     assert one.count == other.count
     np.testing.assert_allclose(angles(other.real), angles(one.real), atol=1e-12)
     assert "16 solutions" in repr(again)
+
+
+def test_motors_that_cannot_move_one_by_one_are_refused():
+    """All solutions would be at special motor values."""
+    with pytest.raises(pj.ArgumentError, match="the loops forbid it"):
+        pj.parameter_homotopy(mechanisms.over_actuated_four_bar(), rng=0)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("four_bar",), "a Mechanism is wanted, got str"),
+        ((pj.load("four_bar"), 0), "most_rounds is a whole number ≥ 1, got 0"),
+        ((pj.load("four_bar"), 2.5), "most_rounds is a whole number ≥ 1, got 2.5"),
+    ],
+)
+def test_bad_arguments(arguments, message):
+    mechanism, *rounds = arguments
+    with pytest.raises(pj.ArgumentError) as caught:
+        pj.parameter_homotopy(mechanism, **({"most_rounds": rounds[0]} if rounds else {}))
+    assert str(caught.value) == message
+
+
+def test_what_is_no_homotopy_is_refused():
+    with pytest.raises(pj.ArgumentError, match="or none at all"):
+        pj.load("four_bar").assembly_modes([0.9], rng=0, homotopy=True)
+
+
+def test_the_solutions_solve_the_equations(three_rps):
+    """The lecture's own: in the cosines and sines of the leg angles."""
+    l1, l2, l3 = lengths = (2 / 3, 3 / 5, 3 / 4)
+    found = three_rps.at(lengths)
+    assert found.unknowns == tuple(f"{f} theta{k}" for k in (1, 2, 3) for f in ("cos", "sin"))
+    c, s = found.solutions[:, ::2], found.solutions[:, 1::2]
+    np.testing.assert_allclose(c * c + s * s, 1.0, atol=1e-9)
+    for i, j, li, lj in ((0, 1, l1, l2), (1, 2, l2, l3), (2, 0, l3, l1)):
+        turning = li * lj * (c[:, i] * c[:, j] - 2 * s[:, i] * s[:, j])
+        rest = 3 - 3 / 4 + li**2 + lj**2 + turning - 3 * (li * c[:, i] + lj * c[:, j])
+        np.testing.assert_allclose(rest, 0.0, atol=1e-8)
+    real = np.abs(found.solutions.imag).max(axis=1) == 0.0
+    assert real.sum() == len(found.real) == 8
+
+
+def seven_hinges(kind):
+    """A general loop of seven hinges, or a general arm of six whose tool is held."""
+    rng = np.random.default_rng(5)
+    model, joint = pin.Model(), 0
+    for index in range(6):
+        turn = pin.utils.rotate("x", rng.uniform(0.5, 1.5)) @ pin.utils.rotate("z", rng.uniform())
+        place = pin.SE3(turn, rng.uniform(-1, 1, 3))
+        joint = model.addJoint(joint, pin.JointModelRZ(), place, f"q{index}")
+    q = rng.uniform(-1, 1, 6)
+    data = model.createData()
+    pin.forwardKinematics(model, data, q)
+    tip = pin.SE3(pin.utils.rotate("x", 0.8), rng.uniform(-0.5, 0.5, 3))
+    model.addFrame(pin.Frame("tip", joint, 0, tip, pin.FrameType.OP_FRAME))
+    base = pin.Frame("base", 0, 0, data.oMi[joint] * tip, pin.FrameType.OP_FRAME)
+    model.addFrame(base)
+    loop = pj.RevoluteLoop(frames=("tip", "base"), axis=(0, 0, 1))
+    return pj.Mechanism.from_pinocchio(model, [loop], ["q0"], "tip", home=q, name=kind)
+
+
+@pytest.mark.slow
+def test_sixteen_of_a_general_loop_of_seven_hinges():
+    """The classical count; solutions of t · a = 0 half a turn away are not among them."""
+    mechanism = seven_hinges("7R")
+    homotopy = pj.parameter_homotopy(mechanism, rng=2)
+    assert homotopy.count == 16
+    found = homotopy.at(mechanism.home.actuated)
+    assert (found.count, found.certified, found.complete.kind) == (16, 16, "tolerance")
+    modes = mechanism.assembly_modes(mechanism.home.actuated, rng=0, limits=False)
+    assert len(modes) == len(found.real)
+
+
+@pytest.mark.parametrize("name", ["three_rps_ss", "delta_rods"])
+@pytest.mark.slow
+def test_the_count_is_that_of_solutions_that_are_not_far_away(name):
+    """Rounded lengths bring some of infinity within reach: they do not count."""
+    mechanism = pj.load(name)
+    counts = {
+        pj.parameter_homotopy(mechanism, rng=seed).at(mechanism.home.actuated * 1.01).count
+        for seed in range(3)
+    }
+    assert counts == {16} if name == "three_rps_ss" else counts == {28}

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from flint import fmpq_mpoly
+from flint import acb, arb, fmpq_mpoly
 from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError
@@ -30,6 +30,15 @@ Symbols = NDArray[Any]
 _SIZES = {"revolute": 2, "continuous": 2, "prismatic": 1, "spherical": 4, "planar": 4, "free": 8}
 # Where a joint's numbers of length 1 begin: cosine and sine, or a quaternion.
 _UNIT = {"revolute": 0, "continuous": 0, "spherical": 0, "planar": 2, "free": 4}
+_QUATERNION = ("x", "y", "z", "w")
+_NAMES = {
+    "revolute": ("cos", "sin"),
+    "continuous": ("cos", "sin"),
+    "prismatic": ("length",),
+    "spherical": tuple(f"e{entry}" for entry in _QUATERNION),
+    "planar": ("x", "y", "cos", "sin"),
+    "free": tuple(f"{part}{entry}" for part in "ge" for entry in _QUATERNION),
+}
 _SLIDES = {"prismatic": [2], "planar": [0, 1]}
 
 
@@ -60,6 +69,11 @@ class JointUnknowns:
         if self.edge.kind not in _UNIT:
             return None
         return slice(self.columns.start + _UNIT[self.edge.kind], self.columns.stop)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What each variable is."""
+        return tuple(f"{what} {self.edge.name}" for what in _NAMES[self.edge.kind])
 
     @property
     def two_signs(self) -> bool:
@@ -110,6 +124,16 @@ class JointUnknowns:
         """Return u = exp(iθ) of a motor that turns, the length of one that slides."""
         own = self.numbers(q[None])[0]
         return complex(own[0] + 1j * own[1]) if self.unit is not None else complex(own[0])
+
+    def balls(self, q: Array) -> list[acb]:
+        """Return enclosures of a motor's numbers at one q; they are real."""
+        entries = [arb(entry) for entry in q[self.joint.idx_q :][: self.joint.nq].tolist()]
+        match self.edge.kind:
+            case "revolute":
+                return [acb(entries[0].cos()), acb(entries[0].sin())]
+            case "prismatic":
+                return [acb(entries[0] / arb(self.length))]
+        return [acb(entry) for entry in entries]
 
     def from_parameter(self, p: Numbers) -> list[Numbers]:
         """Return a motor's numbers from its parameter."""

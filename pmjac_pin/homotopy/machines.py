@@ -10,13 +10,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from flint import acb
 from numpy.typing import ArrayLike, NDArray
 
 from pmjac_pin.direct_kinematics import motor_values
 from pmjac_pin.errors import ArgumentError
+from pmjac_pin.homotopy.joint_unknowns import Numbers
 from pmjac_pin.homotopy.polynomial_loops import PolynomialLoops
 from pmjac_pin.modes.legs import Leg, names_of
 from pmjac_pin.modes.search_problem import SearchProblem, search_problem, with_legs
+from pmjac_pin.parts import Parts
 
 if TYPE_CHECKING:
     from pmjac_pin.mechanism import Mechanism
@@ -81,14 +84,23 @@ class Machines:
     Raises
     ------
     ArgumentError
-        Idle motions, geared joints, motors of several degrees of freedom.
+        Idle motions, geared joints, motors of several degrees of freedom, or more of them than
+        can be moved one by one.
     """
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
         self._parts = mechanism._parts
         problem, self._legs = search_problem(self._parts, self._parts.home_q)
-        self.loops = PolynomialLoops(problem, len(self._legs))
+        _refuse_over_actuated(self._parts)
+        # The legs' rods come last; those without a motor keep their length.
+        plain, motors = len(problem.closures) - len(self._legs), self._parts.spec.actuated
+        self._driven = [
+            index
+            for index, leg in enumerate(self._legs)
+            if any(edge.name in motors for edge in leg.edges)
+        ]
+        self.loops = PolynomialLoops(problem, [plain + index for index in self._driven])
         self.home = self._machine(problem, self._legs)
 
     def at(self, actuated: ArrayLike) -> tuple[Machine, ClosedForm]:
@@ -101,7 +113,9 @@ class Machines:
         if names_of(legs) != names_of(self._legs):
             name, given = self.mechanism.name, ", ".join(f"{value:g}" for value in values)
             raise ArgumentError(f"{name}: at {given} its legs are not those of its home pose")
-        return self._machine(problem, legs), ClosedForm(self, problem, legs, base)
+        squares = [acb(square) for square in self._squares(problem, legs)]
+        driven = np.concatenate([self.loops.driven_balls(problem.base), squares])
+        return self._machine(problem, legs), ClosedForm(self, problem, legs, base, driven)
 
     def offset(self, machine: Machine, x: Complex) -> Machine:
         """Return the machine with these motors whose loops are shut, with offsets, at x."""
@@ -109,24 +123,40 @@ class Machines:
 
     def _machine(self, problem: SearchProblem, legs: list[Leg]) -> Machine:
         motors = self.loops.motor_parameters(problem.base)
-        rods = np.array([(leg.length / problem.length) ** 2 for leg in legs], dtype=complex)
+        rods = np.array(self._squares(problem, legs), dtype=complex)
         return Machine(np.concatenate([motors, rods]), np.zeros(self.loops.rows, dtype=complex))
+
+    def _squares(self, problem: SearchProblem, legs: list[Leg]) -> list[float]:
+        """Return the squares of the lengths of the legs that have motors."""
+        return [(legs[index].length / problem.length) ** 2 for index in self._driven]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClosedForm:
-    """The way from real unknowns x back to poses of the mechanism at some motor values."""
+    """The way from real unknowns x back to poses of the mechanism at some motor values.
+
+    `driven` are the polynomials' variables that follow from these, as balls.
+    """
 
     machines: Machines
     problem: SearchProblem
     legs: list[Leg]
     base: Array
+    driven: Numbers
 
     def poses(self, x: Array) -> list[Array]:
         """Return the q of each row of x."""
         parts = self.machines.mechanism._parts
         rows = self.machines.loops.poses(x, self.problem.base)
         return [with_legs(parts, self.legs, self.problem, self.base, q) for q in rows]
+
+
+def _refuse_over_actuated(parts: Parts) -> None:
+    """Raise where the loops close at special motor values only."""
+    partition = parts.problem.partition
+    if partition.constraint_rank > partition.passive_rank:
+        why = "its motors cannot be moved one by one: the loops forbid it"
+        raise ArgumentError(f"{parts.model.name}: no homotopy for this mechanism: {why}")
 
 
 def _normal(rng: np.random.Generator, size: int) -> Complex:

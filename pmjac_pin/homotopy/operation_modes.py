@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from pmjac_pin.errors import ArgumentError
 from pmjac_pin.homotopy.curve import SAME, Curve, Planes
 from pmjac_pin.homotopy.machines import Line, Machine
 from pmjac_pin.homotopy.monodromy import STRAIGHT, PlaneSection, random_turn
@@ -49,15 +50,26 @@ class OperationModes:
         How far the trace of each one's points is from a straight line, relative to its terms.
     complete : Completeness
         Whether these sets are whole and no finer ones are, and what this rests on.
+    key : int
+        Of the homotopy whose solutions they are.
     """
 
     sizes: tuple[int, ...]
     labels: tuple[int, ...]
     bends: tuple[float, ...]
     complete: Completeness
+    key: int = 0
 
     def of(self, modes: ComplexModes) -> tuple[int, ...]:
-        """Return the index of the operation mode of each real solution."""
+        """Return the index of the operation mode of each of `modes.real`.
+
+        Raises
+        ------
+        ArgumentError
+            They are no `ComplexModes` of the same homotopy.
+        """
+        if getattr(modes, "key", None) != self.key:
+            raise ArgumentError("operation modes are known of the same homotopy's ComplexModes")
         return tuple(self.labels[index] for index in modes.generic)
 
     def __len__(self) -> int:

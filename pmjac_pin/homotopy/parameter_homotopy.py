@@ -15,26 +15,33 @@ References
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import ArgumentError
 from pmjac_pin.homotopy.complex_modes import ComplexModes
 from pmjac_pin.homotopy.curve import SAME, Curve, Planes
 from pmjac_pin.homotopy.endpoints import proven, told_real
 from pmjac_pin.homotopy.machines import ClosedForm, Line, Machine, Machines
-from pmjac_pin.homotopy.monodromy import STRAIGHT, PlaneSection, all_points, random_turn
+from pmjac_pin.homotopy.monodromy import (
+    STRAIGHT,
+    PlaneSection,
+    all_points,
+    check_rounds,
+    random_turn,
+)
 from pmjac_pin.homotopy.operation_modes import OperationModes, find_operation_modes
 from pmjac_pin.homotopy.paths import Ends, led, led_to_end
 from pmjac_pin.homotopy.polynomial_loops import PolynomialLoops
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.modes.assembly_modes import Completeness
 from pmjac_pin.modes.closed_pose import closed_pose, generator, order
-
-if TYPE_CHECKING:
-    from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.modes.recognition import Recognition
+from pmjac_pin.read_only import read_only
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -42,6 +49,8 @@ Index = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 
 _MET = 1e-7  # rows left out that hold
+_NEAR = 100.0  # characteristic lengths, cosines ...: real poses are nearer
+_SINGULAR = 1e-4  # smallest relative singular value of K* beside which home is not asked for
 _TRIES = 4  # of ways to lead all points to one machine
 
 
@@ -53,15 +62,18 @@ class ParameterHomotopy:
     ----------
     mechanism : Mechanism
     count : int
-        Solutions at almost all motor values, complex ones too; of quaternions with opposite
-        signs one counts.
+        Solutions at almost all motor values, complex ones too, but for those farther than 100
+        characteristic lengths; of quaternions with opposite signs one counts.
     degree : int
-        Of the curve whose points were found by monodromy.
+        Of the curve of machines whose points were found by monodromy: it has more points in a
+        plane than the mechanism has solutions.
     bend : float
         How far the trace of these points is from a straight line, relative to its terms.
     lost : int
         Paths from these points that neither arrived nor went to infinity: solutions may be
         missing.
+    home_met : bool
+        Whether the home pose is among the ends of paths, as it must be if it is regular.
     """
 
     mechanism: Mechanism
@@ -69,13 +81,14 @@ class ParameterHomotopy:
     degree: int
     bend: float
     lost: int
+    home_met: bool
     _machines: Machines
     _machine: Machine
     _solutions: Complex
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Let it be kept in a file: what the mechanism is made of can be made again."""
-        counts = (self.count, self.degree, self.bend, self.lost)
+        counts = (self.count, self.degree, self.bend, self.lost, self.home_met)
         return _restored, (self.mechanism, counts, self._machine, self._solutions)
 
     def __repr__(self) -> str:
@@ -105,19 +118,24 @@ class ParameterHomotopy:
         loops = self._machines.loops
         ends = led_to_end(Curve(Line(loops, self._machine, machine)), self._solutions)
         met = _solutions_of(loops, machine, ends)
-        x = told_real(loops, machine.p, ends.points[met])
+        near = _near(ends.points[met])
+        infinite = int(ends.to_infinity.sum() + (~near).sum())
+        met = met[near]
+        x = told_real(loops, form.driven, ends.points[met])
         real = np.abs(x.imag).max(axis=1, initial=0.0) == 0.0
         found = self._configurations(form, x[real].real, met[real])
-        infinite = int(ends.to_infinity.sum())
-        certified = int(proven(loops, machine.p, x).sum())
+        certified = int(proven(loops, form.driven, x).sum())
         return ComplexModes(
             real=tuple(configuration for configuration, _ in found),
+            solutions=read_only(x),
+            unknowns=loops.names,
             count=met.size,
             certified=certified,
             at_infinity=infinite,
-            singular=self.count - met.size - infinite,
+            singular=len(self._solutions) - met.size - infinite,
             generic=tuple(index for _, index in found),
             complete=self._completeness(met.size, infinite, certified),
+            key=self._key,
         )
 
     def operation_modes(
@@ -137,9 +155,32 @@ class ParameterHomotopy:
         >>> pj.parameter_homotopy(pj.load("four_bar"), rng=0).operation_modes().sizes
         (2,)
         """
-        return find_operation_modes(
+        check_rounds(most_rounds)
+        found = find_operation_modes(
             self._machines.loops, self._machine, self._solutions, generator(rng), most_rounds
         )
+        complete = self._unsound() or found.complete
+        return replace(found, complete=complete, key=self._key)
+
+    @property
+    def _key(self) -> int:
+        """What tells the solutions of one homotopy from those of another."""
+        return hash(self._solutions.tobytes())
+
+    def _unsound(self) -> Completeness | None:
+        """Return why solutions of the random machine may be missing, None where none are."""
+        why = ""
+        if self.bend > STRAIGHT:
+            trace = f"the trace of {self.degree} points found by monodromy"
+            why = f"{trace} is bent by {self.bend:.1g}, solutions are missing"
+        elif self.lost:
+            why = (
+                f"of {self.degree} paths to random motor values {self.lost} end at solutions "
+                "that are not isolated, or are lost"
+            )
+        elif not self.home_met:
+            why = "no path ends at the home pose, solutions are missing"
+        return Completeness("neither", f"neither: {why}", 1.0, math.nan) if why else None
 
     def _configurations(
         self, form: ClosedForm, x: Array, generic: Index
@@ -154,26 +195,20 @@ class ParameterHomotopy:
         return sorted(found, key=lambda pair: order(pair[0], length))
 
     def _completeness(self, met: int, infinite: int, certified: int) -> Completeness:
-        trace = f"monodromy; the trace of {self.degree} points is"
-        if self.bend > STRAIGHT:
-            statement = f"neither: {trace} bent by {self.bend:.1g}, solutions are missing"
-            return Completeness("neither", statement, 1.0, math.nan)
-        if self.lost:
-            statement = (
-                f"neither: of {self.degree} paths to random motor values {self.lost} end at "
-                "solutions that are not isolated, or are lost"
-            )
-            return Completeness("neither", statement, 1.0, math.nan)
-        singular = self.count - met - infinite
-        kind: Literal["neither", "tolerance"] = "neither" if singular else "tolerance"
-        ends = [f"{met} end at isolated solutions, {certified} of which are proven"]
+        if (unsound := self._unsound()) is not None:
+            return unsound
+        total = len(self._solutions)
+        singular = total - met - infinite
+        settled = not singular and certified == met
+        ends = [f"{met} end at solutions, {certified} of them proven to be there and isolated"]
         if infinite:
-            ends.append(f"{infinite} at infinity")
+            ends.append(f"{infinite} at infinity or far away")
         if singular:
             ends.append(f"{singular} at singular solutions, or are lost")
+        kind: Literal["neither", "tolerance"] = "tolerance" if settled else "neither"
         statement = (
-            f"{kind}: of {self.count} paths of complex solutions ({trace} straight to "
-            f"{self.bend:.1g}) {', '.join(ends)}"
+            f"{kind}: of {total} paths of complex solutions (monodromy; the trace of {self.degree} "
+            f"points is straight to {self.bend:.1g}) {', '.join(ends)}"
         )
         return Completeness(kind, statement, 0.0, math.nan)
 
@@ -211,6 +246,9 @@ def parameter_homotopy(
     >>> homotopy.count, homotopy.degree
     (2, 4)
     """
+    if not isinstance(mechanism, Mechanism):
+        raise ArgumentError(f"a Mechanism is wanted, got {type(mechanism).__name__}")
+    check_rounds(most_rounds)
     machines, random = Machines(mechanism), generator(rng)
     loops = machines.loops
     target = machines.home.near(random)
@@ -221,16 +259,31 @@ def parameter_homotopy(
     shut = _at_start(section, random)
     ends = led_to_end(Curve(Line(loops, start, target)), shut.points[shut.arrived, :-1])
     solutions = ends.points[_solutions_of(loops, target, ends)]
-    return ParameterHomotopy(
+    found = ParameterHomotopy(
         mechanism=mechanism,
-        count=len(solutions),
+        count=int(_near(solutions).sum()),
         degree=len(section.points),
         bend=bend,
         lost=shut.lost + ends.lost,
+        home_met=True,
         _machines=machines,
         _machine=target,
         _solutions=solutions,
     )
+    return replace(found, home_met=_meets_home(found))
+
+
+def _meets_home(homotopy: ParameterHomotopy) -> bool:
+    """Tell whether the home pose is an end of a path; a singular one need not be."""
+    home = homotopy.mechanism.home
+    if home.singularity().smallest < _SINGULAR:
+        return True
+    return Recognition(homotopy.at(home.actuated).real).index(home) is not None
+
+
+def _near(x: Complex) -> Mask:
+    """Tell which solutions (m, n) are not far away."""
+    return np.asarray(np.abs(x).max(axis=1, initial=0.0) <= _NEAR)
 
 
 def _at_start(section: PlaneSection, rng: np.random.Generator) -> Ends:
@@ -247,7 +300,7 @@ def _at_start(section: PlaneSection, rng: np.random.Generator) -> Ends:
 
 def _restored(
     mechanism: Mechanism,
-    counts: tuple[int, int, float, int],
+    counts: tuple[int, int, float, int, bool],
     machine: Machine,
     solutions: Complex,
 ) -> ParameterHomotopy:

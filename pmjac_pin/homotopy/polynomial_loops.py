@@ -9,7 +9,7 @@ rounding are zero.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -83,8 +83,8 @@ class PolynomialLoops:
     Parameters
     ----------
     problem : SearchProblem
-    rods : int
-        So many loops, the last ones, are rods whose length² is a parameter: legs with motors.
+    rods : sequence of int
+        The closures that are rods whose length² is a parameter: legs with motors.
 
     Attributes
     ----------
@@ -101,7 +101,7 @@ class PolynomialLoops:
         Idle motions, geared joints: what has no isolated solutions or no polynomials.
     """
 
-    def __init__(self, problem: SearchProblem, rods: int) -> None:
+    def __init__(self, problem: SearchProblem, rods: Sequence[int]) -> None:
         self.length = problem.length
         edges, passive = edges_of(problem.model), [edge.name for _, edge in problem.passive]
         self._joints = joint_unknowns(problem.model, edges, passive, problem.length)
@@ -117,13 +117,13 @@ class PolynomialLoops:
             raise ArgumentError(f"{problem.model.name}: no homotopy for this mechanism: {why}")
         self._home = self.unknowns(problem.base[None])[0]
         driven = max((joint.columns.stop for joint in self._joints), default=0)
-        size = driven + rods + self.rows + 1
+        size = driven + len(rods) + self.rows + 1
         context = fmpq_mpoly_ctx.get([f"v{index}" for index in range(size)], Ordering.degrevlex)
         variables = symbols(context.gens())
         rows, turned_over = self._equations(problem, variables, driven, rods)
         units = [(variables[unit] * variables[unit]).sum() - 1 for unit in self._units]
         units += [(variables[own][:4] * variables[own][4:]).sum() for own in self._free]
-        gaps = variables[driven + rods : -1]
+        gaps = variables[driven + len(rods) : -1]
         shut = [rows[kept_row] + gap for kept_row, gap in zip(kept, gaps, strict=True)]
         self._table = PolynomialTable(
             [_homogeneous(one, context, self.count) for one in (*units, *shut)], size
@@ -150,10 +150,12 @@ class PolynomialLoops:
         by_x = (slopes[:, :, : self.count], slopes[:, :, -1:])
         return values, np.concatenate([*by_x, along], axis=2)
 
-    def in_balls(self, x: Numbers, p: Numbers) -> tuple[Numbers, Numbers]:
-        """Return enclosures of F (count,) and of its derivatives by x, over balls; h = 1, γ = 0."""
+    def in_balls(self, x: Numbers, driven: Numbers) -> tuple[Numbers, Numbers]:
+        """Return enclosures of F (count,) and of its derivatives by x, over balls; h = 1, γ = 0.
+
+        `driven` are the motors' numbers, as `driven_balls` gives them, and the rods' lengths².
+        """
         rest = np.array([acb(0)] * self.rows + [acb(1)], dtype=object)
-        driven = self._driven(p[None])[0]
         values, slopes = self._table.in_balls(np.concatenate([x, driven, rest]))
         return values, slopes[:, : self.count]
 
@@ -173,6 +175,11 @@ class PolynomialLoops:
         rest[:, -1] = 1.0
         return np.hstack([x, self._driven(p), rest])
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What each unknown is."""
+        return tuple(name for joint in self._passive for name in joint.names)
+
     def unknowns(self, q: Array) -> Complex:
         """Return x of real poses, rows of q."""
         x = np.zeros((len(q), self.count), dtype=complex)
@@ -184,6 +191,11 @@ class PolynomialLoops:
         """Return the motors' parameters at one q; those of rods are not among them."""
         return np.array([joint.parameter(q) for joint in self._motors], dtype=complex)
 
+    def driven_balls(self, q: Array) -> Numbers:
+        """Return enclosures of the motors' numbers at one q."""
+        balls = [ball for joint in self._motors for ball in joint.balls(q)]
+        return np.array(balls, dtype=object)
+
     def poses(self, x: Array, base: Array) -> Array:
         """Return rows of q: `base` with the passive joints of real solutions."""
         q = np.tile(base, (len(x), 1))
@@ -191,7 +203,7 @@ class PolynomialLoops:
             joint.put(x, q)
         return q
 
-    def twins(self, x: Complex) -> list[Complex]:
+    def twins(self, x: Numbers) -> list[Numbers]:
         """Return x with the signs of its quaternions turned in every combination."""
         found = [x]
         for joint in self._passive:
@@ -230,10 +242,11 @@ class PolynomialLoops:
         return np.column_stack([*columns, rate[:, len(self._motors) :]])
 
     def _equations(
-        self, problem: SearchProblem, variables: Symbols, driven: int, rods: int
+        self, problem: SearchProblem, variables: Symbols, driven: int, rods: Sequence[int]
     ) -> tuple[list[fmpq_mpoly], list[fmpq_mpoly]]:
         """Return all rows of η, and what is 0 at a closed pose and not at half a turn."""
-        bodies, plain = self._bodies(variables), len(problem.closures) - rods
+        bodies = self._bodies(variables)
+        lengths = {loop: variables[driven + place] for place, loop in enumerate(rods)}
         rows: list[fmpq_mpoly] = []
         turned_over: list[fmpq_mpoly] = []
         for index, loop in enumerate(problem.closures):
@@ -242,10 +255,10 @@ class PolynomialLoops:
                 raise ArgumentError(f"{problem.model.name}: no homotopy for this mechanism: {why}")
             frames = [find_frame(problem.model, name) for name in loop.frames]
             one, other = (bodies[frame.joint].at(frame.placement, self.length) for frame in frames)
-            rod = variables[driven + index - plain] if index >= plain else None
             for block in loop_blocks(loop, problem.values):
                 if isinstance(block, Distance):
-                    square = rod or _rational(block.length / self.length) ** 2
+                    fixed = _rational(block.length / self.length) ** 2
+                    square = lengths.get(index, fixed)
                     ends = (one, other) if one.floating or not other.floating else (other, one)
                     rows.append(ends[0].rod(ends[1], square, self.length))
                     continue

@@ -70,16 +70,36 @@ class Signatures:
 
 
 def _idle_motions(problem: SearchProblem, rows: Array) -> tuple[Array, int]:
-    """Return the null space of K* (nv, k) at the row where it is smallest, and that row."""
-    _, jacobian = problem.loops.evaluate(rows[:_TRIED])
-    scale = problem.column_scale[problem.columns]
-    K_star = jacobian[:, :, problem.columns] * problem.row_scale[:, None] * scale
-    _, values, right = np.linalg.svd(K_star)
-    ranks = (values > RANK_TOLERANCE * values.max(axis=1, initial=1e-300)[:, None]).sum(axis=1)
+    """Return the null space of K* (nv, k) at the row where it is smallest, and that row.
+
+    Not more of it than idles at every pose: all rows may be beside a singularity.
+    """
+    _, values, right = np.linalg.svd(scaled_passive(problem, rows[:_TRIED]))
+    ranks = _ranks(values)
     row = int(np.argmax(ranks))
-    idle = np.zeros((problem.column_scale.size, problem.columns.size - ranks[row]))
-    idle[problem.columns] = scale[:, None] * right[row, ranks[row] :].T
+    rank = max(int(ranks[row]), problem.columns.size - problem.idle)
+    idle = np.zeros((problem.column_scale.size, problem.columns.size - rank))
+    scale = problem.column_scale[problem.columns]
+    idle[problem.columns] = scale[:, None] * right[row, rank:].T
     return idle, row
+
+
+def isolated(problem: SearchProblem, rows: Array) -> NDArray[np.bool_]:
+    """Tell at which closed poses (b, nq) nothing moves but what idles at every pose."""
+    values: Array = np.linalg.svd(scaled_passive(problem, rows), compute_uv=False)
+    return np.asarray(_ranks(values) >= problem.columns.size - problem.idle)
+
+
+def scaled_passive(problem: SearchProblem, rows: Array) -> Array:
+    """Return K* (b, p, m_p), dimensionless, at rows of q."""
+    _, jacobian = problem.loops.evaluate(rows)
+    scale = problem.column_scale[problem.columns]
+    return np.asarray(jacobian[:, :, problem.columns] * problem.row_scale[:, None] * scale)
+
+
+def _ranks(values: Array) -> Array:
+    largest = values.max(axis=1, initial=1e-300)[:, None]
+    return np.asarray((values > RANK_TOLERANCE * largest).sum(axis=1))
 
 
 class Distinct:

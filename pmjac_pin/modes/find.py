@@ -51,8 +51,9 @@ def find_modes(
     censuses = [one for one in _censuses(mechanism, values, limits, aim) if one.whole]
 
     def judged() -> tuple[list[_Found], Completeness | None]:
-        rows = [with_legs(parts, legs, problem, base, q) for q in search.met.q]
-        found = _closed(mechanism, rows, search.shares, limits)
+        met = search.modes()
+        rows = [with_legs(parts, legs, problem, base, q) for q, _ in met]
+        found = _closed(mechanism, rows, [share for _, share in met], limits)
         return _settled(mechanism, found, censuses, limits)
 
     found, complete = judged() if censuses else ([], None)
@@ -75,8 +76,8 @@ def _censuses(mechanism: Mechanism, values: Array, limits: bool, aim: Aim) -> It
     if aim.proof:
         yield ProofCensus(mechanism, prove(mechanism._parts, values, limits))
     if aim.homotopy is not None:
-        if aim.homotopy.mechanism is not mechanism:
-            raise ArgumentError("the homotopy is that of another mechanism")
+        if getattr(aim.homotopy, "mechanism", None) != mechanism:
+            raise ArgumentError("homotopy is that of another mechanism, or none at all")
         yield HomotopyCensus(mechanism, aim.homotopy.at(values), limits)
 
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.errors import ArgumentError
 from pmjac_pin.modes.aim import Aim
 from pmjac_pin.modes.assembly_modes import Completeness
-from pmjac_pin.modes.distinct import Distinct, Signatures
+from pmjac_pin.modes.distinct import Distinct, Signatures, isolated
 from pmjac_pin.modes.search import ManyClosures, unseen_share
 from pmjac_pin.modes.search_problem import SearchProblem
 from pmjac_pin.modes.starts import StartSpace
@@ -27,27 +26,28 @@ class RandomSearch:
     met : Distinct
     starts : int
         Tried so far.
+    moving : bool
+        The loops move with all motors locked: poses without end were met. Those that are
+        separate from that motion are left in `modes`.
     """
 
     def __init__(self, problem: SearchProblem, space: StartSpace, rng: np.random.Generator) -> None:
         self._closures, self._space, self._rng = ManyClosures(problem), space, rng
         self.met = Distinct(Signatures.of(problem, problem.base[None]))
         self.starts = 0
+        self.moving = False
         self._in_a_row, self._question = 0, 0
 
-    @property
-    def shares(self) -> list[float]:
-        """The share of the starts that led to each pose."""
-        return [hits / self.starts for hits in self.met.hits]
+    def modes(self) -> list[tuple[Array, float]]:
+        """Return the poses that are modes, each with the share of the starts that led there."""
+        modes = [(q, hits / self.starts) for q, hits in zip(self.met.q, self.met.hits, strict=True)]
+        if not self.moving:
+            return modes
+        separate = isolated(self._closures.problem, np.array(self.met.q))
+        return [mode for mode, alone in zip(modes, separate, strict=True) if alone]
 
     def run(self, count: int) -> None:
-        """Try that many further starts.
-
-        Raises
-        ------
-        ArgumentError
-            Poses without end: the loops move with all motors locked.
-        """
+        """Try that many further starts."""
         closed = self._closures.closed(self._space.draw(self._rng, count))
         if not self.starts:
             self.met = Distinct(Signatures.of(self._closures.problem, closed))
@@ -57,18 +57,24 @@ class RandomSearch:
             self._in_a_row, self._question = 0, self._question + 1
         else:
             self._in_a_row += count
-        if len(self.met.q) > _MOST_MODES:
-            why = f"{_MOST_MODES} poses were met, as where the loops move with all motors locked"
-            raise ArgumentError(f"there are no separate assembly modes here: {why}")
+        self.moving = len(self.met.q) > _MOST_MODES
 
     def until(self, aim: Aim) -> None:
         """Go on until the aim is met, or its budget is spent."""
         while self.starts < aim.most_starts and self._bound(aim) > aim.unseen and aim.wanted():
             self.run(_BATCH)
+            if self.moving:
+                break
 
     def completeness(self, aim: Aim) -> Completeness:
         """Return what the search alone says about what it may have missed."""
         bound = self._bound(aim)
+        if self.moving:
+            statement = (
+                "neither proof nor statistics: the loops also move with all motors locked, and "
+                f"{len(self.met.q) - len(self.modes())} poses of that motion are left out"
+            )
+            return Completeness("neither", statement, 1.0, aim.confidence)
         if bound <= aim.unseen:
             statement = (
                 f"statistics: with confidence {aim.confidence:g}, at most {bound:.2g} of the "

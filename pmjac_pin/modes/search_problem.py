@@ -48,6 +48,8 @@ class SearchProblem:
         As in `Partition`.
     length : float
         The characteristic length, m.
+    idle : int
+        The most degrees of freedom that can idle at every pose.
     """
 
     model: pin.Model
@@ -61,6 +63,7 @@ class SearchProblem:
     row_scale: Array
     column_scale: Array
     length: float
+    idle: int
 
 
 def search_problem(parts: Parts, base: Array) -> tuple[SearchProblem, list[Leg]]:
@@ -107,7 +110,8 @@ def _without(parts: Parts, legs: list[Leg], base: Array) -> tuple[pin.Model, Seq
 
 
 def _problem(parts: Parts, model: pin.Model, loops: Sequence[Loop], base: Array) -> SearchProblem:
-    coordinates, length = JointCoordinates(model), parts.problem.partition.length
+    partition = parts.problem.partition
+    coordinates, length = JointCoordinates(model), partition.length
     edges = edges_of(model)
     passive = [name for name in edges if name not in parts.spec.actuated]
     tree = ManyPoses(model)
@@ -127,6 +131,7 @@ def _problem(parts: Parts, model: pin.Model, loops: Sequence[Loop], base: Array)
         row_scale=LoopSystem(model, loops, parts.values).row_scale(length),
         column_scale=np.where(coordinates.rotational, 1.0 / length, 1.0),
         length=length,
+        idle=partition.passive.size - partition.passive_rank,
     )
 
 

@@ -74,7 +74,7 @@ class StartSpace:
 
 def _turn(edge: Edge) -> tuple[Array, Array]:
     lower, upper = edge.limits or (-np.inf, np.inf)
-    if np.all(upper - lower < 2.0 * np.pi):
+    if np.all(upper / 2.0 - lower / 2.0 < np.pi):
         return np.asarray(lower), np.asarray(upper)
     return np.array([-np.pi]), np.array([np.pi])
 
