@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
-import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -127,23 +124,25 @@ def test_they_are_those_of_one_homotopy():
 
 
 def parallelogram(last):
-    """Two cranks of length 1, 3 apart; the coupler's rod is a ball with a hook, or a distance."""
-    joints = [
-        ("left", "revolute", "base", "crank", (0, 0, 0), (0, 0, 1)),
-        ("right", "revolute", "base", "rocker", (3, 0, 0), (0, 0, 1)),
-        ("tip", "fixed", "crank", "crank_end", (1, 0, 0)),
-        ("top", "fixed", "rocker", "rocker_end", (1, 0, 0)),
-    ]
-    home = {"left": 1.0, "right": 1.0}
-    loop = pj.DistanceLoop(frames=("crank_end", "rocker_end"), length=3.0)
+    """Cranks of length 1, 3 apart; the coupler is a ball and a point loop, or a distance."""
+
+    def place(*xyz):
+        return pin.SE3(np.eye(3), np.array(xyz, float))
+
+    model = pin.Model()
+    crank = model.addJoint(0, pin.JointModelRZ(), place(0, 0, 0), "left")
+    home, coupler = {"left": 1.0, "right": 1.0}, crank
     if last == "ball":
-        joints += [
-            ("ball", "spherical", "crank_end", "coupler", (0, 0, 0)),
-            ("hook", "fixed", "coupler", "coupler_end", (3, 0, 0)),
-        ]
-        loop = pj.PointLoop(frames=("coupler_end", "rocker_end"))
-        home["ball"] = [0.0, 0.0, -math.sin(0.5), math.cos(0.5)]
-    return mechanisms.build(joints, [loop], ["left"], "rocker_end", home)
+        coupler = model.addJoint(crank, pin.JointModelSpherical(), place(1, 0, 0), "ball")
+    reach = place(3, 0, 0) if last == "ball" else place(1, 0, 0)
+    rocker = model.addJoint(0, pin.JointModelRZ(), place(3, 0, 0), "right")
+    kind = pin.FrameType.OP_FRAME
+    model.addFrame(pin.Frame("coupler_tip", coupler, 0, reach, kind))
+    model.addFrame(pin.Frame("rocker_tip", rocker, 0, place(1, 0, 0), kind))
+    frames = ("coupler_tip", "rocker_tip")
+    rod = pj.DistanceLoop(frames=frames, length=3.0)
+    loop = pj.PointLoop(frames=frames) if last == "ball" else rod
+    return pj.Mechanism.from_pinocchio(model, [loop], ["left"], "rocker_tip", home=home)
 
 
 @pytest.mark.parametrize("last", ["ball", "distance"])

@@ -86,7 +86,7 @@ def _idle_motions(problem: SearchProblem, rows: Array) -> tuple[Array, int]:
 
 def isolated(problem: SearchProblem, rows: Array) -> NDArray[np.bool_]:
     """Tell at which closed poses (b, nq) nothing moves but what idles at every pose."""
-    values: Array = np.linalg.svd(scaled_passive(problem, rows), compute_uv=False)
+    values = np.asarray(np.linalg.svd(scaled_passive(problem, rows), compute_uv=False), float)
     return np.asarray(_ranks(values) >= problem.columns.size - problem.idle)
 
 
