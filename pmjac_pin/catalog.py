@@ -8,6 +8,7 @@ from pathlib import Path
 
 from pmjac_pin.errors import ArgumentError, ModelFileError, UnknownNameError, did_you_mean
 
+SUFFIXES = (".toml", ".urdf", ".sdf", ".xml", ".mjcf")  # of files that tell of a mechanism
 _EXAMPLE_ROBOTS = "example-robot-data:"
 
 
@@ -26,7 +27,7 @@ def list_mechanisms() -> tuple[str, ...]:
 def find_model_file(name_or_path: str | Path) -> Path:
     """Return the model file that a name of the catalogue or a path stands for.
 
-    Anything with a separator or the suffix ``.toml`` is a path; so is every Path.
+    Anything with a separator or one of `SUFFIXES` is a path; so is every Path.
 
     Raises
     ------
@@ -40,7 +41,7 @@ def find_model_file(name_or_path: str | Path) -> Path:
         raise ArgumentError(f"{wanted} expected, got {name_or_path!r}")
     path = Path(name_or_path).expanduser()
     separated = {"/", os.sep} & set(str(name_or_path))
-    if isinstance(name_or_path, Path) or path.suffix == ".toml" or separated:
+    if isinstance(name_or_path, Path) or path.suffix.lower() in SUFFIXES or separated:
         return path
     names = list_mechanisms()
     if path.name in names:

@@ -31,7 +31,7 @@ def modes_blocks(report: ModesReport) -> Iterator[Block]:
         yield _tools(report)
     yield Paragraph(f"Complete? {report.complete.statement}.")
     if report.solutions is not None:
-        yield from _solutions(report.solutions)
+        yield from _solutions(report.solutions, report.complete.statement)
 
 
 def modes_title(report: ModesReport) -> str:
@@ -56,18 +56,18 @@ def count(report: ModesReport) -> str:
     return f"{found or 'No'} assembly mode{'s' * (found != 1)} {within}."
 
 
-def _solutions(found: SolutionsReport) -> Iterator[Block]:
+def _solutions(found: SolutionsReport, complete: str) -> Iterator[Block]:
     """Say how many solutions there are over the complex numbers, and how they hang together."""
-    yield Paragraph(
-        f"Over the complex numbers there are {found.count} solutions, {found.certified} of them "
-        f"proven to be there, and {found.real} of them real, limits left aside "
-        f"({found.statement})."
-    )
+    many = "is 1 solution" if found.count == 1 else f"are {found.count} solutions"
+    text = f"Over the complex numbers there {many}; {found.real} real, limits left aside; "
+    text += f"{found.certified} proven to be there"
+    # Where it settles the modes, its statement has just been made.
+    yield Paragraph(text + ("." if found.statement == complete else f" ({found.statement})."))
     if found.operation_modes:
         sizes = ", ".join(map(str, found.operation_modes))
         yield Paragraph(
-            f"Operation modes, by how many of all solutions they have: {sizes} "
-            f"({found.operation_statement})."
+            "Operation modes, by how many of the solutions at almost all motor values they have: "
+            f"{sizes} ({found.operation_statement})."
         )
 
 
@@ -110,8 +110,10 @@ def _names(mode: ModeReport) -> str:
 
 def _tools(report: ModesReport) -> Table:
     rotations = Rotation.from_matrix([mode.tool.rotation for mode in report.modes])
-    places = numbers([mode.tool.position for mode in report.modes])
-    turns = numbers(rotations.as_rotvec())
+    places = numbers(
+        [mode.tool.position for mode in report.modes], size=report.characteristic_length
+    )
+    turns = numbers(rotations.as_rotvec(), size=1.0)
     rows = zip(report.modes, places, turns, strict=True)
     return Table(
         "Tool in the world: its place, and the turn from the world's axes (angle times axis)",

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import msgspec
 
-from pmjac_pin.catalog import find_urdf
+from pmjac_pin.catalog import SUFFIXES, find_urdf
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.formats.extended_urdf import closure_yaml_beside, read_extended_urdf
 from pmjac_pin.formats.foreign_model import ForeignModel, check_frame, check_motors
@@ -18,8 +18,6 @@ from pmjac_pin.formats.sdf import read_sdf
 from pmjac_pin.model_file import read_model_file
 from pmjac_pin.spec import MechanismSpec, Tool
 from pmjac_pin.urdf import Urdf, read_urdf
-
-SUFFIXES = (".toml", ".urdf", ".sdf", ".xml", ".mjcf")
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,6 @@ import pickle
 
 import mechanisms
 import numpy as np
-import pinocchio as pin
 import pytest
 from test_modes import LECTURE_A, LECTURE_B, angles, same_sets
 
@@ -200,37 +199,6 @@ def test_the_solutions_solve_the_equations(three_rps):
         np.testing.assert_allclose(rest, 0.0, atol=1e-8)
     real = np.abs(found.solutions.imag).max(axis=1) == 0.0
     assert real.sum() == len(found.real) == 8
-
-
-def seven_hinges(kind):
-    """A general loop of seven hinges, or a general arm of six whose tool is held."""
-    rng = np.random.default_rng(5)
-    model, joint = pin.Model(), 0
-    for index in range(6):
-        turn = pin.utils.rotate("x", rng.uniform(0.5, 1.5)) @ pin.utils.rotate("z", rng.uniform())
-        place = pin.SE3(turn, rng.uniform(-1, 1, 3))
-        joint = model.addJoint(joint, pin.JointModelRZ(), place, f"q{index}")
-    q = rng.uniform(-1, 1, 6)
-    data = model.createData()
-    pin.forwardKinematics(model, data, q)
-    tip = pin.SE3(pin.utils.rotate("x", 0.8), rng.uniform(-0.5, 0.5, 3))
-    model.addFrame(pin.Frame("tip", joint, 0, tip, pin.FrameType.OP_FRAME))
-    base = pin.Frame("base", 0, 0, data.oMi[joint] * tip, pin.FrameType.OP_FRAME)
-    model.addFrame(base)
-    loop = pj.RevoluteLoop(frames=("tip", "base"), axis=(0, 0, 1))
-    return pj.Mechanism.from_pinocchio(model, [loop], ["q0"], "tip", home=q, name=kind)
-
-
-@pytest.mark.slow
-def test_sixteen_of_a_general_loop_of_seven_hinges():
-    """The classical count; solutions of t · a = 0 half a turn away are not among them."""
-    mechanism = seven_hinges("7R")
-    homotopy = pj.parameter_homotopy(mechanism, rng=2)
-    assert homotopy.count == 16
-    found = homotopy.at(mechanism.home.actuated)
-    assert (found.count, found.certified, found.complete.kind) == (16, 16, "tolerance")
-    modes = mechanism.assembly_modes(mechanism.home.actuated, rng=0, limits=False)
-    assert len(modes) == len(found.real)
 
 
 @pytest.mark.parametrize("name", ["three_rps_ss", "delta_rods"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import mechanisms
 import numpy as np
+import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
@@ -77,15 +78,29 @@ def test_random_unknowns_have_unit_length(name, rng):
     assert np.abs(values[0, : loops.count - loops.rows]).max(initial=0.0) <= 1e-12
 
 
-def test_half_a_turn_is_no_closure():
-    """A hinge loop turned over solves t·a = 0, and is told apart."""
-    mechanism = pj.load("bricard")
+@pytest.mark.parametrize("loop", [pj.RevoluteLoop, pj.FrameLoop])
+def test_half_a_turn_is_no_closure(loop):
+    """A hinge across the loop's axis solves t·a = 0, or R = Rᵀ, at 0 and at half a turn."""
+    model = pin.Model()
+    motor = model.addJoint(0, pin.JointModelPZ(), pin.SE3.Identity(), "motor")
+    hinge = model.addJoint(motor, pin.JointModelRX(), pin.SE3.Identity(), "hinge")
+    for name, joint in (("on_motor", motor), ("on_hinge", hinge)):
+        model.addFrame(pin.Frame(name, joint, 0, pin.SE3.Identity(), pin.FrameType.OP_FRAME))
+    mechanism = pj.Mechanism.from_pinocchio(
+        model, [loop(frames=("on_hinge", "on_motor"))], ["motor"], "on_hinge", home=np.zeros(2)
+    )
+    homotopy = pj.parameter_homotopy(mechanism, rng=0)
+    assert homotopy.count == 1
+    [mode] = homotopy.at([0.2]).real
+    np.testing.assert_allclose(mode.q, [0.2, 0.0], atol=1e-12)
     machines = Machines(mechanism)
-    machine, _ = machines.at(mechanism.home.actuated)
-    found = pj.parameter_homotopy(mechanism, rng=0).at(mechanism.home.actuated)
-    assert len(found.real) == len(mechanism.assembly_modes(mechanism.home.actuated, rng=0))
-    x = machines.loops.unknowns(mechanism.home.q[None])
-    assert machines.loops.unmet(x, machine.p).max() <= 1e-9
+    machine, _ = machines.at([0.2])
+    x = machines.loops.unknowns(np.array([[0.2, 0.0], [0.2, np.pi]]))
+    numbers = np.tile(machine.numbers, (2, 1))
+    values, _ = machines.loops.evaluate(np.hstack([x, np.ones((2, 1))]), numbers, 0 * numbers)
+    assert np.abs(values).max() <= 1e-12
+    closed, turned_over = machines.loops.unmet(x, machine.p)
+    assert (closed <= 1e-12, turned_over >= 1.9) == (True, True)
 
 
 @pytest.mark.parametrize(

@@ -47,7 +47,10 @@ class Search:
     ] = 200_000
     no_proof: Annotated[bool, Parameter(help="Leave it at the search's statistics.")] = False
     homotopy: Annotated[
-        bool, Parameter(help="Count all complex solutions, too: seconds to minutes.")
+        bool,
+        Parameter(
+            help="Count all complex solutions, too: seconds, or longer with many passive joints."
+        ),
     ] = False
     operation_modes: Annotated[
         bool, Parameter(help="And tell which of them hang together: longer.")

@@ -144,9 +144,8 @@ def _sorted(
 def _completeness(bends: list[float]) -> Completeness:
     worst = max(bends, default=np.inf)
     if worst < STRAIGHT:
-        statement = (
-            f"tolerance: the traces of the {len(bends)} sets of points are straight to {worst:.1g}"
-        )
+        sets = "its one set" if len(bends) == 1 else f"each of the {len(bends)} sets"
+        statement = f"tolerance: the trace of {sets} of points is straight to {worst:.1g}"
         return Completeness("tolerance", statement, 0.0, math.nan)
     statement = f"neither: the trace of a set of points is bent by {worst:.1g}: it is not whole"
     return Completeness("neither", statement, 1.0, math.nan)
