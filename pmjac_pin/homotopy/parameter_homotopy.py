@@ -102,6 +102,12 @@ class ParameterHomotopy:
         actuated : array_like, shape (n,)
             Motor values, m or rad.
 
+        Returns
+        -------
+        ComplexModes
+            The solutions, the real ones as Configurations; `complete` says what it rests on
+            that these are all.
+
         Raises
         ------
         ArgumentError
@@ -146,8 +152,19 @@ class ParameterHomotopy:
         Parameters
         ----------
         rng : numpy.random.Generator or int
+            For planes and paths; a seed makes a generator.
         most_rounds : int
-            Of closed paths, after which it gives up.
+            Of closed paths, after which it gives up; `complete` then says so.
+
+        Returns
+        -------
+        OperationModes
+            Sets of solutions, the largest first.
+
+        Raises
+        ------
+        ArgumentError
+            `most_rounds` is no whole number ≥ 1.
 
         Examples
         --------
@@ -225,14 +242,20 @@ def parameter_homotopy(
     ----------
     mechanism : Mechanism
     rng : numpy.random.Generator or int
+        For the machine, planes and paths; a seed makes a generator.
     most_rounds : int
         Of closed paths, after which the search for more solutions gives up; the trace then
         tells that some are missing.
 
+    Returns
+    -------
+    ParameterHomotopy
+
     Raises
     ------
     ArgumentError
-        Idle motions, geared joints, motors of several degrees of freedom.
+        Idle motions, geared joints, motors of several degrees of freedom, or more of them than
+        can be moved one by one.
 
     References
     ----------
