@@ -267,7 +267,7 @@ def trapezoid_rates(q_A):
 
 
 def test_4r4p_of_acrod():
-    """ACRoD (pypi.org/project/acrod), its example of a planar 4R-4P serial-parallel robot.
+    """ACRoD (the package `acrod`), its example of a planar 4R-4P serial-parallel robot.
 
     Links 1 (base) to 7 (tool). d₁₂ and d₁₃ slide links 2 and 3 on the base, d₂₄ and d₃₄ slide
     link 4 on these; φ is a slide's angle from x. θ₄₅ turns link 5 on link 4, r a hinge's place;
