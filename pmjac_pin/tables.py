@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from pmjac_pin.blocks import Block, Heading, Paragraph, Table, brief, matrix_table, number, numbers
@@ -108,9 +109,17 @@ def ellipsoid_blocks(report: Report, names: tuple[str, ...]) -> Iterator[Block]:
 
 
 def ellipsoid_table(heading: str, ellipsoid: EllipsoidReport) -> Table:
-    """Show an ellipsoid: one principal axis a row."""
+    """Show an ellipsoid: one principal axis a row.
+
+    Where several radii are zero, or infinite, their directions are any in a plane or in space.
+    """
     radii = numbers([ellipsoid.radii])[0]
-    rows = zip(radii, numbers(ellipsoid.directions), strict=True)
+    ends = [radius for radius in ellipsoid.radii if radius in (0.0, math.inf)]
+    directions = [
+        ["-"] * 3 if ends.count(radius) > 1 else axis
+        for radius, axis in zip(ellipsoid.radii, numbers(ellipsoid.directions), strict=True)
+    ]
+    rows = zip(radii, directions, strict=True)
     return Table(
         heading,
         ("axis", f"radius\n[{ellipsoid.unit}]", "direction\nx", "\ny", "\nz"),

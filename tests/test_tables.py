@@ -14,7 +14,13 @@ from rich.console import Console
 import pmjac_pin as pj
 from pmjac_pin.blocks import Heading, Paragraph, Table, Verbatim, brief, number, numbers
 from pmjac_pin.report_maker import make_report
-from pmjac_pin.tables import TITLES, matrix_blocks, report_blocks, singular_values_table
+from pmjac_pin.tables import (
+    TITLES,
+    ellipsoid_table,
+    matrix_blocks,
+    report_blocks,
+    singular_values_table,
+)
 from pmjac_pin.terminal import draw, new_console, one_line, to_ascii, write
 
 LONG = "the_joint_that_somebody_gave_a_name_of_far_more_than_eighty_characters_in_one_word_alone_99"
@@ -203,3 +209,12 @@ def test_no_color(monkeypatch, no_color, colored):
     with console.capture() as capture:
         draw(console, [Heading("title"), table(2)])
     assert ("\x1b[" in capture.get()) is colored
+
+
+def test_directions_that_are_any_are_not_shown():
+    """A Delta's plate never turns: three radii are zero, and have no directions."""
+    home = pj.load("delta").home
+    table = ellipsoid_table("turning", make_report(home).ellipsoids["angular"])
+    assert [row[2:] for row in table.rows] == [("-", "-", "-")] * 3
+    velocity = ellipsoid_table("moving", make_report(home).ellipsoids["velocity"])
+    assert all("-" not in row[2:] for row in velocity.rows)
