@@ -9,13 +9,11 @@ rounding are zero.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 import pinocchio as pin
-from flint import Ordering, acb, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+from flint import Ordering, acb, fmpq_mpoly, fmpq_mpoly_ctx
 from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError
@@ -25,12 +23,18 @@ from pmjac_pin.homotopy.joint_unknowns import (
     Numbers,
     Symbols,
     joint_unknowns,
-    quaternion_of_gap,
     symbols,
+)
+from pmjac_pin.homotopy.polynomial_rows import (
+    Place,
+    block_rows,
+    exact,
+    rational,
+    turned_over_rows,
 )
 from pmjac_pin.homotopy.polynomial_table import PolynomialTable
 from pmjac_pin.linkage import edges_of
-from pmjac_pin.loop_rows import Along, Distance, Gap, RightAngle, Rows, Tilt
+from pmjac_pin.loop_rows import Distance
 from pmjac_pin.loop_spec import JointLoop
 from pmjac_pin.loops import loop_blocks
 from pmjac_pin.modes.search_problem import SearchProblem
@@ -40,41 +44,6 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 _SPREAD = 0.3  # of random unknowns about home's
-_ROUNDING = 1e-15  # of an entry of a rotation, which is of size 1
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Place:
-    """A rotation (3, 3) and an origin (3, 1) in polynomials, in characteristic lengths.
-
-    `floating` is, for a frame of a free body, that body's base, its g and e, and where the frame
-    is on the body.
-    """
-
-    turn: Symbols
-    origin: Symbols
-    floating: tuple[_Place, Symbols, Symbols, pin.SE3] | None = None
-
-    def at(self, placement: pin.SE3, length: float) -> _Place:
-        """Return a frame of a body."""
-        shift = _exact(placement.translation[:, None] / length)
-        turn = np.where(np.abs(placement.rotation) < _ROUNDING, 0.0, placement.rotation)
-        floating = self.floating and (*self.floating[:3], self.floating[3] * placement)
-        return _Place(self.turn @ _exact(turn), self.origin + self.turn @ shift, floating)
-
-    def seen_from(self, other: _Place) -> Symbols:
-        """Return this rotation in another's axes."""
-        return np.asarray(other.turn.T @ self.turn)
-
-    def rod(self, other: _Place, square: Any, length: float) -> Any:
-        """Return |gap|² − square, for a free body times |e|² = 1: of lower degree so."""
-        if self.floating is None:
-            gap = self.origin - other.origin
-            return (gap * gap).sum() - square
-        base, g, e, placement = self.floating
-        b = (base.turn.T @ (other.origin - base.origin)).ravel()
-        gap = quaternion_of_gap(g, e, _exact(placement.translation / length), b)
-        return (gap * gap).sum() - square * (e * e).sum()
 
 
 class PolynomialLoops:
@@ -257,17 +226,17 @@ class PolynomialLoops:
             one, other = (bodies[frame.joint].at(frame.placement, self.length) for frame in frames)
             for block in loop_blocks(loop, problem.values):
                 if isinstance(block, Distance):
-                    fixed = _rational(block.length / self.length) ** 2
+                    fixed = rational(block.length / self.length) ** 2
                     square = lengths.get(index, fixed)
                     ends = (one, other) if one.floating or not other.floating else (other, one)
                     rows.append(ends[0].rod(ends[1], square, self.length))
                     continue
-                rows += _rows(block, one, other)
-                turned_over += _turned_over(block, one, other)
+                rows += block_rows(block, one, other)
+                turned_over += turned_over_rows(block, one, other)
         return rows, turned_over
 
-    def _bodies(self, variables: Symbols) -> list[_Place]:
-        origin = _Place(_exact(np.eye(3)), _exact(np.zeros((3, 1))))
+    def _bodies(self, variables: Symbols) -> list[Place]:
+        origin = Place(exact(np.eye(3)), exact(np.zeros((3, 1))))
         bodies = [origin]
         for joint in self._joints:
             edge = joint.edge
@@ -275,7 +244,7 @@ class PolynomialLoops:
             turn, slide = joint.motion(variables)
             own = variables[joint.columns]
             floating = (base, own[:4], own[4:], pin.SE3.Identity())
-            moved = _Place(
+            moved = Place(
                 base.turn @ turn,
                 base.origin + base.turn @ slide,
                 floating if edge.kind == "free" else None,
@@ -284,49 +253,12 @@ class PolynomialLoops:
         return bodies
 
 
-def _rows(block: Rows, one: _Place, other: _Place) -> Iterator[Any]:
-    """Yield the rows of a block."""
-    gap = one.origin - other.origin
-    match block:
-        case Gap():
-            yield from gap.ravel()
-        case Along():
-            yield from (_exact(block.directions) @ other.turn.T @ gap).ravel()
-        case Tilt():
-            axis = one.seen_from(other) @ _exact(block.axis)
-            yield from _exact(block.across) @ axis
-        case RightAngle():
-            yield _exact(block.second) @ one.seen_from(other) @ _exact(block.first)
-        case _:
-            turn = one.turn @ other.turn.T
-            yield from (turn[i, j] - turn[j, i] for i, j in ((2, 1), (0, 2), (1, 0)))
-
-
-def _turned_over(block: Rows, one: _Place, other: _Place) -> Iterator[Any]:
-    match block:
-        case Tilt():
-            axis = _exact(block.axis)
-            yield axis @ one.seen_from(other) @ axis - 1
-        case Gap() | Distance() | Along() | RightAngle():
-            return
-        case _:
-            yield (one.turn @ other.turn.T).trace() - 3
-
-
 def _homogeneous(one: fmpq_mpoly, context: fmpq_mpoly_ctx, unknowns: int) -> fmpq_mpoly:
     """Return a polynomial with each term times hᵏ, so that all have the same degree in (X, h)."""
     terms = {tuple(map(int, powers)): c for powers, c in one.to_dict().items()}
     degree = max((sum(powers[:unknowns]) for powers in terms), default=0)
     raised = {(*powers[:-1], degree - sum(powers[:unknowns])): c for powers, c in terms.items()}
     return context.from_dict(raised)
-
-
-def _exact(numbers: Array) -> Symbols:
-    return np.asarray(np.vectorize(_rational, otypes=[object])(numbers))
-
-
-def _rational(number: float) -> fmpq:
-    return fmpq(*float(number).as_integer_ratio())
 
 
 def _independent_rows(problem: SearchProblem) -> NDArray[np.intp]:
