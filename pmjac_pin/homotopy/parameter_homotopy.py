@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.homotopy.complex_modes import ComplexModes
-from pmjac_pin.homotopy.curve import SAME, Curve, Planes
+from pmjac_pin.homotopy.curve import Curve, Planes
 from pmjac_pin.homotopy.endpoints import proven, told_real
 from pmjac_pin.homotopy.machines import ClosedForm, Line, Machine, Machines
 from pmjac_pin.homotopy.monodromy import (
@@ -36,7 +36,7 @@ from pmjac_pin.homotopy.monodromy import (
 )
 from pmjac_pin.homotopy.operation_modes import OperationModes, find_operation_modes
 from pmjac_pin.homotopy.paths import Ends, led, led_to_end
-from pmjac_pin.homotopy.polynomial_loops import PolynomialLoops
+from pmjac_pin.homotopy.solving import near, solutions_of
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.modes.assembly_modes import Completeness
 from pmjac_pin.modes.closed_pose import closed_pose, generator, order
@@ -48,8 +48,6 @@ Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 
-_MET = 1e-7  # rows left out that hold
-_NEAR = 100.0  # characteristic lengths, cosines ...: real poses are nearer
 _SINGULAR = 1e-4  # smallest relative singular value of K* beside which home is not asked for
 _TRIES = 4  # of ways to lead all points to one machine
 
@@ -123,10 +121,10 @@ class ParameterHomotopy:
         machine, form = self._machines.at(actuated)
         loops = self._machines.loops
         ends = led_to_end(Curve(Line(loops, self._machine, machine)), self._solutions)
-        met = _solutions_of(loops, machine, ends)
-        near = _near(ends.points[met])
-        infinite = int(ends.to_infinity.sum() + (~near).sum())
-        met = met[near]
+        met = solutions_of(loops, machine, ends)
+        close = near(ends.points[met])
+        infinite = int(ends.to_infinity.sum() + (~close).sum())
+        met = met[close]
         x = told_real(loops, form.driven, ends.points[met])
         real = np.abs(x.imag).max(axis=1, initial=0.0) == 0.0
         found = self._configurations(form, x[real].real, met[real])
@@ -281,10 +279,10 @@ def parameter_homotopy(
     section, bend = all_points(curve, np.append(first, 0.0), random, most_rounds)
     shut = _at_start(section, random)
     ends = led_to_end(Curve(Line(loops, start, target)), shut.points[shut.arrived, :-1])
-    solutions = ends.points[_solutions_of(loops, target, ends)]
+    solutions = ends.points[solutions_of(loops, target, ends)]
     found = ParameterHomotopy(
         mechanism=mechanism,
-        count=int(_near(solutions).sum()),
+        count=int(near(solutions).sum()),
         degree=len(section.points),
         bend=bend,
         lost=shut.lost + ends.lost,
@@ -302,11 +300,6 @@ def _meets_home(homotopy: ParameterHomotopy) -> bool:
     if home.singularity().smallest < _SINGULAR:
         return True
     return Recognition(homotopy.at(home.actuated).real).index(home) is not None
-
-
-def _near(x: Complex) -> Mask:
-    """Tell which solutions (m, n) are not far away."""
-    return np.asarray(np.abs(x).max(axis=1, initial=0.0) <= _NEAR)
 
 
 def _at_start(section: PlaneSection, rng: np.random.Generator) -> Ends:
@@ -328,22 +321,3 @@ def _restored(
     solutions: Complex,
 ) -> ParameterHomotopy:
     return ParameterHomotopy(mechanism, *counts, Machines(mechanism), machine, solutions)
-
-
-def _solving(loops: PolynomialLoops, machine: Machine, x: Complex, rows: Index) -> Index:
-    """Return which of some rows of x solve all rows of η, beside the size of their terms."""
-    size = (1.0 + np.abs(x[rows]).max(axis=1, initial=0.0)) ** 2
-    return np.asarray(rows[loops.unmet(x[rows], machine.p) <= _MET * size])
-
-
-def _solutions_of(loops: PolynomialLoops, machine: Machine, ends: Ends) -> Index:
-    """Return which ends solve all rows of the machine, of twins and of equal ones the first."""
-    arrived = np.flatnonzero(ends.arrived)
-    kept: list[int] = []
-    for index in _solving(loops, machine, ends.points, arrived):
-        x = ends.points[index]
-        twins, size = loops.twins(x), SAME * (1.0 + np.abs(x).max(initial=0.0))
-        others = [ends.points[other] for other in kept]
-        if not any(np.abs(twin - other).max() <= size for twin in twins for other in others):
-            kept.append(int(index))
-    return np.array(kept, dtype=np.intp)
