@@ -18,9 +18,11 @@ from pmjac_pin.errors import ArgumentError, ClosureError, PmjacError, unknown_na
 from pmjac_pin.factorisation import RANK_TOLERANCE, norm
 from pmjac_pin.kinematics import Kinematics
 from pmjac_pin.loops import LoopSystem
+from pmjac_pin.machine_size import ROUNDING_OF_PLACES, Size, shifted
 from pmjac_pin.partition import Partition
 from pmjac_pin.parts import Parts
 from pmjac_pin.pose_assembly import assemble_pose, check_motors, motor_weights
+from pmjac_pin.scales import column_scale, row_scale
 from pmjac_pin.spec import MechanismSpec
 from pmjac_pin.tool import tool_kinematics
 from pmjac_pin.urdf import Urdf
@@ -71,11 +73,16 @@ def build_parts(
 
 def _ranked(parts: Parts) -> Parts:
     problem, kinematics = parts.problem, parts.kinematics
+    size = _size(kinematics, parts.spec, parts.home_q)
+    partition = _partition(
+        parts.spec, parts.coordinates, kinematics.loops, size.length, problem.rounding
+    )
+    problem = replace(problem, partition=partition)
     snapshots = [kinematics.snapshot(q) for q in (parts.home_q, *nearby(problem, parts.home_q))]
-    ranked = problem.partition.with_ranks_of(
+    ranked = partition.with_ranks_of(
         [(snapshot.constraint_jacobian, snapshot.tool_jacobian) for snapshot in snapshots]
     )
-    return replace(parts, problem=_problem(kinematics, ranked, parts.spec.tolerance))
+    return replace(parts, problem=replace(problem, partition=ranked))
 
 
 def home_pose(
@@ -83,23 +90,25 @@ def home_pose(
     spec: MechanismSpec,
     values: Mapping[str, float],
     start: Array | None,
-    least: float,
-) -> tuple[Array, float]:
-    """Return the home pose at parameters on the way to others, and its relative σ_min of K*.
+    least: tuple[int, float],
+) -> tuple[Array, tuple[int, float]]:
+    """Return the home pose at parameters on the way to others, with the rank of K* and its σ_min.
 
     Raises
     ------
     ClosureError
-        With the motors where they are, the loops stay open, or σ_min is below `least`.
+        With the motors where they are, the loops stay open, or the rank or σ_min, which is
+        relative to the size of [K K*], is below `least`.
     """
     parts = _unassembled(model, spec, values, None)
     problem, q = parts.problem, parts.home_q if start is None else start
     found = assemble(problem, q, motor_weights(problem, 0.0))
     factors = closed_point(problem, found.q).factors
     smallest = factors.singular_values[: factors.rank].min(initial=np.inf) / (factors.size or 1.0)
-    if found.gap > problem.tolerance or smallest < least:
+    singular = factors.rank < least[0] or smallest < least[1]
+    if found.gap > problem.tolerance or singular:
         raise ClosureError(f"{spec.name}: no home pose here", residual_norm=found.gap, q=found.q)
-    return found.q, float(smallest)
+    return found.q, (factors.rank, float(smallest))
 
 
 def _assembled(parts: Parts, start: Array | None) -> Parts:
@@ -113,23 +122,39 @@ def _unassembled(
     model: pin.Model, spec: MechanismSpec, values: Mapping[str, float], urdf: Urdf | None
 ) -> Parts:
     coordinates = JointCoordinates(model)
-    loops = LoopSystem(model, spec.loops, values)
-    kinematics = Kinematics(model, loops, tool_kinematics(model, spec.tool))
     given = coordinates.q(spec.poses["home"])
-    partition = _partition(spec, coordinates, loops, _length(model, given))
-    problem = _problem(kinematics, partition, spec.tolerance)
-    return Parts(model, spec, values, coordinates, kinematics, problem, given, urdf)
-
-
-def _problem(kinematics: Kinematics, partition: Partition, given: float | None) -> ClosureProblem:
-    model = kinematics.model
-    return ClosureProblem(
-        kinematics.evaluate, lambda q, v: pin.integrate(model, q, v), partition, given
+    size = _size(_kinematics(model, spec, values), spec, given)
+    near = shifted(model, -size.place) if size.place.any() else model
+    kinematics = _kinematics(near, spec, values)
+    rounding = ROUNDING_OF_PLACES * size.extent
+    partition = _partition(spec, coordinates, kinematics.loops, size.length, rounding)
+    problem = ClosureProblem(
+        kinematics.evaluate,
+        lambda q, v: pin.integrate(near, q, v),
+        partition,
+        spec.tolerance,
+        rounding,
+    )
+    return Parts(
+        near, spec, values, coordinates, kinematics, problem, given, urdf, model, size.place
     )
 
 
+def _kinematics(model: pin.Model, spec: MechanismSpec, values: Mapping[str, float]) -> Kinematics:
+    loops = LoopSystem(model, spec.loops, values)
+    return Kinematics(model, loops, tool_kinematics(model, spec.tool))
+
+
+def _size(kinematics: Kinematics, spec: MechanismSpec, q: Array) -> Size:
+    return Size(kinematics.model, spec, kinematics.loops, kinematics.tool, q)
+
+
 def _partition(
-    spec: MechanismSpec, coordinates: JointCoordinates, loops: LoopSystem, length: float
+    spec: MechanismSpec,
+    coordinates: JointCoordinates,
+    loops: LoopSystem,
+    length: float,
+    rounding: float,
 ) -> Partition:
     for name in spec.actuated:
         if (count := coordinates.degrees_of_freedom(name)) != 1:
@@ -143,25 +168,18 @@ def _partition(
     if forgotten := [name for name in others if name not in passive]:
         message = f"joint {forgotten[0]!r} moves and is neither actuated nor passive"
         raise ArgumentError(message)
+    opened = max(spec.tolerance or 0.0, rounding)
+    columns = column_scale(loops, coordinates.rotational, length)
     return Partition(
         actuated=coordinates.columns(spec.actuated),
         passive=coordinates.columns(passive),
         actuated_names=coordinates.dof_names(spec.actuated),
         passive_names=coordinates.dof_names(passive),
         length=length,
-        row_scale=loops.row_scale(length),
-        column_scale=np.where(coordinates.rotational, 1.0 / length, 1.0),
-        rank_tolerance=max(RANK_TOLERANCE, _RANK_ROOM * (spec.tolerance or 0.0) / length),
+        row_scale=row_scale(loops, columns, length),
+        column_scale=columns,
+        rank_tolerance=max(RANK_TOLERANCE, _RANK_ROOM * opened / length),
     )
-
-
-def _length(model: pin.Model, q: Array) -> float:
-    """Return the root mean square distance of all frames from their middle, or 1 m for none."""
-    data = model.createData()
-    pin.framesForwardKinematics(model, data, q)
-    points = np.array([placement.translation for placement in data.oMf])
-    spread = float(np.sqrt(((points - points.mean(axis=0)) ** 2).sum(axis=1).mean()))
-    return spread or 1.0
 
 
 def nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:

@@ -30,6 +30,7 @@ _LARGEST_CORRECTION = 0.25  # first Newton correction, as a share of the predict
 _SLOWEST_CONTRACTION = 0.25  # of one Newton correction by the next
 _HARDLY_ANYTHING = 1e-8  # left of the motors' path, where it may have ended at a fold
 _BESIDE = 1e-5  # m or rad: both modes that meet at a fold are as near when the gap is 1e-12
+_WALKING = 1e-13  # gap on the way: beside a fold, more would hide how near that is
 _MOST_STEPS = 2000  # of full length, for a path that is very long beside the mechanism
 _MOST_CORRECTIONS = 50  # at a fold, polishing halves the error each time
 
@@ -154,7 +155,7 @@ def _correct(
     tolerance there is nothing left to tell apart: there it only polishes, slowly at a fold.
     """
     partition = problem.partition
-    enough = ROUNDING * partition.length if last else problem.tolerance
+    enough = (ROUNDING if last else _WALKING) * partition.length
     allowed = _LARGEST_CORRECTION * norm(tangent / partition.column_scale)
     corrections = no_motion = np.zeros(tangent.size)
     previous_gap = np.inf

@@ -13,8 +13,7 @@ from pmjac_pin.partition import Partition
 
 Array = NDArray[np.float64]
 
-#: Loops count as closed below this gap, m; for machines beyond 100 m, rounding allows only
-#: 1e-14 of their size.
+#: Loops count as closed below this gap, of the characteristic length.
 CLOSURE_TOLERANCE = 1e-12
 
 ROUNDING = 1e-15  # of the characteristic length: a gap that no further iteration can improve
@@ -33,17 +32,22 @@ class ClosureProblem:
     partition : Partition
     given_tolerance : float or None
         The gap in m that the model calls closed; None for `CLOSURE_TOLERANCE`.
+    rounding : float
+        The gap in m that the rounding of the model's coordinates may leave: of a machine that
+        stands far from the world's origin.
     """
 
     evaluate: Callable[[Array], tuple[Array, Array]]
     integrate: Callable[[Array, Array], Array]
     partition: Partition
     given_tolerance: float | None = None
+    rounding: float = 0.0
 
     @property
     def tolerance(self) -> float:
         """The gap in m below which the loops are closed."""
-        return max(self.given_tolerance or CLOSURE_TOLERANCE, 1e-14 * self.partition.length)
+        least = max(CLOSURE_TOLERANCE * self.partition.length, self.rounding)
+        return max(self.given_tolerance or 0.0, least)
 
     def gap(self, residual: Array) -> float:
         """Return the Euclidean norm of a residual, in m."""

@@ -128,7 +128,7 @@ class Configuration:
     @property
     def tool_pose(self) -> pin.SE3:
         """The tool's pose in the world; a copy."""
-        return pin.SE3(self._snapshot.rotation, self._snapshot.position)
+        return pin.SE3(self._snapshot.rotation, self._snapshot.position + self._parts.place)
 
     def jacobian(
         self, frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED"
@@ -179,9 +179,8 @@ class Configuration:
         """
         snapshot = self._snapshot
         name = _frame_name(frame)
-        tool_jacobian = change_frame(
-            snapshot.tool_jacobian, name, snapshot.rotation, snapshot.position
-        )
+        position = snapshot.position + self._parts.place
+        tool_jacobian = change_frame(snapshot.tool_jacobian, name, snapshot.rotation, position)
         partition = self._parts.problem.partition
         return SplitJacobian(snapshot.constraint_jacobian, tool_jacobian, name, partition)
 

@@ -35,7 +35,7 @@ def assemble(
     problem: ClosureProblem,
     q: Array,
     weights: Array,
-    limit: int = 200,
+    limit: int = 400,
     room: Callable[[Array], tuple[Array | float, Array | float]] = unlimited,
 ) -> Assembled:
     """Close the loops from an open start by damped least squares (Levenberg–Marquardt).

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError, unknown_name
 
@@ -62,6 +65,17 @@ def find_frame(model: pin.Model, name: str) -> Frame:
         )
         raise ArgumentError(f"frame {name!r} is ambiguous: {places} have this name; rename one")
     return Frame(meant[0], frames[0].parentJoint, frames[0].placement.copy())
+
+
+def moving_columns(model: pin.Model, frames: Sequence[Frame]) -> list[NDArray[np.intp]]:
+    """Return the columns that move each of two frames, but not the other with it."""
+    supports = [set(model.supports[frame.joint]) - {0} for frame in frames]
+    own = [sorted(mine - theirs) for mine, theirs in zip(supports, supports[::-1], strict=True)]
+    columns = [[(model.joints[k].idx_v, model.joints[k].nv) for k in joints] for joints in own]
+    return [
+        np.array([start + k for start, count in pairs for k in range(count)], dtype=np.intp)
+        for pairs in columns
+    ]
 
 
 def _at_one_place(one: pin.Frame, other: pin.Frame) -> bool:

@@ -116,15 +116,15 @@ def _home_on_the_way(
     At once, an assembly from the default's home pose might end on another assembly mode; and
     with the motors at rest as long as they can be, beside a singularity.
     """
-    defaults, q, least = spec.parameter_values(), None, 0.0
+    defaults, q, least = spec.parameter_values(), None, (0, 0.0)
     if dict(values) == dict(defaults):
         return None
     for share in np.arange(_PARAMETER_STEPS) / _PARAMETER_STEPS:
         between = {name: start + share * (values[name] - start) for name, start in defaults.items()}
         model = _pinocchio_model(_set(urdf, spec, between), spec)
         with contextlib.suppress(ClosureError):  # parameters in between need not close
-            q, smallest = home_pose(model, spec, between, q, least)
-            least = least or _LEAST_SHARE * smallest
+            q, (rank, smallest) = home_pose(model, spec, between, q, least)
+            least = least if least[0] else (rank, _LEAST_SHARE * smallest)
     return q
 
 

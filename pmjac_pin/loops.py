@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.coupling import Coupling, couple
 from pmjac_pin.errors import ArgumentError
-from pmjac_pin.frames import find_frame
+from pmjac_pin.frames import find_frame, moving_columns
 from pmjac_pin.loop_rows import (
     Along,
     Distance,
@@ -90,13 +90,20 @@ class LoopSystem:
         What each row's loop joins, e.g. ``"coupler_tip-rocker_tip"``.
     slices : tuple of slice
         The rows of each loop, in the order of the loops.
+    couplings : dict of int to Coupling
+        The geared joints, by their row.
+    rods : dict of int to float
+        The lengths of the rods by their row, m.
+    anchored : ndarray of bool, shape (nv,)
+        The columns that move the two frames of a loop against each other.
     """
 
     __slots__ = (
         "_closures",
-        "_couplings",
-        "_lengths",
         "_nv",
+        "anchored",
+        "couplings",
+        "rods",
         "row_loops",
         "row_names",
         "row_units",
@@ -108,18 +115,19 @@ class LoopSystem:
     ) -> None:
         self._nv = model.nv
         self._closures: list[_Closure] = []
-        self._couplings: list[tuple[int, Coupling]] = []
+        self.couplings: dict[int, Coupling] = {}
         names: list[str] = []
         units: list[str] = []
         owners: list[str] = []
-        self._lengths: dict[int, float] = {}
+        self.rods: dict[int, float] = {}
+        self.anchored = np.zeros(model.nv, dtype=bool)
         starts: list[int] = []
         for loop in loops:
             starts.append(len(names))
             prefix = "-".join(loop.ends)
             if isinstance(loop, JointLoop):
                 coupling = couple(model, loop)
-                self._couplings.append((len(names), coupling))
+                self.couplings[len(names)] = coupling
                 names.append(f"{prefix} ratio")
                 units.append(coupling.unit)
                 owners.append(prefix)
@@ -129,28 +137,17 @@ class LoopSystem:
                 rows = slice(len(names), len(names) + len(block.names))
                 blocks.append((rows, block))
                 if isinstance(block, Distance):
-                    self._lengths[rows.start] = block.length
+                    self.rods[rows.start] = block.length
                 names += [f"{prefix} {row}" for row in block.names]
                 units += [block.unit] * len(block.names)
                 owners += [prefix] * len(block.names)
             self._closures.append(_closure(model, loop, tuple(blocks)))
+            for columns in moving_columns(model, [find_frame(model, name) for name in loop.frames]):
+                self.anchored[columns] = True
         self.row_names = tuple(names)
         self.row_units = tuple(units)
         self.row_loops = tuple(owners)
         self.slices = tuple(itertools.starmap(slice, itertools.pairwise([*starts, len(names)])))
-
-    def row_scale(self, length: float) -> Array:
-        """Return what turns each row into metres of gap, to first order, shape (p,).
-
-        Parameters
-        ----------
-        length : float
-            The mechanism's characteristic length in m: a gap of one rad counts as that.
-        """
-        scale = np.where(np.array(self.row_units) == "rad", length, 1.0)
-        for row, rod in self._lengths.items():
-            scale[row] = 0.5 / rod  # d(distance²) = 2 distance d(distance)
-        return scale
 
     def create_data(self) -> list[Any]:
         """Return Pinocchio's scratch data, one for each loop between frames."""
@@ -170,7 +167,7 @@ class LoopSystem:
             pose = closure.relative(model, data, loop_data)
             for rows, block in closure.blocks:
                 residual[rows], jacobian[rows] = block(pose)
-        for row, coupling in self._couplings:
+        for row, coupling in self.couplings.items():
             residual[row], jacobian[row] = coupling.residual(q), coupling.gradient
         return residual, jacobian
 

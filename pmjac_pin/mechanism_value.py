@@ -44,7 +44,7 @@ class MechanismValue:
     @property
     def model(self) -> pin.Model:
         """The Pinocchio model of the cut tree: a copy, to change as you like."""
-        return self._parts.model.copy()
+        return self._parts.standing.copy()
 
     @property
     def urdf(self) -> Urdf | None:
@@ -124,7 +124,7 @@ class MechanismValue:
         return (
             mine.spec == theirs.spec
             and dict(mine.values) == dict(theirs.values)
-            and bool(mine.model == theirs.model)
+            and bool(mine.standing == theirs.standing)
         )
 
     def __hash__(self) -> int:
@@ -138,7 +138,7 @@ class MechanismValue:
 
     def __reduce__(self) -> tuple[Any, ...]:
         parts = self._parts
-        built_of = (parts.model, parts.spec, dict(parts.values), parts.urdf)
+        built_of = (parts.standing, parts.spec, dict(parts.values), parts.urdf)
         return (_rebuild, (type(self), self.notes, *built_of))
 
     def __repr__(self) -> str:

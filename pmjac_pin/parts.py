@@ -22,8 +22,18 @@ Array = NDArray[np.float64]
 class Parts:
     """What a Mechanism is made of; nothing of it ever changes.
 
-    `urdf` is what the model was built of, the parameters' moves included, kept for its visuals;
-    None where there was only a Pinocchio model.
+    Attributes
+    ----------
+    model : pin.Model
+        What everything is computed with: the machine beside the origin, less `place`.
+    urdf : Urdf or None
+        What the model was built of, the parameters' moves included, kept for its visuals; None
+        where there was only a Pinocchio model.
+    standing : pin.Model
+        The model as it was given, where the machine stands in the world.
+    place : ndarray, shape (3,)
+        Where that is, m: 0 but for a machine far from the world's origin, whose coordinates
+        would leave few digits for what moves.
     """
 
     model: pin.Model
@@ -33,4 +43,6 @@ class Parts:
     kinematics: Kinematics
     problem: ClosureProblem
     home_q: Array
-    urdf: Urdf | None = None
+    urdf: Urdf | None
+    standing: pin.Model
+    place: Array

@@ -32,6 +32,7 @@ from pmjac_pin.loop_spec import (
     SphericalLoop,
     UniversalLoop,
 )
+from pmjac_pin.machine_size import shifted
 from pmjac_pin.parts import Parts
 from pmjac_pin.spec import JointValue, MechanismSpec
 
@@ -81,7 +82,7 @@ def recut_parts(parts: Parts, joint: str, poses: Mapping[str, Array]) -> Parts:
     turned = _turned_round(edges, held.edges[-1].child, edges[joint].child)
     cut = _cut(edges[joint], model.njoints + 1, _keeps_its_value(spec, joint), _frame_names(model))
     stay = [turned.get(name, edge) for name, edge in edges.items() if name != joint]
-    tree = build(model, [*stay, *cut.edges, *held.edges], cut.frames)
+    tree = shifted(build(model, [*stay, *cut.edges, *held.edges], cut.frames), parts.place)
     loops = [_resolved(loop, parts.values) for loop in spec.loops if loop is not opened]
 
     def pose(q: Array) -> dict[str, JointValue]:

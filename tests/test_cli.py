@@ -342,7 +342,10 @@ def test_mistakes_get_one_line(run, line, message):
         (("plot", *FOLD[1:], "-o", "figure.png"), r"K\* has rank 1 here and 2 in general"),
         (("report", "a\nb"), r"unknown mechanism 'a\\nb'"),
         (("report", ""), "unknown mechanism ''"),
-        (("report", "three_rps_ss", "--set", "a=100"), "three_rps_ss: the pose 'home' does not"),
+        (
+            ("report", "three_rps_ss", "--set", "a=100"),
+            "three_rps_ss: the pose 'home' closes only with",
+        ),
     ],
 )
 def test_longer_messages_are_one_line_too(run, argv, pattern):

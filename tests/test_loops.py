@@ -10,8 +10,10 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
+from pmjac_pin.coordinates import JointCoordinates
 from pmjac_pin.kinematics import Kinematics
 from pmjac_pin.loops import LoopSystem
+from pmjac_pin.scales import column_scale, row_scale
 from pmjac_pin.spec import Tool
 from pmjac_pin.tool import tool_kinematics
 
@@ -109,16 +111,21 @@ def test_the_jacobian_is_never_the_one_of_another_q(model, system, rng):
         np.testing.assert_array_equal(system.evaluate(model, data, scratch, q)[1], expected)
 
 
-def test_row_names_and_scales(system):
+def test_row_names_and_scales(model, system):
     assert system.row_names[:3] == ("S1-leg1_rod x", "S1-leg1_rod y", "S1-leg1_rod z")
     assert system.row_names[10] == "base-S3 distance²"
     assert system.row_names[-1] == "l1-theta2 ratio"
-    np.testing.assert_allclose(system.row_scale(2.0)[:11], [1] * 9 + [0.5 / 0.9, 0.5])
+    columns = column_scale(system, JointCoordinates(model).rotational, 2.0)
+    scales = row_scale(system, columns, 2.0)
+    np.testing.assert_allclose(scales[:11], [1] * 9 + [0.5 / 0.9, 0.5])
     for name, unit, scale in zip(
-        system.row_names[11:], system.row_units[11:], system.row_scale(2.0)[11:], strict=True
+        system.row_names[11:-1], system.row_units[11:-1], scales[11:-1], strict=True
     ):
-        angular = re.search(" (turn|tilt|right|ratio)", name) is not None
+        angular = re.search(" (turn|tilt|right)", name) is not None
         assert (unit, scale) == (("rad", 2.0) if angular else ("m", 1.0))
+    gear = np.abs(evaluate(system, model, pin.neutral(model))[1][-1] * columns * scales[-1])
+    assert system.row_units[-1] == "rad"
+    assert gear.max() == pytest.approx(1.0)
 
 
 def test_agrees_with_pinocchios_own_stacked_jacobian(model, rng):

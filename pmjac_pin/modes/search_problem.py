@@ -21,6 +21,7 @@ from pmjac_pin.modes.legs import Leg, find_legs, names_of
 from pmjac_pin.modes.many_loops import ManyLoops
 from pmjac_pin.modes.many_poses import ManyPoses
 from pmjac_pin.parts import Parts
+from pmjac_pin.scales import column_scale, row_scale
 
 Array = NDArray[np.float64]
 
@@ -112,6 +113,8 @@ def _without(parts: Parts, legs: list[Leg], base: Array) -> tuple[pin.Model, Seq
 def _problem(parts: Parts, model: pin.Model, loops: Sequence[Loop], base: Array) -> SearchProblem:
     partition = parts.problem.partition
     coordinates, length = JointCoordinates(model), partition.length
+    system = LoopSystem(model, loops, parts.values)
+    columns = column_scale(system, coordinates.rotational, length)
     edges = edges_of(model)
     passive = [name for name in edges if name not in parts.spec.actuated]
     tree = ManyPoses(model)
@@ -128,8 +131,8 @@ def _problem(parts: Parts, model: pin.Model, loops: Sequence[Loop], base: Array)
         values=parts.values,
         passive=tuple(entries),
         columns=coordinates.columns(passive),
-        row_scale=LoopSystem(model, loops, parts.values).row_scale(length),
-        column_scale=np.where(coordinates.rotational, 1.0 / length, 1.0),
+        row_scale=row_scale(system, columns, length),
+        column_scale=columns,
         length=length,
         idle=partition.passive.size - partition.passive_rank,
     )

@@ -1,0 +1,124 @@
+"""The size of a machine, and where it stands: neither depends on the world's origin.
+
+Metres and radians meet in ranks and steps, so a length has to say what a radian is worth. It is a
+size of the loops: how far from its joints' axes a loop's two frames are, whatever else the model
+names, and wherever it stands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from pmjac_pin.coordinates import JointCoordinates
+from pmjac_pin.frames import Frame, find_frame, moving_columns
+from pmjac_pin.loop_spec import JointLoop
+from pmjac_pin.loops import LoopSystem
+from pmjac_pin.spec import MechanismSpec
+from pmjac_pin.tool import ToolKinematics, frame_jacobian
+
+Array = NDArray[np.float64]
+
+#: Shorter than this, m, a lever arm is rounding: of a spherical linkage's joints, for one.
+NO_LENGTH = 1e-9
+#: Of the largest coordinate that loops and tool rest on: what their rounding may open a loop by.
+ROUNDING_OF_PLACES = 16.0 * float(np.finfo(float).eps)
+
+_TOLERANCES = 100.0  # a length that the tolerance covers is rounding, too
+_ARMS_ARE_NONE = 1e-4  # of the tool's: loops with shorter arms have no length of their own
+_FAR = 8.0  # lengths: from here on the machine is computed beside itself, not from the origin
+
+
+class Size:
+    """A machine's length and place at one pose.
+
+    Parameters
+    ----------
+    model : pin.Model
+    spec : MechanismSpec
+    loops : LoopSystem
+    tool : ToolKinematics
+    q : ndarray, shape (nq,)
+
+    Attributes
+    ----------
+    length : float
+        The characteristic length, m: the mean lever arm of the loops, weighted by itself,
+        Σa²/Σa. An arm is the distance of one of a loop's two frames from the axis of a joint
+        that turns it against the other; the length of a rod counts as one. A spherical linkage
+        has no such arms: then it is the tool's, and 1 m where that has none either.
+    extent : float
+        The largest coordinate, m, that the loops and the tool rest on.
+    place : ndarray, shape (3,)
+        Where the machine stands, m: 0 for coordinates that are no larger than the machine.
+    """
+
+    def __init__(
+        self,
+        model: pin.Model,
+        spec: MechanismSpec,
+        loops: LoopSystem,
+        tool: ToolKinematics,
+        q: Array,
+    ) -> None:
+        self._model, self._data = model, model.createData()
+        pin.computeJointJacobians(model, self._data, q)
+        pin.updateFramePlacements(model, self._data)
+        self._turns = JointCoordinates(model).rotational
+        ends = [
+            [find_frame(model, name) for name in loop.frames]
+            for loop in spec.loops
+            if not isinstance(loop, JointLoop)
+        ]
+        points = [self._data.oMf[frame.index].translation for frames in ends for frame in frames]
+        points.append(tool.pose(model, self._data)[1])
+        self.extent = float(np.abs(points).max())
+        arms = [*loops.rods.values(), *(arm for frames in ends for arm in self._arms(frames))]
+        turns = tool.jacobian(model, self._data)[:3, self._turns]
+        opened = max(spec.tolerance or 0.0, ROUNDING_OF_PLACES * self.extent)
+        rounding = max(NO_LENGTH, _TOLERANCES * opened)
+        self.length = _length(np.array(arms), np.linalg.norm(turns, axis=0), rounding)
+        middle = np.mean(points, axis=0)
+        self.place: Array = np.where(np.abs(middle) > _FAR * self.length, middle, 0.0)
+
+    def _arms(self, frames: list[Frame]) -> Iterator[float]:
+        for frame, columns in zip(frames, moving_columns(self._model, frames), strict=True):
+            turning = columns[self._turns[columns]]
+            linear = frame_jacobian(self._model, self._data, frame.index)[:3, turning]
+            yield from np.linalg.norm(linear, axis=0).tolist()
+
+
+def shifted(model: pin.Model, by: Array) -> pin.Model:
+    """Return the model moved in the world; q stays what it is.
+
+    Examples
+    --------
+    >>> arm = pin.buildSampleModelManipulator()
+    >>> moved = shifted(arm, np.array([0.0, 0.0, 5e6]))
+    >>> float(moved.jointPlacements[1].translation[2] - arm.jointPlacements[1].translation[2])
+    5000000.0
+    """
+    moved = model.copy()
+    for joint in range(1, model.njoints):
+        if model.parents[joint] == 0:
+            moved.jointPlacements[joint].translation += by
+    for frame in list(moved.frames)[1:]:
+        if frame.parentJoint == 0:
+            frame.placement = pin.SE3(frame.placement.rotation, frame.placement.translation + by)
+    return moved
+
+
+def _length(loop_arms: Array, tool_arms: Array, rounding: float) -> float:
+    loops, tool = _mean(loop_arms), _mean(tool_arms)
+    if loops > max(rounding, _ARMS_ARE_NONE * tool):
+        return loops
+    return tool if tool > rounding else 1.0
+
+
+def _mean(arms: Array) -> float:
+    """Return Σa²/Σa: joints whose axes pass through a frame do not count."""
+    total = float(arms.sum())
+    return float(arms @ arms) / total if total > 0.0 else 0.0

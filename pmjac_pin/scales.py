@@ -1,0 +1,68 @@
+"""Scales: what makes loop equations and joint rates comparable, wherever ranks are judged.
+
+Rows are turned into metres of gap, columns into metres of motion. A joint that only gears tie to
+the loops moves by its ratio as fast as the joint that it is geared to, and its natural rate is
+that much larger: which of two geared joints is named first, and by N or 1/N, changes nothing.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.coupling import Coupling
+from pmjac_pin.loops import LoopSystem
+
+Array = NDArray[np.float64]
+
+
+def column_scale(loops: LoopSystem, rotational: NDArray[np.bool_], length: float) -> Array:
+    """Return a natural rate of each column, shape (nv,): 1/length rad or 1 m, times its gears.
+
+    Parameters
+    ----------
+    loops : LoopSystem
+    rotational : ndarray of bool, shape (nv,)
+        Which columns are rotations.
+    length : float
+        The mechanism's characteristic length, m.
+    """
+    scale = np.where(rotational, 1.0 / length, 1.0)
+    known, waiting = loops.anchored.copy(), list(loops.couplings.values())
+    while waiting:
+        number = next((k for k, item in enumerate(waiting) if known[item.columns].any()), None)
+        if number is None:  # a gear train of its own: one of its joints measures the others
+            known[min(int(item.columns.min()) for item in waiting)] = True
+        else:
+            _pass_on(waiting.pop(number), scale, known)
+    return scale
+
+
+def _pass_on(coupling: Coupling, scale: Array, known: NDArray[np.bool_]) -> None:
+    """Set the rate of the joint that is not known yet: q̇_second = ratio · q̇_first."""
+    first, second = coupling.columns
+    ratio = abs(coupling.ratio)
+    if ratio > 0.0 and not known[second]:
+        scale[second] = ratio * scale[first]
+    elif ratio > 0.0 and not known[first]:
+        scale[first] = scale[second] / ratio
+    known[coupling.columns] = True
+
+
+def row_scale(loops: LoopSystem, columns: Array, length: float) -> Array:
+    """Return what turns each row into metres of gap, to first order, shape (p,).
+
+    Parameters
+    ----------
+    loops : LoopSystem
+    columns : ndarray, shape (nv,)
+        `column_scale`: the row of a coupling is measured by the motion that it allows.
+    length : float
+        The mechanism's characteristic length in m: a gap of one rad counts as that.
+    """
+    scale = np.where(np.array(loops.row_units) == "rad", length, 1.0)
+    for row, rod in loops.rods.items():
+        scale[row] = 0.5 / rod  # d(distance²) = 2 distance d(distance)
+    for row, coupling in loops.couplings.items():
+        scale[row] = 1.0 / np.abs(coupling.gradient * columns).max()
+    return scale
