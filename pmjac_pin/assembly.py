@@ -32,6 +32,7 @@ Array = NDArray[np.float64]
 # Numbers that are off by a share of the mechanism's length are off by that in K*, and more.
 _RANK_ROOM = 10.0
 _PROBES = 2  # times three closed poses near home at which the generic ranks are looked for
+_AWAY = 0.1  # of a probe's distance: nearer to home, the loops have only pulled it back
 _PROBE_DISTANCES = (0.05, 0.005, 0.0005)  # rad or share of the characteristic length
 
 _logger = logging.getLogger(__name__)
@@ -131,6 +132,7 @@ def _unassembled(
     problem = ClosureProblem(
         kinematics.evaluate,
         lambda q, v: pin.integrate(near, q, v),
+        lambda one, other: pin.difference(near, one, other),
         partition,
         spec.tolerance,
         rounding,
@@ -183,12 +185,12 @@ def _partition(
 
 
 def nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
-    """Return closed poses near home, in seeded random directions.
+    """Return closed poses near home and away from it, in seeded random directions.
 
     First along motions that the loops allow, all joints free to close them again; then with
     the motors displaced and kept there. From a home pose where branches meet, the first may
-    well fall back to where they came from, and from one at the end of a motor's range half of
-    the second have nowhere to go.
+    well fall back to where they came from, which does not count, and from one at the end of a
+    motor's range half of the second have nowhere to go.
     """
     rng = np.random.default_rng(0)
     partition = problem.partition
@@ -208,7 +210,8 @@ def nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
             stride = distance * partition.length / (norm(direction) or 1.0)
             q = problem.integrate(home_q, stride * partition.column_scale * direction)
             pose = assemble(problem, q, weights, limit=50)
-            if pose.gap <= problem.tolerance:
+            away = norm(problem.difference(home_q, pose.q) / partition.column_scale)
+            if pose.gap <= problem.tolerance and away > _AWAY * distance * partition.length:
                 found.append(pose.q)
         if found:
             break

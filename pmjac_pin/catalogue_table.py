@@ -25,12 +25,12 @@ def poses_table(mechanisms: Iterable[Mechanism]) -> Table:
 
 
 def _row(mechanism: Mechanism) -> tuple[str, ...]:
-    loops, rows = len(mechanism.spec.loops), len(mechanism.rows)
+    loops, rows, mobility = len(mechanism.spec.loops), len(mechanism.rows), mechanism.mobility
     return (
         mechanism.name,
-        str(mechanism.mobility),
+        "?" if mobility is None else str(mobility),
         str(len(mechanism.actuated)),
         f"{loops} ({rows})" if loops else "0",
-        str(mechanism.nv - mechanism.mobility),
+        "?" if mobility is None else str(mechanism.nv - mobility),
         mechanism.spec.description,
     )

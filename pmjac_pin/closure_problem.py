@@ -29,6 +29,8 @@ class ClosureProblem:
         q ↦ (η (p,), ∂η/∂v (p, nv)).
     integrate : callable
         (q, v) ↦ q ⊕ v.
+    difference : callable
+        (q, q') ↦ v with q ⊕ v = q'.
     partition : Partition
     given_tolerance : float or None
         The gap in m that the model calls closed; None for `CLOSURE_TOLERANCE`.
@@ -39,6 +41,7 @@ class ClosureProblem:
 
     evaluate: Callable[[Array], tuple[Array, Array]]
     integrate: Callable[[Array, Array], Array]
+    difference: Callable[[Array, Array], Array]
     partition: Partition
     given_tolerance: float | None = None
     rounding: float = 0.0

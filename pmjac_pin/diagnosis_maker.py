@@ -99,9 +99,11 @@ def _of_mechanism(mechanism: Mechanism) -> Diagnosis:
         freedoms=freedoms(structure, mechanism.moved()),
         tool=tool_frames(parts),
         loops=loops(structure, ranks),
-        mobility=mobility(structure, partition.constraint_rank),
+        mobility=mobility(structure, None if partition.isolated else partition.constraint_rank),
         redundancy=_redundancy(scaled, ranks, parts),
-        actuation=_actuation(parts, q, mechanism.home.singularity().gained),
+        actuation=None
+        if partition.isolated
+        else _actuation(parts, q, mechanism.home.singularity().gained),
         poses=tuple(_pose(mechanism, name) for name in mechanism.poses),
         characteristic_length=partition.length,
         tolerance=mechanism.spec.tolerance,

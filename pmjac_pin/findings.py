@@ -253,6 +253,13 @@ def _idle(joints: Sequence[str], motion: FreeMotion) -> Finding:
     return Finding("note", "idle-motion", f"Idle: {what}; the tool does not feel it.", advice)
 
 
+_NO_NEIGHBOUR = (
+    "No pose near home closes: a structure, or a singular home. The rates that the loops seem to "
+    "allow there lead nowhere; mobility and generic ranks are not known."
+)
+_LOOSEN = "Give a home pose from which the machine can move, or check the lengths."
+
+
 def _conditioning(diagnosis: Diagnosis) -> Iterator[Finding]:
     for pose in diagnosis.poses:
         if pose.kind is None or pose.smallest is None or pose.condition is None:
@@ -263,6 +270,9 @@ def _conditioning(diagnosis: Diagnosis) -> Iterator[Finding]:
         if pose.kind == "loss":
             message = f"At {pose.name!r} the tool loses a motion; J_eq exists, with lower rank."
             yield Finding("note", "singular-pose", message)
+        elif pose.kind == "isolated":
+            if home:
+                yield Finding("error", "isolated", _NO_NEIGHBOUR, _LOOSEN)
         elif pose.kind != "regular":
             message = f"The pose {pose.name!r} is singular, of kind {pose.kind} (K*: {sizes})."
             advice = "Start from a pose off it; pmjac report shows the motion that comes free."

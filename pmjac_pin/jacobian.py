@@ -203,7 +203,7 @@ def equivalent_jacobian(split: SplitJacobian) -> EquivalentJacobian:
     Raises
     ------
     SingularError
-        K* is below its generic rank.
+        K* is below its generic rank, or no pose near home closes.
     ForbiddenRatesError
         The loops do not allow all motor rates.
     IdleMotionError
@@ -213,7 +213,7 @@ def equivalent_jacobian(split: SplitJacobian) -> EquivalentJacobian:
     actuated, passive = partition.actuated, partition.passive
     scaled = partition.scaled(split.constraint_jacobian)
     factors = partition.factorise(scaled.take(passive, axis=1), norm(scaled))
-    if factors.rank < partition.passive_rank:
+    if factors.rank < partition.passive_rank or partition.isolated:
         raise _singular(analyse_singularity(split.constraint_jacobian, J, partition))
     if factors.rank < scaled.shape[0]:
         _refuse_forbidden(factors, scaled, partition)
@@ -250,6 +250,14 @@ def change_frame(tool_jacobian: Array, frame: FrameName, rotation: Array, positi
 
 
 def _singular(singularity: Singularity) -> SingularError:
+    if singularity.isolated:
+        return SingularError(
+            "no pose near home closes: a structure, or a singular home; the rates that its loops "
+            "seem to allow lead nowhere, and no J_eq exists",
+            singular_value=singularity.smallest,
+            tolerance=singularity.tolerance,
+            free_motion={},
+        )
     free = singularity.free_motion()
     moving = ", ".join(f"{name} {rate:+.3g}" for name, rate in free.items() if abs(rate) > 1e-3)
     message = (

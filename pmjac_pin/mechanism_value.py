@@ -94,9 +94,14 @@ class MechanismValue:
         return int(self._parts.model.nv)
 
     @property
-    def mobility(self) -> int:
-        """Degrees of freedom: nv − rank [K K*], the largest rank of home and poses near it."""
-        return self.nv - self._parts.problem.partition.constraint_rank
+    def mobility(self) -> int | None:
+        """Degrees of freedom: nv − rank [K K*], the largest rank of home and poses near it.
+
+        None where it is not known: no pose near home closes, although the ranks at home alone
+        would allow a motion. The mechanism is a structure, or its home is singular.
+        """
+        partition = self._parts.problem.partition
+        return None if partition.isolated else self.nv - partition.constraint_rank
 
     @property
     def characteristic_length(self) -> float:
@@ -146,7 +151,7 @@ class MechanismValue:
         return (
             f"Mechanism({self.name}, actuated=({motors}), {len(self.passive)} passive, "
             f"{len(self.spec.loops)} loop{'s' * (len(self.spec.loops) != 1)}, "
-            f"mobility {self.mobility})"
+            f"mobility {'not known' if self.mobility is None else self.mobility})"
         )
 
 

@@ -48,9 +48,12 @@ class Partition(ReadOnlyArrays):
     column_scale : ndarray, shape (nv,)
         A unit rate of a column, in the scaled problem: 1/length rad or 1 m.
     passive_rank, constraint_rank, tool_rank : int
-        Generic ranks of K*, of [K K*] and of the tool's motion: the largest seen.
+        Generic ranks of K*, of [K K*] and of the tool's motion: those of one regular pose.
     kept_rows : ndarray of int, shape (m,)
-        Independent rows of η, chosen at the home pose.
+        Independent rows of η, chosen at the home pose, or at that one where home is singular.
+    isolated : bool
+        No pose near home closes though its rates are not all forbidden there: a structure, or
+        a singular home. What is generic is not known then, and the ranks are home's.
     rank_tolerance : float
         Relative size up to which singular values count as zero.
     """
@@ -67,6 +70,7 @@ class Partition(ReadOnlyArrays):
     tool_rank: int = 0
     kept_rows: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     rank_tolerance: float = RANK_TOLERANCE
+    isolated: bool = False
 
     @cached_property
     def _scale(self) -> Array:
@@ -141,7 +145,7 @@ class Partition(ReadOnlyArrays):
             row_scale=np.ones(rows),
             column_scale=np.full(columns, 1.0 / length),
         )
-        return partition.with_ranks_of([(constraint, tool)])
+        return replace(partition.with_ranks_of([(constraint, tool)]), isolated=False)
 
     def factorise(self, matrix: Array, size: float) -> Factorisation:
         """Factorise a matrix without dimension; `size` is that of what it is a part of."""
@@ -199,29 +203,36 @@ class Partition(ReadOnlyArrays):
     def with_ranks_of(self, poses: Sequence[tuple[Array, Array]]) -> Partition:
         """Return the partition with the generic ranks and kept rows of these closed poses.
 
+        Ranks are generic where they are largest, but not each for itself: where branches meet,
+        [K K*] drops and the tool seems to move in more ways than on any of them. So all three are
+        those of one pose, the one whose [K K*] has the largest rank, then K*, then the tool.
+
         Parameters
         ----------
         poses : sequence of (constraint Jacobian (p, nv), tool Jacobian (6, nv))
             Home first, then others near it: home itself may be singular.
         """
         ranks = [self._ranks(constraint, tool) for constraint, tool in poses]
-        passive, constraint, tool = (max(column) for column in zip(*ranks, strict=True))
-        kept = independent_rows(self.scaled(poses[0][0]), constraint)
+        regular = max(range(len(poses)), key=ranks.__getitem__)
+        constraint, passive, tool = ranks[regular]
+        shown = 0 if ranks[0][0] == constraint else regular
         return replace(
             self,
             passive_rank=passive,
             constraint_rank=constraint,
             tool_rank=tool,
-            kept_rows=kept,
+            kept_rows=independent_rows(self.scaled(poses[shown][0]), constraint),
+            isolated=len(poses) == 1 and constraint < self.column_scale.size,
         )
 
     def _ranks(self, constraint_jacobian: Array, tool_jacobian: Array) -> tuple[int, int, int]:
+        """Return the ranks of [K K*], of K* and of the tool's motion."""
         scaled = self.scaled(constraint_jacobian)
         size = norm(scaled)
         whole = self.factorise(scaled, size)
         passive = self.factorise(scaled[:, self.passive], size)
         tool = self.tool_ranks(tool_jacobian, whole.null_space)
-        return passive.rank, whole.rank, tool.twist
+        return whole.rank, passive.rank, tool.twist
 
 
 def _check_shapes(

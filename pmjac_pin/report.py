@@ -52,14 +52,16 @@ class Dimensions(msgspec.Struct, frozen=True):
         Actuated and passive degrees of freedom.
     p, m : int
         Loop equations, and the independent ones that K and K* show.
-    mobility, nq, nv : int
+    mobility : int or None
+        None where no pose near home closes.
+    nq, nv : int
     """
 
     n: int
     m_p: int
     p: int
     m: int
-    mobility: int
+    mobility: int | None
     nq: int
     nv: int
 

@@ -18,7 +18,7 @@ from pmjac_pin.partition import Partition
 from pmjac_pin.read_only import ReadOnlyArrays
 
 Array = NDArray[np.float64]
-Kind = Literal["regular", "gain", "loss", "gain and loss", "configuration space"]
+Kind = Literal["regular", "gain", "loss", "gain and loss", "configuration space", "isolated"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -46,6 +46,9 @@ class Singularity(ReadOnlyArrays):
     forbidden_rates : ndarray, shape (n, k)
         Orthonormal columns: directions of θ̇ outside what the loops allow here.
     actuated_names, passive_names : tuple of str
+    isolated : bool
+        No pose near home closes, so that nothing is known of what is generic: the generic ranks
+        are home's.
     """
 
     singular_values: Array
@@ -62,6 +65,7 @@ class Singularity(ReadOnlyArrays):
     forbidden_rates: Array
     actuated_names: tuple[str, ...]
     passive_names: tuple[str, ...]
+    isolated: bool = False
 
     @property
     def idle(self) -> int:
@@ -96,8 +100,11 @@ class Singularity(ReadOnlyArrays):
 
         "gain": K* drops, motions come free with the motors locked (second kind, parallel);
         "loss": the tool loses a motion (first kind, serial); "configuration space": [K K*]
-        itself drops, where branches of the configuration space meet; "regular": none.
+        itself drops, where branches of the configuration space meet; "isolated": no pose near
+        home closes, a structure, or a singular home; "regular": none.
         """
+        if self.isolated:
+            return "isolated"
         if self.constraint_rank < self.generic_constraint_rank:
             return "configuration space"
         if self.gained > 0:
@@ -106,12 +113,12 @@ class Singularity(ReadOnlyArrays):
 
     @property
     def is_singular(self) -> bool:
-        """Whether K* is below its generic rank here, so that `jacobian` raises SingularError.
+        """Whether K* is below its generic rank or that is not known: SingularError by `jacobian`.
 
         What a mechanism suffers from at every pose (forbidden motor rates, idle motions that
         the tool feels) is no singularity.
         """
-        return self.gained > 0
+        return self.gained > 0 or self.isolated
 
     def free_motion(self) -> dict[str, float]:
         """Return one motion that is free with the motors locked, largest rate 1, by name."""
@@ -163,6 +170,7 @@ def analyse_singularity(
         forbidden_rates=forbidden,
         actuated_names=partition.actuated_names,
         passive_names=partition.passive_names,
+        isolated=partition.isolated,
     )
 
 

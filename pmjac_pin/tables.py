@@ -132,7 +132,7 @@ def _sizes(report: Report) -> str:
     size = report.dimensions
     return (
         f"n = {size.n} motors, m_p = {size.m_p} passive; p = {size.p} loop equations, "
-        f"m = {size.m} of them independent; mobility {size.mobility}; nq = {size.nq}, "
+        f"m = {size.m} of them independent; mobility {'not known' if size.mobility is None else size.mobility}; nq = {size.nq}, "
         f"nv = {size.nv}."
     )
 

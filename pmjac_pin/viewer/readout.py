@@ -29,6 +29,7 @@ _KINDS = {
     "loss": "a loss (serial) singularity",
     "gain and loss": "a gain and loss singularity",
     "configuration space": "a configuration-space singularity",
+    "isolated": "a structure or a singular home: no pose near it closes",
 }
 _NAMES_SHOWN = 4
 
