@@ -13,6 +13,7 @@ from pmjac_pin.closure import Followed, follow
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.damped_closure import assemble
 from pmjac_pin.errors import ArgumentError, ClosureError, LimitError
+from pmjac_pin.held_motors import assemble_held
 from pmjac_pin.parts import Parts
 from pmjac_pin.pose_assembly import motor_weights
 
@@ -98,7 +99,7 @@ def _assembled(
     parts = mechanism._parts
     motors = dict(zip(parts.spec.actuated, map(float, values), strict=True))
     q = parts.coordinates.q({**motors, **guess}, parts.home_q)
-    pose = assemble(parts.problem, q, motor_weights(parts.problem, 0.0))
+    pose = assemble_held(parts.problem, q)
     if pose.gap > parts.problem.tolerance:
         message = (
             f"the guess does not assemble: the loops of {mechanism.name!r} stay open by "

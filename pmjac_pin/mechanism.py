@@ -117,8 +117,11 @@ class Mechanism(MechanismValue):
     def pose(self, name: str) -> Configuration:
         """Return a named pose, its loops closed.
 
-        The motors keep the pose's values where the loops close there, and move as little as
-        it takes where they do not (after a change of parameters, for instance).
+        The motors keep the pose's values where a closed pose is found with them at rest: from
+        the pose's own passive values or, where these leave the loops wide open, from 24
+        seeded starts further and further around them. That none is found is no proof that
+        there is none (`assembly_modes` tells more). Then the motors move as little as it takes
+        (after a change of parameters, for instance); `moved` says how far.
 
         Raises
         ------
@@ -184,7 +187,9 @@ class Mechanism(MechanismValue):
             Motor values, m or rad, in the order of `actuated`.
         guess : str, Configuration or mapping of str to float
             Where to start: a pose's name, a configuration, or joint values; joints that a
-            mapping does not name are taken from the target (motors) and from home.
+            mapping does not name are taken from the target (motors) and from home. The loops
+            of a mapping are closed as those of a pose are, the motors at rest; it is an error
+            where that fails.
         enforce_limits : bool
             Refuse motor values outside the joints' limits.
 

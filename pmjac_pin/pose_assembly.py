@@ -12,21 +12,23 @@ from pmjac_pin.closure_problem import ClosureProblem
 from pmjac_pin.coordinates import JointCoordinates
 from pmjac_pin.damped_closure import Assembled, assemble
 from pmjac_pin.errors import ClosureError, LimitError
+from pmjac_pin.held_motors import assemble_held, is_rounding
 from pmjac_pin.parts import Parts
-from pmjac_pin.spec import LARGEST_TOLERANCE, MechanismSpec
+from pmjac_pin.spec import MechanismSpec
 
 Array = NDArray[np.float64]
 
-# How easily the motors move, beside the passive joints, to assemble a pose: not at all, then
-# reluctantly, then like the others.
-_MOTOR_WEIGHTS = (0.0, 0.1, 1.0)
+# How easily the motors move, beside the passive joints, where a pose does not assemble with them
+# at rest: reluctantly, then like the others.
+_MOTOR_WEIGHTS = (0.1, 1.0)
 _SHAKES = (0.03, 0.03, 0.1, 0.1, 0.3, 0.3, 0.6, 0.6)  # rad or share of the length
 
 
 def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
     """Close the loops near q, within the joints' limits.
 
-    The motors stay where they are, or move as little as it takes.
+    The motors stay where they are where a closed pose is found with them at rest, from q itself or
+    from one of the starts of `assemble_held`; elsewhere they move as little as it takes.
 
     Raises
     ------
@@ -34,32 +36,28 @@ def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
         With the smallest gap found and the loop that stays open most, or with the joints that
         would have to leave their limits.
     """
-    problem = parts.problem
-    found = []
+    problem, room = parts.problem, parts.coordinates.room
+    found = [assemble_held(problem, q, room)]
+    if found[0].gap <= problem.tolerance:
+        return found[0].q
     for motor_weight in _MOTOR_WEIGHTS:
-        weights = motor_weights(problem, motor_weight)
-        found.append(assemble(problem, q, weights, room=parts.coordinates.room))
+        found.append(assemble(problem, q, motor_weights(problem, motor_weight), room=room))
         if found[-1].gap <= problem.tolerance:
-            return _beyond_the_end(parts, q, found[-1].q) if motor_weight else found[-1].q
+            return _beyond_the_end(parts, q, found[-1].q)
     best = min(found, key=lambda pose: pose.gap)
     # A small gap that stays is the rounding of the model's numbers: no fold would cure it.
-    if not _is_rounding(problem, best.gap) and (folded := _folded(parts, q)) is not None:
+    if not is_rounding(problem, best.gap) and (folded := _folded(parts, q)) is not None:
         return folded
     raise _open(parts, q, best, pose)
 
 
 def _folded(parts: Parts, q: Array) -> Array | None:
-    """Return a closed pose from shaken starts, with the motors at rest if there is one."""
-    problem, coordinates = parts.problem, parts.coordinates
-    motors = problem.partition.actuated
-    at_rest = coordinates.values(q)[motors]
-    for motor_weight in (0.0, 1.0):
-        for shook in shaken(problem, q):
-            start = shook if motor_weight else coordinates.with_values(shook, motors, at_rest)
-            weights = motor_weights(problem, motor_weight)
-            found = assemble(problem, start, weights, room=coordinates.room)
-            if found.gap <= problem.tolerance:
-                return found.q
+    """Return a closed pose from shaken starts, all joints free to move."""
+    problem, room = parts.problem, parts.coordinates.room
+    for start in shaken(problem, q):
+        found = assemble(problem, start, motor_weights(problem, 1.0), room=room)
+        if found.gap <= problem.tolerance:
+            return found.q
     return None
 
 
@@ -124,14 +122,9 @@ def _open(parts: Parts, q: Array, best: Assembled, pose: str) -> ClosureError:
         f"{what} does not assemble: the loops stay open by {best.gap:.3g} m at best, most at "
         f"{loops.row_names[row]!r}; give joint values nearer to a closed pose, or other lengths"
     )
-    if _is_rounding(problem, best.gap):
+    if is_rounding(problem, best.gap):
         message += f", or a `tolerance` of {_rounded_up(best.gap):g} where numbers are rounded"
     return ClosureError(message, residual_norm=best.gap, q=best.q, loop=loops.row_loops[row])
-
-
-def _is_rounding(problem: ClosureProblem, gap: float) -> bool:
-    """Tell whether a gap is so small that rounded numbers may be its cause."""
-    return gap <= min(LARGEST_TOLERANCE, 0.01 * problem.partition.length)
 
 
 def _rounded_up(gap: float) -> float:

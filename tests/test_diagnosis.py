@@ -406,7 +406,8 @@ slide = -0.4
 """
 
 
-def test_a_named_pose_that_does_not_assemble(tmp_path):
+@pytest.fixture
+def slider(tmp_path):
     """A slider at a metre from the origin: in front of it, for its limits exclude behind."""
     joints = [
         ("motor", "revolute", "ground", "arm", (0, 0, 0), (1, 0, 0)),
@@ -415,7 +416,21 @@ def test_a_named_pose_that_does_not_assemble(tmp_path):
     urdf = mechanisms.tree(*joints).replace('lower="-100"', 'lower="-0.5"')
     (tmp_path / "slider.urdf").write_text(urdf, encoding="utf-8")
     (tmp_path / "slider.toml").write_text(SLIDER, encoding="utf-8")
-    diagnosis = pj.check(tmp_path / "slider.toml")
+    return tmp_path / "slider.toml"
+
+
+def test_a_named_pose_is_assembled_within_the_limits(slider):
+    """Nearest it would close behind the origin, outside the slide's limits."""
+    behind = pj.check(slider).poses[1]
+    assert (behind.failure, behind.kind) == (None, "regular")
+    assert pj.load(slider).moved("behind")["slide"] == pytest.approx(1.4)
+
+
+def test_a_named_pose_that_does_not_assemble(slider, monkeypatch):
+    """From where the pose puts it, and from nowhere else."""
+    monkeypatch.setattr("pmjac_pin.held_motors.SHAKES", ())
+    monkeypatch.setattr("pmjac_pin.pose_assembly._SHAKES", ())
+    diagnosis = pj.check(slider)
     home, behind = diagnosis.poses
     assert (home.failure, home.kind) == (None, "regular")
     assert (behind.kind, behind.failure.code) == (None, "outside-limits")

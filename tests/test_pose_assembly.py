@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import mechanisms
+import msgspec
 import numpy as np
 import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
+from pmjac_pin.assembly import build_parts
+from pmjac_pin.damped_closure import assemble
+from pmjac_pin.held_motors import assemble_held
+from pmjac_pin.pose_assembly import motor_weights
 
 
 def four_bar(home, limits=(-100.0, 100.0), loops=None, **changes):
@@ -128,3 +135,94 @@ def test_a_flat_start_is_left(size):
     assert mechanism.home.residual_norm <= 1e-12
     assert mechanism.home.singularity().kind == "regular"
     assert mechanism.moved()["a"] == 0.0
+
+
+def guesses(mechanism, rng, count):
+    """Poses with the motors of home and passive joints anywhere."""
+    parts = mechanism._parts
+    passive, angular = parts.problem.partition.passive, parts.coordinates.rotational
+    for _ in range(count):
+        v = np.zeros(mechanism.nv)
+        v[passive] = rng.uniform(-1, 1, passive.size) * np.where(angular[passive], np.pi, 0.3)
+        yield pin.integrate(mechanism.model, mechanism.home.q, v)
+
+
+def at_guess(mechanism, q):
+    return pj.Mechanism(build_parts(mechanism.model, at(mechanism, home=q), {}))
+
+
+def at(mechanism, **poses):
+    """The mechanism's spec with its loops' lengths as they are, and these poses."""
+    spec, values = mechanism.spec, mechanism.parameters
+    loops = tuple(
+        msgspec.structs.replace(loop, length=loop.resolved_length(values))
+        if isinstance(loop, pj.DistanceLoop)
+        else loop
+        for loop in spec.loops
+    )
+    given = {name: mechanism._parts.coordinates.pose(q) for name, q in poses.items()}
+    poses = {"home": spec.poses["home"], **given}
+    return msgspec.structs.replace(spec, loops=loops, parameters={}, poses=poses)
+
+
+# From a guess anywhere, one start in two or three closes; of 24 in a row, all but never none.
+@pytest.mark.parametrize("name", ["planar_3rrr", "three_rps"])
+def test_motors_keep_their_values_where_the_loops_close_there(name, rng):
+    """A poor guess of the passive joints is no reason to move the motors."""
+    mechanism = pj.load(name)
+    homes = [at_guess(mechanism, q).home for q in guesses(mechanism, rng, 30)]
+    moved = [np.abs(home.actuated - mechanism.home.actuated).max() > 0.0 for home in homes]
+    assert sum(moved) <= 1
+    assert all(home.residual_norm <= 1e-12 for home in homes)
+
+
+def test_a_poor_guess_in_words_is_closed_with_the_motors_at_rest(rng):
+    mechanism = pj.load("planar_3rrr")
+    names = mechanism.spec.passive
+    motors, refused = mechanism.home.actuated, 0
+    for q in guesses(mechanism, rng, 30):
+        values = mechanism._parts.coordinates.joint_values(q, names)
+        try:
+            assert mechanism.close(motors, guess=values).actuated.tolist() == motors.tolist()
+        except pj.ClosureError:
+            refused += 1
+    assert refused <= 1
+
+
+def test_a_named_pose_keeps_its_motors_too(rng):
+    mechanism = pj.load("planar_3rrr")
+    poses = {f"p{k}": q for k, q in enumerate(guesses(mechanism, rng, 30))}
+    again = pj.Mechanism(build_parts(mechanism.model, at(mechanism, **poses), {}))
+    moved = [any(again.moved(name)[motor] for motor in again.spec.actuated) for name in poses]
+    assert sum(moved) <= 1
+
+
+def test_what_closes_at_once_costs_no_more(rng):
+    """Counted in evaluations of the loops: further starts are for what stays wide open."""
+    mechanism = pj.load("planar_3rrr")
+    problem, counts = mechanism._parts.problem, []
+
+    def counted(q):
+        counts[-1] += 1
+        return problem.evaluate(q)
+
+    watched = dataclasses.replace(problem, evaluate=counted)
+    start = problem.integrate(mechanism.home.q, 0.1 * rng.normal(size=mechanism.nv))
+    for close in (lambda: assemble(watched, start, motor_weights(problem, 0.0)).q,
+                  lambda: assemble_held(watched, start).q):  # fmt: skip
+        counts.append(0)
+        close()
+    assert counts[0] == counts[1] < 20
+
+
+def test_the_end_of_the_reach_is_not_left_for_another_mode():
+    """A motor value rounded beyond a fold moves by that much, and the pose stays where it is."""
+    mechanism = pj.load("planar_3rrr")
+    with pytest.raises(pj.ClosureError) as caught:
+        mechanism.close(mechanism.home.actuated + 2.0)
+    end = caught.value.reached
+    beyond = 1e-6 * (mechanism.home.actuated + 2.0 - end.actuated)
+    columns = mechanism._parts.problem.partition.actuated
+    q = mechanism._parts.coordinates.with_values(end.q, columns, end.actuated + beyond)
+    home = at_guess(mechanism, q).home
+    assert np.abs(home.q - end.q).max() < 0.01
