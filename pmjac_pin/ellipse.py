@@ -6,6 +6,7 @@ vectors and singular values; polarity turns radii into their reciprocals.
 
 from __future__ import annotations
 
+import itertools
 import math
 import operator
 from collections.abc import Callable
@@ -22,6 +23,12 @@ Array = NDArray[np.float64]
 FLATNESS_TOLERANCE = 1e-9
 """A radius or singular value at or below this times the largest is rounding: it becomes 0."""
 
+TIE = 1e-9
+"""Radii that differ by up to this, relatively, are equal: their axes are any of their span."""
+
+_LIKE = 1.0 - 1e-6  # of the largest component: what symmetric mechanisms make equal to rounding
+_WORLD = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Ellipse:
@@ -33,7 +40,8 @@ class Ellipse:
         Semi-axes in `unit`, descending; zero where flat, infinite where unbounded.
     axes : ndarray, shape (2, 2)
         Column i is the direction of ``radii[i]`` in the plane's coordinates; determinant +1,
-        the component of largest magnitude of the first column positive.
+        the component of largest magnitude of the first column positive. Those of a circle
+        (radii that differ by up to 1e-9, relatively) are the plane's own.
     basis : ndarray, shape (3, 2)
         The plane's coordinate directions: ``basis @ y`` is the point of space at ``y``.
     unit : str
@@ -88,12 +96,15 @@ class Ellipse:
 
 
 def image_of_ball(A: Array) -> tuple[Array, Array]:
-    """Return radii (d,) and axes (d, d) of the image of the unit ball under a d x k matrix."""
+    """Return radii (d,) and axes (d, d) of the image of the unit ball under a d x k matrix.
+
+    The axes as the decomposition gives them: see `settled`.
+    """
     d, k = A.shape
     axes, sigma, _ = np.linalg.svd(A, full_matrices=k < d)
     radii = np.zeros(d)
     radii[: len(sigma)] = sigma
-    return radii, oriented(axes)
+    return radii, axes
 
 
 def flattened(radii: Array, size: float) -> Array:
@@ -103,27 +114,70 @@ def flattened(radii: Array, size: float) -> Array:
 
 def polar(radii: Array, axes: Array) -> tuple[Array, Array]:
     """Return radii and axes of the polar set {y : x · y ≤ 1 for all x of the ellipsoid}."""
-    reciprocal = [1 / r if r else math.inf for r in radii.tolist()]
-    return np.array(reciprocal[::-1]), oriented(axes[:, ::-1])
+    reciprocal = np.array([1 / r if r else math.inf for r in radii.tolist()][::-1])
+    return reciprocal, settled(reciprocal, axes[:, ::-1])
 
 
-def oriented(axes: Array) -> Array:
-    """Turn 2 or 3 orthonormal columns so that their signs are repeatable and det is +1.
+def settled(radii: Array, axes: Array) -> Array:
+    """Choose among all 2 or 3 orthonormal axes of these radii, so that rounding does not.
+
+    Axes of radii that are equal (`ties`) are those of the world, turned the shortest way into
+    their plane: of all in it the nearest to two of the world's. The signs are such that the largest
+    component is positive, but for the last axis, which makes the determinant +1.
 
     On Python floats: on so few numbers they are several times faster than NumPy.
     """
-    a, b = axes.T[:2].tolist()
-    a = _positive(a)
-    if len(a) == 2:
+    tied = ties(radii)
+    if all(tied):
+        return np.eye(len(axes))
+    a, b, *rest = axes.T.tolist()
+    if not rest:
+        a = _positive(a)
         return np.array([[a[0], -a[1]], [a[1], a[0]]])
-    b = _positive(b)
+    if tied[0]:
+        a, b = turned_into_plane(rest[0], _WORLD)
+    else:
+        a = _positive(a)
+        b = turned_into_plane(a, _WORLD)[0] if tied[1] else _positive(b)
     c = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
     return np.array([a, b, c]).T
 
 
+def ties(radii: Array) -> list[bool]:
+    """Tell of each radius and the next whether they are equal, to `TIE`; zeros are, infinite too.
+
+    Examples
+    --------
+    >>> ties(np.array([2.0, 2.0 - 1e-12, 0.0])), ties(np.array([np.inf, np.inf, 1.0]))
+    ([True, False], [True, False])
+    """
+    values = radii.tolist()
+    return [next_ >= (1.0 - TIE) * r for r, next_ in itertools.pairwise(values)]
+
+
+def turned_into_plane(normal: list[float], axes: list[list[float]]) -> list[list[float]]:
+    """Return two of three orthonormal axes, turned the shortest way into a plane.
+
+    It takes the axis i that is most like the unit normal n, to either side (g = ±1), into it. The
+    others become d − (d·n)(n + g dᵢ)/(1 + |n·dᵢ|). As the matrix between those two and what they
+    become is symmetric and positive, none of the plane's axes are nearer to them.
+    """
+    likeness = [sum(map(operator.mul, normal, axis)) for axis in axes]
+    peak = _LIKE * max(map(abs, likeness))
+    nearest = max(k for k in range(3) if abs(likeness[k]) >= peak)
+    side = math.copysign(1.0, likeness[nearest])
+    share = 1.0 / (1.0 + abs(likeness[nearest]))
+    between = [share * (n + side * x) for n, x in zip(normal, axes[nearest], strict=True)]
+    return [
+        [x - likeness[k] * y for x, y in zip(axes[k], between, strict=True)]
+        for k in range(3)
+        if k != nearest
+    ]
+
+
 def _positive(direction: list[float]) -> list[float]:
     # Symmetric mechanisms make components that are equal up to rounding: the first decides.
-    peak = (1 - 1e-6) * max(map(abs, direction))
+    peak = _LIKE * max(map(abs, direction))
     leading = next(x for x in direction if abs(x) >= peak)
     return direction if leading > 0 else [-x for x in direction]
 

@@ -26,6 +26,7 @@ from pmjac_pin.ellipse import (
     image_of_ball,
     polar,
     real_array,
+    settled,
 )
 from pmjac_pin.errors import ArgumentError
 
@@ -47,7 +48,10 @@ class Ellipsoid:
         Column i is the unit direction of ``radii[i]``; orthonormal, determinant +1. From
         `velocity_ellipsoid` and `force_ellipsoid` the component of largest magnitude (the
         first of equal ones) of the first two columns is positive, and the third follows by
-        the right-hand rule. Axes of equal radii are any orthonormal ones of their span.
+        the right-hand rule. Axes of equal radii (differing by up to 1e-9, relatively) are any
+        orthonormal ones of their span; from those functions the world's axes x, y, z where all
+        three are equal, and where two are, two of the world's axes, in their order, turned the
+        shortest way into the plane of the two.
     unit : str
         Unit of the radii, such as "m/s", "rad/s" or "N".
 
@@ -157,7 +161,8 @@ class Ellipsoid:
 
     def _flat_image(self, basis: Array, image: Array) -> Ellipse:
         radii, axes = image_of_ball(basis.T @ image)
-        return Ellipse(flattened(radii, float(self.radii[0])), axes, basis, self.unit)
+        radii = flattened(radii, float(self.radii[0]))
+        return Ellipse(radii, settled(radii, axes), basis, self.unit)
 
     def points(self, n_u: int = 61, n_v: int = 31) -> Array:
         """Return surface points on a grid, as matplotlib's ``plot_surface`` takes them.
@@ -263,7 +268,8 @@ def _principal(jacobian: ArrayLike, rounding: float) -> tuple[Array, Array]:
         raise ArgumentError(f"rounding must be a number ≥ 0, got {rounding!r}")
     radii, axes = image_of_ball(block)
     flat = flattened(radii, float(radii[0]))
-    return np.where(flat > rounding, flat, 0.0), axes
+    flat = np.where(flat > rounding, flat, 0.0)
+    return flat, settled(flat, axes)
 
 
 def _right_handed(axes: Array) -> bool:

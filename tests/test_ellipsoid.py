@@ -131,6 +131,65 @@ def test_equal_components_leave_the_sign_to_the_first():
         np.testing.assert_allclose(axis, [math.sqrt(0.5), -math.sqrt(0.5), 0])
 
 
+TIED = [(1, 1, 1), (2, 1, 1), (2, 2, 1), (1, 0, 0), (1, 1, 0), (0, 0, 0)]
+SYMMETRIC = [(0, 0, 1), (1, 0, 0), (0, 1, 0), (1, 1, 0), (1, 0, -1), (0, 1, 1), (1, 1, 1)]
+
+
+def single_direction(radii, axes):
+    """The axis of the radius that is not equal to another."""
+    return axes[:, 0] if radii[1] == radii[2] else axes[:, 2]
+
+
+@pytest.mark.parametrize("radii", TIED)
+@pytest.mark.parametrize("build", [velocity_ellipsoid, force_ellipsoid])
+def test_axes_of_equal_radii_are_no_accident_of_rounding(rng, radii, build):
+    """However the same ellipsoid is made, turned in the span of equal radii by the way."""
+    for direction in [*SYMMETRIC, *rng.standard_normal((5, 3))]:
+        turn = np.linalg.qr(np.column_stack([direction, np.eye(3)]))[0][:, :3]
+        U = turn if radii[1] == radii[2] else turn[:, ::-1]
+        first = None
+        for _ in range(10):
+            V = np.linalg.qr(rng.standard_normal((3, 3)))[0]
+            J = (U * np.array(radii)) @ V + 1e-14 * rng.standard_normal((3, 3)) * max(radii)
+            axes = build(J, rounding=1e-12).axes
+            first = axes if first is None else first
+            np.testing.assert_allclose(axes, first, atol=1e-11)
+
+
+@pytest.mark.parametrize("radii", TIED[:5])
+def test_axes_of_equal_radii_are_the_nearest_to_the_worlds(rng, radii):
+    ball = radii[0] == radii[1] == radii[2]
+    for direction in [*SYMMETRIC, *rng.standard_normal((20, 3))]:
+        U = np.linalg.qr(np.column_stack([direction, np.eye(3)]))[0][:, :3]
+        U = U if radii[1] == radii[2] else U[:, ::-1]
+        axes = velocity_ellipsoid(U * np.array(radii)).axes
+        if ball:
+            np.testing.assert_array_equal(axes, np.eye(3))
+            continue
+        normal = single_direction(radii, axes)
+        plane = axes[:, :2] if radii[0] == radii[1] else axes[:, 1:]
+        pairs = [np.eye(3)[:, pair] for pair in ([0, 1], [0, 2], [1, 2])]
+        angle = np.linspace(0, 2 * math.pi, 721)
+        turns = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        mirrors = (np.eye(2), np.diag([1, -1]))
+        best = max(
+            np.einsum("ij,jka,kl,il->a", plane, turns, mirror, pair).max()
+            for pair in pairs
+            for mirror in mirrors
+        )
+        got = max(np.sum(plane * sign * pair) for pair in pairs for sign in ([1, 1], [1, -1]))
+        assert got >= best - 1e-9
+        np.testing.assert_allclose(np.abs(normal @ plane), 0, atol=1e-12)
+
+
+@every_rank
+def test_circles_have_the_axes_of_their_plane(rng, n, rank):
+    ball = velocity_ellipsoid(np.linalg.qr(rng.standard_normal((3, 3)))[0] * 2.0)
+    for plane in planes(rng, block(rng, n, rank)):
+        np.testing.assert_array_equal(ball.section(plane).axes, np.eye(2))
+        np.testing.assert_array_equal(ball.projection(plane).axes, np.eye(2))
+
+
 def test_rank_is_relative(rng):
     for scale in (1e-200, 1.0, 1e200):
         assert velocity_ellipsoid(scale * np.diag([1, 1e-8, 1e-10])).rank == 2

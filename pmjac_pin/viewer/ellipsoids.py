@@ -9,6 +9,7 @@ import numpy as np
 
 from pmjac_pin.anatomy import Anatomy
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.ellipse import ties, turned_into_plane
 from pmjac_pin.ellipsoid import Ellipsoid
 from pmjac_pin.errors import ClosureError, NoJacobianError
 from pmjac_pin.jacobian import EquivalentJacobian
@@ -113,17 +114,28 @@ def directions_after(
     """Return the axes of ellipsoids, each with the sign of the earlier one that it is most like.
 
     The earlier one need not be of the same number: where two radii cross, their axes change
-    places. Earlier directions of what is not among the ellipsoids are kept.
+    places. Where radii are equal, their axes are any of their span: those that were drawn before,
+    turned as little as it takes. Earlier directions of what is not among the ellipsoids are kept.
     """
     directions = dict(before)
     for kind, ellipsoid in ellipsoids.items():
         axes = ellipsoid.axes
         if kind in before:
-            likeness = before[kind].T @ axes
-            nearest = np.abs(likeness).argmax(axis=0)
-            axes = axes * np.where(likeness[nearest, range(3)] < 0.0, -1.0, 1.0)
+            axes = _kept(before[kind], axes, ties(ellipsoid.radii))
         directions[kind] = read_only(axes)
     return directions
+
+
+def _kept(before: Array, axes: Array, tied: list[bool]) -> Array:
+    if all(tied):
+        return before
+    likeness = before.T @ axes
+    nearest = np.abs(likeness).argmax(axis=0)
+    axes = axes * np.where(likeness[nearest, range(3)] < 0.0, -1.0, 1.0)
+    for first in (first for first in range(2) if tied[first]):
+        normal = axes[:, 2 - 2 * first].tolist()
+        axes[:, first : first + 2] = np.transpose(turned_into_plane(normal, before.T.tolist()))
+    return axes
 
 
 def _ellipsoid(jacobian: EquivalentJacobian, kind: Kind) -> Ellipsoid:
