@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from pmjac_pin.factorisation import norm
 from pmjac_pin.partition import Partition
 from pmjac_pin.read_only import ReadOnlyArrays
+from pmjac_pin.ties import first_largest
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -108,6 +109,6 @@ def sparse_basis(columns: Array) -> tuple[Array, Index]:
 
 
 def _largest_one(columns: Array) -> Array:
-    largest = np.abs(columns).argmax(axis=0) if columns.size else np.zeros(0, dtype=np.intp)
+    largest = first_largest(columns) if columns.size else np.zeros(0, dtype=np.intp)
     scaled: Array = columns / columns[largest, np.arange(columns.shape[1])]
     return scaled

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pmjac_pin.errors import ArgumentError
+from pmjac_pin.ties import LIKE
 
 Array = NDArray[np.float64]
 
@@ -26,7 +27,6 @@ FLATNESS_TOLERANCE = 1e-9
 TIE = 1e-9
 """Radii that differ by up to this, relatively, are equal: their axes are any of their span."""
 
-_LIKE = 1.0 - 1e-6  # of the largest component: what symmetric mechanisms make equal to rounding
 _WORLD = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
 
 
@@ -163,7 +163,7 @@ def turned_into_plane(normal: list[float], axes: list[list[float]]) -> list[list
     become is symmetric and positive, none of the plane's axes are nearer to them.
     """
     likeness = [sum(map(operator.mul, normal, axis)) for axis in axes]
-    peak = _LIKE * max(map(abs, likeness))
+    peak = LIKE * max(map(abs, likeness))
     nearest = max(k for k in range(3) if abs(likeness[k]) >= peak)
     side = math.copysign(1.0, likeness[nearest])
     share = 1.0 / (1.0 + abs(likeness[nearest]))
@@ -177,7 +177,7 @@ def turned_into_plane(normal: list[float], axes: list[list[float]]) -> list[list
 
 def _positive(direction: list[float]) -> list[float]:
     # Symmetric mechanisms make components that are equal up to rounding: the first decides.
-    peak = _LIKE * max(map(abs, direction))
+    peak = LIKE * max(map(abs, direction))
     leading = next(x for x in direction if abs(x) >= peak)
     return direction if leading > 0 else [-x for x in direction]
 

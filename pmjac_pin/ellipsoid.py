@@ -29,6 +29,7 @@ from pmjac_pin.ellipse import (
     settled,
 )
 from pmjac_pin.errors import ArgumentError
+from pmjac_pin.ties import first_largest
 
 Array = NDArray[np.float64]
 
@@ -299,7 +300,7 @@ def _plane(plane: str | ArrayLike) -> tuple[Array, Array]:
     normal = normal / largest  # first, so that the norm neither overflows nor underflows
     normal = normal / np.linalg.norm(normal)
     # The axis after the one nearest to the normal is at least 45 degrees away from it.
-    first = np.eye(3)[(int(np.abs(normal).argmax()) + 1) % 3]
+    first = np.eye(3)[(int(first_largest(normal)) + 1) % 3]
     first = first - (first @ normal) * normal
     first = first / np.linalg.norm(first)
     return np.column_stack([first, np.cross(normal, first)]), normal

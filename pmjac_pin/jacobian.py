@@ -18,6 +18,7 @@ from pmjac_pin.factorisation import Factorisation, norm
 from pmjac_pin.partition import Partition, TwistRanks
 from pmjac_pin.read_only import ReadOnlyArrays, read_only
 from pmjac_pin.singularity import Singularity, analyse_singularity, forbidden_rates
+from pmjac_pin.ties import first_largest
 
 Array = NDArray[np.float64]
 FrameName = Literal["LOCAL", "WORLD", "LOCAL_WORLD_ALIGNED"]
@@ -309,7 +310,7 @@ def refuse_felt_idle_motion(
     if motions.rank == 0:
         return
     idle = partition.column_scale[partition.passive] * (factors.null_space @ motions.right[0])
-    idle /= idle[np.argmax(np.abs(idle))]
+    idle /= idle[first_largest(idle)]
     moving = ", ".join(name for name, _ in _moving(partition.passive_names, idle))
     raise IdleMotionError(
         f"the tool is moved by a passive motion that no motor commands: {moving} "

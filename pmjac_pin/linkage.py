@@ -21,6 +21,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError
+from pmjac_pin.ties import first_smallest
 
 Array = NDArray[np.float64]
 Kind = Literal["revolute", "continuous", "prismatic", "spherical", "planar", "free", "fixed"]
@@ -104,7 +105,7 @@ def aligned(axis: Sequence[float] | Array) -> pin.SE3:
     [1.0, 0.0, 0.0]
     """
     z = np.asarray(axis, dtype=float)
-    x = np.eye(3)[int(np.argmin(np.abs(z)))]
+    x = np.eye(3)[first_smallest(z)]
     x = x - (x @ z) * z
     x /= np.linalg.norm(x)
     return pin.SE3(np.column_stack([x, np.cross(z, x), z]), np.zeros(3))

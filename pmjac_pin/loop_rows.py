@@ -15,6 +15,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from pmjac_pin.ties import first_smallest
+
 Array = NDArray[np.float64]
 
 HALF_A_TURN = 1e-12  # 1 + cos(angle) below which the direction of a tilt is lost
@@ -173,7 +175,7 @@ def across(axis: Array) -> Array:
     >>> across(np.array([0.0, 0.0, 1.0])).tolist()
     [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
     """
-    shortest = np.eye(3)[int(np.argmin(np.abs(axis)))]
+    shortest = np.eye(3)[first_smallest(axis)]
     first = shortest - (shortest @ axis) * axis
     first /= np.linalg.norm(first)
     return np.array([first, np.cross(axis, first)])

@@ -22,6 +22,7 @@ from pmjac_pin.plotting import as_it_is, new_figure
 from pmjac_pin.pose_figure import wrapped
 from pmjac_pin.stick_figure import StickFigure, StickFigures, Stroke
 from pmjac_pin.tables import motor_values
+from pmjac_pin.ties import first_largest
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -141,7 +142,7 @@ def _across(figures: Sequence[StickFigure]) -> Array | None:
     sizes, axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[1:]
     if sizes[2] > _FLAT * sizes[0]:
         return None
-    largest = int(np.argmax(np.abs(axes[2])))
+    largest = int(first_largest(axes[2]))
     normal: Array = axes[2] * np.sign(axes[2][largest]) * (-1.0 if largest == 1 else 1.0)
     return normal
 

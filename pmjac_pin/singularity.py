@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from pmjac_pin.factorisation import norm
 from pmjac_pin.partition import Partition
 from pmjac_pin.read_only import ReadOnlyArrays
+from pmjac_pin.ties import first_largest
 
 Array = NDArray[np.float64]
 Kind = Literal["regular", "gain", "loss", "gain and loss", "configuration space", "isolated"]
@@ -125,7 +126,7 @@ class Singularity(ReadOnlyArrays):
         if not self.free_motions.size:
             return {}
         rates = self.free_motions[:, 0]
-        rates = rates / rates[np.argmax(np.abs(rates))]
+        rates = rates / rates[first_largest(rates)]
         return dict(zip(self.passive_names, map(float, rates), strict=True))
 
     def __repr__(self) -> str:
@@ -187,6 +188,6 @@ def forbidden_rates(left_null_space: Array, scaled: Array, partition: Partition)
     row_space = partition.factorise(defect, size)
     directions = row_space.right[: row_space.rank].T / partition.column_scale[actuated, None]
     orthonormal: Array = np.linalg.qr(directions)[0]
-    largest = np.argmax(np.abs(orthonormal), axis=0)
+    largest = first_largest(orthonormal)
     orthonormal *= np.sign(orthonormal[largest, np.arange(largest.size)])
     return orthonormal
