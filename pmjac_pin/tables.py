@@ -130,9 +130,10 @@ def ellipsoid_table(heading: str, ellipsoid: EllipsoidReport) -> Table:
 
 def _sizes(report: Report) -> str:
     size = report.dimensions
+    mobility = "not known" if size.mobility is None else size.mobility
     return (
         f"n = {size.n} motors, m_p = {size.m_p} passive; p = {size.p} loop equations, "
-        f"m = {size.m} of them independent; mobility {'not known' if size.mobility is None else size.mobility}; nq = {size.nq}, "
+        f"m = {size.m} of them independent; mobility {mobility}; nq = {size.nq}, "
         f"nv = {size.nv}."
     )
 

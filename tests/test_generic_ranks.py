@@ -1,0 +1,131 @@
+"""Generic ranks where home is no ordinary pose: a branch point, or no pose near it closes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from random_machines import Tree, at
+
+import pmjac_pin as pj
+
+
+def taut_four_bar(motors):
+    """Ground as long as the three bars together: it is assembled and cannot move at all."""
+    tree = Tree()
+    a = tree.joint(0, "a", at([0, 0, 0]))
+    b = tree.joint(a, "b", at([1, 0, 0]))
+    c = tree.joint(0, "c", at([3, 0, 0]))
+    tree.frame(b, "bt", at([2, 0, 0]))
+    tree.frame(c, "ct", at([2, 0, 0]))
+    loops = [pj.PointLoop(frames=("bt", "ct"))]
+    return pj.Mechanism.from_pinocchio(tree.model, loops, motors, "bt", name="taut")
+
+
+@pytest.mark.parametrize("motors", [["a"], ["a", "b"], ["c"]])
+def test_a_taut_four_bar_is_a_structure_or_not_known(motors):
+    mechanism = taut_four_bar(motors)
+    assert mechanism.mobility is None
+    assert "mobility not known" in repr(mechanism)
+    found = mechanism.home.singularity()
+    assert (found.kind, found.is_singular) == ("isolated", True)
+    with pytest.raises(pj.SingularError, match="no pose near home closes: a structure, or a sing"):
+        mechanism.home.jacobian()
+    diagnosis = pj.check(mechanism)
+    assert diagnosis.severity == "error"
+    assert diagnosis.mobility.mobility is None
+    assert any(finding.code == "isolated" for finding in diagnosis.findings)
+    assert not any("command every motion" in finding.message for finding in diagnosis.findings)
+
+
+@pytest.mark.parametrize("shorter", [1e-3, 1e-2, 0.3])
+def test_a_four_bar_that_is_not_quite_taut_moves(shorter):
+    """With a ground that is a little shorter, it is a mechanism of mobility 1."""
+    tree = Tree()
+    ground = 3.0 - shorter
+    # Bars of 1 m: crank and rocker lean by the same angle, the coupler lies between them.
+    lean = math.acos((ground - 1.0) / 2.0)
+    corner = np.array([math.cos(lean), math.sin(lean), 0.0])
+    a = tree.joint(0, "a", at([0, 0, 0]))
+    b = tree.joint(a, "b", at(corner))
+    c = tree.joint(0, "c", at([ground, 0, 0]))
+    tree.frame(b, "bt", at(corner + [1, 0, 0]))
+    tree.frame(c, "ct", at(corner + [1, 0, 0]))
+    loops = [pj.PointLoop(frames=("bt", "ct"))]
+    mechanism = pj.Mechanism.from_pinocchio(tree.model, loops, ["a"], "bt")
+    assert mechanism.mobility == 1
+    assert mechanism.home.singularity().kind == "regular"
+
+
+def parallelogram(theta):
+    tree = Tree()
+    crank = tree.joint(0, "crank", at([0, 0, 0]))
+    coupler = tree.joint(crank, "coupler", at([1, 0, 0]))
+    rocker = tree.joint(0, "rocker", at([2, 0, 0]))
+    tree.frame(coupler, "ct", at([3, 0, 0]))
+    tree.frame(rocker, "rt", at([3, 0, 0]))
+    tree.frame(coupler, "tool", at([1.6, 0, 0]))
+    home = {"crank": theta, "coupler": -theta, "rocker": theta}
+    loops = [pj.PointLoop(frames=("ct", "rt"))]
+    return pj.Mechanism.from_pinocchio(tree.model, loops, ["crank"], "tool", home=home)
+
+
+@pytest.mark.parametrize("home", [0.7, 0.0])
+def test_from_a_branch_point_regular_poses_are_regular(home):
+    mechanism = parallelogram(home)
+    assert mechanism.mobility == 1
+    assert mechanism.home.singularity().kind == (
+        "configuration space" if home == 0.0 else "regular"
+    )
+    found = mechanism.configuration([1.1, -1.1, 1.1]).singularity()
+    assert (found.kind, found.lost, found.tool_rank) == ("regular", 0, 1)
+
+
+def three_upu(height):
+    """Three legs U-P-U between equal triangles one above the other (the SNU machine at home).
+
+    Outer hinges of each leg tangential, the inner ones perpendicular to the leg.
+    """
+    tree, loops = Tree(), []
+    plate = tree.joint(0, "plate", at([0, 0, height]), "free")
+    for k in range(3):
+        angle = 2.0 * math.pi * k / 3.0
+        out = np.array([math.cos(angle), math.sin(angle), 0.0])
+        tangent = np.array([-math.sin(angle), math.cos(angle), 0.0])
+        up = np.array([0.0, 0.0, 1.0])
+        tangential = pin.SE3(np.column_stack([up, out, tangent]), out)
+        radial = pin.SE3(np.column_stack([tangent, up, out]), out)
+        body = tree.joint(0, f"u{k}", tangential)
+        body = tree.joint(body, f"v{k}", radial)
+        body = tree.joint(body, f"l{k}", pin.SE3(np.eye(3), out), "prismatic")
+        raised = out + [0, 0, height]
+        tree.frame(body, f"top{k}", at(raised))
+        tree.frame(plate, f"on{k}", at(raised))
+        axes = tuple(out), tuple(tangent)
+        loops.append(pj.UniversalLoop(frames=(f"top{k}", f"on{k}"), axes=axes))
+    tree.frame(plate, "tool", at([0, 0, height]))
+    motors = [f"l{k}" for k in range(3)]
+    return pj.Mechanism.from_pinocchio(tree.model, loops, motors, "tool", name="three_upu")
+
+
+def test_of_a_3_upu_at_its_singular_home_the_translating_poses_are_regular():
+    mechanism = three_upu(1.0)
+    assert mechanism.home.singularity().kind == "configuration space"
+    assert mechanism.mobility == 3
+    # The plate moved without turning, the legs' hinges by inverse kinematics.
+    for shift in ([0.3, 0.1, 0.2], [-0.2, 0.4, -0.1]):
+        values = {"plate": [*shift, 0.0, 0.0, 0.0]}
+        leg = np.array(shift) + [0.0, 0.0, 1.0]
+        for k in range(3):
+            angle = 2.0 * math.pi * k / 3.0
+            out = np.array([math.cos(angle), math.sin(angle), 0.0])
+            aside = leg @ [-math.sin(angle), math.cos(angle), 0.0]
+            values[f"l{k}"] = float(np.linalg.norm(leg)) - 1.0
+            values[f"u{k}"] = math.atan2(leg @ out, leg[2])
+            values[f"v{k}"] = -math.atan2(aside, math.hypot(leg @ out, leg[2]))
+        pose = mechanism.close([values[name] for name in mechanism.actuated], guess=values)
+        np.testing.assert_allclose(pose.tool_pose.translation, leg, atol=1e-9)
+        found = pose.singularity()
+        assert (found.kind, found.lost) == ("regular", 0)
