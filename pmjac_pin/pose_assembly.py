@@ -12,6 +12,7 @@ from pmjac_pin.closure_problem import ClosureProblem
 from pmjac_pin.coordinates import JointCoordinates
 from pmjac_pin.damped_closure import Assembled, assemble
 from pmjac_pin.errors import ClosureError, LimitError
+from pmjac_pin.factorisation import norm
 from pmjac_pin.held_motors import assemble_held, is_rounding
 from pmjac_pin.parts import Parts
 from pmjac_pin.spec import MechanismSpec
@@ -21,6 +22,7 @@ Array = NDArray[np.float64]
 # How easily the motors move, beside the passive joints, where a pose does not assemble with them
 # at rest: reluctantly, then like the others.
 _MOTOR_WEIGHTS = (0.1, 1.0)
+_FAR_BESIDE_A_GAP = 100.0  # at the end of the reach, motors move about as far as the gap
 _SHAKES = (0.03, 0.03, 0.1, 0.1, 0.3, 0.3, 0.6, 0.6)  # rad or share of the length
 
 
@@ -42,13 +44,25 @@ def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
         return found[0].q
     for motor_weight in _MOTOR_WEIGHTS:
         found.append(assemble(problem, q, motor_weights(problem, motor_weight), room=room))
-        if found[-1].gap <= problem.tolerance:
-            return _beyond_the_end(parts, q, found[-1].q)
-    best = min(found, key=lambda pose: pose.gap)
-    # A small gap that stays is the rounding of the model's numbers: no fold would cure it.
+        if found[-1].gap > problem.tolerance:
+            continue
+        if is_rounding(problem, found[0].gap) and _moved(problem, q, found[-1].q) > (
+            _FAR_BESIDE_A_GAP * found[0].gap
+        ):
+            break
+        return _beyond_the_end(parts, q, found[-1].q)
+    # A small gap that stays is the rounding of the model's numbers: no fold would cure it, and
+    # motors that moved far for it would hide it.
+    best = found[0] if is_rounding(problem, found[0].gap) else min(found, key=lambda it: it.gap)
     if not is_rounding(problem, best.gap) and (folded := _folded(parts, q)) is not None:
         return folded
     raise _open(parts, q, best, pose)
+
+
+def _moved(problem: ClosureProblem, start: Array, end: Array) -> float:
+    """Return how far the motors moved, in m."""
+    motors, scale = problem.partition.actuated, problem.partition.column_scale
+    return norm((problem.difference(start, end) / scale)[motors])
 
 
 def _folded(parts: Parts, q: Array) -> Array | None:

@@ -51,8 +51,8 @@ def test_a_four_bar_that_is_not_quite_taut_moves(shorter):
     a = tree.joint(0, "a", at([0, 0, 0]))
     b = tree.joint(a, "b", at(corner))
     c = tree.joint(0, "c", at([ground, 0, 0]))
-    tree.frame(b, "bt", at(corner + [1, 0, 0]))
-    tree.frame(c, "ct", at(corner + [1, 0, 0]))
+    tree.frame(b, "bt", at(corner + np.array([1, 0, 0])))
+    tree.frame(c, "ct", at(corner + np.array([1, 0, 0])))
     loops = [pj.PointLoop(frames=("bt", "ct"))]
     mechanism = pj.Mechanism.from_pinocchio(tree.model, loops, ["a"], "bt")
     assert mechanism.mobility == 1
@@ -100,7 +100,7 @@ def three_upu(height):
         body = tree.joint(0, f"u{k}", tangential)
         body = tree.joint(body, f"v{k}", radial)
         body = tree.joint(body, f"l{k}", pin.SE3(np.eye(3), out), "prismatic")
-        raised = out + [0, 0, height]
+        raised = out + np.array([0, 0, height])
         tree.frame(body, f"top{k}", at(raised))
         tree.frame(plate, f"on{k}", at(raised))
         axes = tuple(out), tuple(tangent)
@@ -110,14 +110,15 @@ def three_upu(height):
     return pj.Mechanism.from_pinocchio(tree.model, loops, motors, "tool", name="three_upu")
 
 
-def test_of_a_3_upu_at_its_singular_home_the_translating_poses_are_regular():
+def test_from_the_singular_home_of_a_3_upu():
+    """All legs are parallel at home, and whenever the plate has not turned: then they are equally
+    long, whatever the motors are asked for, and two motions come free. No tool motion is lost."""
     mechanism = three_upu(1.0)
     assert mechanism.home.singularity().kind == "configuration space"
     assert mechanism.mobility == 3
-    # The plate moved without turning, the legs' hinges by inverse kinematics.
     for shift in ([0.3, 0.1, 0.2], [-0.2, 0.4, -0.1]):
         values = {"plate": [*shift, 0.0, 0.0, 0.0]}
-        leg = np.array(shift) + [0.0, 0.0, 1.0]
+        leg = np.array(shift) + np.array([0.0, 0.0, 1.0])
         for k in range(3):
             angle = 2.0 * math.pi * k / 3.0
             out = np.array([math.cos(angle), math.sin(angle), 0.0])
@@ -128,4 +129,12 @@ def test_of_a_3_upu_at_its_singular_home_the_translating_poses_are_regular():
         pose = mechanism.close([values[name] for name in mechanism.actuated], guess=values)
         np.testing.assert_allclose(pose.tool_pose.translation, leg, atol=1e-9)
         found = pose.singularity()
+        assert (found.gained, found.lost, found.tool_rank) == (2, 0, 3)
+
+
+def test_regular_poses_of_a_3_upu_are_regular_though_home_is_not():
+    mechanism = three_upu(1.0)
+    for motors in ([0.05, 0.01, -0.04], [-0.03, 0.06, 0.02]):
+        guess = {"plate": [0.0, 0.0, 0.0, motors[1], -motors[0], 0.0]}
+        found = mechanism.close(motors, guess=guess).singularity()
         assert (found.kind, found.lost) == ("regular", 0)
