@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.bodies import Bodies, Point, Points
+from pmjac_pin.configuration import Configuration
 from pmjac_pin.frames import find_frame
 from pmjac_pin.loop_spec import (
     CylindricalLoop,
@@ -21,6 +22,7 @@ from pmjac_pin.loop_spec import (
     RevoluteLoop,
     UniversalLoop,
 )
+from pmjac_pin.machine_size import shifted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.shapes import Array
 from pmjac_pin.visuals import read_visuals
@@ -60,6 +62,7 @@ class Anatomy:
     ----------
     mechanism : Mechanism
     model : pin.Model
+        Beside the origin, wherever the mechanism stands: pictures have few digits.
     bodies : Bodies
     home : ndarray, shape (njoints, 4, 4)
         oMi at home.
@@ -67,10 +70,15 @@ class Anatomy:
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
-        self.model: pin.Model = mechanism.model
+        self.model = shifted(mechanism.model, -mechanism.place)
         self.bodies = Bodies(self.model)
         self.home = self.bodies.placements(mechanism.home.q)
         self.visuals = read_visuals(mechanism.urdf) if mechanism.urdf else []
+
+    def tool_pose(self, configuration: Configuration) -> pin.SE3:
+        """Return the tool's pose in the picture."""
+        pose = configuration.tool_pose
+        return pin.SE3(pose.rotation, pose.translation - self.mechanism.place)
 
     @property
     def joints(self) -> range:

@@ -11,7 +11,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.closure import closed_point
-from pmjac_pin.closure_problem import ClosureProblem
+from pmjac_pin.closure_problem import LARGEST_SHARE, ClosureProblem
 from pmjac_pin.coordinates import JointCoordinates
 from pmjac_pin.damped_closure import assemble
 from pmjac_pin.errors import ArgumentError, ClosureError, PmjacError, unknown_name
@@ -171,6 +171,11 @@ def _partition(
         message = f"joint {forgotten[0]!r} moves and is neither actuated nor passive"
         raise ArgumentError(message)
     opened = max(spec.tolerance or 0.0, rounding)
+    if opened > LARGEST_SHARE * length:
+        raise ArgumentError(
+            f"a tolerance of {opened:g} m leaves nothing of a machine whose characteristic length "
+            f"is {length:.3g} m; at most {LARGEST_SHARE * length:.3g} m would do"
+        )
     columns = column_scale(loops, coordinates.rotational, length)
     return Partition(
         actuated=coordinates.columns(spec.actuated),

@@ -10,11 +10,15 @@ from numpy.typing import NDArray
 
 from pmjac_pin.factorisation import norm
 from pmjac_pin.partition import Partition
+from pmjac_pin.spec import LARGEST_TOLERANCE
 
 Array = NDArray[np.float64]
 
 #: Loops count as closed below this gap, of the characteristic length.
 CLOSURE_TOLERANCE = 1e-12
+
+#: Of the characteristic length: with a larger tolerance no rank could be told.
+LARGEST_SHARE = 1e-2
 
 ROUNDING = 1e-15  # of the characteristic length: a gap that no further iteration can improve
 
@@ -51,6 +55,11 @@ class ClosureProblem:
         """The gap in m below which the loops are closed."""
         least = max(CLOSURE_TOLERANCE * self.partition.length, self.rounding)
         return max(self.given_tolerance or 0.0, least)
+
+    @property
+    def largest_tolerance(self) -> float:
+        """The largest gap in m that may be called closed."""
+        return min(LARGEST_TOLERANCE, LARGEST_SHARE * self.partition.length)
 
     def gap(self, residual: Array) -> float:
         """Return the Euclidean norm of a residual, in m."""

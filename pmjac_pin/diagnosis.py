@@ -185,6 +185,10 @@ class Diagnosis(msgspec.Struct, frozen=True, kw_only=True):
         In m: what makes radians and metres comparable.
     tolerance : float or None
         The gap in m that the model file calls closed.
+    far : float or None
+        How far from the world's origin the mechanism stands, m, where that costs digits.
+    closed : float
+        The gap in m up to which loops count as closed.
     notes : tuple of str
         What the reader of another format decided.
     """
@@ -203,6 +207,8 @@ class Diagnosis(msgspec.Struct, frozen=True, kw_only=True):
     poses: tuple[PoseEntry, ...]
     characteristic_length: float
     tolerance: float | None
+    far: float | None
+    closed: float
     notes: tuple[str, ...] = ()
 
     @property

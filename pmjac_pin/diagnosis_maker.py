@@ -107,6 +107,8 @@ def _of_mechanism(mechanism: Mechanism) -> Diagnosis:
         poses=tuple(_pose(mechanism, name) for name in mechanism.poses),
         characteristic_length=partition.length,
         tolerance=mechanism.spec.tolerance,
+        far=_far(parts),
+        closed=parts.problem.tolerance,
         notes=tuple(map(encodable, mechanism.notes)),
     )
     return msgspec.structs.replace(diagnosis, findings=find(diagnosis))
@@ -136,8 +138,16 @@ def _of_error(error: PmjacError) -> Diagnosis:
         ),
         characteristic_length=parts.problem.partition.length,
         tolerance=parts.spec.tolerance,
+        far=_far(parts),
+        closed=parts.problem.tolerance,
     )
     return msgspec.structs.replace(diagnosis, findings=find(diagnosis))
+
+
+def _far(parts: Parts) -> float | None:
+    """Return how far a mechanism stands from the origin where that decides what is closed."""
+    decides = parts.problem.tolerance == parts.problem.rounding
+    return float(np.linalg.norm(parts.place)) if decides else None
 
 
 def _redundancy(scaled: Array, ranks: tuple[LoopRank, ...], parts: Parts) -> Redundancy:

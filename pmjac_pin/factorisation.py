@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: A singular value below this times the size of [K K*] counts as zero. Loops closed to 1e-12 m
-#: cannot tell a pose from a singular one that is nearer than √1e-12: at a fold the residual
+#: A singular value below this times the size of [K K*] counts as zero. Loops closed to 1e-12
+#: of the length cannot tell a pose from a singular one nearer than √1e-12: at a fold the residual
 #: grows with the square of the distance.
 RANK_TOLERANCE = 1e-6
 

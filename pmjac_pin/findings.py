@@ -29,6 +29,7 @@ def find(diagnosis: Diagnosis) -> tuple[Finding, ...]:
         redundancy_findings,
         count_findings,
         _tolerance,
+        _far,
         _reader,
     )
     findings = [finding for rule in rules for finding in rule(diagnosis)]
@@ -290,6 +291,16 @@ def _tolerance(diagnosis: Diagnosis) -> Iterator[Finding]:
         message = f"The file lets loops count as closed that are open by {diagnosis.tolerance:g} m."
         advice = "Numbers are good to that, no better; write the model's with all their digits."
         yield Finding("note", "tolerance", message, advice)
+
+
+def _far(diagnosis: Diagnosis) -> Iterator[Finding]:
+    if diagnosis.far is not None:
+        message = (
+            f"It stands {brief(diagnosis.far)} m from the world's origin, where coordinates are "
+            f"rounded: loops count as closed up to {brief(diagnosis.closed)} m."
+        )
+        advice = "Put the origin near the machine for more digits."
+        yield Finding("note", "far-from-origin", message, advice)
 
 
 def _reader(diagnosis: Diagnosis) -> Iterator[Finding]:

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from pmjac_pin.closure_problem import ClosureProblem
 from pmjac_pin.damped_closure import Assembled, assemble, unlimited
-from pmjac_pin.spec import LARGEST_TOLERANCE
 
 Array = NDArray[np.float64]
 Room = Callable[[Array], tuple[Array | float, Array | float]]
@@ -55,4 +54,4 @@ def assemble_held(problem: ClosureProblem, q: Array, room: Room = unlimited) -> 
 
 def is_rounding(problem: ClosureProblem, gap: float) -> bool:
     """Tell whether a gap is so small that rounded numbers may be its cause."""
-    return gap <= min(LARGEST_TOLERANCE, 0.01 * problem.partition.length)
+    return gap <= 0.5 * problem.largest_tolerance

@@ -91,7 +91,7 @@ class Mechanism(MechanismValue):
             The model's own when empty.
         tolerance : float, optional
             The gap in m up to which the loops count as closed, where the model's numbers are
-            rounded; 1e-12 m when None.
+            rounded; 1e-12 of the characteristic length when None.
 
         Raises
         ------
@@ -196,7 +196,7 @@ class Mechanism(MechanismValue):
         Returns
         -------
         Configuration
-            Closed to 1e-12 m.
+            Closed to `tolerance`.
 
         Raises
         ------

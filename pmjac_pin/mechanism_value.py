@@ -7,13 +7,18 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Self
 
+import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from pmjac_pin.assembly import build_parts
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.parts import Parts
+from pmjac_pin.read_only import read_only
 from pmjac_pin.spec import MechanismSpec
 from pmjac_pin.urdf import Urdf
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -109,8 +114,22 @@ class MechanismValue:
         return self._parts.problem.partition.length
 
     @property
+    def place(self) -> Array:
+        """Where the mechanism stands, shape (3,), m; 0 unless it is far from the world's origin.
+
+        Far from it, coordinates have few digits left for what moves: everything is computed, and
+        drawn, beside this place. `model`, `Configuration.tool_pose` and frame "WORLD" are the
+        world's all the same.
+        """
+        return read_only(self._parts.place)
+
+    @property
     def tolerance(self) -> float:
-        """The gap in m below which loops count as closed: 1e-12, or more for a large machine."""
+        """The gap in m below which loops count as closed.
+
+        1e-12 of the characteristic length, or what the model gives; and no less than the rounding
+        of the coordinates where the machine stands, 3.6e-8 m at 1e7 m from the world's origin.
+        """
         return self._parts.problem.tolerance
 
     @property

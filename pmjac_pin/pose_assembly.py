@@ -137,7 +137,8 @@ def _open(parts: Parts, q: Array, best: Assembled, pose: str) -> ClosureError:
         f"{loops.row_names[row]!r}; give joint values nearer to a closed pose, or other lengths"
     )
     if is_rounding(problem, best.gap):
-        message += f", or a `tolerance` of {_rounded_up(best.gap):g} where numbers are rounded"
+        enough = min(_rounded_up(best.gap), problem.largest_tolerance)
+        message += f", or a `tolerance` of {enough:.3g} where numbers are rounded"
     return ClosureError(message, residual_norm=best.gap, q=best.q, loop=loops.row_loops[row])
 
 

@@ -68,7 +68,7 @@ class MechanismSpec(Table, frozen=True, kw_only=True):
         Joints that the URDF writes as ``floating`` for want of a ball joint: they only turn.
     tolerance : float or None
         The gap in m up to which the loops count as closed, for models whose loops cannot close
-        exactly because their numbers are rounded; None for 1e-12 m.
+        exactly because their numbers are rounded; None for 1e-12 of the mechanism's length.
     poses : mapping of str to mapping of str to float
         Joint values, m or rad, near which the loops are assembled; "home" is one of them.
     parameters : mapping of str to Parameter

@@ -73,7 +73,7 @@ class StickFigures:
     def __call__(self, configuration: Configuration) -> StickFigure:
         """Return a pose as it is drawn."""
         placements = self._anatomy.bodies.placements(configuration.q)
-        pose, length = configuration.tool_pose, TOOL_LENGTH * self._anatomy.size
+        pose, length = self._anatomy.tool_pose(configuration), TOOL_LENGTH * self._anatomy.size
         ends = pose.translation + length * pose.rotation.T
         return StickFigure(
             tuple(Stroke(kind, points.at(placements)) for kind, points in self._parts),

@@ -173,3 +173,23 @@ def test_a_fine_screw_closes_from_either_side(size, forward):
         share = rng.uniform(0.3, 0.5)
         pose = mechanism.close([turns * size * share])
         assert pose.joint_values["slide"] == pytest.approx(size * share, abs=1e-9)
+
+
+def test_check_and_pictures_of_a_machine_far_away():
+    import transformed
+
+    from pmjac_pin.viewer.scene import SceneMaker
+
+    here = pj.load("three_rps")
+    there = transformed.moved(here, pin.SE3(np.eye(3), np.array([0.0, 5e6, 0.0])))
+    (note,) = [finding for finding in pj.check(there).findings if finding.code == "far-from-origin"]
+    assert "closed up to 1.78e-08 m" in note.message
+    assert not any(finding.code == "far-from-origin" for finding in pj.check(here).findings)
+    np.testing.assert_allclose(there.place, [0.0, 5e6, 0.0], atol=3.0)
+    drawn = SceneMaker(there).scene(there.home).items
+    assert max(np.abs(item.transform[:3, 3]).max() for item in drawn) < 10.0
+
+
+def test_a_tolerance_as_large_as_the_machine_is_refused():
+    with pytest.raises(pj.PmjacError, match=r"a tolerance of 0\.01 m leaves nothing of a machine"):
+        pj.load("ankle", tolerance=1e-2)

@@ -152,7 +152,7 @@ class SceneMaker:
 
     def _placements(self, configuration: Configuration) -> Array:
         bodies = self._anatomy.bodies.placements(configuration.q)
-        return np.concatenate([bodies, configuration.tool_pose.homogeneous[None]])
+        return np.concatenate([bodies, self._anatomy.tool_pose(configuration).homogeneous[None]])
 
     def _layers(self, options: SceneOptions) -> Iterator[Layer]:
         yield from self._always
