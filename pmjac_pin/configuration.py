@@ -24,6 +24,7 @@ from pmjac_pin.jacobian import (
 )
 from pmjac_pin.kinematics import Snapshot
 from pmjac_pin.parts import Parts
+from pmjac_pin.pose_rounding import PoseRounding
 from pmjac_pin.read_only import read_only
 from pmjac_pin.singularity import Singularity, analyse_singularity
 
@@ -177,12 +178,10 @@ class Configuration:
         >>> pj.load("four_bar").home.split_jacobian().K_star.shape
         (2, 2)
         """
-        snapshot = self._snapshot
         name = _frame_name(frame)
-        position = snapshot.position + self._parts.place
-        tool_jacobian = change_frame(snapshot.tool_jacobian, name, snapshot.rotation, position)
+        constraint, tool = self._jacobians(self._snapshot, name)
         partition = self._parts.problem.partition
-        return SplitJacobian(snapshot.constraint_jacobian, tool_jacobian, name, partition)
+        return SplitJacobian(constraint, tool, name, partition, pose=PoseRounding(self, name))
 
     def singularity(self) -> Singularity:
         """Return the ranks here, the kind of singularity and what moves freely.
@@ -237,6 +236,12 @@ class Configuration:
             return refused(str(error))
         parts = self._parts
         return certify(equations, self.q, parts.problem.partition, parts.kinematics.loops.row_names)
+
+    def _jacobians(self, snapshot: Snapshot, frame: FrameName) -> tuple[Array, Array]:
+        """Return the constraint and the tool Jacobian of a snapshot, the latter in a frame."""
+        position = snapshot.position + self._parts.place
+        tool = change_frame(snapshot.tool_jacobian, frame, snapshot.rotation, position)
+        return snapshot.constraint_jacobian, tool
 
     @cached_property
     def _point(self) -> Closed:
