@@ -16,6 +16,7 @@ slow: .venv/ready
 
 bench: .venv/ready
 	$(BIN)/python benchmarks/bench_jacobian.py
+	$(BIN)/python benchmarks/bench_error.py
 	$(BIN)/python benchmarks/bench_modes.py
 	$(BIN)/python benchmarks/bench_homotopy.py
 	$(BIN)/python benchmarks/bench_proof.py

@@ -70,8 +70,8 @@ def error_estimate(
     felt = tool.take(passive, axis=1) @ (factors.right[:rank].T / factors.singular_values[:rank])
     opened = pose.opened()
     entries = opened / partition.length + _SUMS * _EPS * norm(scaled)
-    arms = np.repeat([opened / partition.length, 0.0], 3)
-    rows = arms + _SUMS * _EPS * np.linalg.norm(tool, axis=1)
+    linear = opened / partition.length + _SUMS * _EPS * norm(tool[:3])
+    rows = np.repeat([linear, _SUMS * _EPS * norm(tool[3:])], 3)
     rounding = np.outer(
         rows + entries * np.linalg.norm(felt, axis=1), np.linalg.norm(rates, axis=0)
     )
@@ -96,9 +96,9 @@ def _by_the_pose(
     motions[partition.passive] = factors.right[:rank].T
     squares, bend = np.zeros((6, rates.shape[1])), 0.0
     values = factors.singular_values[:rank].tolist()
-    for value, (constraint, tool) in zip(values, pose.slopes(motions), strict=True):
-        constraint = partition.scaled(constraint)
-        change = (tool * partition.column_scale - felt @ constraint) @ rates
+    for value, (dC, dJ) in zip(values, pose.slopes(motions), strict=True):
+        turned = partition.scaled(dC)
+        change = (dJ * partition.column_scale - felt @ turned) @ rates
         squares += (change / value) ** 2
-        bend = max(bend, norm(constraint.take(partition.passive, axis=1)))
+        bend = max(bend, norm(turned.take(partition.passive, axis=1)))
     return np.sqrt(squares), bend / min(values, default=np.inf) ** 2

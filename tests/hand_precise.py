@@ -30,21 +30,28 @@ class Precise:
         """Start anew at these unknowns, where they are measured from a pose."""
         return unknowns
 
-    def jacobian(self, motors, unknowns):
-        """Return J, shape (6, n), as a matrix of mpmath, from a start near the pose."""
+    def solved(self, motors, unknowns):
+        """Return the unknowns that solve the equations, from a start near them."""
         with mp.workdps(DIGITS):
-            theta, x = mp.matrix(list(map(float, motors))), mp.matrix(list(map(mp.mpf, unknowns)))
+            theta, x = _given(motors), mp.matrix(list(map(mp.mpf, unknowns)))
             for _ in range(8):
                 F = self.equations(theta, x)
                 if mp.norm(F) < mp.mpf(10) ** -40:
-                    break
+                    return x
                 x = self.settle(x - mp.lu_solve(_slope(self.equations, theta, x, 1), F))
-            else:
-                raise ArithmeticError("the oracle did not close its loops")
-            rates = -mp.inverse(_slope(self.equations, theta, x, 1)) * _slope(
-                self.equations, theta, x, 0
-            )
+        raise ArithmeticError("the oracle did not close its loops")
+
+    def jacobian(self, motors, unknowns):
+        """Return J, shape (6, n), as a matrix of mpmath, from a start near the pose."""
+        with mp.workdps(DIGITS):
+            theta, x = _given(motors), self.solved(motors, unknowns)
+            by_motors, by_unknowns = (_slope(self.equations, theta, x, k) for k in (0, 1))
+            rates = -mp.inverse(by_unknowns) * by_motors
             return _slope(self.tool, theta, x, 0) + _slope(self.tool, theta, x, 1) * rates
+
+
+def _given(motors):
+    return mp.matrix(list(map(float, motors)))
 
 
 def _slope(function, theta, x, place):
