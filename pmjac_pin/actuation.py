@@ -10,13 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from pmjac_pin.factorisation import norm
 from pmjac_pin.partition import Partition
 from pmjac_pin.read_only import ReadOnlyArrays
-from pmjac_pin.ties import first_largest
+from pmjac_pin.ties import first_largest, pivots
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -102,10 +101,10 @@ def sparse_basis(columns: Array) -> tuple[Array, Index]:
     count = columns.shape[1]
     if not count:
         return columns, np.zeros(0, dtype=np.intp)
-    pivots = np.sort(scipy.linalg.qr(columns.T, mode="r", pivoting=True)[1][:count])
-    basis = np.linalg.solve(columns[pivots].T, columns.T).T
+    rows = pivots(columns.T, count)
+    basis: Array = np.linalg.solve(columns[rows].T, columns.T).T
     basis[np.abs(basis) < 1e-9 * np.abs(basis).max(axis=0)] = 0.0
-    return basis, pivots
+    return basis, rows
 
 
 def _largest_one(columns: Array) -> Array:

@@ -12,13 +12,13 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
 from pmjac_pin.checks import as_numbers
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.factorisation import RANK_TOLERANCE, Factorisation, factorise, norm
 from pmjac_pin.read_only import ReadOnlyArrays, read_only
+from pmjac_pin.ties import pivots
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -254,5 +254,4 @@ def independent_rows(scaled: Array, rank: int) -> Index:
     """Return `rank` independent rows, in their own order: QR with pivoting finds them."""
     if rank == scaled.shape[0]:
         return np.arange(rank)
-    pivots = scipy.linalg.qr(scaled.T, mode="r", pivoting=True)[1]
-    return np.sort(pivots[:rank])
+    return pivots(scaled.T, rank)

@@ -33,3 +33,27 @@ def first_smallest(values: ArrayLike) -> int:
     """
     sizes = np.abs(np.asarray(values, dtype=np.float64))
     return int((sizes <= sizes.min() + (1.0 - LIKE) * sizes.max()).argmax())
+
+
+def pivots(columns: ArrayLike, count: int) -> NDArray[np.intp]:
+    """Return `count` independent columns, in their own order, as QR with pivoting chooses them.
+
+    Each next one is that of which most is left beside those before: the first of equal ones.
+
+    Examples
+    --------
+    >>> pivots([[1.0, 2.0, 2.0], [0.0, 0.0, 1e-9]], 2).tolist()
+    [1, 2]
+    >>> pivots([[1.0, 1.0 + 1e-15, 0.0], [0.0, 0.0, 1.0]], 2).tolist()
+    [0, 2]
+    """
+    left = np.array(columns, dtype=np.float64)
+    chosen: list[int] = []
+    for _ in range(count):
+        sizes = np.sqrt((left * left).sum(axis=0))
+        sizes[chosen] = 0.0
+        chosen.append(int(first_largest(sizes)))
+        unit = left[:, chosen[-1]] / (sizes[chosen[-1]] or 1.0)
+        for _ in range(2):  # once more, for what rounding leaves
+            left -= np.outer(unit, unit @ left)
+    return np.sort(np.array(chosen, dtype=np.intp))

@@ -5,14 +5,16 @@ from __future__ import annotations
 import mechanisms
 import numpy as np
 import pytest
+import scipy.linalg
 
 import pmjac_pin as pj
 from pmjac_pin.actuation import analyse_actuation
 from pmjac_pin.ellipsoid import velocity_ellipsoid
 from pmjac_pin.linkage import aligned
 from pmjac_pin.loop_rows import across
+from pmjac_pin.partition import independent_rows
 from pmjac_pin.singularity import analyse_singularity
-from pmjac_pin.ties import first_largest, first_smallest
+from pmjac_pin.ties import first_largest, first_smallest, pivots
 
 NOISE = 1e-14
 
@@ -89,3 +91,31 @@ def test_what_is_free_is_told_alike_after_rounding(name, rng):
                 assert again.free_motion() == expected
             if found.forbidden_rates.shape[1] == 1:
                 np.testing.assert_allclose(again.forbidden_rates, found.forbidden_rates, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+def test_rows_and_motors_that_are_chosen_stay_after_rounding(name, rng):
+    mechanism = pj.load(name)
+    partition = mechanism._parts.problem.partition
+    for pose in mechanism.poses:
+        split = mechanism.pose(pose).split_jacobian()
+        C, J = split.constraint_jacobian, split.tool_jacobian
+        rank = partition.factorise(partition.scaled(C), np.linalg.norm(partition.scaled(C))).rank
+        rows = independent_rows(partition.scaled(C), rank)
+        chosen = analyse_actuation(C, J, partition)
+        for _ in range(10):
+            shaken = C + 1e-15 * np.abs(C).max(initial=0.0) * rng.normal(size=C.shape)
+            assert independent_rows(partition.scaled(shaken), rank).tolist() == rows.tolist()
+            again = analyse_actuation(shaken, J, partition)
+            assert again.sufficient.tolist() == chosen.sufficient.tolist()
+            np.testing.assert_allclose(again.free, chosen.free, atol=1e-6)
+
+
+@pytest.mark.parametrize("shape", [(3, 5), (6, 6), (4, 9), (40, 60)])
+def test_pivots_are_as_independent_as_those_of_qr(shape, rng):
+    columns = rng.normal(size=shape) * 10.0 ** rng.uniform(-3, 0, shape[1])
+    ours = pivots(columns, shape[0])
+    theirs = scipy.linalg.qr(columns, mode="r", pivoting=True)[1][: shape[0]]
+    assert len(set(ours.tolist())) == shape[0]
+    least = [np.linalg.svd(columns[:, some], compute_uv=False)[-1] for some in (ours, theirs)]
+    assert least[0] > 0.1 * least[1]
