@@ -102,7 +102,7 @@ def sparse_basis(columns: Array) -> tuple[Array, Index]:
     if not count:
         return columns, np.zeros(0, dtype=np.intp)
     rows = pivots(columns.T, count)
-    basis: Array = np.linalg.solve(columns[rows].T, columns.T).T
+    basis = np.asarray(np.linalg.solve(columns[rows].T, columns.T).T, dtype=np.float64)
     basis[np.abs(basis) < 1e-9 * np.abs(basis).max(axis=0)] = 0.0
     return basis, rows
 
