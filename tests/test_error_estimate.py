@@ -9,7 +9,9 @@ import hand_precise as hand
 import mechanisms
 import mpmath as mp
 import numpy as np
+import pinocchio as pin
 import pytest
+import transformed
 
 import pmjac_pin as pj
 
@@ -222,6 +224,26 @@ def test_two_cuts_differ_by_no_more(name, cut):
     one, other = mechanism.home.jacobian(), mechanism.recut(cut).home.jacobian()
     bound = one.error_estimate + other.error_estimate
     assert (np.abs(one.J_eq - other.J_eq) <= bound).all()
+
+
+TURNED = pin.SE3(pin.exp3(np.array([0.4, -1.1, 0.7])), np.zeros(3))
+WAYS = {
+    "1 km away": lambda m: transformed.moved(m, pin.SE3(np.eye(3), np.array([1e3, -300.0, 7.0]))),
+    "1e7 m away": lambda m: transformed.moved(m, pin.SE3(np.eye(3), np.array([1e6, 1e7, 0.0]))),
+    "turned": lambda m: transformed.moved(m, TURNED),
+    "fewer frames": transformed.with_needed_frames_only,
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("name", [name for name in mechanisms.CATALOGUE if name != "ur5"])
+def test_the_same_machine_written_another_way_differs_by_no_more(name, way):
+    """Far away its coordinates are rounded, and the estimate knows."""
+    mechanism = pj.load(name)
+    one, other = mechanism.home.jacobian(), WAYS[way](mechanism).home.jacobian()
+    turn = np.kron(np.eye(2), TURNED.rotation if way == "turned" else np.eye(3))
+    bound = np.abs(turn) @ one.error_estimate + other.error_estimate
+    assert (np.abs(turn @ one.J_eq - other.J_eq) <= bound).all()
 
 
 def test_nothing_is_told_of_matrices_from_elsewhere(rng):
