@@ -15,6 +15,7 @@ from pmjac_pin.loop_rows import across
 from pmjac_pin.partition import independent_rows
 from pmjac_pin.singularity import analyse_singularity
 from pmjac_pin.ties import first_largest, first_smallest, pivots
+from pmjac_pin.viewer.framing import _direction
 
 NOISE = 1e-14
 
@@ -119,3 +120,11 @@ def test_pivots_are_as_independent_as_those_of_qr(shape, rng):
     assert len(set(ours.tolist())) == shape[0]
     least = [np.linalg.svd(columns[:, some], compute_uv=False)[-1] for some in (ours, theirs)]
     assert least[0] > 0.1 * least[1]
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_a_bar_is_looked_at_from_one_side(axis, rng):
+    """It is thin in two directions alike."""
+    bar = np.outer(np.linspace(-1.0, 1.0, 5), np.eye(3)[axis])
+    sides = [_direction(bar + 1e-16 * rng.normal(size=bar.shape)) for _ in range(20)]
+    np.testing.assert_array_equal(sides, [sides[0]] * 20)

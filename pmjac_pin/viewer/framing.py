@@ -9,6 +9,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from pmjac_pin.ties import first_smallest
 from pmjac_pin.viewer.items import Item
 
 Array = NDArray[np.float64]
@@ -70,7 +71,7 @@ def frame(items: Iterable[Item]) -> Framing:
 
 def _direction(points: Array) -> Array:
     spread = np.ptp(points, axis=0)
-    thinnest = int(np.argmin(spread))
+    thinnest = first_smallest(spread)
     flat = spread[thinnest] < _FLAT * np.sort(spread)[1]
     eye = np.array(_FACING[thinnest] if flat else _OBLIQUE)
     unit: Array = eye / np.linalg.norm(eye)
