@@ -119,9 +119,10 @@ class Mechanism(MechanismValue):
 
         The motors keep the pose's values where a closed pose is found with them at rest: from
         the pose's own passive values or, where these leave the loops wide open, from 24
-        seeded starts further and further around them. That none is found is no proof that
-        there is none (`assembly_modes` tells more). Then the motors move as little as it takes
-        (after a change of parameters, for instance); `moved` says how far.
+        seeded starts further and further around them, on whichever assembly mode that leads
+        to (with other parameters, the one that was meant may not exist). That none is found is
+        no proof that there is none (`assembly_modes` tells more). Then the motors move as
+        little as it takes. `moved` says how far all joints are from the values given.
 
         Raises
         ------

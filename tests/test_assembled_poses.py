@@ -13,7 +13,7 @@ from pmjac_pin.viewer.session import Session
 @pytest.fixture
 def mechanism():
     """A six-bar whose pose 'below' is out of reach."""
-    mechanism = pj.load("watt_six_bar", {"CD": 3.0})
+    mechanism = pj.load("watt_six_bar", {"CD": 5.0})
     with pytest.raises(pj.ClosureError):
         mechanism.pose("below")
     return mechanism
