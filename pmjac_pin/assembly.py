@@ -80,8 +80,9 @@ def _ranked(parts: Parts) -> Parts:
     )
     problem = replace(problem, partition=partition)
     snapshots = [kinematics.snapshot(q) for q in (parts.home_q, *nearby(problem, parts.home_q))]
+    rows = partition.tool_rows
     ranked = partition.with_ranks_of(
-        [(snapshot.constraint_jacobian, snapshot.tool_jacobian) for snapshot in snapshots]
+        [(snapshot.constraint_jacobian, snapshot.judged_jacobian(rows)) for snapshot in snapshots]
     )
     return replace(parts, problem=replace(problem, partition=ranked))
 
@@ -186,6 +187,7 @@ def _partition(
         row_scale=row_scale(loops, columns, length),
         column_scale=columns,
         rank_tolerance=max(RANK_TOLERANCE, _RANK_ROOM * opened / length),
+        tool_rows=spec.tool.judged,
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from pmjac_pin.certificates.certificate import Certificate, certify, refused
 from pmjac_pin.closure import Closed, closed_point
 from pmjac_pin.errors import ArgumentError, ClosureError
+from pmjac_pin.idle_motions import gained_and_idle
 from pmjac_pin.jacobian import (
     EquivalentJacobian,
     FrameName,
@@ -160,7 +162,7 @@ class Configuration:
         >>> pj.load("serial_2r").home.jacobian().Jw_eq[2].tolist()
         [1.0, 1.0]
         """
-        return equivalent_jacobian(self.split_jacobian(frame))
+        return equivalent_jacobian(self.split_jacobian(frame), self.singularity)
 
     def split_jacobian(
         self, frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED"
@@ -192,10 +194,12 @@ class Configuration:
         >>> pj.load("four_bar").home.singularity().kind
         'regular'
         """
+        problem = self._parts.problem
         return analyse_singularity(
             self._snapshot.constraint_jacobian,
-            self._snapshot.tool_jacobian,
-            self._parts.problem.partition,
+            self._snapshot.judged_jacobian(problem.partition.tool_rows),
+            problem.partition,
+            functools.partial(gained_and_idle, problem, self.q),
         )
 
     def certificate(self) -> Certificate:

@@ -25,6 +25,8 @@ def convert(
     *,
     actuated: Iterable[str] | None = None,
     tool: str | None = None,
+    tool_rows: Iterable[str] | None = None,
+    tool_axes: str | None = None,
     locked: Iterable[str] | Mapping[str, JointValue] = (),
     tolerance: float | None = None,
     force: bool = False,
@@ -36,7 +38,7 @@ def convert(
 
     Parameters
     ----------
-    name_or_path, actuated, tool, locked, tolerance
+    name_or_path, actuated, tool, tool_rows, tool_axes, locked, tolerance
         As in `load`.
     output : str or Path
         The new model file; its name ends in ``.toml``.
@@ -65,7 +67,7 @@ def convert(
     Mechanism(mine, actuated=(theta1), 2 passive, 1 loop, mobility 1)
     """
     path, target = find_model_file(name_or_path), Path(output).expanduser()
-    source = adjusted(read_source(path, actuated, tool), locked, tolerance)
+    source = adjusted(read_source(path, actuated, tool), locked, tool_rows, tool_axes, tolerance)
     read = {path.resolve(), Path(source.urdf.path).resolve()}
     tree = _urdf_beside(target, read)
     _check_places(target, tree, read, force)

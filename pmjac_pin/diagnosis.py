@@ -11,6 +11,7 @@ from typing import Literal
 import msgspec
 
 from pmjac_pin.diagnosis_parts import Body, Freedom, LoopEntry, Mobility
+from pmjac_pin.tool_rows import ToolRows, checked_axes
 
 Severity = Literal["ok", "note", "warning", "error"]
 Rates = dict[str, float]
@@ -176,6 +177,12 @@ class Diagnosis(msgspec.Struct, frozen=True, kw_only=True):
         Motors first.
     tool : tuple of str
         The frame, or the three whose origins span it.
+    tool_rows : tuple of str
+        The rows of its twist that are judged, of vx, vy, vz, wx, wy and wz.
+    tool_axes : str
+        Their axes: LOCAL_WORLD_ALIGNED, the world's, or LOCAL, the tool's own.
+    tool_rank : int or None
+        How many independent velocities the loops allow these rows in general.
     loops : tuple of LoopEntry
     mobility : Mobility
     redundancy : Redundancy or None
@@ -200,6 +207,9 @@ class Diagnosis(msgspec.Struct, frozen=True, kw_only=True):
     bodies: tuple[Body, ...]
     freedoms: tuple[Freedom, ...]
     tool: tuple[str, ...]
+    tool_rows: tuple[str, ...]
+    tool_axes: str
+    tool_rank: int | None
     loops: tuple[LoopEntry, ...]
     mobility: Mobility
     redundancy: Redundancy | None
@@ -210,6 +220,11 @@ class Diagnosis(msgspec.Struct, frozen=True, kw_only=True):
     far: float | None
     closed: float
     notes: tuple[str, ...] = ()
+
+    @property
+    def judged(self) -> ToolRows:
+        """The rows of the tool's twist that are judged, with their axes."""
+        return ToolRows(self.tool_rows, checked_axes(self.tool_axes))
 
     @property
     def severity(self) -> Severity:

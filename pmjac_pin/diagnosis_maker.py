@@ -98,6 +98,9 @@ def _of_mechanism(mechanism: Mechanism) -> Diagnosis:
         bodies=bodies(structure),
         freedoms=freedoms(structure, mechanism.moved()),
         tool=tool_frames(parts),
+        tool_rows=partition.tool_rows.names,
+        tool_axes=partition.tool_rows.axes,
+        tool_rank=partition.tool_rank,
         loops=loops(structure, ranks),
         mobility=mobility(structure, None if partition.isolated else partition.constraint_rank),
         redundancy=_redundancy(scaled, ranks, parts),
@@ -128,6 +131,9 @@ def _of_error(error: PmjacError) -> Diagnosis:
         bodies=bodies(structure),
         freedoms=freedoms(structure, None),
         tool=tool_frames(parts),
+        tool_rows=parts.spec.tool.judged.names,
+        tool_axes=parts.spec.tool.judged.axes,
+        tool_rank=None,
         loops=loops(structure, None, getattr(cause, "q", None)),
         mobility=mobility(structure, None),
         redundancy=None,
@@ -180,7 +186,8 @@ def _regular(parts: Parts) -> Array:
 
 def _singularity(parts: Parts, q: Array) -> Singularity:
     snapshot, partition = parts.kinematics.snapshot(q), parts.problem.partition
-    return analyse_singularity(snapshot.constraint_jacobian, snapshot.tool_jacobian, partition)
+    judged = snapshot.judged_jacobian(partition.tool_rows)
+    return analyse_singularity(snapshot.constraint_jacobian, judged, partition)
 
 
 def _actuation(parts: Parts, q: Array, gained: int) -> ActuationEntry:

@@ -157,7 +157,7 @@ def _freedoms(diagnosis: Diagnosis) -> Table:
 def _bodies(diagnosis: Diagnosis) -> Table:
     tool = ", ".join(diagnosis.tool)
     return Table(
-        f"Bodies (tool: {tool})",
+        f"Bodies (tool: {tool}, judged on {diagnosis.judged})",
         ("body", "carried by", "loops that end on it", "tool"),
         tuple(
             (

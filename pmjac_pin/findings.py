@@ -25,6 +25,7 @@ def find(diagnosis: Diagnosis) -> tuple[Finding, ...]:
         _limits,
         _forbidden,
         _free,
+        _tool_rows,
         _conditioning,
         redundancy_findings,
         count_findings,
@@ -261,6 +262,20 @@ _NO_NEIGHBOUR = (
 _LOOSEN = "Give a home pose from which the machine can move, or check the lengths."
 
 
+def _tool_rows(diagnosis: Diagnosis) -> Iterator[Finding]:
+    """Say where the judged rows move in fewer ways than they could: others may be meant."""
+    actuation, rows = diagnosis.actuation, diagnosis.judged
+    if actuation is None or diagnosis.tool_rank is None or rows.is_whole:
+        return
+    most = min(len(rows.names), len(actuation.allowed_rates))
+    if diagnosis.tool_rank < most:
+        ways = f"{diagnosis.tool_rank or 'no'} way{'s' * (diagnosis.tool_rank != 1)}"
+        message = f"Judged on {rows}, the tool moves in {ways}, where {most} would be possible."
+        advice = "Are these the rows that it is there to move, and in these axes?"
+        severity: Severity = "note" if diagnosis.tool_rank else "warning"
+        yield Finding(severity, "tool-rows", message, advice)
+
+
 def _conditioning(diagnosis: Diagnosis) -> Iterator[Finding]:
     for pose in diagnosis.poses:
         if pose.kind is None or pose.smallest is None or pose.condition is None:
@@ -269,8 +284,9 @@ def _conditioning(diagnosis: Diagnosis) -> Iterator[Finding]:
         severity: Severity = "warning" if home else "note"
         sizes = f"σ_min = {brief(pose.smallest)}, condition {brief(pose.condition)}"
         if pose.kind == "loss":
-            message = f"At {pose.name!r} the tool loses a motion; J_eq exists, with lower rank."
-            yield Finding("note", "singular-pose", message)
+            message = f"At {pose.name!r} the tool loses a motion, judged on {diagnosis.judged}."
+            advice = "J_eq exists, with lower rank in these rows."
+            yield Finding("note", "singular-pose", message, advice)
         elif pose.kind == "isolated":
             if home:
                 yield Finding("error", "isolated", _NO_NEIGHBOUR, _LOOSEN)

@@ -5,8 +5,9 @@ Linear algebra on plain arrays: it imports no Pinocchio and works on matrices fr
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Literal
 
 import numpy as np
@@ -234,13 +235,18 @@ class EquivalentJacobian(SplitJacobian):
         return f"EquivalentJacobian({self._sizes()})"
 
 
-def equivalent_jacobian(split: SplitJacobian) -> EquivalentJacobian:
+def equivalent_jacobian(
+    split: SplitJacobian, singularity: Callable[[], Singularity] | None = None
+) -> EquivalentJacobian:
     """Eliminate the passive rates: J_eq = J − J* K*⁻¹ K on all rows, by singular values.
 
     Parameters
     ----------
     split : SplitJacobian
         At a closed pose.
+    singularity : callable, optional
+        Returns the singularity there, for the error that says so: one that knows more than these
+        matrices tell.
 
     Raises
     ------
@@ -256,7 +262,8 @@ def equivalent_jacobian(split: SplitJacobian) -> EquivalentJacobian:
     scaled = partition.scaled(split.constraint_jacobian)
     factors = partition.factorise(scaled.take(passive, axis=1), norm(scaled))
     if factors.rank < partition.passive_rank or partition.isolated:
-        raise _singular(analyse_singularity(split.constraint_jacobian, J, partition))
+        here = singularity or partial(analyse_singularity, split.constraint_jacobian, J, partition)
+        raise _singular(here())
     if factors.rank < scaled.shape[0]:
         _refuse_forbidden(factors, scaled, partition)
     if factors.rank < passive.size:

@@ -13,8 +13,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from pmjac_pin.jacobian import change_frame
 from pmjac_pin.loops import LoopSystem
 from pmjac_pin.tool import ToolKinematics
+from pmjac_pin.tool_rows import ToolRows
 
 Array = NDArray[np.float64]
 
@@ -40,6 +42,10 @@ class Snapshot:
     tool_jacobian: Array
     rotation: Array
     position: Array
+
+    def judged_jacobian(self, rows: ToolRows) -> Array:
+        """Return the tool Jacobian (6, nv) in the axes of the rows that are judged."""
+        return change_frame(self.tool_jacobian, rows.axes, self.rotation, self.position)
 
 
 class _Scratch(threading.local):

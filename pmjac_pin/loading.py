@@ -33,6 +33,8 @@ def load(
     locked: Iterable[str] | Mapping[str, JointValue] = (),
     actuated: Iterable[str] | None = None,
     tool: str | None = None,
+    tool_rows: Iterable[str] | None = None,
+    tool_axes: str | None = None,
     tolerance: float | None = None,
 ) -> Mechanism:
     """Load a mechanism of the catalogue, a model file of your own, or a file of another format.
@@ -50,7 +52,14 @@ def load(
     actuated : iterable of str, optional
         The motors, in the order of the columns of K and J, instead of those that the file tells.
     tool : str, optional
-        The tool's frame, instead of the one that the file tells.
+        The tool's frame, instead of the one that the file tells; all rows of its twist count
+        then, unless `tool_rows` says which.
+    tool_rows : iterable of str, optional
+        The rows of the tool's twist that count where ranks are judged, of "vx", "vy", "vz", "wx",
+        "wy" and "wz", instead of those that the file tells: ``["vx", "vy"]`` for a machine that
+        moves a point in a plane.
+    tool_axes : {"LOCAL_WORLD_ALIGNED", "LOCAL"}, optional
+        The axes of these rows: the world's, or the tool's own.
     tolerance : float, optional
         The gap in m up to which the loops count as closed, instead of the file's, for models
         whose numbers are rounded.
@@ -74,14 +83,18 @@ def load(
     1.2
     """
     source = read_source(find_model_file(name_or_path), actuated, tool)
-    return build(adjusted(source, locked, tolerance), parameters)
+    return build(adjusted(source, locked, tool_rows, tool_axes, tolerance), parameters)
 
 
 def adjusted(
-    source: Source, locked: Iterable[str] | Mapping[str, JointValue], tolerance: float | None
+    source: Source,
+    locked: Iterable[str] | Mapping[str, JointValue],
+    tool_rows: Iterable[str] | None,
+    tool_axes: str | None,
+    tolerance: float | None,
 ) -> Source:
-    """Return what a file says, with further joints locked and another tolerance; see `load`."""
-    spec = source.spec.with_locked(locked)
+    """Return what a file says, but for what `load` was given in place of it."""
+    spec = source.spec.with_locked(locked).with_tool_rows(tool_rows, tool_axes)
     if tolerance is not None:
         spec = msgspec.structs.replace(spec, tolerance=tolerance)
     return replace(source, spec=spec)

@@ -68,6 +68,8 @@ class Mechanism(MechanismValue):
         passive: Iterable[str] | None = None,
         home: ArrayLike | Mapping[str, JointValue] | None = None,
         name: str = "",
+        tool_rows: Iterable[str] | None = None,
+        tool_axes: str | None = None,
         tolerance: float | None = None,
     ) -> Mechanism:
         """Make a mechanism of a Pinocchio model that you already hold.
@@ -89,6 +91,11 @@ class Mechanism(MechanismValue):
             Joint values near which the loops are assembled; neutral when None.
         name : str, optional
             The model's own when empty.
+        tool_rows : iterable of str, optional
+            The rows of the tool's twist that count where ranks are judged, of "vx", "vy", "vz",
+            "wx", "wy" and "wz"; all when None. J_eq always has all six.
+        tool_axes : {"LOCAL_WORLD_ALIGNED", "LOCAL"}, optional
+            The axes of these rows: the world's (when None), or the tool's own.
         tolerance : float, optional
             The gap in m up to which the loops count as closed, where the model's numbers are
             rounded; 1e-12 of the characteristic length when None.
@@ -105,7 +112,16 @@ class Mechanism(MechanismValue):
         Mechanism(arm, actuated=(shoulder1_joint, ...), 0 passive, 0 loops, mobility 6)
         """
         own, spec = own_model(
-            model, loops, actuated, tool, passive=passive, home=home, name=name, tolerance=tolerance
+            model,
+            loops,
+            actuated,
+            tool,
+            passive=passive,
+            home=home,
+            name=name,
+            tool_rows=tool_rows,
+            tool_axes=tool_axes,
+            tolerance=tolerance,
         )
         return cls(build_parts(own, spec, {}))
 

@@ -19,6 +19,7 @@ from pmjac_pin.errors import ArgumentError
 from pmjac_pin.factorisation import RANK_TOLERANCE, Factorisation, factorise, norm
 from pmjac_pin.read_only import ReadOnlyArrays, read_only
 from pmjac_pin.ties import pivots
+from pmjac_pin.tool_rows import ToolRows
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -56,6 +57,8 @@ class Partition(ReadOnlyArrays):
         a singular home. What is generic is not known then, and the ranks are home's.
     rank_tolerance : float
         Relative size up to which singular values count as zero.
+    tool_rows : ToolRows
+        The rows of the tool's twist on which `tool_rank` rests.
     """
 
     actuated: Index
@@ -71,6 +74,7 @@ class Partition(ReadOnlyArrays):
     kept_rows: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     rank_tolerance: float = RANK_TOLERANCE
     isolated: bool = False
+    tool_rows: ToolRows = ToolRows()
 
     @cached_property
     def _scale(self) -> Array:
@@ -181,6 +185,15 @@ class Partition(ReadOnlyArrays):
             self.factorise(moved[3:], self.length * angular).rank,
         )
 
+    def judged_rank(self, tool_jacobian: Array, motions: Array) -> int:
+        """Return how many independent velocities they give the rows of `tool_rows`.
+
+        The parameters are those of `tool_ranks`, the Jacobian in the axes of these rows.
+        """
+        rows, (size, angular) = self.tool_rows, self.tool_sizes(tool_jacobian)
+        moved = self.scaled_tool(tool_jacobian)[rows.linear + rows.angular] @ motions
+        return self.factorise(moved, size if rows.linear else self.length * angular).rank
+
     def tool_sizes(self, tool_jacobian: Array) -> tuple[float, float]:
         """Return the size of the linear and of the angular rows, m/s and rad/s per scaled rate.
 
@@ -210,7 +223,8 @@ class Partition(ReadOnlyArrays):
         Parameters
         ----------
         poses : sequence of (constraint Jacobian (p, nv), tool Jacobian (6, nv))
-            Home first, then others near it: home itself may be singular.
+            Home first, then others near it: home itself may be singular. The tool's is in the
+            axes of `tool_rows`.
         """
         ranks = [self._ranks(constraint, tool) for constraint, tool in poses]
         regular = max(range(len(poses)), key=ranks.__getitem__)
@@ -231,8 +245,8 @@ class Partition(ReadOnlyArrays):
         size = norm(scaled)
         whole = self.factorise(scaled, size)
         passive = self.factorise(scaled[:, self.passive], size)
-        tool = self.tool_ranks(tool_jacobian, whole.null_space)
-        return whole.rank, passive.rank, tool.twist
+        tool = self.judged_rank(tool_jacobian, whole.null_space)
+        return whole.rank, passive.rank, tool
 
 
 def _check_shapes(

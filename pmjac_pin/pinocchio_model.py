@@ -34,6 +34,8 @@ def own_model(
     passive: Iterable[str] | None,
     home: ArrayLike | Mapping[str, JointValue] | None,
     name: str,
+    tool_rows: Iterable[str] | None,
+    tool_axes: str | None,
     tolerance: float | None,
 ) -> tuple[pin.Model, MechanismSpec]:
     """Return a copy of the model, with the constraints' anchors as frames, and the spec.
@@ -58,7 +60,7 @@ def own_model(
             loops=_loops(own, loops),
             poses={"home": _home_pose(own, home)},
             tolerance=tolerance,
-        )
+        ).with_tool_rows(tool_rows, tool_axes)
         return own, decode_spec(encode_spec(spec))  # checks the types, as in a model file
     except (TypeError, ValueError, msgspec.MsgspecError) as error:
         raise ArgumentError(str(error)) from None

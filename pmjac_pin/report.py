@@ -12,6 +12,7 @@ import re
 import msgspec
 
 from pmjac_pin.labelled import LabelledMatrix
+from pmjac_pin.tool_rows import ToolRows, checked_axes
 
 Vector = tuple[float, ...]
 
@@ -113,11 +114,17 @@ class SingularityReport(msgspec.Struct, frozen=True, kw_only=True):
         Of K*, here and in general.
     constraint_rank, generic_constraint_rank : int
         Of [K K*].
+    tool_rows : tuple of str
+        The rows of the tool's twist that are judged, of vx, vy, vz, wx, wy and wz.
+    tool_axes : str
+        Their axes: LOCAL_WORLD_ALIGNED, the world's, or LOCAL, the tool's own.
     tool_rank, generic_tool_rank : int
-        Dimension of the tool twists that the loops allow.
+        Dimension of the tool twists that the loops allow, on these rows.
     idle, gained, lost : int
     free_motions : tuple of dict
-        Passive rates that are possible with the motors locked; they span all of these.
+        Passive rates that come free here with the motors locked: a basis, the idle ones left out.
+    idle_motions : tuple of dict
+        A basis of the passive rates that are free at every pose.
     forbidden_rates : tuple of dict
         Orthonormal motor rates that the loops do not allow here.
     """
@@ -132,13 +139,21 @@ class SingularityReport(msgspec.Struct, frozen=True, kw_only=True):
     generic_rank: int
     constraint_rank: int
     generic_constraint_rank: int
+    tool_rows: tuple[str, ...]
+    tool_axes: str
     tool_rank: int
     generic_tool_rank: int
     idle: int
     gained: int
     lost: int
     free_motions: tuple[dict[str, float], ...]
+    idle_motions: tuple[dict[str, float], ...]
     forbidden_rates: tuple[dict[str, float], ...]
+
+    @property
+    def judged(self) -> ToolRows:
+        """The rows of the tool's twist that are judged, with their axes."""
+        return ToolRows(self.tool_rows, checked_axes(self.tool_axes))
 
 
 class EllipsoidReport(msgspec.Struct, frozen=True):

@@ -202,12 +202,15 @@ def _singularity(configuration: Configuration) -> SingularityReport:
         generic_rank=singularity.generic_rank,
         constraint_rank=singularity.constraint_rank,
         generic_constraint_rank=singularity.generic_constraint_rank,
+        tool_rows=singularity.tool_rows.names,
+        tool_axes=singularity.tool_rows.axes,
         tool_rank=singularity.tool_rank,
         generic_tool_rank=singularity.generic_tool_rank,
         idle=singularity.idle,
         gained=singularity.gained,
         lost=singularity.lost,
         free_motions=_by_name(passive, singularity.free_motions),
+        idle_motions=_by_name(passive, singularity.idle_motions),
         forbidden_rates=_by_name(actuated, singularity.forbidden_rates),
     )
 

@@ -7,19 +7,23 @@ Judged on singular values of the dimensionless matrices (see `Partition.scaled`)
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.factorisation import norm
+from pmjac_pin.factorisation import Factorisation, norm
 from pmjac_pin.partition import Partition
 from pmjac_pin.read_only import ReadOnlyArrays
 from pmjac_pin.ties import first_largest
+from pmjac_pin.tool_rows import ToolRows
 
 Array = NDArray[np.float64]
 Kind = Literal["regular", "gain", "loss", "gain and loss", "configuration space", "isolated"]
+#: rank of K* ↦ the bases of what is gained and of what is idle in null K*, on the scaled rates.
+Split: TypeAlias = Callable[[int], tuple[Array, Array]]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -37,13 +41,17 @@ class Singularity(ReadOnlyArrays):
         Of K*, here and in general.
     constraint_rank, generic_constraint_rank : int
         Of [K K*].
+    tool_rows : ToolRows
+        The rows of the tool's twist that are judged.
     tool_rank, generic_tool_rank : int
-        Dimension of the tool twists that the loops allow.
+        Dimension of the tool twists that the loops allow, on these rows.
     linear_rank, angular_rank : int
-        Dimensions of the linear and of the angular velocities among these.
-    free_motions : ndarray, shape (m_p, m_p − rank)
-        Columns span null(K*): the passive rates, in m/s or rad/s, that are possible with all
-        motors locked. Idle motions, free at every pose, are among them.
+        Dimensions of the linear and of the angular velocities that the loops allow, on all rows.
+    free_motions : ndarray, shape (m_p, gained)
+        The passive rates, in m/s or rad/s, that come free here with all motors locked: columns
+        span null(K*) modulo the idle motions, orthogonal to these on dimensionless rates.
+    idle_motions : ndarray, shape (m_p, idle)
+        Columns span the passive rates that are free at every pose.
     forbidden_rates : ndarray, shape (n, k)
         Orthonormal columns: directions of θ̇ outside what the loops allow here.
     actuated_names, passive_names : tuple of str
@@ -58,11 +66,13 @@ class Singularity(ReadOnlyArrays):
     generic_rank: int
     constraint_rank: int
     generic_constraint_rank: int
+    tool_rows: ToolRows
     tool_rank: int
     generic_tool_rank: int
     linear_rank: int
     angular_rank: int
     free_motions: Array
+    idle_motions: Array
     forbidden_rates: Array
     actuated_names: tuple[str, ...]
     passive_names: tuple[str, ...]
@@ -80,7 +90,7 @@ class Singularity(ReadOnlyArrays):
 
     @property
     def lost(self) -> int:
-        """Number of independent tool twists that are lost here."""
+        """Number of independent tool twists that are lost here, on the judged rows."""
         return self.generic_tool_rank - self.tool_rank
 
     @property
@@ -100,9 +110,10 @@ class Singularity(ReadOnlyArrays):
         """What kind of singularity this is.
 
         "gain": K* drops, motions come free with the motors locked (second kind, parallel);
-        "loss": the tool loses a motion (first kind, serial); "configuration space": [K K*]
-        itself drops, where branches of the configuration space meet; "isolated": no pose near
-        home closes, a structure, or a singular home; "regular": none.
+        "loss": the tool loses a motion (first kind, serial), judged on `tool_rows`;
+        "configuration space": [K K*] itself drops, where branches of the configuration space
+        meet; "isolated": no pose near home closes, a structure, or a singular home; "regular":
+        none.
         """
         if self.isolated:
             return "isolated"
@@ -122,7 +133,10 @@ class Singularity(ReadOnlyArrays):
         return self.gained > 0 or self.isolated
 
     def free_motion(self) -> dict[str, float]:
-        """Return one motion that is free with the motors locked, largest rate 1, by name."""
+        """Return one motion that comes free here, largest rate 1, by name; empty where none does.
+
+        Of the motions that differ from it by idle ones it is the smallest: idle joints rest.
+        """
         if not self.free_motions.size:
             return {}
         rates = self.free_motions[:, 0]
@@ -131,14 +145,18 @@ class Singularity(ReadOnlyArrays):
 
     def __repr__(self) -> str:
         idle = f", {self.idle} idle" if self.idle else ""
+        judged = "" if self.tool_rows.is_whole else f", judged on {self.tool_rows}"
         return (
-            f"Singularity(kind={self.kind!r}, rank={self.rank} of {self.generic_rank}{idle}, "
+            f"Singularity(kind={self.kind!r}{judged}, rank={self.rank} of {self.generic_rank}{idle}, "
             f"smallest={self.smallest:.3g}, tolerance={self.tolerance:g})"
         )
 
 
 def analyse_singularity(
-    constraint_jacobian: Array, tool_jacobian: Array, partition: Partition
+    constraint_jacobian: Array,
+    tool_jacobian: Array,
+    partition: Partition,
+    split: Split | None = None,
 ) -> Singularity:
     """Read the ranks off the constraint and tool Jacobians of one closed pose.
 
@@ -146,8 +164,12 @@ def analyse_singularity(
     ----------
     constraint_jacobian : ndarray, shape (p, nv)
     tool_jacobian : ndarray, shape (6, nv)
-        Linear rows first.
+        Linear rows first, in the axes of the partition's `tool_rows`.
     partition : Partition
+    split : callable, optional
+        Tells what is idle at a singular pose, as `gained_and_idle` does. Without it the smallest
+        singular values are taken for the idle ones, which at a pose that is singular to the
+        last digit is anybody's guess.
     """
     scaled = partition.scaled(constraint_jacobian)
     size = norm(scaled)
@@ -155,7 +177,8 @@ def analyse_singularity(
     whole = partition.factorise(scaled, size)
     tool = partition.tool_ranks(tool_jacobian, whole.null_space)
     forbidden = forbidden_rates(passive.left_null_space, scaled, partition)
-    free = partition.column_scale[partition.passive, None] * passive.null_space
+    gained, idle = _free(passive, partition, split)
+    scale = partition.column_scale[partition.passive, None]
     return Singularity(
         singular_values=passive.singular_values / (size or 1.0),
         tolerance=partition.rank_tolerance,
@@ -163,16 +186,26 @@ def analyse_singularity(
         generic_rank=partition.passive_rank,
         constraint_rank=whole.rank,
         generic_constraint_rank=partition.constraint_rank,
-        tool_rank=tool.twist,
+        tool_rows=partition.tool_rows,
+        tool_rank=partition.judged_rank(tool_jacobian, whole.null_space),
         generic_tool_rank=partition.tool_rank,
         linear_rank=tool.linear,
         angular_rank=tool.angular,
-        free_motions=free,
+        free_motions=scale * gained,
+        idle_motions=scale * idle,
         forbidden_rates=forbidden,
         actuated_names=partition.actuated_names,
         passive_names=partition.passive_names,
         isolated=partition.isolated,
     )
+
+
+def _free(passive: Factorisation, partition: Partition, split: Split | None) -> tuple[Array, Array]:
+    """Return bases of what is gained and of what is idle in null K*, on the scaled rates."""
+    gained, free = max(partition.passive_rank - passive.rank, 0), passive.null_space
+    if split is not None and 0 < gained < free.shape[1]:
+        return split(passive.rank)
+    return free[:, :gained], free[:, gained:]
 
 
 def forbidden_rates(left_null_space: Array, scaled: Array, partition: Partition) -> Array:

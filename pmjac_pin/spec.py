@@ -12,12 +12,13 @@ from types import MappingProxyType
 from typing import Any
 
 import msgspec
-from msgspec.structs import replace
+from msgspec.structs import force_setattr, replace
 
 from pmjac_pin.errors import ArgumentError, did_you_mean, unknown_name
 from pmjac_pin.loop_spec import DistanceLoop, Loop
 from pmjac_pin.parameter import Move, Parameter
 from pmjac_pin.table import Name, Table
+from pmjac_pin.tool_rows import WORLD_AXES, ToolRows, checked_axes, checked_rows
 
 LARGEST_TOLERANCE = 1e-2  # m
 
@@ -27,10 +28,15 @@ class Tool(Table, frozen=True, kw_only=True):
 
     Three points p₁, p₂, p₃ give the origin (p₁ + p₂ + p₃)/3, x along p₂ − p₁, z along
     (p₂ − p₁) × (p₃ − p₁) and y = z × x.
+
+    `rows` says which rows of its twist count where ranks are judged (None for all six), `axes` in
+    which axes these are: see `ToolRows`.
     """
 
     frame: Name | None = None
     points: tuple[Name, Name, Name] | None = None
+    rows: tuple[str, ...] | None = None
+    axes: str = WORLD_AXES
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -38,6 +44,16 @@ class Tool(Table, frozen=True, kw_only=True):
             raise ArgumentError("a tool is either `frame = NAME` or `points = [NAME, NAME, NAME]`")
         if self.points is not None and len(set(self.points)) < 3:
             raise ArgumentError(f"the three points of a tool must differ, got {list(self.points)}")
+        force_setattr(self, "axes", checked_axes(self.axes))
+        if self.rows is not None:
+            force_setattr(self, "rows", checked_rows(self.rows))
+        elif self.axes != WORLD_AXES:
+            raise ArgumentError("the tool has `axes` but no `rows` that would be in these")
+
+    @property
+    def judged(self) -> ToolRows:
+        """The rows that count where ranks are judged."""
+        return ToolRows() if self.rows is None else ToolRows(self.rows, checked_axes(self.axes))
 
 
 JointValue = float | tuple[float, ...]
@@ -154,6 +170,21 @@ class MechanismSpec(Table, frozen=True, kw_only=True):
                 for pose, values in self.poses.items()
             },
         )
+
+    def with_tool_rows(self, rows: Iterable[str] | None, axes: str | None) -> MechanismSpec:
+        """Return the spec with other rows of the tool's twist judged, or in other axes.
+
+        Raises
+        ------
+        ArgumentError
+            No such rows or axes; axes, but no rows.
+        """
+        tool = self.tool
+        if rows is not None:
+            tool = replace(tool, rows=checked_rows(rows))
+        if axes is not None:
+            tool = replace(tool, axes=checked_axes(axes))
+        return replace(self, tool=tool)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (decode_spec, (encode_spec(self),))

@@ -196,8 +196,11 @@ def _singularity(report: Report) -> Iterator[Block]:
     found = report.singularity
     yield Table("", ("", ""), tuple(_ranks(found)), "<<")
     if found.free_motions:
-        heading = "Passive motions that are free with all motors locked (largest rate 1)"
+        heading = "Passive motions that come free here with all motors locked (largest rate 1)"
         yield _motions(report, heading, [_largest_one(rates) for rates in found.free_motions])
+    if found.idle_motions:
+        heading = "Idle passive motions, free at every pose (largest rate 1)"
+        yield _motions(report, heading, [_largest_one(rates) for rates in found.idle_motions])
     if found.forbidden_rates:
         heading = "Motor rates that the loops forbid"
         yield _motions(report, heading, found.forbidden_rates)
@@ -207,7 +210,10 @@ def _ranks(found: SingularityReport) -> Iterator[tuple[str, str]]:
     yield "kind", found.kind
     yield "rank of K*", f"{found.rank} of {found.generic_rank}"
     yield "rank of [K K*]", f"{found.constraint_rank} of {found.generic_constraint_rank}"
-    yield "tool motions", f"{found.tool_rank} of {found.generic_tool_rank}"
+    yield (
+        "tool motions",
+        f"{found.tool_rank} of {found.generic_tool_rank}, judged on {found.judged}",
+    )
     yield "idle passive motions", str(found.idle)
     yield "motions gained here", str(found.gained)
     yield "motions lost here", str(found.lost)

@@ -32,6 +32,14 @@ class Reading:
         str | None, Parameter(help="The motors, such as a,b, instead of those that the file tells.")
     ] = None
     tool: Annotated[str | None, Parameter(help="The tool's frame, instead of the file's.")] = None
+    tool_rows: Annotated[
+        str | None,
+        Parameter(help="Rows of its twist that count, such as vx,vy, of vx,vy,vz,wx,wy,wz."),
+    ] = None
+    tool_axes: Annotated[
+        str | None,
+        Parameter(help="Of these rows: LOCAL_WORLD_ALIGNED, or LOCAL for the tool's own."),
+    ] = None
     locked: Annotated[
         str | None,
         Parameter(help="Joints to hold at their home values, such as spring1,spring2."),
@@ -45,6 +53,8 @@ class Reading:
         return {
             "actuated": None if self.actuated is None else _names(self.actuated),
             "tool": self.tool,
+            "tool_rows": None if self.tool_rows is None else _names(self.tool_rows),
+            "tool_axes": None if self.tool_axes is None else self.tool_axes.upper(),
             "locked": () if self.locked is None else _names(self.locked),
             "tolerance": self.tolerance,
         }

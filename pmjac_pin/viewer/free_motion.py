@@ -102,10 +102,10 @@ def easiest_motions(configuration: Configuration) -> Array:
     Returns
     -------
     ndarray, shape (m_p, k)
-        Of K* without dimension, the right singular vectors that lie in its null space at a
-        singularity, or near one the single one of the smallest singular value; turned back to
-        m/s and rad/s. Nothing (k = 0) at a regular pose. At a singularity of a mechanism with
-        idle motions these are among them.
+        What comes free at a singularity, or near one the right singular vector of the smallest
+        singular value of K* without dimension that decides; turned back to
+        m/s and rad/s. Nothing (k = 0) at a regular pose. Idle motions, which are free at every
+        pose, are left out.
     """
     singularity = configuration.singularity()
     if singularity.gained:

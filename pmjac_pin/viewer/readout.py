@@ -12,9 +12,10 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.ellipsoid import Ellipsoid
 from pmjac_pin.errors import NoJacobianError
 from pmjac_pin.factorisation import norm
-from pmjac_pin.jacobian import EquivalentJacobian
+from pmjac_pin.jacobian import EquivalentJacobian, change_frame
 from pmjac_pin.labelled import ROUNDING
 from pmjac_pin.singularity import Singularity
+from pmjac_pin.tool_rows import ToolRows
 from pmjac_pin.viewer.free_motion import NEAR_SINGULAR, easiest_motions
 from pmjac_pin.viewer.tool_ranks import ToolRanks
 
@@ -79,6 +80,11 @@ class Readout(msgspec.Struct, frozen=True, kw_only=True):
         JSON writes an infinite condition as null.
     loops : bool
         Whether there are any loops.
+    tool_rank, generic_tool_rank : int
+        How many independent velocities the loops allow the tool here and in general, on the rows
+        of its twist that are judged.
+    judged : tuple of str
+        These rows, briefly and in full.
     residual : float
         Euclidean norm of the gaps of all loops, m.
     J_eq : tuple of tuple of float or None
@@ -94,6 +100,9 @@ class Readout(msgspec.Struct, frozen=True, kw_only=True):
     smallest: float | None
     condition: float | None
     loops: bool
+    tool_rank: int
+    generic_tool_rank: int
+    judged: tuple[str, str]
     residual: float
     J_eq: tuple[Vector, ...] | None
     sections: tuple[Section, ...] | None
@@ -127,6 +136,9 @@ def make_readout(configuration: Configuration, ranks: ToolRanks | None = None) -
         smallest=singularity.smallest if loops else None,
         condition=singularity.condition if loops else None,
         loops=loops,
+        tool_rank=singularity.tool_rank,
+        generic_tool_rank=singularity.generic_tool_rank,
+        judged=_judged(singularity.tool_rows),
         residual=configuration.residual_norm,
         J_eq=known.get("J_eq"),
         sections=None if jacobian is None else _sections(jacobian.velocity_ellipsoid()),
@@ -140,6 +152,11 @@ def _equivalent(configuration: Configuration) -> tuple[EquivalentJacobian | None
         return configuration.jacobian(), None
     except NoJacobianError as error:
         return None, str(error)
+
+
+def _judged(rows: ToolRows) -> tuple[str, str]:
+    brief = "all rows" if rows.is_whole else ", ".join(rows.names)
+    return brief, f"judged on {rows}"
 
 
 def _of_jacobian(jacobian: EquivalentJacobian) -> dict[str, Any]:
@@ -175,8 +192,9 @@ def _warning(
         return Nearness("near", text)
     if jacobian is None:
         return Nearness("regular", "")
-    if _tool_share(jacobian) < NEAR_SINGULAR:
-        return Nearness("near", "Near a loss singularity: the tool almost loses a motion.")
+    if _tool_share(configuration, jacobian) < NEAR_SINGULAR:
+        text = f"the tool almost loses a motion, judged on {singularity.tool_rows}"
+        return Nearness("near", f"Near a loss singularity: {text}.")
     loss = (ranks or ToolRanks.of(configuration.mechanism)).loss(jacobian)
     return Nearness("loss" if loss else "regular", loss)
 
@@ -186,7 +204,7 @@ def _consequence(singularity: Singularity) -> str:
         names = _moving(singularity.passive_names, singularity.free_motions[:, 0])
         return f": with all motors locked, {names} come free"
     if singularity.lost > 0:
-        return ": the tool has lost a motion"
+        return f": the tool has lost a motion, judged on {singularity.tool_rows}"
     return ": branches of motion meet here"
 
 
@@ -198,12 +216,14 @@ def _moving(names: tuple[str, ...], rates: Array) -> str:
     return f"{shown} and others" if len(moving) > _NAMES_SHOWN else shown
 
 
-def _tool_share(jacobian: EquivalentJacobian) -> float:
+def _tool_share(configuration: Configuration, jacobian: EquivalentJacobian) -> float:
     """Return the smallest over the largest generic singular value of the scaled tool motion."""
-    partition = jacobian.partition
-    rank = partition.tool_rank
-    scaled = jacobian.J_eq * partition.column_scale[partition.actuated]
+    partition, pose = jacobian.partition, configuration.tool_pose
+    rank, rows = partition.tool_rank, partition.tool_rows
+    J_eq = change_frame(jacobian.J_eq, rows.axes, pose.rotation, pose.translation)
+    scaled = J_eq * partition.column_scale[partition.actuated]
     scaled[3:] *= partition.length
+    scaled = scaled[rows.linear + rows.angular]
     if not rank or not norm(scaled):
         return 1.0
     values = np.linalg.svd(scaled, compute_uv=False)

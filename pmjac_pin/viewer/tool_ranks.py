@@ -1,7 +1,8 @@
 """How many independent velocities the tool has here, and how many elsewhere.
 
-`Singularity` looks at the tool's whole twist. [J_v]eq and [J_ω]eq may each lose rank where the
-twist does not: a stretched arm of two links still turns, but its tip moves along one line only.
+`Singularity` looks at the judged rows of the tool's twist together. Where both linear and angular
+rows are judged, [J_v]eq and [J_ω]eq may each lose rank where the twist does not: a stretched arm
+of two links still turns, but its tip moves along one line only.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from pmjac_pin.errors import PmjacError
 from pmjac_pin.jacobian import EquivalentJacobian
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.tool_rows import ToolRows
 
 Array = NDArray[np.float64]
 
@@ -60,21 +62,22 @@ class ToolRanks:
 
     def loss(self, jacobian: EquivalentJacobian) -> str:
         """Say in a sentence what the tool has lost, or almost; empty where it has not."""
-        _, *ranks = jacobian.tool_ranks
-        if lost := self._drops(ranks, "has"):
+        (_, *ranks), rows = jacobian.tool_ranks, jacobian.partition.tool_rows
+        if lost := self._drops(rows, ranks, "has"):
             return f"Here the tool cannot move in every way that it can elsewhere: {lost}."
         of_both = zip(_singular_values(jacobian), self.sizes, strict=True)
         large = [int((values > _NEARLY_ZERO * size).sum()) for values, size in of_both]
-        if almost := self._drops(large, "is near"):
+        if almost := self._drops(rows, large, "is near"):
             return f"Here the tool almost loses a way to move: {almost}."
         return ""
 
-    def _drops(self, ranks: Sequence[int], verb: str) -> str:
-        of_both = zip(_NAMES, ranks, self.generic, strict=True)
+    def _drops(self, rows: ToolRows, ranks: Sequence[int], verb: str) -> str:
+        judged = (rows.linear, rows.angular)
+        of_both = zip(judged, _NAMES, ranks, self.generic, strict=True)
         return ", ".join(
             f"{name} {verb} rank {rank} instead of {generic}"
-            for name, rank, generic in of_both
-            if rank < generic
+            for counts, name, rank, generic in of_both
+            if counts and rank < generic
         )
 
 

@@ -35,6 +35,8 @@ export function showReadout(readout, decimals) {
   put("sigma-w", (readout.Jw_singular_values ?? [null]).map((value) => fixed(value, decimals.Jw)));
   put("smallest", [readout.loops ? relative(readout.smallest) : "no loops"]);
   put("condition", [readout.loops ? (readout.condition === null ? "∞" : fixed(readout.condition, 1)) : "no loops"]);
+  put("tool-motions", [`${readout.tool_rank} of ${readout.generic_tool_rank}`]);
+  [$("judged").textContent, $("judged").title] = readout.judged;
   put("residual", [minus(readout.residual.toExponential(1))]);
   $("refusal").textContent = readout.refusal ? "There is no equivalent Jacobian at this pose." : "";
   $("refusal").title = readout.refusal ?? "";
