@@ -19,7 +19,7 @@ from pmjac_pin.errors import ArgumentError
 from pmjac_pin.factorisation import RANK_TOLERANCE, Factorisation, factorise, norm
 from pmjac_pin.read_only import ReadOnlyArrays, read_only
 from pmjac_pin.ties import pivots
-from pmjac_pin.tool_rows import ToolRows
+from pmjac_pin.tool_rows import WHOLE_TWIST, ToolRows
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -74,7 +74,7 @@ class Partition(ReadOnlyArrays):
     kept_rows: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     rank_tolerance: float = RANK_TOLERANCE
     isolated: bool = False
-    tool_rows: ToolRows = ToolRows()
+    tool_rows: ToolRows = WHOLE_TWIST
 
     @cached_property
     def _scale(self) -> Array:

@@ -147,8 +147,8 @@ class Singularity(ReadOnlyArrays):
         idle = f", {self.idle} idle" if self.idle else ""
         judged = "" if self.tool_rows.is_whole else f", judged on {self.tool_rows}"
         return (
-            f"Singularity(kind={self.kind!r}{judged}, rank={self.rank} of {self.generic_rank}{idle}, "
-            f"smallest={self.smallest:.3g}, tolerance={self.tolerance:g})"
+            f"Singularity(kind={self.kind!r}, rank={self.rank} of {self.generic_rank}{idle}, "
+            f"smallest={self.smallest:.3g}, tolerance={self.tolerance:g}{judged})"
         )
 
 

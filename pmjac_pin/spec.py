@@ -18,7 +18,7 @@ from pmjac_pin.errors import ArgumentError, did_you_mean, unknown_name
 from pmjac_pin.loop_spec import DistanceLoop, Loop
 from pmjac_pin.parameter import Move, Parameter
 from pmjac_pin.table import Name, Table
-from pmjac_pin.tool_rows import WORLD_AXES, ToolRows, checked_axes, checked_rows
+from pmjac_pin.tool_rows import WHOLE_TWIST, WORLD_AXES, ToolRows, checked_axes, checked_rows
 
 LARGEST_TOLERANCE = 1e-2  # m
 
@@ -53,7 +53,7 @@ class Tool(Table, frozen=True, kw_only=True):
     @property
     def judged(self) -> ToolRows:
         """The rows that count where ranks are judged."""
-        return ToolRows() if self.rows is None else ToolRows(self.rows, checked_axes(self.axes))
+        return WHOLE_TWIST if self.rows is None else ToolRows(self.rows, checked_axes(self.axes))
 
 
 JointValue = float | tuple[float, ...]

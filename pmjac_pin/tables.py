@@ -210,10 +210,8 @@ def _ranks(found: SingularityReport) -> Iterator[tuple[str, str]]:
     yield "kind", found.kind
     yield "rank of K*", f"{found.rank} of {found.generic_rank}"
     yield "rank of [K K*]", f"{found.constraint_rank} of {found.generic_constraint_rank}"
-    yield (
-        "tool motions",
-        f"{found.tool_rank} of {found.generic_tool_rank}, judged on {found.judged}",
-    )
+    yield "tool motions", f"{found.tool_rank} of {found.generic_tool_rank}"
+    yield "judged on", str(found.judged)
     yield "idle passive motions", str(found.idle)
     yield "motions gained here", str(found.gained)
     yield "motions lost here", str(found.lost)

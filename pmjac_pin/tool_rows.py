@@ -71,6 +71,10 @@ class ToolRows:
         return listed if in_any_axes else f"{listed} in {_IN_WORDS[self.axes]}"
 
 
+#: All six rows.
+WHOLE_TWIST = ToolRows()
+
+
 def checked_rows(names: Iterable[str]) -> tuple[str, ...]:
     """Return names of rows in the twist's order.
 

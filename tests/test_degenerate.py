@@ -66,7 +66,9 @@ def test_idle_spin_is_counted_and_not_felt():
     singularity = configuration.singularity()
     assert (singularity.idle, singularity.gained, singularity.kind) == (1, 0, "regular")
     assert configuration.mechanism.mobility == 2
-    idle = singularity.free_motions[:, 0]
+    assert singularity.free_motions.shape == (4, 0)
+    assert singularity.free_motion() == {}
+    [idle] = singularity.idle_motions.T
     assert idle[0] == pytest.approx(0.0, abs=1e-12)  # the rocker rests
     constraint = configuration.split_jacobian()
     np.testing.assert_allclose(constraint.K_star @ idle, 0.0, atol=1e-12)

@@ -103,7 +103,11 @@ def test_singularity_and_singular_values(homes, name):
                 assert value == configuration.mechanism.characteristic_length
             case "singular_values":
                 assert value == singularity.singular_values.tolist()
-            case "free_motions" | "forbidden_rates":
+            case "tool_rows":
+                assert value == list(configuration.mechanism.spec.tool.judged.names)
+            case "tool_axes":
+                assert value == configuration.mechanism.spec.tool.axes
+            case "free_motions" | "idle_motions" | "forbidden_rates":
                 assert value == []
             case _:
                 expected = getattr(singularity, key)
@@ -189,7 +193,8 @@ def test_an_idle_motion_is_named():
     report = make_report(mechanisms.rssr().home)
     assert report.refusal is None
     assert report.singularity.idle == 1
-    [motion] = report.singularity.free_motions
+    assert report.singularity.free_motions == ()
+    [motion] = report.singularity.idle_motions
     assert set(motion) == {"psi", "rx", "ry", "rz"}
     assert report.det_K_star is None  # K* is 3 x 4
 

@@ -603,7 +603,7 @@ def test_an_idle_rod_hides_no_free_motion():
     with pytest.raises(pj.ClosureError) as caught:
         mechanism.close([3.0])
     configuration = caught.value.reached
-    assert configuration.singularity().free_motions.shape == (4, 2)
+    assert configuration.singularity().free_motions.shape == (4, 1)
     items = by_name(scene(configuration))
     visible = [name for name in items if name.startswith("free/") and items[name].visible]
     # The crank's tip is where all three turns of the rod meet: one arrow, not three.

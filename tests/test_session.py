@@ -12,6 +12,7 @@ import pytest
 import scipy.optimize
 
 import pmjac_pin as pj
+from pmjac_pin.tool_rows import TWIST_ROWS
 from pmjac_pin.viewer.messages import (
     MAXIMAL_SIZE,
     Home,
@@ -284,13 +285,40 @@ def test_a_loss_singularity_is_said_and_seen_coming():
 
 @pytest.mark.parametrize(("elbow", "words"), [(0.0, "has rank 1"), (0.01, "is near rank 1")])
 def test_a_stretched_arm_has_lost_a_direction_of_velocity(elbow, words):
-    """It still turns, so that its twist has lost nothing."""
-    configuration = pj.load("serial_2r").close([0.5, elbow])
+    """It still turns, so that its twist, judged as a whole, has lost nothing."""
+    configuration = pj.load("serial_2r", tool_rows=TWIST_ROWS).close([0.5, elbow])
     assert configuration.singularity().kind == "regular"
     warning = make_readout(configuration).warning
     assert warning.level == "loss"
     assert f"[J_v]eq {words} instead of 2" in warning.text
     assert "[J_ω]" not in warning.text
+
+
+@pytest.mark.parametrize(("elbow", "level"), [(0.0, "singular"), (0.01, "near"), (1.0, "regular")])
+def test_an_arm_that_is_there_to_move_its_tip_loses_a_motion(elbow, level):
+    readout = make_readout(pj.load("serial_2r").close([0.5, elbow]))
+    assert readout.warning.level == level
+    assert (readout.tool_rank, readout.generic_tool_rank) == (2 if elbow else 1, 2)
+    assert readout.judged == ("vx, vy", "judged on vx, vy in the tool's own axes")
+    assert ("judged on vx, vy" in readout.warning.text) == (level != "regular")
+
+
+def test_a_half_of_the_twist_that_is_not_judged_loses_nothing():
+    """The twist of a plate that turns about its own middle: the middle rests, as it may."""
+    model = pin.buildModelFromXML(
+        mechanisms.tree(
+            ("x", "prismatic", "ground", "slide", (0, 0, 0), (1, 0, 0)),
+            ("turn", "revolute", "slide", "arm", (0, 0, 0), (0, 0, 1)),
+            ("tip", "fixed", "arm", "tool", (0, 1, 0)),
+        )
+    )
+    for rows, level in ((TWIST_ROWS, "loss"), (TWIST_ROWS[3:], "regular")):
+        mechanism = pj.Mechanism.from_pinocchio(
+            model, [], ["x", "turn"], "tool", home=[0, 1.0], tool_rows=rows
+        )
+        assert make_readout(mechanism.home).warning.level == "regular"
+        # Both move the tool along x.
+        assert make_readout(mechanism.close([0.0, 0.0])).warning.level == level
 
 
 @pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])

@@ -10,6 +10,7 @@ import pytest
 
 import pmjac_pin as pj
 from pmjac_pin.factorisation import RANK_TOLERANCE
+from pmjac_pin.tool_rows import TWIST_ROWS
 
 STRETCHED = (4.0, 3.0, 2.5, 2.0)
 FOLDED = (2.0, 1.5, 2.6, 1.0)
@@ -195,9 +196,11 @@ def test_three_rps_is_reached_close_to_its_singular_poses():
 def test_loss_of_a_tool_motion_is_told_apart():
     stretched = pj.load("serial_2r").close([0.3, 0.0])
     singularity = stretched.singularity()
-    # As a twist the arm keeps both motions; a point alone would lose one.
-    assert singularity.kind == "regular"
+    # Its tip moves along one line only; as a whole twist the arm keeps both motions.
+    assert (singularity.kind, singularity.lost) == ("loss", 1)
     assert stretched.jacobian().velocity_ellipsoid().rank == 1
+    whole = pj.load("serial_2r", tool_rows=TWIST_ROWS).close([0.3, 0.0])
+    assert (whole.singularity().kind, whole.singularity().lost) == ("regular", 0)
     wrist = pj.load("ur5")
     straight = wrist.close([0.3, -1.2, 1.4, -0.9, 0.0, 0.2])
     assert straight.singularity().kind == "loss"
