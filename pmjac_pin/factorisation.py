@@ -52,6 +52,17 @@ class Factorisation:
         """Orthonormal columns W with Wᵀ A = 0, shape (p, p − rank)."""
         return self.left[:, self.rank :]
 
+    def tells_apart(self, rank: int) -> bool:
+        """Tell whether the vectors of σ up to `rank` are apart from those of the smaller ones.
+
+        For values that are all as good as zero: with a = σ_rank and b = σ_rank+1 relative to
+        `size`, or rounding where that is more, the two spaces are known to b/a. Taken at a pose
+        that is singular, and so off by some a, they would be known to a; b < a² is asked for.
+        """
+        values = np.append(self.singular_values, 0.0) / (self.size or 1.0)
+        below = max(float(values[rank]), float(np.finfo(float).eps))
+        return below < float(values[rank - 1]) ** 2
+
     def solve(self, b: Array, rank: int | None = None) -> Array:
         """Return the smallest least-squares solution x of A x = b, by the first `rank` values."""
         r = self.rank if rank is None else rank

@@ -16,9 +16,11 @@ idle wherever the loops allow to go is in null B(v) for every v, so that the idl
 and, B being linear in v, one for each v of a basis is enough. What is gained is told modulo
 that space: its orthogonal complement in null K*, on dimensionless rates.
 
-Where B does not see all that is gained (a cusp, at which K* changes to second order only) or too
+Where B does not see all that is gained (K* changes to second order only) or too
 much (branches meet, and not every v leads somewhere), the idle space is the mean of null K* at
-regular poses nearby.
+regular poses nearby. Where there are none either, they are not told apart.
+
+A hair beside a singular pose the singular values of K* still tell (`Factorisation.tells_apart`).
 """
 
 from __future__ import annotations
@@ -34,7 +36,7 @@ from pmjac_pin.factorisation import Factorisation, norm
 
 Array = NDArray[np.float64]
 
-_STEP = 1e-5  # of the characteristic length, of a central difference
+_STEP = 1e-3  # of the characteristic length, of differences of fourth order
 _SEEN = 1e-3  # of the size of [K K*]: how much K* changes where a radian or a length is moved
 _DISTANCES = (1e-3, 1e-2, 1e-1)  # of the characteristic length, to regular poses nearby
 
@@ -53,7 +55,7 @@ def gained_and_idle(problem: ClosureProblem, q: Array, rank: int) -> tuple[Array
     -------
     gained, idle : ndarray, shapes (m_p, g) and (m_p, d)
         Orthonormal columns on the scaled rates, together a basis of null K*; d is m_p less the
-        generic rank.
+        generic rank, or 0 where nothing tells them apart.
     """
     partition = problem.partition
     scaled = partition.scaled(problem.evaluate(q)[1])
@@ -64,6 +66,8 @@ def gained_and_idle(problem: ClosureProblem, q: Array, rank: int) -> tuple[Array
     turned = _by_what_changes(problem, q, scaled, passive, rank)
     if turned is None:
         turned = _by_neighbours(problem, q, scaled, free)
+    if turned is None:
+        return free, free[:, :0]
     return free @ turned[:, :gained], free @ turned[:, gained:]
 
 
@@ -85,23 +89,26 @@ def _by_what_changes(
 def _derivative(problem: ClosureProblem, q: Array, v: Array) -> Array:
     """Return the change of the scaled K* where the joints move by the length along v."""
     partition = problem.partition
-    step = _STEP * partition.length * partition.column_scale * v
-    ahead, behind = (problem.evaluate(problem.integrate(q, way))[1] for way in (step, -step))
-    change: Array = partition.scaled(ahead - behind)[:, partition.passive] / (2.0 * _STEP)
+    stride = _STEP * partition.length * partition.column_scale * v
+
+    def passive_columns(steps: int) -> Array:
+        there = problem.evaluate(problem.integrate(q, steps * stride))[1]
+        columns: Array = partition.scaled(there)[:, partition.passive]
+        return columns
+
+    near, far = (passive_columns(k) - passive_columns(-k) for k in (1, 2))
+    change: Array = (8.0 * near - far) / (12.0 * _STEP)
     return change
 
 
-def _by_neighbours(problem: ClosureProblem, q: Array, scaled: Array, free: Array) -> Array:
-    """Return an orthogonal matrix, its last columns those nearest to null K* at regular poses.
-
-    Where there are none, those of the smallest singular values.
-    """
+def _by_neighbours(problem: ClosureProblem, q: Array, scaled: Array, free: Array) -> Array | None:
+    """Return an orthogonal matrix, its last columns those nearest to null K* at regular poses."""
     for distance in _DISTANCES:
         if found := list(_regular_null_spaces(problem, q, scaled, distance)):
             order = np.linalg.svd(free.T @ np.hstack(found))[0]
             nearest_last: Array = order[:, ::-1]
             return nearest_last
-    return np.eye(free.shape[1])
+    return None
 
 
 def _regular_null_spaces(

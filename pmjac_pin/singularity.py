@@ -51,7 +51,9 @@ class Singularity(ReadOnlyArrays):
         The passive rates, in m/s or rad/s, that come free here with all motors locked: columns
         span null(K*) modulo the idle motions, orthogonal to these on dimensionless rates.
     idle_motions : ndarray, shape (m_p, idle)
-        Columns span the passive rates that are free at every pose.
+        Columns span the passive rates that are free at every pose. Where nothing tells them from
+        what is gained (matrices of a singular pose alone, or all poses nearby singular as well)
+        there are none, and `free_motions` has all of null(K*).
     forbidden_rates : ndarray, shape (n, k)
         Orthonormal columns: directions of θ̇ outside what the loops allow here.
     actuated_names, passive_names : tuple of str
@@ -167,9 +169,8 @@ def analyse_singularity(
         Linear rows first, in the axes of the partition's `tool_rows`.
     partition : Partition
     split : callable, optional
-        Tells what is idle at a singular pose, as `gained_and_idle` does. Without it the smallest
-        singular values are taken for the idle ones, which at a pose that is singular to the
-        last digit is anybody's guess.
+        Tells what is idle at a singular pose, as `gained_and_idle` does, where these matrices do
+        not.
     """
     scaled = partition.scaled(constraint_jacobian)
     size = norm(scaled)
@@ -203,9 +204,9 @@ def analyse_singularity(
 def _free(passive: Factorisation, partition: Partition, split: Split | None) -> tuple[Array, Array]:
     """Return bases of what is gained and of what is idle in null K*, on the scaled rates."""
     gained, free = max(partition.passive_rank - passive.rank, 0), passive.null_space
-    if split is not None and 0 < gained < free.shape[1]:
-        return split(passive.rank)
-    return free[:, :gained], free[:, gained:]
+    if gained in (0, free.shape[1]) or passive.tells_apart(partition.passive_rank):
+        return free[:, :gained], free[:, gained:]
+    return (free, free[:, :0]) if split is None else split(passive.rank)
 
 
 def forbidden_rates(left_null_space: Array, scaled: Array, partition: Partition) -> Array:
