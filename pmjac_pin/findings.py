@@ -269,7 +269,7 @@ def _tool_rows(diagnosis: Diagnosis) -> Iterator[Finding]:
         return
     most = min(len(rows.names), len(actuation.allowed_rates))
     if diagnosis.tool_rank < most:
-        ways = f"{diagnosis.tool_rank or 'no'} way{'s' * (diagnosis.tool_rank != 1)}"
+        ways = f"{diagnosis.tool_rank or 'no'} way{'s' * (diagnosis.tool_rank > 1)}"
         message = f"Judged on {rows}, the tool moves in {ways}, where {most} would be possible."
         advice = "Are these the rows that it is there to move, and in these axes?"
         severity: Severity = "note" if diagnosis.tool_rank else "warning"

@@ -203,7 +203,7 @@ def test_in_the_worlds_axes_a_tilted_plane_is_another():
     resting = pj.Mechanism.from_pinocchio(*given, home=[0.5, 1.0], tool_rows=["vy"])
     [finding] = [f for f in pj.check(resting).findings if f.code == "tool-rows"]
     assert finding.severity == "warning"
-    assert "the tool moves in no ways, where 1 would be possible" in finding.message
+    assert "the tool moves in no way, where 1 would be possible" in finding.message
 
 
 @pytest.mark.parametrize(
