@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 # How easily the motors move, beside the passive joints, where a pose does not assemble with them
 # at rest: reluctantly, then like the others.
 _MOTOR_WEIGHTS = (0.1, 1.0)
-_FAR_BESIDE_A_GAP = 100.0  # at the end of the reach, motors move about as far as the gap
+_FAR = 1e-2  # lengths: at the end of the reach, motors move about as far as the gap
 _SHAKES = (0.03, 0.03, 0.1, 0.1, 0.3, 0.3, 0.6, 0.6)  # rad or share of the length
 
 
@@ -46,9 +46,7 @@ def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
         found.append(assemble(problem, q, motor_weights(problem, motor_weight), room=room))
         if found[-1].gap > problem.tolerance:
             continue
-        if is_rounding(problem, found[0].gap) and _moved(problem, q, found[-1].q) > (
-            _FAR_BESIDE_A_GAP * found[0].gap
-        ):
+        if is_rounding(problem, found[0].gap) and _moved(problem, q, found[-1].q) > _FAR:
             break
         return _beyond_the_end(parts, q, found[-1].q)
     # A small gap that stays is the rounding of the model's numbers: no fold would cure it, and
@@ -60,9 +58,10 @@ def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
 
 
 def _moved(problem: ClosureProblem, start: Array, end: Array) -> float:
-    """Return how far the motors moved, in m."""
-    motors, scale = problem.partition.actuated, problem.partition.column_scale
-    return norm((problem.difference(start, end) / scale)[motors])
+    """Return how far the motors moved, in characteristic lengths."""
+    partition = problem.partition
+    moves = problem.difference(start, end) / partition.column_scale
+    return norm(moves[partition.actuated]) / partition.length
 
 
 def _folded(parts: Parts, q: Array) -> Array | None:
