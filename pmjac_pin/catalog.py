@@ -6,7 +6,9 @@ import importlib.metadata
 import os
 from pathlib import Path
 
-from pmjac_pin.errors import ArgumentError, ModelFileError, UnknownNameError, did_you_mean
+from pmjac_pin.errors import ArgumentError, ModelFileError, UnknownNameError, did_you_mean, quoted
+from pmjac_pin.text_file import at_file
+from pmjac_pin.user_path import is_file, told, user_path
 
 SUFFIXES = (".toml", ".urdf", ".sdf", ".xml", ".mjcf")  # of files that tell of a mechanism
 _EXAMPLE_ROBOTS = "example-robot-data:"
@@ -36,10 +38,10 @@ def find_model_file(name_or_path: str | Path) -> Path:
     ArgumentError
         Neither a name nor a path.
     """
-    if not isinstance(name_or_path, str | Path) or "\0" in str(name_or_path):
+    if not isinstance(name_or_path, str | Path):
         wanted = "the name of a mechanism or the path of a model file"
-        raise ArgumentError(f"{wanted} expected, got {name_or_path!r}")
-    path = Path(name_or_path).expanduser()
+        raise ArgumentError(f"{wanted} expected, got {quoted(name_or_path)}")
+    path = user_path(name_or_path)
     separated = {"/", os.sep} & set(str(name_or_path))
     if isinstance(name_or_path, Path) or path.suffix.lower() in SUFFIXES or separated:
         return path
@@ -47,10 +49,12 @@ def find_model_file(name_or_path: str | Path) -> Path:
     if path.name in names:
         return _data() / "models" / f"{path.name}.toml"
     hint = did_you_mean(path.name, names)
-    if len(path.name) < 200 and path.is_file():
+    if is_file(path):
         hint = f"; for the file of this name write './{path.name}'"
     raise UnknownNameError(
-        f"unknown mechanism {str(name_or_path)!r}{hint}", name=str(name_or_path), candidates=names
+        f"unknown mechanism {quoted(str(name_or_path))}{hint}",
+        name=str(name_or_path),
+        candidates=names,
     )
 
 
@@ -68,21 +72,20 @@ def find_urdf(urdf: str, model_file: Path) -> Path:
     if urdf.startswith(_EXAMPLE_ROBOTS):
         places = [_example_robots(model_file) / urdf.removeprefix(_EXAMPLE_ROBOTS)]
     else:
-        folder, given = model_file.parent, Path(urdf).expanduser()
+        folder, given = model_file.parent, _urdf_path(urdf, model_file)
         places = [folder / given, folder.absolute().parent / "urdf" / given]
     for place in places:
-        try:
-            if place.is_file():
-                return place
-        except (OSError, ValueError):  # too long a name, or a null byte in it
-            break
-    looked = " nor ".join(map(str, places))
-    raise ModelFileError(
-        f"{model_file}: the URDF {urdf!r} does not exist: neither {looked}"
-        if len(places) > 1
-        else f"{model_file}: the URDF {urdf!r} does not exist: no {looked}",
-        path=str(model_file),
-    )
+        if is_file(place):
+            return place
+    looked = " nor ".join(map(told, places))
+    neither = "neither" if len(places) > 1 else "no"
+    message = f"the URDF {quoted(urdf)} does not exist: {neither} {looked}"
+    raise ModelFileError(f"{told(model_file)}: {message}", path=str(model_file))
+
+
+def _urdf_path(urdf: str, model_file: Path) -> Path:
+    with at_file(str(model_file)):
+        return user_path(urdf)
 
 
 def _data() -> Path:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import reprlib
-
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.errors import ArgumentError
+from pmjac_pin.errors import ArgumentError, quoted
 
 Array = NDArray[np.float64]
 
@@ -25,8 +23,8 @@ def as_numbers(given: object, what: str) -> Array:
         if raw.dtype.kind not in "iuf":
             raise TypeError
     except (TypeError, ValueError):
-        raise ArgumentError(f"{what} must be real numbers, got {reprlib.repr(given)}") from None
+        raise ArgumentError(f"{what} must be real numbers, got {quoted(given)}") from None
     array = raw.astype(np.float64)
     if not np.isfinite(array).all():
-        raise ArgumentError(f"{what} must be finite, got {reprlib.repr(given)}")
+        raise ArgumentError(f"{what} must be finite, got {quoted(given)}")
     return array

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.certificates.certificate import Certificate, certify, refused
 from pmjac_pin.closure import Closed, closed_point
-from pmjac_pin.errors import ArgumentError, ClosureError
+from pmjac_pin.errors import ArgumentError, ClosureError, quoted
 from pmjac_pin.idle_motions import gained_and_idle
 from pmjac_pin.jacobian import (
     EquivalentJacobian,
@@ -280,4 +280,4 @@ def _frame_name(frame: str | pin.ReferenceFrame) -> FrameName:
         case "LOCAL_WORLD_ALIGNED" | "LOCAL" | "WORLD":
             return name
     names = "LOCAL, WORLD or LOCAL_WORLD_ALIGNED"
-    raise ArgumentError(f"frame must be {names}, got {frame!r}")
+    raise ArgumentError(f"frame must be {names}, got {quoted(frame)}")

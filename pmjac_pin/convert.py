@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterable, Mapping, Set
 from pathlib import Path
 from xml.etree.ElementTree import indent, tostring
@@ -11,12 +10,16 @@ import msgspec
 import tomli_w
 
 from pmjac_pin.catalog import find_model_file
-from pmjac_pin.errors import ModelFileError
-from pmjac_pin.loading import adjusted, build, load
+from pmjac_pin.errors import OutputError
+from pmjac_pin.loading import adjusted, build
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.source import read_source
+from pmjac_pin.model_file import parse_model_file
+from pmjac_pin.output_file import check_place, write_files
+from pmjac_pin.source import Source, read_source
 from pmjac_pin.spec import JointValue, MechanismSpec, encode_spec
+from pmjac_pin.urdf import parse_urdf
 from pmjac_pin.urdf_xml import parse_xml
+from pmjac_pin.user_path import is_file, readable, real, told, user_path
 
 
 def convert(
@@ -52,11 +55,11 @@ def convert(
 
     Raises
     ------
-    ModelFileError
-        The output exists or is no ``.toml``, besides what `load` raises.
-    OSError
-        The output cannot be written. Then nothing has changed: both files are written under
-        other names first, and loaded.
+    ModelFileError, UnknownNameError, ArgumentError, ClosureError
+        As `load`.
+    OutputError
+        The output exists, is no ``.toml`` or cannot be written. Then nothing has changed: what
+        is to be written is loaded first, and both files are written or none.
 
     Examples
     --------
@@ -66,43 +69,50 @@ def convert(
     ...     pj.load(model_file)
     Mechanism(mine, actuated=(theta1), 2 passive, 1 loop, mobility 1)
     """
-    path, target = find_model_file(name_or_path), Path(output).expanduser()
+    path, target = find_model_file(name_or_path), user_path(output)
+    _check_name(target)
     source = adjusted(read_source(path, actuated, tool), locked, tool_rows, tool_axes, tolerance)
-    read = {path.resolve(), Path(source.urdf.path).resolve()}
+    read = {real(path), real(Path(source.urdf.path))}
     tree = _urdf_beside(target, read)
     _check_places(target, tree, read, force)
     mechanism = build(source)
     spec = msgspec.structs.replace(
         source.spec, name="", urdf=tree.name, poses=_closed_poses(mechanism)
     )
-    texts = {
-        tree: _indented(source.urdf.text),
-        target: _toml(spec, (f"From {path.name}.", *source.notes)),
-    }
-    _write_together(texts, target)
+    urdf, model_file = _indented(source.urdf.text), _toml(spec, _comments(path, source))
+    build(Source(target, parse_model_file(model_file, target), parse_urdf(urdf, str(tree))))
+    write_files({tree: urdf.encode(), target: model_file.encode()}, replace=force)
     return target, tree
+
+
+def _comments(path: Path, source: Source) -> Iterable[str]:
+    return (f"From {path.name}.", *source.notes)
 
 
 def _urdf_beside(target: Path, read: Set[Path]) -> Path:
     """Return where the tree goes: not where a file is that was read."""
     beside = target.with_suffix(".urdf")
-    return beside.with_name(f"{target.stem}_tree.urdf") if beside.resolve() in read else beside
+    return beside.with_name(f"{target.stem}_tree.urdf") if real(beside) in read else beside
 
 
 def _check_places(target: Path, tree: Path, read: Set[Path], force: bool) -> None:
+    for place in (target, tree):
+        if real(place) in read:
+            raise _refused(place, "is what is read, and is not replaced")
+        check_place(place)
+        if is_file(place) and not force:
+            raise _refused(place, "exists already; --force replaces it")
+
+
+def _check_name(target: Path) -> None:
     if target.suffix != ".toml":
         raise _refused(target, "a model file's name ends in .toml")
-    if not target.parent.is_dir():
-        raise _refused(target, f"there is no folder {target.parent}")
-    for place in (target, tree):
-        if place.resolve() in read:
-            raise _refused(place, "is what is read, and is not replaced")
-        if place.exists() and not (force and place.is_file()):
-            raise _refused(place, "exists already" + "; --force replaces it" * place.is_file())
+    if readable(target.name) != target.name:
+        raise _refused(target, "a model file's name is UTF-8 text, since it names its URDF so")
 
 
-def _refused(place: Path, why: str) -> ModelFileError:
-    return ModelFileError(f"{place}: {why}", path=str(place))
+def _refused(place: Path, why: str) -> OutputError:
+    return OutputError(f"{told(place)}: {why}")
 
 
 def _closed_poses(mechanism: Mechanism) -> dict[str, Mapping[str, JointValue]]:
@@ -121,13 +131,3 @@ def _toml(spec: MechanismSpec, comments: Iterable[str]) -> str:
     if not spec.parameters:
         del contents["parameters"]
     return "".join(f"# {line}\n" for line in lines) + tomli_w.dumps(contents)
-
-
-def _write_together(texts: Mapping[Path, str], model_file: Path) -> None:
-    """Write all under other names and load the model file; then put them in their places."""
-    with tempfile.TemporaryDirectory(dir=model_file.parent, prefix=".pmjac_") as staging:
-        for place, text in texts.items():
-            (Path(staging) / place.name).write_text(text, encoding="utf-8")
-        load(Path(staging) / model_file.name)
-        for place in texts:
-            (Path(staging) / place.name).replace(place)

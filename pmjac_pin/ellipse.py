@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pmjac_pin.errors import ArgumentError
+from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.ties import LIKE
 
 Array = NDArray[np.float64]
@@ -187,7 +187,7 @@ def real_array(value: ArrayLike, name: str, shape: tuple[int, ...] | None = None
     try:
         given = np.asarray(value)
     except ValueError:
-        raise ArgumentError(f"{name} must be an array of numbers; got {value!r}") from None
+        raise ArgumentError(f"{name} must be an array of numbers; got {quoted(value)}") from None
     if given.dtype.kind not in "fiu":
         raise ArgumentError(f"{name} must hold real numbers; got {given.dtype} values")
     if shape is not None and given.shape != shape:
@@ -209,7 +209,7 @@ def check_drawable(radii: Array, **counts: int) -> None:
         except TypeError:
             enough = False
         if not enough:
-            raise ArgumentError(f"{name} must be a whole number of at least 4; got {count!r}")
+            raise ArgumentError(f"{name} must be a whole number of at least 4; got {quoted(count)}")
 
 
 def brief(radii: Array, unit: str = "") -> str:

@@ -28,7 +28,7 @@ from pmjac_pin.ellipse import (
     real_array,
     settled,
 )
-from pmjac_pin.errors import ArgumentError
+from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.ties import first_largest
 
 Array = NDArray[np.float64]
@@ -86,7 +86,7 @@ class Ellipsoid:
                 f"axes must be orthonormal columns with determinant +1; got {axes.tolist()}"
             )
         if not isinstance(self.unit, str):
-            raise ArgumentError(f'unit must be a string, such as "m/s"; got {self.unit!r}')
+            raise ArgumentError(f'unit must be a string, such as "m/s"; got {quoted(self.unit)}')
         object.__setattr__(self, "radii", radii)
         object.__setattr__(self, "axes", axes)
 
@@ -266,7 +266,7 @@ def _principal(jacobian: ArrayLike, rounding: float) -> tuple[Array, Array]:
     """Return the radii of the velocities, zero where they are rounding, and the axes."""
     block = _block(jacobian)
     if not (isinstance(rounding, int | float) and rounding >= 0.0):
-        raise ArgumentError(f"rounding must be a number ≥ 0, got {rounding!r}")
+        raise ArgumentError(f"rounding must be a number ≥ 0, got {quoted(rounding)}")
     radii, axes = image_of_ball(block)
     flat = flattened(radii, float(radii[0]))
     flat = np.where(flat > rounding, flat, 0.0)
@@ -289,7 +289,7 @@ def _plane(plane: str | ArrayLike) -> tuple[Array, Array]:
         if len(letters) != 2 or letters[0] == letters[1] or not set(letters) <= set("xyz"):
             raise ArgumentError(
                 f'plane must be two different letters of "xyz", such as "xy", or a normal; '
-                f"got {plane!r}"
+                f"got {quoted(plane)}"
             )
         basis = np.eye(3)[:, ["xyz".index(letter) for letter in letters]]
         return basis, np.cross(basis[:, 0], basis[:, 1])

@@ -8,11 +8,14 @@ must to come back from a worker process.
 from __future__ import annotations
 
 import difflib
+import reprlib
 from collections.abc import Iterable, Sequence
 from typing import Any
 
 _LONGEST_NAME = 200  # characters: near matches of longer ones take for ever
 _MOST_NAMES = 12  # listed in one message
+_LONGEST_LIST = 400  # characters of them
+_LONGEST_QUOTE = 200  # characters of what somebody gave
 
 
 class PmjacError(Exception):
@@ -170,19 +173,78 @@ class ForbiddenRatesError(NoJacobianError):
     forbidden_rates: Any
 
 
+class OutputError(PmjacError, OSError):
+    """A file cannot be written: no right to, no space, or no place for one."""
+
+
 class MissingDependencyError(PmjacError, ImportError):
     """An optional package is needed and not installed."""
 
 
+def shortened(text: str, most: int = _LONGEST_QUOTE) -> str:
+    """Return text on one line: as it is, or where it is long its beginning and its end.
+
+    Examples
+    --------
+    >>> shortened("/home/me/four_bar.toml")
+    '/home/me/four_bar.toml'
+    >>> shortened("the quick brown fox jumps over the lazy dog", 20)
+    'the quick...lazy dog'
+    """
+    if len(text) > most:
+        half = (most - 3) // 2
+        text = f"{text[: most - 3 - half]}...{text[len(text) - half :]}"
+    return " ".join(text.splitlines())
+
+
+def quoted(value: object) -> str:
+    """Return how messages show what somebody gave: its repr, shortened.
+
+    Examples
+    --------
+    >>> quoted("theta1"), quoted([1, 2]), quoted(range(10**9))
+    ("'theta1'", '[1, 2]', 'range(0, 1000000000)')
+    """
+    try:
+        return shortened(_SHORT.repr(value))
+    except Exception:  # whatever the repr of somebody's class raises
+        return f"a {shortened(type(value).__name__)}"
+
+
+def _short_repr() -> reprlib.Repr:
+    short = reprlib.Repr()
+    short.maxstring = short.maxother = short.maxlong = _LONGEST_QUOTE
+    return short
+
+
+_SHORT = _short_repr()
+
+
 def did_you_mean(name: object, candidates: Iterable[str]) -> str:
     """Return ``"; did you mean 'x'?"``, or the first of what there is when nothing is near."""
-    known = tuple(candidates)
-    same = [other for other in known if other.lower() == str(name).lower()]
-    near = same or difflib.get_close_matches(str(name)[:_LONGEST_NAME], known, n=2, cutoff=0.6)
+    known, given = tuple(candidates), str(name)[:_LONGEST_NAME]
+    same = [other for other in known if other.lower() == given.lower()]
+    near = same or difflib.get_close_matches(given, known, n=2, cutoff=0.6)
     if near:
-        return f"; did you mean {' or '.join(map(repr, near))}?"
-    more = f" and {len(known) - _MOST_NAMES} more" if len(known) > _MOST_NAMES else ""
-    return f"; there are: {', '.join(known[:_MOST_NAMES])}{more}" if known else "; there are none"
+        return f"; did you mean {' or '.join(map(quoted, near))}?"
+    return f"; there are: {enumerated(known)}" if known else "; there are none"
+
+
+def enumerated(names: Sequence[str], most: int = _MOST_NAMES) -> str:
+    """Return names joined by commas: the first of them, and how many more there are.
+
+    Examples
+    --------
+    >>> enumerated(["l1", "l2"]), enumerated([str(number) for number in range(100)])
+    ('l1, l2', '0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11 and 88 more')
+    """
+    shown: list[str] = []
+    for name in names[:most]:
+        if shown and sum(map(len, shown)) + len(name) > _LONGEST_LIST:
+            break
+        shown.append(shortened(name))
+    more = f" and {len(names) - len(shown)} more" if len(names) > len(shown) else ""
+    return ", ".join(shown) + more
 
 
 def unknown_name(kind: str, name: object, candidates: Sequence[str]) -> UnknownNameError:
@@ -193,5 +255,5 @@ def unknown_name(kind: str, name: object, candidates: Sequence[str]) -> UnknownN
     >>> print(unknown_name("joint", "thet1", ["theta1", "phi1"]))
     unknown joint 'thet1'; did you mean 'theta1'?
     """
-    message = f"unknown {kind} {name!r}{did_you_mean(name, candidates)}"
+    message = f"unknown {kind} {quoted(name)}{did_you_mean(name, candidates)}"
     return UnknownNameError(message, name=name, candidates=tuple(candidates))

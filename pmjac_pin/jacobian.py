@@ -15,7 +15,13 @@ from numpy.typing import NDArray
 
 from pmjac_pin.ellipsoid import Ellipsoid, force_ellipsoid, velocity_ellipsoid
 from pmjac_pin.error_estimate import Pose, error_estimate
-from pmjac_pin.errors import ArgumentError, ForbiddenRatesError, IdleMotionError, SingularError
+from pmjac_pin.errors import (
+    ArgumentError,
+    ForbiddenRatesError,
+    IdleMotionError,
+    SingularError,
+    quoted,
+)
 from pmjac_pin.factorisation import Factorisation, norm
 from pmjac_pin.partition import Partition, TwistRanks
 from pmjac_pin.read_only import ReadOnlyArrays, read_only
@@ -303,7 +309,7 @@ def change_frame(tool_jacobian: Array, frame: FrameName, rotation: Array, positi
         case "WORLD":
             return np.vstack([linear + np.cross(position, angular, axisb=0).T, angular])
     names = "LOCAL, WORLD or LOCAL_WORLD_ALIGNED"
-    raise ArgumentError(f"frame must be {names}, got {frame!r}")
+    raise ArgumentError(f"frame must be {names}, got {quoted(frame)}")
 
 
 def _singular(singularity: Singularity) -> SingularError:

@@ -20,7 +20,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.errors import ArgumentError
+from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.ties import first_smallest
 
 Array = NDArray[np.float64]
@@ -185,7 +185,7 @@ def with_spherical(model: pin.Model, names: Iterable[str]) -> pin.Model:
     for name in names:
         if name not in edges or edges[name].kind != "free":
             wanted = "`spherical` names joints that the URDF writes as floating"
-            raise ArgumentError(f"{wanted}, got {name!r}")
+            raise ArgumentError(f"{wanted}, got {quoted(name)}")
         edges[name] = replace(edges[name], kind="spherical", limits=None)
     return build(model, edges.values(), {})
 
@@ -229,7 +229,7 @@ def _kind(joint: pin.JointModel, name: str) -> Kind:
     if kind := known_kind(joint):
         return kind
     written = joint.shortname()
-    raise ArgumentError(f"joint {name!r} is a {written}, which cannot be taken apart")
+    raise ArgumentError(f"joint {quoted(name)} is a {written}, which cannot be taken apart")
 
 
 def _axis(model: pin.Model, data: pin.Data, joint: pin.JointModel) -> Array:

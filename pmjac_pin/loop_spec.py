@@ -14,7 +14,7 @@ from numbers import Real
 
 from msgspec.structs import force_setattr
 
-from pmjac_pin.errors import ArgumentError
+from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.table import Name, Table, Vector
 
 X: Vector = (1.0, 0.0, 0.0)
@@ -181,13 +181,13 @@ LOOP_KINDS: dict[str, type] = {kind.__struct_config__.tag: kind for kind in Loop
 
 def _refuse_equal(what: str, names: tuple[str, str]) -> None:
     if names[0] == names[1]:
-        raise ArgumentError(f"a loop joins two different {what}, got {names[0]!r} twice")
+        raise ArgumentError(f"a loop joins two different {what}, got {quoted(names[0])} twice")
 
 
 def _refuse_other_than_names(what: str, names: object) -> None:
     pair = isinstance(names, tuple | list) and len(names) == 2
     if not pair or not all(isinstance(name, str) for name in names):  # type: ignore[attr-defined]
-        raise ArgumentError(f"a loop names two {what}, got {names!r}")
+        raise ArgumentError(f"a loop names two {what}, got {quoted(names)}")
 
 
 def _unit(key: str, vector: Vector) -> Vector:

@@ -9,11 +9,12 @@ from typing import Any
 
 import msgspec
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.errors import ModelFileError, did_you_mean, shortened
 from pmjac_pin.loop_spec import LOOP_KINDS
 from pmjac_pin.parameter import Move, Parameter
 from pmjac_pin.spec import MechanismSpec, Tool
-from pmjac_pin.text_file import read_text
+from pmjac_pin.text_file import at_file, read_text
+from pmjac_pin.user_path import readable
 
 MAXIMAL_SIZE = 1 << 20  # bytes; the largest of our own model files has a few thousand
 
@@ -43,17 +44,33 @@ def read_model_file(path: Path) -> MechanismSpec:
     ModelFileError
         The message starts with the file's path and names the key at fault.
     """
-    text = read_text(path, MAXIMAL_SIZE)
+    return parse_model_file(read_text(path, MAXIMAL_SIZE), path)
+
+
+def parse_model_file(text: str, path: Path) -> MechanismSpec:
+    """Check a model file's text; the path is for messages, and for the name.
+
+    Raises
+    ------
+    ModelFileError
+        As `read_model_file`.
+    """
+    with at_file(str(path)):
+        spec = _spec(text)
+    return spec if spec.name else msgspec.structs.replace(spec, name=readable(path.stem))
+
+
+def _spec(text: str) -> MechanismSpec:
     try:
         given = tomllib.loads(text)
         spec = msgspec.convert(given, MechanismSpec)
     except msgspec.ValidationError as error:
-        raise ModelFileError(f"{path}: {_explained(error, given)}", path=str(path)) from None
+        raise ModelFileError(_explained(error, given)) from None
     except (ValueError, RecursionError, OverflowError) as error:
-        raise ModelFileError(f"{path}: not valid TOML: {error}", path=str(path)) from None
+        raise ModelFileError(f"not valid TOML: {shortened(str(error))}") from None
     if not spec.urdf:
-        raise ModelFileError(f"{path}: missing key `urdf`", path=str(path))
-    return spec if spec.name else msgspec.structs.replace(spec, name=path.stem)
+        raise ModelFileError("missing key `urdf`")
+    return spec
 
 
 def _explained(error: msgspec.ValidationError, given: dict[str, Any]) -> str:

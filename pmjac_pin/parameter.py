@@ -6,7 +6,7 @@ import math
 from numbers import Real
 from typing import Literal
 
-from pmjac_pin.errors import ArgumentError
+from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.table import Name, Table, Vector
 
 LARGEST_PARAMETER = 1e6  # m or rad, where a model file gives no limit
@@ -61,7 +61,9 @@ class Parameter(Table, frozen=True, kw_only=True):
     def check(self, name: str, value: float) -> float:
         """Return `value` as a float, or say why this parameter cannot have it."""
         if isinstance(value, bool) or not isinstance(value, Real):
-            message = f"parameter {name!r} must be a number in {self.unit}, got {value!r}"
+            message = (
+                f"parameter {quoted(name)} must be a number in {self.unit}, got {quoted(value)}"
+            )
             raise ArgumentError(message)
         try:
             value = float(value)
@@ -69,7 +71,7 @@ class Parameter(Table, frozen=True, kw_only=True):
             value = math.inf
         lower, upper = self._range()
         if not lower <= value <= upper:
-            got = f"parameter {name!r} = {value:g} {self.unit}"
+            got = f"parameter {quoted(name)} = {value:g} {self.unit}"
             message = f"{got} is not within [{lower:g}, {upper:g}]"
             raise ArgumentError(message)
         return value

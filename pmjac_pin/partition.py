@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pmjac_pin.checks import as_numbers
-from pmjac_pin.errors import ArgumentError
+from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.factorisation import RANK_TOLERANCE, Factorisation, factorise, norm
 from pmjac_pin.read_only import ReadOnlyArrays, read_only
 from pmjac_pin.ties import pivots
@@ -138,7 +138,7 @@ class Partition(ReadOnlyArrays):
         tool = as_numbers(tool_jacobian, "the tool Jacobian")
         _check_shapes(constraint, tool, actuated, passive)
         if not (np.isfinite(length) and length > 0.0):
-            raise ArgumentError(f"length must be positive and finite, got {length!r}")
+            raise ArgumentError(f"length must be positive and finite, got {quoted(length)}")
         rows, columns = constraint.shape
         partition = cls(
             actuated=np.array(actuated, dtype=np.intp),

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from pmjac_pin.checks import as_numbers
 from pmjac_pin.coordinates import JointCoordinates
-from pmjac_pin.errors import ArgumentError
+from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.loop_spec import FrameLoop, Loop, PointLoop
 from pmjac_pin.spec import JointValue, MechanismSpec, Tool, decode_spec, encode_spec
 
@@ -69,21 +69,21 @@ def own_model(
 def _refuse_what_is_not_finite(model: pin.Model) -> None:
     for name, place in zip(model.names, model.jointPlacements, strict=True):
         if not np.isfinite(place.homogeneous).all():
-            raise ArgumentError(f"the placement of joint {name!r} is not finite")
+            raise ArgumentError(f"the placement of joint {quoted(name)} is not finite")
     for frame in model.frames:
         if not np.isfinite(frame.placement.homogeneous).all():
-            raise ArgumentError(f"the placement of frame {frame.name!r} is not finite")
+            raise ArgumentError(f"the placement of frame {quoted(frame.name)} is not finite")
 
 
 def _names(what: str, names: Iterable[str]) -> tuple[str, ...]:
     if isinstance(names, str) or not isinstance(names, Iterable):
-        raise ArgumentError(f"{what} is a list of joint names, got {names!r}")
+        raise ArgumentError(f"{what} is a list of joint names, got {quoted(names)}")
     return tuple(names)
 
 
 def _loops(own: pin.Model, loops: Iterable[Loop | Constraint]) -> tuple[Loop, ...]:
     if isinstance(loops, Loop) or not isinstance(loops, Iterable):
-        raise ArgumentError(f"loops is a list of PointLoop, RevoluteLoop, ..., got {loops!r}")
+        raise ArgumentError(f"loops is a list of PointLoop, RevoluteLoop, ..., got {quoted(loops)}")
     return tuple(
         loop if isinstance(loop, Loop) else _anchored(own, loop, number)
         for number, loop in enumerate(loops, start=1)
@@ -112,7 +112,7 @@ def _anchored(own: pin.Model, constraint: Constraint, number: int) -> Loop:
             raise ArgumentError(f"loop {number} is fixed to joint {joint}; {have}")
         if own.existFrame(name):
             raise ArgumentError(
-                f"loop {number} needs a frame {name!r}, which the model has already"
+                f"loop {number} needs a frame {quoted(name)}, which the model has already"
             )
         own.addFrame(pin.Frame(name, joint, placement, pin.FrameType.OP_FRAME), False)
     return kind(frames=names)
@@ -136,7 +136,7 @@ def _tool(tool: str | Sequence[str]) -> Tool:
     if isinstance(tool, str):
         return Tool(frame=tool)
     if not isinstance(tool, Sequence) or len(tool) != 3:
-        raise ArgumentError(f"a tool is one frame or three, got {tool!r}")
+        raise ArgumentError(f"a tool is one frame or three, got {quoted(tool)}")
     return Tool(points=(tool[0], tool[1], tool[2]))
 
 
@@ -145,7 +145,9 @@ def _home_pose(
 ) -> dict[str, JointValue]:
     if isinstance(home, Mapping):
         return {
-            name: tuple(np.atleast_1d(as_numbers(value, f"the value of joint {name!r}")).tolist())
+            name: tuple(
+                np.atleast_1d(as_numbers(value, f"the value of joint {quoted(name)}")).tolist()
+            )
             for name, value in home.items()
         }
     if home is None:

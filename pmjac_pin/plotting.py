@@ -6,10 +6,9 @@ without pyplot: no global state, no display, and any thread may draw.
 
 from __future__ import annotations
 
+import io
 import math
 import os
-import uuid
-from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +16,9 @@ import numpy as np
 
 from pmjac_pin.ellipse import Array, Ellipse
 from pmjac_pin.ellipsoid import Ellipsoid
-from pmjac_pin.errors import ArgumentError, MissingDependencyError
+from pmjac_pin.errors import ArgumentError, MissingDependencyError, quoted
+from pmjac_pin.output_file import check_place, write_file
+from pmjac_pin.user_path import user_path
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -127,36 +128,22 @@ def save_figure(figure: Figure, path: str | os.PathLike[str], dpi: float = 150) 
     Raises
     ------
     ArgumentError
-        If the suffix is unknown, the folder does not exist, `path` is itself a folder, or
-        `dpi` is not positive.
-    OSError
-        If the file cannot be written: no right to, or no space.
+        If the suffix is unknown, or `dpi` is not positive.
+    OutputError
+        If the file cannot be written: no such folder, no right to, no space, or no file there
+        but a folder, a device or a pipe.
     """
-    # Following links here, because the rename would replace the link and not its target.
-    target = Path(os.path.realpath(path))
-    suffix = Path(path).suffix.lower().removeprefix(".")
+    check_place(path)
+    suffix = user_path(path).suffix.lower().removeprefix(".")
     formats = sorted(figure.canvas.get_supported_filetypes())
-    if target.is_dir():
-        raise ArgumentError(f"{str(path)!r} is a folder; give the name of a file in it")
-    if not target.parent.is_dir():
-        raise ArgumentError(f"cannot save {str(path)!r}: there is no folder {str(target.parent)!r}")
     if suffix not in formats:
-        raise ArgumentError(
-            f"cannot save {str(path)!r}: its suffix must be one of .{', .'.join(formats)}"
-        )
+        known = f"its suffix must be one of .{', .'.join(formats)}"
+        raise ArgumentError(f"cannot save {quoted(os.fspath(path))}: {known}")
     if not 0 < dpi < math.inf:
         raise ArgumentError(f"dpi must be positive and finite; got {dpi}")
-    draft = target.with_name(f".{uuid.uuid4().hex}.{suffix}")
-    try:
-        figure.savefig(draft, dpi=dpi, format=suffix)
-        draft.replace(target)
-    except OSError as error:
-        if error.filename is None:
-            raise
-        # It names the draft, which nobody asked for.
-        raise OSError(error.errno, error.strerror, str(path)) from error
-    finally:
-        draft.unlink(missing_ok=True)
+    drawn = io.BytesIO()
+    figure.savefig(drawn, dpi=dpi, format=suffix)
+    write_file(path, drawn.getvalue())
 
 
 def _check_bounded(ellipsoid: Ellipsoid) -> None:

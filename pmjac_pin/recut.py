@@ -17,7 +17,7 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from pmjac_pin.assembly import build_parts
-from pmjac_pin.errors import ArgumentError, unknown_name
+from pmjac_pin.errors import ArgumentError, quoted, unknown_name
 from pmjac_pin.frames import find_frame
 from pmjac_pin.linkage import Edge, build, edges_of
 from pmjac_pin.loop_joint import Anchor, LoopJoint, loop_joint
@@ -133,7 +133,7 @@ def _held_by(parts: Parts, joint: str, loose: set[int]) -> tuple[Loop, LoopJoint
         label = _unused("-".join(loop.frames), set(model.names))
         return loop, loop_joint(seen, parts.values, first, second, name=label, link=model.njoints)
     why = "cut there, nothing would hold what it carries"
-    raise ArgumentError(f"{name}: joint {joint!r} is in no loop: {why}")
+    raise ArgumentError(f"{name}: joint {quoted(joint)} is in no loop: {why}")
 
 
 def _turned_round(edges: Mapping[str, Edge], start: int, end: int) -> dict[str, Edge]:

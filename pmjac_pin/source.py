@@ -9,7 +9,7 @@ from pathlib import Path
 import msgspec
 
 from pmjac_pin.catalog import SUFFIXES, find_urdf
-from pmjac_pin.errors import ArgumentError
+from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.formats.extended_urdf import closure_yaml_beside, read_extended_urdf
 from pmjac_pin.formats.foreign_model import ForeignModel, check_frame, check_motors
 from pmjac_pin.formats.looped_urdf import read_looped_urdf
@@ -86,9 +86,9 @@ def _foreign(path: Path, motors: tuple[str, ...]) -> ForeignModel:
 
 def _names(names: Iterable[str]) -> tuple[str, ...]:
     if isinstance(names, str) or not isinstance(names, Iterable):
-        raise ArgumentError(f"actuated is a list of joint names, got {names!r}")
+        raise ArgumentError(f"actuated is a list of joint names, got {quoted(names)}")
     found = tuple(names)
     for name in found:
         if not isinstance(name, str):
-            raise ArgumentError(f"actuated is a list of joint names, it holds {name!r}")
+            raise ArgumentError(f"actuated is a list of joint names, it holds {quoted(name)}")
     return found

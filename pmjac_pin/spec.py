@@ -14,7 +14,7 @@ from typing import Any
 import msgspec
 from msgspec.structs import force_setattr, replace
 
-from pmjac_pin.errors import ArgumentError, did_you_mean, unknown_name
+from pmjac_pin.errors import ArgumentError, did_you_mean, quoted, unknown_name
 from pmjac_pin.loop_spec import DistanceLoop, Loop
 from pmjac_pin.parameter import Move, Parameter
 from pmjac_pin.table import Name, Table
@@ -109,14 +109,14 @@ class MechanismSpec(Table, frozen=True, kw_only=True):
         _refuse_repeated("passive", self.passive or ())
         _refuse_repeated("spherical", self.spherical)
         if not isinstance(self.tolerance, Real | None):
-            raise ArgumentError(f"`tolerance` is a number in m, got {self.tolerance!r}")
+            raise ArgumentError(f"`tolerance` is a number in m, got {quoted(self.tolerance)}")
         if self.tolerance is not None and not 0.0 < self.tolerance <= LARGEST_TOLERANCE:
             within = f"between 0 and {LARGEST_TOLERANCE:g} m"
             raise ArgumentError(f"`tolerance` is {within}, got {self.tolerance:g}")
         if not self.actuated:
             raise ArgumentError("`actuated` is empty: name at least one motor joint")
         if both := sorted(set(self.actuated) & set(self.passive or ())):
-            raise ArgumentError(f"joint {both[0]!r} is listed as actuated and as passive")
+            raise ArgumentError(f"joint {quoted(both[0])} is listed as actuated and as passive")
         self._check_locked()
         if "home" not in self.poses:
             named = ", ".join(self.poses) or "none"
@@ -125,7 +125,7 @@ class MechanismSpec(Table, frozen=True, kw_only=True):
             _check_length(loop, self.parameters)
         for name in self.parameters:
             if not self._uses(name):
-                raise ArgumentError(f"parameter {name!r} moves nothing and is in no length")
+                raise ArgumentError(f"parameter {quoted(name)} moves nothing and is in no length")
 
     def _uses(self, parameter: str) -> bool:
         lengths = [loop.length for loop in self.loops if isinstance(loop, DistanceLoop)]
@@ -136,10 +136,10 @@ class MechanismSpec(Table, frozen=True, kw_only=True):
         uses = {"actuated": self.actuated, "passive": self.passive or ()}
         for name in self.locked:
             if name in self.spherical:
-                raise ArgumentError(f"joint {name!r} is a ball joint; it cannot be locked")
+                raise ArgumentError(f"joint {quoted(name)} is a ball joint; it cannot be locked")
             for use, names in (*uses.items(), *((f"poses.{k}", v) for k, v in self.poses.items())):
                 if name in names:
-                    raise ArgumentError(f"joint {name!r} is locked; remove it from `{use}`")
+                    raise ArgumentError(f"joint {quoted(name)} is locked; remove it from `{use}`")
 
     def with_locked(self, joints: Iterable[str] | Mapping[str, JointValue]) -> MechanismSpec:
         """Return the spec with these joints held, and so in no pose and not among `passive`.
@@ -157,7 +157,7 @@ class MechanismSpec(Table, frozen=True, kw_only=True):
         """
         names = [] if isinstance(joints, str) or not isinstance(joints, Iterable) else list(joints)
         if joints and not (names and all(isinstance(name, str) for name in names)):
-            raise ArgumentError(f"`locked` is a list of joints or a mapping, got {joints!r}")
+            raise ArgumentError(f"`locked` is a list of joints or a mapping, got {quoted(joints)}")
         home = {**self.locked, **self.poses["home"]}
         given = joints if isinstance(joints, Mapping) else {k: home.get(k, 0.0) for k in names}
         held = {name: _held_at(name, value) for name, value in given.items()}
@@ -201,7 +201,7 @@ class MechanismSpec(Table, frozen=True, kw_only=True):
         """
         values = {name: parameter.default for name, parameter in self.parameters.items()}
         if not isinstance(given, Mapping | None):
-            message = f"parameters must be a mapping of names to numbers, got {given!r}"
+            message = f"parameters must be a mapping of names to numbers, got {quoted(given)}"
             raise ArgumentError(message)
         for name, value in (given or {}).items():
             if name not in self.parameters:
@@ -237,7 +237,7 @@ def _refuse_repeated(key: str, names: Iterable[str]) -> None:
     seen: set[str] = set()
     for name in names:
         if name in seen:
-            raise ArgumentError(f"joint {name!r} is listed twice in `{key}`")
+            raise ArgumentError(f"joint {quoted(name)} is listed twice in `{key}`")
         seen.add(name)
 
 
@@ -249,7 +249,7 @@ def _held_at(name: str, value: object) -> JointValue:
 
 def _held_at_number(name: str, value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, Real):
-        raise ArgumentError(f"joint {name!r} is locked at one number, got {value!r}")
+        raise ArgumentError(f"joint {quoted(name)} is locked at one number, got {quoted(value)}")
     return float(value)
 
 
@@ -259,7 +259,7 @@ def _check_length(loop: Loop, parameters: Mapping[str, Parameter]) -> None:
     for name in () if isinstance(loop.length, float) else loop.length:
         if name not in parameters:
             hint = did_you_mean(name, parameters)
-            raise ArgumentError(f"unknown parameter {name!r} in the length of a loop{hint}")
+            raise ArgumentError(f"unknown parameter {quoted(name)} in the length of a loop{hint}")
     length = loop.resolved_length({name: item.default for name, item in parameters.items()})
     if not length > 0.0:
         frames = " and ".join(map(repr, loop.frames))

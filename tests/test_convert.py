@@ -113,11 +113,11 @@ def test_every_kind_of_loop(tmp_path):
 def test_what_exists_stays(machine, tmp_path):
     target = tmp_path / "mine.toml"
     target.write_text("precious")
-    with pytest.raises(pj.ModelFileError, match=r"mine\.toml: exists already; --force replaces it"):
+    with pytest.raises(pj.OutputError, match=r"mine\.toml: exists already; --force replaces it"):
         convert(machine, target, **LOOPED)
     assert target.read_text() == "precious"
     target.rename(tmp_path / "mine.urdf")
-    with pytest.raises(pj.ModelFileError, match=r"mine\.urdf: exists already"):
+    with pytest.raises(pj.OutputError, match=r"mine\.urdf: exists already"):
         convert(machine, target, **LOOPED)
     assert not target.exists()
     convert(machine, target, force=True, **LOOPED)
@@ -129,7 +129,7 @@ def test_what_is_read_stays(machine):
     model_file, urdf = convert(machine, machine.with_suffix(".toml"), **LOOPED)
     assert urdf.name == "machine_tree.urdf"
     assert machine.read_text() == before
-    with pytest.raises(pj.ModelFileError, match="is what is read, and is not replaced"):
+    with pytest.raises(pj.OutputError, match="is what is read, and is not replaced"):
         convert(model_file, model_file, force=True)
     again = convert(model_file, model_file.with_name("machine_tree.toml"), force=True)
     assert again[1].name == "machine_tree_tree.urdf"
@@ -138,7 +138,7 @@ def test_what_is_read_stays(machine):
 
 def test_a_folder_is_not_replaced(machine, tmp_path):
     (tmp_path / "mine.toml").mkdir()
-    with pytest.raises(pj.ModelFileError, match=r"mine\.toml: exists already$"):
+    with pytest.raises(pj.OutputError, match=r"mine\.toml: is a folder"):
         convert(machine, tmp_path / "mine.toml", force=True, **LOOPED)
 
 
@@ -147,15 +147,15 @@ def test_a_folder_is_not_replaced(machine, tmp_path):
     [("mine.txt", r"ends in \.toml"), ("none/mine.toml", "there is no folder .*none")],
 )
 def test_where_nothing_can_be_written(machine, tmp_path, name, message):
-    with pytest.raises(pj.ModelFileError, match=message):
+    with pytest.raises(pj.OutputError, match=message):
         convert(machine, tmp_path / name, **LOOPED)
 
 
 def test_nothing_is_left_when_the_result_does_not_load(machine, tmp_path, monkeypatch):
-    def refuse(path):
+    def refuse(text, path):
         raise pj.ModelFileError("no")
 
-    monkeypatch.setattr(convert_module, "load", refuse)
+    monkeypatch.setattr(convert_module, "parse_model_file", refuse)
     with pytest.raises(pj.ModelFileError, match="no"):
         convert(machine, tmp_path / "mine.toml", **LOOPED)
     assert [path.name for path in tmp_path.iterdir()] == ["given"]

@@ -10,7 +10,7 @@ import pytest
 
 from pmjac_pin import plotting
 from pmjac_pin.ellipsoid import force_ellipsoid, velocity_ellipsoid
-from pmjac_pin.errors import ArgumentError, MissingDependencyError
+from pmjac_pin.errors import ArgumentError, MissingDependencyError, OutputError
 from pmjac_pin.plotting import plot_ellipsoid, save_figure
 
 SHAPES = {
@@ -181,7 +181,7 @@ def test_a_failure_keeps_the_file_that_was_there(tmp_path, figure, monkeypatch):
     path.write_text("precious")
 
     def half_written(draft, **_):
-        draft.write_text("rubbish")
+        draft.write(b"rubbish")
         raise OSError("disk full")
 
     monkeypatch.setattr(figure, "savefig", half_written)
@@ -205,12 +205,10 @@ def test_bad_targets_are_refused(tmp_path, figure):
         assert refusal(save_figure, figure, name) == (
             f"cannot save {name!r}: its suffix must be one of {formats}"
         )
-    assert refusal(save_figure, figure, f"{here}/none/a.png") == (
-        f"cannot save '{here}/none/a.png': there is no folder '{here}/none'"
-    )
-    assert refusal(save_figure, figure, here) == (
-        f"'{here}' is a folder; give the name of a file in it"
-    )
+    with pytest.raises(OutputError, match="there is no folder"):
+        save_figure(figure, f"{here}/none/a.png")
+    with pytest.raises(OutputError, match="is a folder; give the name of a file in it"):
+        save_figure(figure, here)
     for dpi in (0, -1, float("nan"), float("inf")):
         assert refusal(save_figure, figure, f"{here}/a.png", dpi) == (
             f"dpi must be positive and finite; got {dpi}"

@@ -8,7 +8,7 @@ from typing import Annotated, Any, TypeAlias
 from cyclopts import Parameter
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ArgumentError
+from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.loading import load
 from pmjac_pin.mechanism import Mechanism
 
@@ -77,11 +77,11 @@ class Choice:
         for item in (item for setting in self.set_ or () for item in setting.split(",")):
             name, _, value = map(str.strip, item.partition("="))
             if name in parameters:
-                raise ArgumentError(f"--set gives {name!r} twice")
+                raise ArgumentError(f"--set gives {quoted(name)} twice")
             try:
                 parameters[name] = float(value)
             except ValueError:
-                message = f"--set takes NAME=NUMBER, such as l1=1.2; got {item!r}"
+                message = f"--set takes NAME=NUMBER, such as l1=1.2; got {quoted(item)}"
                 raise ArgumentError(message) from None
         return parameters
 
@@ -116,7 +116,7 @@ def motor_values(at: str) -> list[float]:
     try:
         return [float(item) for item in at.split(",")]
     except ValueError:
-        message = f"--at takes numbers joined by commas, such as 0.5,1,2; got {at!r}"
+        message = f"--at takes numbers joined by commas, such as 0.5,1,2; got {quoted(at)}"
         raise ArgumentError(message) from None
 
 

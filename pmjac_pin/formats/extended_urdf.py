@@ -26,6 +26,7 @@ from pmjac_pin.text_file import at_file, read_text
 from pmjac_pin.urdf import MAXIMAL_SIZE
 from pmjac_pin.urdf_checks import check_size, checked_names
 from pmjac_pin.urdf_xml import parse_xml, written
+from pmjac_pin.user_path import is_file
 
 _AXES: Mapping[str, str] = {"X": "1 0 0", "Y": "0 1 0", "Z": "0 0 1"}
 _DEFAULT_STEM = "robot"
@@ -34,7 +35,7 @@ _DEFAULT_STEM = "robot"
 def closure_yaml_beside(path: Path) -> Path | None:
     """Return the YAML file that makes a URDF an extended one: of its name, or robot.yaml."""
     for beside in (path.with_suffix(".yaml"), path.with_name(f"{_DEFAULT_STEM}.yaml")):
-        if beside.is_file():
+        if is_file(beside):
             return beside
     return None
 

@@ -6,10 +6,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from pmjac_pin.errors import ModelFileError, unknown_name
+from pmjac_pin.errors import ModelFileError, enumerated, unknown_name
 from pmjac_pin.loop_spec import Loop
 from pmjac_pin.spec import JointValue, MechanismSpec, Tool
 from pmjac_pin.urdf import Urdf
+from pmjac_pin.user_path import readable
 
 _NO_VALUES: Mapping[str, JointValue] = MappingProxyType({})
 _MOST_CANDIDATES = 40
@@ -76,7 +77,7 @@ class ForeignModel:
         check_motors(self.urdf, motors)
         check_frame(self.urdf, frame)
         return MechanismSpec(
-            name=self.name,
+            name=readable(self.name),
             actuated=motors,
             tool=Tool(frame=frame),
             loops=self.loops,
@@ -107,7 +108,6 @@ def _moving(urdf: Urdf) -> tuple[str, ...]:
 
 
 def _missing(path: str, what: str, option: str, candidates: tuple[str, ...]) -> ModelFileError:
-    more = len(candidates) - _MOST_CANDIDATES
-    listed = ", ".join(candidates[:_MOST_CANDIDATES]) + (f" and {more} more" if more > 0 else "")
-    message = f"{path}: the file does not say {what}; give `{option}`, of: {listed or 'none'}"
+    listed = enumerated(candidates, _MOST_CANDIDATES) or "none"
+    message = f"{path}: the file does not say {what}; give `{option}`, of: {listed}"
     return ModelFileError(message, path=path)

@@ -9,6 +9,7 @@ from xml.etree.ElementTree import Element
 from pmjac_pin.errors import ModelFileError, did_you_mean
 from pmjac_pin.text_file import at_file, read_text
 from pmjac_pin.urdf_xml import MAXIMAL_NESTING, parse_xml, shown
+from pmjac_pin.user_path import is_file, real
 
 MAXIMAL_SIZE = 5_000_000  # bytes; elements take a hundred times that in memory
 MAXIMAL_INCLUDES = 50
@@ -56,7 +57,7 @@ class _Reader:
         return expanded
 
     def _parsed(self, path: Path) -> Element:
-        self._files.append(path.resolve())
+        self._files.append(real(path))
         text = read_text(path, MAXIMAL_SIZE)
         self._read += len(text)
         if self._read > MAXIMAL_SIZE:
@@ -89,14 +90,14 @@ class _Reader:
         parts = {*PurePosixPath(name).parts, *PureWindowsPath(name).parts}
         absolute = PurePosixPath(name).is_absolute() or bool(PureWindowsPath(name).anchor)
         folder = self._path.parent
-        found = folder / name if (folder / name).is_file() else path.parent / name
-        inside = found.resolve().is_relative_to(folder.resolve())
+        found = folder / name if is_file(folder / name) else path.parent / name
+        inside = real(found).is_relative_to(real(folder))
         if absolute or ".." in parts or not inside:
             why = "only files in or below the model's own folder are read"
             raise ModelFileError(f"<include file={shown(name)}>: {why}")
-        if not found.is_file():
+        if not is_file(found):
             raise ModelFileError(f"<include file={shown(name)}>: there is no such file")
-        if found.resolve() in self._files:
+        if real(found) in self._files:
             raise ModelFileError(f"<include file={shown(name)}>: a file is included only once")
         if len(self._files) > MAXIMAL_INCLUDES:
             raise ModelFileError(f"more than {MAXIMAL_INCLUDES} files are included")

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from pmjac_pin.errors import ArgumentError
+from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.homotopy.curve import SAME, Curve, Planes, distinct
 
 Complex = NDArray[np.complex128]
@@ -144,7 +144,7 @@ def all_points(
 def check_rounds(most_rounds: int) -> None:
     """Raise ArgumentError unless that is a number of rounds."""
     if not isinstance(most_rounds, int) or most_rounds < 1:
-        raise ArgumentError(f"most_rounds is a whole number ≥ 1, got {most_rounds!r}")
+        raise ArgumentError(f"most_rounds is a whole number ≥ 1, got {quoted(most_rounds)}")
 
 
 def random_turn(rng: np.random.Generator) -> complex:

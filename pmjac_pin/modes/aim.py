@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from pmjac_pin.errors import ArgumentError
+from pmjac_pin.errors import ArgumentError, quoted
 
 if TYPE_CHECKING:
     from pmjac_pin.homotopy.parameter_homotopy import ParameterHomotopy
@@ -46,6 +46,6 @@ class Aim:
     def __post_init__(self) -> None:
         for name, value in (("unseen", self.unseen), ("confidence", self.confidence)):
             if not 0.0 < value < 1.0:
-                raise ArgumentError(f"{name} is a share between 0 and 1, got {value!r}")
+                raise ArgumentError(f"{name} is a share between 0 and 1, got {quoted(value)}")
         if self.most_starts < 1:
-            raise ArgumentError(f"most_starts must be positive, got {self.most_starts!r}")
+            raise ArgumentError(f"most_starts must be positive, got {quoted(self.most_starts)}")

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.damped_closure import assemble
-from pmjac_pin.errors import ArgumentError
+from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.pose_assembly import motor_weights
 
 if TYPE_CHECKING:
@@ -45,4 +45,4 @@ def generator(rng: np.random.Generator | int) -> np.random.Generator:
         return np.random.default_rng(rng)
     except (TypeError, ValueError):
         wanted = "a numpy Generator or a whole number ≥ 0"
-        raise ArgumentError(f"rng is {wanted}, got {rng!r}") from None
+        raise ArgumentError(f"rng is {wanted}, got {quoted(rng)}") from None

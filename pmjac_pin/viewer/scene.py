@@ -16,7 +16,7 @@ import numpy as np
 
 from pmjac_pin.anatomy import Anatomy
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ArgumentError
+from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.read_only import read_only
 from pmjac_pin.shapes import Array, Text
@@ -53,7 +53,7 @@ class SceneOptions:
 
     def __post_init__(self) -> None:
         if not 0.0 < self.scale < math.inf:
-            raise ArgumentError(f"scale must be a positive number, got {self.scale!r}")
+            raise ArgumentError(f"scale must be a positive number, got {quoted(self.scale)}")
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -22,7 +22,7 @@ from typing import TypeVar
 import tornado.httpserver
 import tornado.ioloop
 
-from pmjac_pin.errors import ArgumentError, PmjacError
+from pmjac_pin.errors import ArgumentError, PmjacError, quoted
 from pmjac_pin.viewer.handlers import ABSURD_SIZE, Browser, make_application
 from pmjac_pin.viewer.hub import Hub
 
@@ -197,7 +197,7 @@ if hasattr(os, "register_at_fork"):
 def _bind(first: int) -> socket.socket:
     """Bind the first free port from this one on, 0 for any."""
     if isinstance(first, bool) or not isinstance(first, Integral) or not 0 <= first <= 65535:
-        raise ArgumentError(f"a port is a whole number from 0 to 65535, got {first!r}")
+        raise ArgumentError(f"a port is a whole number from 0 to 65535, got {quoted(first)}")
     first = int(first)
     last = min(first + _ATTEMPTS, 65536) if first else 1
     for port in range(first, last):

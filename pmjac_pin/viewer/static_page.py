@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import base64
-import contextlib
 import functools
 import html
 import os
-import shutil
-import uuid
 from dataclasses import dataclass
-from pathlib import Path
 
 import msgspec
 
+from pmjac_pin.output_file import check_place, write_file
 from pmjac_pin.viewer.browser_files import PAGE, meshcat_files
 from pmjac_pin.viewer.framing import Framing
 
@@ -80,18 +77,8 @@ def static_page(picture: Picture) -> str:
 
 def save_page(picture: Picture, path: str | os.PathLike[str]) -> None:
     """Write the page; a failure leaves a file that is already there untouched."""
-    # Following links here, because the rename would replace the link and not its target.
-    target = Path(path).resolve()
-    temporary = target.with_name(f".pmjac-{uuid.uuid4().hex[:8]}")
-    try:
-        temporary.write_text(static_page(picture), encoding="utf-8")
-        if target.exists():
-            shutil.copymode(target, temporary)
-        temporary.replace(target)
-    except BaseException:
-        with contextlib.suppress(OSError):
-            temporary.unlink(missing_ok=True)
-        raise
+    check_place(path)
+    write_file(path, static_page(picture).encode(errors="backslashreplace"))
 
 
 def notebook_frame(picture: Picture, url: str | None) -> str:

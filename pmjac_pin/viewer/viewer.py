@@ -94,8 +94,8 @@ class Viewer:
 
         Raises
         ------
-        OSError
-            The file cannot be written.
+        OutputError
+            The file cannot be written, or it is none but a folder, a device or a pipe.
         """
         save_page(self._picture(), path)
 
