@@ -22,6 +22,9 @@ Y: Vector = (0.0, 1.0, 0.0)
 Z: Vector = (0.0, 0.0, 1.0)
 _SHORTEST_AXIS = 1e-6
 
+#: As many as there may be degrees of freedom; the time to load grows with the cube of their rows.
+MAXIMAL_LOOPS = 200
+
 
 class _FramePair(Table, frozen=True):
     """A loop between two frames of the tree."""

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
+from pmjac_pin.bounded_toml import bounded_table
 from pmjac_pin.errors import ModelFileError, did_you_mean, shortened
 from pmjac_pin.loop_spec import LOOP_KINDS
 from pmjac_pin.parameter import Move, Parameter
@@ -17,6 +17,7 @@ from pmjac_pin.text_file import at_file, read_text
 from pmjac_pin.user_path import readable
 
 MAXIMAL_SIZE = 1 << 20  # bytes; the largest of our own model files has a few thousand
+_LONGEST = 400  # characters of one of msgspec's messages
 
 # Which table a path in one of msgspec's messages leads to: the last that fits.
 _TABLES = (
@@ -61,13 +62,11 @@ def parse_model_file(text: str, path: Path) -> MechanismSpec:
 
 
 def _spec(text: str) -> MechanismSpec:
+    given = bounded_table(text)
     try:
-        given = tomllib.loads(text)
         spec = msgspec.convert(given, MechanismSpec)
     except msgspec.ValidationError as error:
         raise ModelFileError(_explained(error, given)) from None
-    except (ValueError, RecursionError, OverflowError) as error:
-        raise ModelFileError(f"not valid TOML: {shortened(str(error))}") from None
     if not spec.urdf:
         raise ModelFileError("missing key `urdf`")
     return spec
@@ -78,14 +77,18 @@ def _explained(error: msgspec.ValidationError, given: dict[str, Any]) -> str:
     message = str(error)
     for theirs, ours in _WORDS.items():
         message = message.replace(theirs, ours)
+    return shortened(message, _LONGEST) + _hint(message, given)
+
+
+def _hint(message: str, given: dict[str, Any]) -> str:
     if unknown := re.search(r"unknown key `([^`]*)`(?: - at `([^`]*)`)?", message):
         key, place = unknown[1], unknown[2] or ""
         if loop := re.fullmatch(r"loop\[(\d+)\]", place):
-            return message + _of_another_kind(key, given["loop"][int(loop[1])]["kind"])
-        return message + did_you_mean(key, _keys(place))
+            return _of_another_kind(key, given["loop"][int(loop[1])]["kind"])
+        return did_you_mean(key, _keys(place))
     if kind := re.search(r"Invalid value '([^']*)' - at `loop\[\d+\]\.kind`", message):
-        return message + did_you_mean(kind[1], LOOP_KINDS)
-    return message
+        return did_you_mean(kind[1], LOOP_KINDS)
+    return ""
 
 
 def _of_another_kind(key: str, kind: str) -> str:

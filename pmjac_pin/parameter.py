@@ -7,7 +7,7 @@ from numbers import Real
 from typing import Literal
 
 from pmjac_pin.errors import ArgumentError, quoted
-from pmjac_pin.table import Name, Table, Vector
+from pmjac_pin.table import Table, Text, Vector
 
 LARGEST_PARAMETER = 1e6  # m or rad, where a model file gives no limit
 ZERO: Vector = (0.0, 0.0, 0.0)
@@ -46,7 +46,7 @@ class Parameter(Table, frozen=True, kw_only=True):
 
     default: float
     unit: Literal["m", "rad"]
-    meaning: Name
+    meaning: Text
     minimum: float | None = None
     maximum: float | None = None
     moves: tuple[Move, ...] = ()

@@ -6,21 +6,22 @@ the parameters move the origins of that URDF. Nothing in it is evaluated.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sized
 from numbers import Real
 from types import MappingProxyType
-from typing import Any
+from typing import Annotated, Any
 
 import msgspec
 from msgspec.structs import force_setattr, replace
 
 from pmjac_pin.errors import ArgumentError, did_you_mean, quoted, unknown_name
-from pmjac_pin.loop_spec import DistanceLoop, Loop
+from pmjac_pin.loop_spec import MAXIMAL_LOOPS, DistanceLoop, Loop
 from pmjac_pin.parameter import Move, Parameter
-from pmjac_pin.table import Name, Table
-from pmjac_pin.tool_rows import WHOLE_TWIST, WORLD_AXES, ToolRows, checked_axes, checked_rows
+from pmjac_pin.table import LONGEST_NAME, Name, Table
+from pmjac_pin.tool_rows import ToolRows, WHOLE_TWIST, WORLD_AXES, checked_axes, checked_rows
 
 LARGEST_TOLERANCE = 1e-2  # m
+MAXIMAL_ENTRIES = 1000  # poses, and parameters: each pose is assembled, and takes milliseconds
 
 
 class Tool(Table, frozen=True, kw_only=True):
@@ -90,21 +91,24 @@ class MechanismSpec(Table, frozen=True, kw_only=True):
     parameters : mapping of str to Parameter
     """
 
-    name: str = ""
+    name: Annotated[str, msgspec.Meta(max_length=LONGEST_NAME)] = ""
     description: str = ""
     urdf: str = ""
     actuated: tuple[Name, ...]
     passive: tuple[Name, ...] | None = None
     tool: Tool
     loops: tuple[Loop, ...] = msgspec.field(default=(), name="loop")
-    locked: dict[str, JointValue] = msgspec.field(default_factory=dict)
+    locked: dict[Name, JointValue] = msgspec.field(default_factory=dict)
     spherical: tuple[Name, ...] = ()
     tolerance: float | None = None
-    poses: dict[str, dict[str, JointValue]]
-    parameters: dict[str, Parameter] = msgspec.field(default_factory=dict)
+    poses: dict[Name, dict[Name, JointValue]]
+    parameters: dict[Name, Parameter] = msgspec.field(default_factory=dict)
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        _refuse_many("loops", self.loops, MAXIMAL_LOOPS)
+        _refuse_many("poses", self.poses, MAXIMAL_ENTRIES)
+        _refuse_many("parameters", self.parameters, MAXIMAL_ENTRIES)
         _refuse_repeated("actuated", self.actuated)
         _refuse_repeated("passive", self.passive or ())
         _refuse_repeated("spherical", self.spherical)
@@ -231,6 +235,11 @@ def _builtin(value: Any) -> dict[str, Any] | float | str:
     if isinstance(value, str):
         return str(value)
     return float(value) if isinstance(value, Real) else dict(value)
+
+
+def _refuse_many(what: str, entries: Sized, most: int) -> None:
+    if len(entries) > most:
+        raise ArgumentError(f"{len(entries)} {what} are too many; at most {most} are read")
 
 
 def _refuse_repeated(key: str, names: Iterable[str]) -> None:

@@ -12,16 +12,20 @@ from msgspec.structs import asdict, force_setattr
 
 from pmjac_pin.errors import ArgumentError
 
+LONGEST_NAME = 200  # characters
+LARGEST = 1e9  # m, rad, kg, kg m²; squared twice it is still far from overflowing
+
 Vector = tuple[float, float, float]
-Name = Annotated[str, msgspec.Meta(min_length=1)]
+Text = Annotated[str, msgspec.Meta(min_length=1)]
+Name = Annotated[str, msgspec.Meta(min_length=1, max_length=LONGEST_NAME)]
 
 
 class Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
-    """A TOML table: immutable, every key known, every number finite."""
+    """A TOML table: immutable, every key known, every number of a size to compute with."""
 
     def __post_init__(self) -> None:
         for key, value in asdict(self).items():
-            _refuse_non_finite(key, value)
+            _refuse_extreme(key, value)
             if isinstance(value, dict):
                 force_setattr(self, key, _frozen(value))
 
@@ -40,7 +44,10 @@ def _numbers(value: Any) -> Iterator[float]:
             yield from _numbers(item)
 
 
-def _refuse_non_finite(key: str, value: Any) -> None:
+def _refuse_extreme(key: str, value: Any) -> None:
     for number in _numbers(value):
         if not math.isfinite(number):
             raise ArgumentError(f"`{key}` holds {number}; a finite number is wanted")
+        if abs(number) > LARGEST:
+            limit = f"of magnitude {LARGEST:g} or less"
+            raise ArgumentError(f"`{key}` holds {number:g}; numbers {limit} are read")

@@ -10,31 +10,21 @@ from collections.abc import Iterable
 from xml.etree.ElementTree import Element, ParseError
 
 from defusedxml.common import DefusedXmlException
-from defusedxml.ElementTree import fromstring
 
-from pmjac_pin.errors import ModelFileError
-
-MAXIMAL_NESTING = 100  # elements within elements; a URDF has about ten, Python gives up at 1000
-LARGEST = 1e9  # m, rad, kg, kg m²; Pinocchio squares them, and 1e154 squared is infinite
+from pmjac_pin.bounded_xml import bounded_tree
+from pmjac_pin.errors import ModelFileError, quoted, shortened
+from pmjac_pin.table import LARGEST
 
 
 def parse_xml(text: str) -> Element:
-    """Parse XML without document types, entities or deep nesting."""
+    """Parse XML without document types, entities, deep nesting or very many elements."""
     try:
-        root: Element = fromstring(text, forbid_dtd=True)
-    except ParseError as error:
-        raise ModelFileError(f"not well-formed XML: {error}") from None
+        return bounded_tree(text)
+    except (ParseError, UnicodeError) as error:
+        raise ModelFileError(f"not well-formed XML: {shortened(str(error))}") from None
     except DefusedXmlException:
         why = "it could open other files or grow without bound"
         raise ModelFileError(f"a <!DOCTYPE> is not read, since {why}; remove it") from None
-    except UnicodeError as error:
-        raise ModelFileError(f"not well-formed XML: {error}") from None
-    level = [root]
-    for _ in range(MAXIMAL_NESTING):
-        level = [child for element in level for child in element]
-    if level:
-        raise ModelFileError(f"elements are nested more than {MAXIMAL_NESTING} deep")
-    return root
 
 
 def only(where: str, parent: Element, tag: str) -> Element | None:
@@ -88,13 +78,13 @@ def written(values: Iterable[float]) -> str:
 
 
 def shown(text: str) -> str:
-    """Quote what was given; the beginning only when it is long."""
-    return repr(text if len(text) <= 60 else text[:57] + "...")
+    """Quote what was given, shortened when it is long."""
+    return quoted(text)
 
 
 def label(element: Element) -> str:
     """Return how messages call a named element, e.g. ``"joint 'elbow'"``."""
-    return f"{element.tag} {element.get('name')!r}"
+    return f"{element.tag} {quoted(element.get('name'))}"
 
 
 def _is_plain(text: str) -> bool:

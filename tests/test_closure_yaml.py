@@ -99,7 +99,7 @@ def test_what_is_refused(read, text, message):
 
 
 def test_a_large_file(read):
-    with pytest.raises(pj.ModelFileError, match="bytes are too many; at most 200000 are read"):
+    with pytest.raises(pj.ModelFileError, match="bytes are too many; at most 64000 are read"):
         read(" " * 300_000)
 
 

@@ -321,9 +321,12 @@ def test_the_robot(text, message):
     assert refusal(text) == message
 
 
-def test_fifty_thousand_joints_are_refused_in_time():
-    joints = "".join(joint(f"j{i}", "fixed") for i in range(50_000))
-    assert refusal(robot(joints)) == "50000 joints are too many; at most 2000 are read"
+def test_many_joints_are_refused_in_time():
+    joints = [joint(f"j{i}", "fixed") for i in range(50_000)]
+    few = "".join(joints[:10_000])
+    assert refusal(robot(few)) == "10000 joints are too many; at most 2000 are read"
+    many = "more than 100000 elements are too many to be read"
+    assert refusal(robot("".join(joints))) == many
 
 
 # --- names ----------------------------------------------------------------------------------
@@ -460,9 +463,10 @@ def test_links_that_do_not_exist():
     assert refusal(robot(joint(parent="bse", child="tip"), links=links)) == (
         "joint 'j': the parent link 'bse' does not exist; did you mean 'base'?"
     )
-    assert refusal(robot(joint(parent="base", child="x" * 99), links=links)) == (
-        f"joint 'j': the child link '{'x' * 57}...' does not exist; there are: base, tip"
-    )
+    message = refusal(robot(joint(parent="base", child="x" * 9999), links=links))
+    assert message.startswith("joint 'j': the child link 'xxx")
+    assert message.endswith("xxx' does not exist; there are: base, tip")
+    assert len(message) < 300
 
 
 @pytest.mark.parametrize("numbers", NUMBERS)

@@ -8,10 +8,10 @@ from pathlib import Path
 import msgspec
 import yaml
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted, shortened
 from pmjac_pin.text_file import at_file, read_text
 
-MAXIMAL_SIZE = 200_000  # bytes; the largest published one has two thousand
+MAXIMAL_SIZE = 64_000  # bytes, read in a second; the largest published one has two thousand
 _TYPES: Mapping[str, str] = {"3d": "point", "6d": "frame"}
 _TRUTHS: Mapping[str, bool] = {"true": True, "false": False, "": False}
 
@@ -61,6 +61,11 @@ class ClosureFile(msgspec.Struct, frozen=True):
             raise ModelFileError("`joint_name` lists a joint twice")
         return {name: kind.upper() for name, kind in found.items()}
 
+    def names(self) -> set[str]:
+        """Return all that the file names."""
+        pairs = {name for pair in self.closed_loop for name in pair}
+        return {*pairs, *self.name_mot, *self.joint_name, *self.joint_type, self.free_flyer}
+
     def floats(self) -> bool:
         """Return whether the base floats."""
         if self.free_flyer.lower() not in _TRUTHS:
@@ -83,11 +88,13 @@ def read_closure_yaml(path: Path) -> tuple[ClosureFile, tuple[str, ...]]:
         try:
             # Text, lists and tables only: no dates, numbers, objects or merged tables.
             contents = yaml.load(text, Loader=yaml.BaseLoader)
-        except (yaml.YAMLError, RecursionError, ValueError, OverflowError) as error:
+        except RecursionError:
+            raise ModelFileError("not valid YAML: nested too deep to be read") from None
+        except (yaml.YAMLError, ValueError, OverflowError) as error:
             problem = getattr(error, "problem", None) or type(error).__name__
             mark = getattr(error, "problem_mark", None)
             line = f" (line {mark.line + 1})" if mark else ""
-            raise ModelFileError(f"not valid YAML: {problem}{line}") from None
+            raise ModelFileError(f"not valid YAML: {shortened(problem)}{line}") from None
         if not isinstance(contents, dict) or not {"closed_loop", "name_mot"} & set(contents):
             got = ", ".join(map(str, contents))[:60] if isinstance(contents, dict) else "no table"
             wanted = "`closed_loop` and `name_mot` of an extended URDF"
@@ -96,8 +103,26 @@ def read_closure_yaml(path: Path) -> tuple[ClosureFile, tuple[str, ...]]:
             found = msgspec.convert(contents, ClosureFile)
         except msgspec.ValidationError as error:
             raise ModelFileError(str(error).replace("$.", "").replace("`$`", "the file")) from None
+        except UnicodeEncodeError as error:
+            raise _no_text(error.object) from None
+        for name in found.names():
+            if not _is_text(name):
+                raise _no_text(name)
         unused = tuple(key for key in contents if key not in keys)
         for key in unused:
             if "mean" in (hint := did_you_mean(key, keys)):
                 raise ModelFileError(f"unknown key {key[:60]!r}{hint}")
     return found, unused
+
+
+def _is_text(name: str) -> bool:
+    try:
+        name.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def _no_text(name: str) -> ModelFileError:
+    why = "a lone surrogate in it is no character"
+    return ModelFileError(f"{quoted(name)} is no text: {why}")

@@ -7,14 +7,13 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from pmjac_pin.errors import ModelFileError, enumerated, unknown_name
-from pmjac_pin.loop_spec import Loop
+from pmjac_pin.loop_spec import MAXIMAL_LOOPS, Loop
 from pmjac_pin.spec import JointValue, MechanismSpec, Tool
 from pmjac_pin.urdf import Urdf
 from pmjac_pin.user_path import readable
 
 _NO_VALUES: Mapping[str, JointValue] = MappingProxyType({})
 _MOST_CANDIDATES = 40
-MAXIMAL_LOOPS = 1000
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from xml.etree.ElementTree import Element
 
+from pmjac_pin.bounded_xml import MAXIMAL_NESTING
 from pmjac_pin.errors import ModelFileError, did_you_mean
 from pmjac_pin.text_file import at_file, read_text
-from pmjac_pin.urdf_xml import MAXIMAL_NESTING, parse_xml, shown
+from pmjac_pin.urdf_xml import parse_xml, shown
 from pmjac_pin.user_path import is_file, real
 
 MAXIMAL_SIZE = 5_000_000  # bytes; elements take a hundred times that in memory
