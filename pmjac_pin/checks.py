@@ -1,6 +1,8 @@
-"""Checking the numbers that a caller gives."""
+"""Checking the numbers and names that a caller gives."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,14 +11,20 @@ from pmjac_pin.errors import ArgumentError, quoted
 
 Array = NDArray[np.float64]
 
+#: m, rad, kg, kg m²; squared twice it is still far from overflowing.
+LARGEST = 1e9
 
-def as_numbers(given: object, what: str) -> Array:
+#: m, of what must not be zero: its square must not vanish beside rounding.
+SMALLEST = 1e-9
+
+
+def as_numbers(given: object, what: str, largest: float = LARGEST) -> Array:
     """Return a float array of what the caller gave, or say what is wrong with it.
 
     Raises
     ------
     ArgumentError
-        Strings, complex numbers, ragged lists, NaN and infinities.
+        Strings, complex numbers, ragged lists, NaN, infinities and numbers beyond `largest`.
     """
     try:
         raw = np.asarray(given)
@@ -27,4 +35,45 @@ def as_numbers(given: object, what: str) -> Array:
     array = raw.astype(np.float64)
     if not np.isfinite(array).all():
         raise ArgumentError(f"{what} must be finite, got {quoted(given)}")
+    if np.abs(array).max(initial=0.0) > largest:
+        got = f"{array.flat[np.abs(array).argmax()]:g}"
+        raise ArgumentError(f"{what} must be of magnitude {largest:g} or less, got {got}")
     return array
+
+
+def as_number(given: object, what: str, largest: float = LARGEST) -> float:
+    """Return one number that the caller gave, or say what is wrong with it.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    try:
+        array = as_numbers(given, what, largest)
+    except ArgumentError:
+        if isinstance(given, int | float):
+            raise
+        raise ArgumentError(f"{what} must be a number, got {quoted(given)}") from None
+    if array.ndim:
+        raise ArgumentError(f"{what} must be one number, got {quoted(given)}")
+    return float(array)
+
+
+def as_names(given: object, wanted: str) -> tuple[str, ...]:
+    """Return the names that the caller gave, or say what was wanted.
+
+    Raises
+    ------
+    ArgumentError
+        A single string, or a list that holds anything but strings.
+    """
+    if isinstance(given, str) or not isinstance(given, Iterable):
+        raise ArgumentError(f"{wanted}, got {quoted(given)}")
+    try:
+        names = tuple(given)
+    except TypeError:  # NumPy's arrays without axes call themselves iterable
+        raise ArgumentError(f"{wanted}, got {quoted(given)}") from None
+    for name in names:
+        if not isinstance(name, str):
+            raise ArgumentError(f"{wanted}, it holds {quoted(name)}")
+    return names

@@ -276,8 +276,9 @@ class Configuration:
 
 def _frame_name(frame: str | pin.ReferenceFrame) -> FrameName:
     name = frame.name if isinstance(frame, pin.ReferenceFrame) else frame
-    match name:
-        case "LOCAL_WORLD_ALIGNED" | "LOCAL" | "WORLD":
-            return name
+    if isinstance(name, str):  # of an array, a comparison is none
+        match name:
+            case "LOCAL_WORLD_ALIGNED" | "LOCAL" | "WORLD":
+                return name
     names = "LOCAL, WORLD or LOCAL_WORLD_ALIGNED"
     raise ArgumentError(f"frame must be {names}, got {quoted(frame)}")

@@ -200,7 +200,7 @@ class JointCoordinates:
         joint = self._joints.get(name) if isinstance(name, str) else None
         if joint is not None:
             return joint
-        if name in [frame.name for frame in self._model.frames]:
+        if isinstance(name, str) and name in [frame.name for frame in self._model.frames]:
             raise ArgumentError(f"{name!r} is no joint that moves; those are: {self._listed()}")
         raise unknown_name("joint", name, self.names)
 

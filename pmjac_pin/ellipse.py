@@ -21,6 +21,8 @@ from pmjac_pin.ties import LIKE
 
 Array = NDArray[np.float64]
 
+MOST_POINTS = 5000  # of an outline, and each way of a surface: 25 million in all
+
 FLATNESS_TOLERANCE = 1e-9
 """A radius or singular value at or below this times the largest is rounding: it becomes 0."""
 
@@ -205,11 +207,12 @@ def check_drawable(radii: Array, **counts: int) -> None:
         )
     for name, count in counts.items():
         try:
-            enough = operator.index(count) >= 4
+            drawable = 4 <= operator.index(count) <= MOST_POINTS
         except TypeError:
-            enough = False
-        if not enough:
-            raise ArgumentError(f"{name} must be a whole number of at least 4; got {quoted(count)}")
+            drawable = False
+        if not drawable:
+            wanted = f"a whole number of at least 4 and at most {MOST_POINTS}"
+            raise ArgumentError(f"{name} must be {wanted}; got {quoted(count)}")
 
 
 def brief(radii: Array, unit: str = "") -> str:

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pmjac_pin.checks import LARGEST
 from pmjac_pin.ellipse import (
     FLATNESS_TOLERANCE,
     Ellipse,
@@ -265,7 +266,7 @@ def force_ellipsoid(jacobian: ArrayLike, unit: str = "N", rounding: float = 0.0)
 def _principal(jacobian: ArrayLike, rounding: float) -> tuple[Array, Array]:
     """Return the radii of the velocities, zero where they are rounding, and the axes."""
     block = _block(jacobian)
-    if not (isinstance(rounding, int | float) and rounding >= 0.0):
+    if not (isinstance(rounding, int | float) and 0.0 <= rounding <= LARGEST):
         raise ArgumentError(f"rounding must be a number ≥ 0, got {quoted(rounding)}")
     radii, axes = image_of_ball(block)
     flat = flattened(radii, float(radii[0]))

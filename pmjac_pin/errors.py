@@ -222,7 +222,7 @@ _SHORT = _short_repr()
 
 def did_you_mean(name: object, candidates: Iterable[str]) -> str:
     """Return ``"; did you mean 'x'?"``, or the first of what there is when nothing is near."""
-    known, given = tuple(candidates), str(name)[:_LONGEST_NAME]
+    known, given = tuple(candidates), (name if isinstance(name, str) else "")[:_LONGEST_NAME]
     same = [other for other in known if other.lower() == given.lower()]
     near = same or difflib.get_close_matches(given, known, n=2, cutoff=0.6)
     if near:

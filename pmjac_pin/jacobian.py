@@ -263,6 +263,8 @@ def equivalent_jacobian(
     IdleMotionError
         A passive motion that no motor commands moves the tool.
     """
+    if not isinstance(split, SplitJacobian):
+        raise ArgumentError(f"a SplitJacobian is needed, got {quoted(split)}")
     partition, J = split.partition, split.tool_jacobian
     actuated, passive = partition.actuated, partition.passive
     scaled = partition.scaled(split.constraint_jacobian)

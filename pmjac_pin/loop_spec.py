@@ -9,11 +9,11 @@ by its angle or chord, so that half a turn is not mistaken for none.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from numbers import Real
+from collections.abc import Mapping, Sequence
 
 from msgspec.structs import force_setattr
 
+from pmjac_pin.checks import LARGEST, SMALLEST, as_number, as_numbers
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.table import Name, Table, Vector
 
@@ -112,8 +112,8 @@ class UniversalLoop(_FramePair, frozen=True, tag_field="kind", tag="universal"):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if len(self.axes) != 2:
-            raise ArgumentError(f"a universal joint has two `axes`, got {list(self.axes)}")
+        if not isinstance(self.axes, Sequence) or len(self.axes) != 2:
+            raise ArgumentError(f"a universal joint has two `axes`, got {quoted(self.axes)}")
         first, second = self.axes
         force_setattr(self, "axes", (_unit("axes", first), _unit("axes", second)))
 
@@ -128,15 +128,26 @@ class DistanceLoop(_FramePair, frozen=True, tag_field="kind", tag="distance"):
     length: float | dict[str, float]
 
     def __post_init__(self) -> None:
-        if isinstance(self.length, Real):
-            force_setattr(self, "length", float(self.length))
+        if not isinstance(self.length, Mapping):
+            force_setattr(self, "length", as_number(self.length, "a rod's `length`"))
         super().__post_init__()
 
     def resolved_length(self, values: Mapping[str, float]) -> float:
-        """Return the length in m at these values of the parameters."""
+        """Return the length in m at these values of the parameters.
+
+        Raises
+        ------
+        ArgumentError
+            It is none: not positive, or so small or large that its square is lost.
+        """
         if isinstance(self.length, float):
-            return self.length
-        return sum(coefficient * values[name] for name, coefficient in self.length.items())
+            length = self.length
+        else:
+            length = sum(number * values[name] for name, number in self.length.items())
+        if not SMALLEST <= length <= LARGEST:
+            what = f"the length between {' and '.join(map(quoted, self.frames))}"
+            raise ArgumentError(f"{what} must be {SMALLEST:g} to {LARGEST:g} m, got {length:g} m")
+        return length
 
 
 class JointLoop(Table, frozen=True, tag_field="kind", tag="joint"):
@@ -160,6 +171,11 @@ class JointLoop(Table, frozen=True, tag_field="kind", tag="joint"):
         super().__post_init__()
         _refuse_other_than_names("joints", self.joints)
         _refuse_equal("joints", self.joints)
+        for key in ("ratio", "offset"):
+            force_setattr(self, key, as_number(getattr(self, key), f"`{key}`"))
+        if 0.0 < abs(self.ratio) < SMALLEST:
+            limit = f"of magnitude {SMALLEST:g} to {LARGEST:g}, or 0"
+            raise ArgumentError(f"`ratio` is a number {limit}; got {self.ratio:g}")
 
     @property
     def ends(self) -> tuple[str, str]:
@@ -194,9 +210,10 @@ def _refuse_other_than_names(what: str, names: object) -> None:
 
 
 def _unit(key: str, vector: Vector) -> Vector:
-    if len(vector) != 3:
-        raise ArgumentError(f"`{key}` has three components, got {list(vector)}")
-    length = math.hypot(*vector)
-    if length < _SHORTEST_AXIS:
-        raise ArgumentError(f"`{key}` needs a direction, got {list(vector)}")
-    return (vector[0] / length, vector[1] / length, vector[2] / length)
+    array = as_numbers(vector, f"`{key}`")
+    if array.shape != (3,):
+        raise ArgumentError(f"`{key}` has three components, got {quoted(vector)}")
+    x, y, z = array.tolist()
+    if (length := math.hypot(x, y, z)) < _SHORTEST_AXIS:
+        raise ArgumentError(f"`{key}` needs a direction, got {[x, y, z]}")
+    return (x / length, y / length, z / length)

@@ -67,6 +67,8 @@ def _spec(text: str) -> MechanismSpec:
         spec = msgspec.convert(given, MechanismSpec)
     except msgspec.ValidationError as error:
         raise ModelFileError(_explained(error, given)) from None
+    except OverflowError as error:
+        raise ModelFileError(f"a whole number is too large: {error}") from None
     if not spec.urdf:
         raise ModelFileError("missing key `urdf`")
     return spec

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pmjac_pin.checks import as_numbers
+from pmjac_pin.checks import SMALLEST, as_number, as_numbers
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.factorisation import RANK_TOLERANCE, Factorisation, factorise, norm
 from pmjac_pin.read_only import ReadOnlyArrays, read_only
@@ -137,8 +137,8 @@ class Partition(ReadOnlyArrays):
         constraint = as_numbers(constraint_jacobian, "the constraint Jacobian")
         tool = as_numbers(tool_jacobian, "the tool Jacobian")
         _check_shapes(constraint, tool, actuated, passive)
-        if not (np.isfinite(length) and length > 0.0):
-            raise ArgumentError(f"length must be positive and finite, got {quoted(length)}")
+        if not as_number(length, "length") >= SMALLEST:
+            raise ArgumentError(f"length must be {SMALLEST:g} m or more, got {quoted(length)}")
         rows, columns = constraint.shape
         partition = cls(
             actuated=np.array(actuated, dtype=np.intp),
@@ -257,10 +257,12 @@ def _check_shapes(
             "a constraint Jacobian (p, nv) and a tool Jacobian (6, nv) expected, got shapes "
             f"{constraint.shape} and {tool.shape}"
         )
-    if sorted([*actuated, *passive]) != list(range(constraint.shape[1])):
+    columns = [as_numbers(given, "columns") for given in (actuated, passive)]
+    named = sorted(np.concatenate([given.ravel() for given in columns]).tolist())
+    if named != list(range(constraint.shape[1])) or columns[0].ndim + columns[1].ndim != 2:
         raise ArgumentError(
             f"actuated and passive must name each of the columns 0 to {constraint.shape[1] - 1} "
-            f"once, got {list(actuated)} and {list(passive)}"
+            f"once, got {quoted(actuated)} and {quoted(passive)}"
         )
 
 

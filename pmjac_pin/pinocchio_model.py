@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from pmjac_pin.checks import as_numbers
+from pmjac_pin.checks import as_names, as_numbers
 from pmjac_pin.coordinates import JointCoordinates
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.loop_spec import FrameLoop, Loop, PointLoop
@@ -54,8 +54,10 @@ def own_model(
     try:
         spec = MechanismSpec(
             name=name or own.name or "mechanism",
-            actuated=_names("actuated", actuated),
-            passive=None if passive is None else _names("passive", passive),
+            actuated=as_names(actuated, "actuated is a list of joint names"),
+            passive=None
+            if passive is None
+            else as_names(passive, "passive is a list of joint names"),
             tool=_tool(tool),
             loops=_loops(own, loops),
             poses={"home": _home_pose(own, home)},
@@ -73,12 +75,6 @@ def _refuse_what_is_not_finite(model: pin.Model) -> None:
     for frame in model.frames:
         if not np.isfinite(frame.placement.homogeneous).all():
             raise ArgumentError(f"the placement of frame {quoted(frame.name)} is not finite")
-
-
-def _names(what: str, names: Iterable[str]) -> tuple[str, ...]:
-    if isinstance(names, str) or not isinstance(names, Iterable):
-        raise ArgumentError(f"{what} is a list of joint names, got {quoted(names)}")
-    return tuple(names)
 
 
 def _loops(own: pin.Model, loops: Iterable[Loop | Constraint]) -> tuple[Loop, ...]:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pmjac_pin.checks import as_number
 from pmjac_pin.ellipse import Array, Ellipse
 from pmjac_pin.ellipsoid import Ellipsoid
 from pmjac_pin.errors import ArgumentError, MissingDependencyError, quoted
@@ -31,6 +32,8 @@ PLANES = ("zy", "zx", "xy")
 _SURFACE, _SECTION, _SHADOW = "#56B4E9", "#0072B2", "#D55E00"
 _AXES = ("#000000", "#009E73", "#CC79A7")
 _GRID = "#D9D9D9"
+
+_FEWEST_DOTS, _MOST_DOTS = 1, 2400  # per inch: of more, the picture would not fit in memory
 
 _ELEVATION = 30.0  # degrees, of the eye above the x-y plane
 
@@ -92,6 +95,8 @@ def plot_ellipsoid(
     ['Z–Y plane', 'Z–X plane', 'X–Y plane']
     """
     _check_bounded(ellipsoid)
+    if not isinstance(title, str):
+        raise ArgumentError(f"title must be a string, got {quoted(title)}")
     usual_symbol, usual_quantity = _QUANTITIES.get(ellipsoid.unit, ("v", ""))
     scaled = _rescaled(ellipsoid)
     labels = _axis_labels(symbol or usual_symbol, scaled.unit)
@@ -139,8 +144,8 @@ def save_figure(figure: Figure, path: str | os.PathLike[str], dpi: float = 150) 
     if suffix not in formats:
         known = f"its suffix must be one of .{', .'.join(formats)}"
         raise ArgumentError(f"cannot save {quoted(os.fspath(path))}: {known}")
-    if not 0 < dpi < math.inf:
-        raise ArgumentError(f"dpi must be positive and finite; got {dpi}")
+    if not _FEWEST_DOTS <= as_number(dpi, "dpi") <= _MOST_DOTS:
+        raise ArgumentError(f"dpi must be {_FEWEST_DOTS} to {_MOST_DOTS}; got {quoted(dpi)}")
     drawn = io.BytesIO()
     figure.savefig(drawn, dpi=dpi, format=suffix)
     write_file(path, drawn.getvalue())

@@ -74,7 +74,7 @@ def recut_parts(parts: Parts, joint: str, poses: Mapping[str, Array]) -> Parts:
         cannot be taken apart.
     """
     model, spec = parts.model, parts.spec
-    if joint not in parts.coordinates.names:
+    if not isinstance(joint, str) or joint not in parts.coordinates.names:
         raise unknown_name("joint", joint, parts.coordinates.names)
     edges = edges_of(model)
     loose = _behind(edges.values(), edges[joint].child)

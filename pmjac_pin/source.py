@@ -9,7 +9,7 @@ from pathlib import Path
 import msgspec
 
 from pmjac_pin.catalog import SUFFIXES, find_urdf
-from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.checks import as_names
 from pmjac_pin.formats.extended_urdf import closure_yaml_beside, read_extended_urdf
 from pmjac_pin.formats.foreign_model import ForeignModel, check_frame, check_motors
 from pmjac_pin.formats.looped_urdf import read_looped_urdf
@@ -59,7 +59,7 @@ def read_source(
     ------
     ModelFileError, UnknownNameError, ArgumentError
     """
-    motors = None if actuated is None else _names(actuated)
+    motors = None if actuated is None else as_names(actuated, "actuated is a list of joint names")
     if path.suffix.lower() in SUFFIXES[1:]:
         model = _foreign(path, motors or ())
         return Source(path, model.spec(motors, tool), model.urdf, model.notes)
@@ -82,13 +82,3 @@ def _foreign(path: Path, motors: tuple[str, ...]) -> ForeignModel:
         case ".sdf":
             return read_sdf(path, motors)
     return read_mjcf(path)
-
-
-def _names(names: Iterable[str]) -> tuple[str, ...]:
-    if isinstance(names, str) or not isinstance(names, Iterable):
-        raise ArgumentError(f"actuated is a list of joint names, got {quoted(names)}")
-    found = tuple(names)
-    for name in found:
-        if not isinstance(name, str):
-            raise ArgumentError(f"actuated is a list of joint names, it holds {quoted(name)}")
-    return found

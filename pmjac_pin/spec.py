@@ -14,7 +14,8 @@ from typing import Annotated, Any
 import msgspec
 from msgspec.structs import force_setattr, replace
 
-from pmjac_pin.errors import ArgumentError, did_you_mean, quoted, unknown_name
+from pmjac_pin.checks import as_names, as_number
+from pmjac_pin.errors import ArgumentError, did_you_mean, enumerated, quoted, unknown_name
 from pmjac_pin.loop_spec import MAXIMAL_LOOPS, DistanceLoop, Loop
 from pmjac_pin.parameter import Move, Parameter
 from pmjac_pin.table import LONGEST_NAME, Name, Table
@@ -44,7 +45,9 @@ class Tool(Table, frozen=True, kw_only=True):
         if (self.frame is None) == (self.points is None):
             raise ArgumentError("a tool is either `frame = NAME` or `points = [NAME, NAME, NAME]`")
         if self.points is not None and len(set(self.points)) < 3:
-            raise ArgumentError(f"the three points of a tool must differ, got {list(self.points)}")
+            raise ArgumentError(
+                f"the three points of a tool must differ, got {quoted(list(self.points))}"
+            )
         force_setattr(self, "axes", checked_axes(self.axes))
         if self.rows is not None:
             force_setattr(self, "rows", checked_rows(self.rows))
@@ -116,14 +119,14 @@ class MechanismSpec(Table, frozen=True, kw_only=True):
             raise ArgumentError(f"`tolerance` is a number in m, got {quoted(self.tolerance)}")
         if self.tolerance is not None and not 0.0 < self.tolerance <= LARGEST_TOLERANCE:
             within = f"between 0 and {LARGEST_TOLERANCE:g} m"
-            raise ArgumentError(f"`tolerance` is {within}, got {self.tolerance:g}")
+            raise ArgumentError(f"`tolerance` is {within}, got {quoted(self.tolerance)}")
         if not self.actuated:
             raise ArgumentError("`actuated` is empty: name at least one motor joint")
         if both := sorted(set(self.actuated) & set(self.passive or ())):
             raise ArgumentError(f"joint {quoted(both[0])} is listed as actuated and as passive")
         self._check_locked()
         if "home" not in self.poses:
-            named = ", ".join(self.poses) or "none"
+            named = enumerated(tuple(self.poses)) or "none"
             raise ArgumentError(f"`poses.home` is missing; there are: {named}")
         for loop in self.loops:
             _check_length(loop, self.parameters)
@@ -159,9 +162,7 @@ class MechanismSpec(Table, frozen=True, kw_only=True):
         ArgumentError
             A motor, a ball joint, or a value that is no number.
         """
-        names = [] if isinstance(joints, str) or not isinstance(joints, Iterable) else list(joints)
-        if joints and not (names and all(isinstance(name, str) for name in names)):
-            raise ArgumentError(f"`locked` is a list of joints or a mapping, got {quoted(joints)}")
+        names = as_names(joints, "`locked` is a list of joints or a mapping")
         home = {**self.locked, **self.poses["home"]}
         given = joints if isinstance(joints, Mapping) else {k: home.get(k, 0.0) for k in names}
         held = {name: _held_at(name, value) for name, value in given.items()}
@@ -259,7 +260,7 @@ def _held_at(name: str, value: object) -> JointValue:
 def _held_at_number(name: str, value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, Real):
         raise ArgumentError(f"joint {quoted(name)} is locked at one number, got {quoted(value)}")
-    return float(value)
+    return as_number(value, f"the value of the locked joint {quoted(name)}")
 
 
 def _check_length(loop: Loop, parameters: Mapping[str, Parameter]) -> None:
@@ -269,7 +270,4 @@ def _check_length(loop: Loop, parameters: Mapping[str, Parameter]) -> None:
         if name not in parameters:
             hint = did_you_mean(name, parameters)
             raise ArgumentError(f"unknown parameter {quoted(name)} in the length of a loop{hint}")
-    length = loop.resolved_length({name: item.default for name, item in parameters.items()})
-    if not length > 0.0:
-        frames = " and ".join(map(repr, loop.frames))
-        raise ArgumentError(f"the length between {frames} must be positive, got {length:g} m")
+    loop.resolved_length({name: item.default for name, item in parameters.items()})

@@ -10,10 +10,10 @@ from typing import Annotated, Any
 import msgspec
 from msgspec.structs import asdict, force_setattr
 
+from pmjac_pin.checks import LARGEST
 from pmjac_pin.errors import ArgumentError
 
 LONGEST_NAME = 200  # characters
-LARGEST = 1e9  # m, rad, kg, kg m²; squared twice it is still far from overflowing
 
 Vector = tuple[float, float, float]
 Text = Annotated[str, msgspec.Meta(min_length=1)]

@@ -16,8 +16,9 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from xml.etree.ElementTree import Element, SubElement
 
+from pmjac_pin.checks import LARGEST
 from pmjac_pin.errors import ModelFileError, did_you_mean
-from pmjac_pin.urdf_xml import LARGEST, label, numbers, only, shown, written
+from pmjac_pin.urdf_xml import label, numbers, only, shown, written
 
 MAXIMAL_NAME = 200  # characters: near matches of longer names would take minutes
 MAXIMAL_LINKS = 1000

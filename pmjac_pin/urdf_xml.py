@@ -12,8 +12,8 @@ from xml.etree.ElementTree import Element, ParseError
 from defusedxml.common import DefusedXmlException
 
 from pmjac_pin.bounded_xml import bounded_tree
+from pmjac_pin.checks import LARGEST
 from pmjac_pin.errors import ModelFileError, quoted, shortened
-from pmjac_pin.table import LARGEST
 
 
 def parse_xml(text: str) -> Element:

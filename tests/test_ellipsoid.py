@@ -527,7 +527,7 @@ def test_bad_ellipses_are_refused():
 @pytest.mark.parametrize("count", [3, 0, -5, 10.0, "10", None])
 def test_bad_counts_are_refused(count):
     ellipsoid = velocity_ellipsoid(np.eye(3))
-    message = f"must be a whole number of at least 4; got {count!r}"
+    message = f"must be a whole number of at least 4 and at most 5000; got {count!r}"
     assert refusal(ellipsoid.points, n_u=count) == f"n_u {message}"
     assert refusal(ellipsoid.points, n_v=count) == f"n_v {message}"
     assert refusal(ellipsoid.section("xy").points, count) == f"count {message}"

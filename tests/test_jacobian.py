@@ -104,7 +104,7 @@ def test_linear_algebra_imports_no_pinocchio(module):
         ({"tool_jacobian": np.ones((3, 3))}, "got shapes (2, 3) and (3, 3)"),
         ({"constraint_jacobian": [[1.0, np.nan, 0.0]]}, "the constraint Jacobian must be finite"),
         ({"constraint_jacobian": None}, "the constraint Jacobian must be real numbers, got None"),
-        ({"length": 0.0}, "length must be positive and finite, got 0.0"),
+        ({"length": 0.0}, "length must be 1e-09 m or more, got 0.0"),
     ],
 )
 def test_matrices_that_do_not_fit(change, message):

@@ -209,10 +209,12 @@ def test_bad_targets_are_refused(tmp_path, figure):
         save_figure(figure, f"{here}/none/a.png")
     with pytest.raises(OutputError, match="is a folder; give the name of a file in it"):
         save_figure(figure, here)
-    for dpi in (0, -1, float("nan"), float("inf")):
+    for dpi in (0, -1, 1e-320, 2401):
         assert refusal(save_figure, figure, f"{here}/a.png", dpi) == (
-            f"dpi must be positive and finite; got {dpi}"
+            f"dpi must be 1 to 2400; got {dpi}"
         )
+    for dpi in (float("nan"), float("inf"), "many", 10**400, [300]):
+        assert refusal(save_figure, figure, f"{here}/a.png", dpi).startswith("dpi must be ")
     assert not list(tmp_path.iterdir())
 
 

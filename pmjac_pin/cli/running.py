@@ -19,10 +19,12 @@ from pmjac_pin.cli.output import Verdict
 from pmjac_pin.cli.plot import plot_command
 from pmjac_pin.cli.report import report_command
 from pmjac_pin.cli.view import view_command
-from pmjac_pin.errors import LimitError, PmjacError
+from pmjac_pin.errors import LimitError, PmjacError, shortened
 from pmjac_pin.terminal import draw, new_console, one_line, write
 
 _EXAMPLE = "Example: pmjac report four_bar --at 1.2 --set l1=1.1,l2=2.9"
+
+_LONGEST = 600  # characters of a message that quotes what was typed
 
 
 def _version() -> str:
@@ -107,10 +109,10 @@ def _message(error: Exception) -> str:
         tokens = error.unused_tokens or []
         lists = any(re.search(r"\d", token) for token in tokens)
         hint = "; numbers are joined by commas, without blanks: --at 0.5,1,2" if lists else ""
-        return f"unexpected argument {' '.join(map(repr, tokens))}{hint}"
+        return f"unexpected argument {shortened(' '.join(map(repr, tokens)))}{hint}"
     if isinstance(error, LimitError):
         limits = f"[{error.lower:g}, {error.upper:g}]"
         return f"motor {error.joint!r} = {error.value:g} is outside its limits {limits}"
     if isinstance(error, OSError) and error.strerror:
         return ": ".join(map(str, filter(None, (error.filename, error.strerror))))
-    return str(error)
+    return shortened(str(error), _LONGEST) if isinstance(error, CycloptsError) else str(error)

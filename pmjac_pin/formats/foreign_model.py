@@ -97,7 +97,8 @@ def check_motors(urdf: Urdf, names: tuple[str, ...]) -> tuple[str, ...]:
 
 def check_frame(urdf: Urdf, name: str) -> str:
     """Return the name, if it is a link's or a joint's."""
-    if name not in (frames := (*urdf.links, *(joint.name for joint in urdf.joints))):
+    frames = (*urdf.links, *(joint.name for joint in urdf.joints))
+    if not isinstance(name, str) or name not in frames:
         raise unknown_name("frame", name, frames)
     return name
 

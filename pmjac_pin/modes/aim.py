@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from pmjac_pin.checks import as_number
 from pmjac_pin.errors import ArgumentError, quoted
 
 if TYPE_CHECKING:
@@ -45,7 +47,7 @@ class Aim:
 
     def __post_init__(self) -> None:
         for name, value in (("unseen", self.unseen), ("confidence", self.confidence)):
-            if not 0.0 < value < 1.0:
+            if not 0.0 < as_number(value, name) < 1.0:
                 raise ArgumentError(f"{name} is a share between 0 and 1, got {quoted(value)}")
-        if self.most_starts < 1:
+        if as_number(self.most_starts, "most_starts", math.inf) < 1:
             raise ArgumentError(f"most_starts must be positive, got {quoted(self.most_starts)}")

@@ -34,6 +34,7 @@ ADDRESS = "127.0.0.1"
 DEFAULT_PORT = 7000
 _ATTEMPTS = 100
 _PATIENCE = 5.0  # seconds
+_DESCRIPTORS = 8  # of files, that a loop and its first connection need
 _LARGEST_BODY = 1024  # bytes: no request of ours has any
 _IDLE = 30.0  # seconds
 
@@ -71,7 +72,11 @@ class Server:
             _logger.warning("port %d is in use: serving on %d", wanted, self.port)
         self._ready = threading.Event()
         self._failure: BaseException | None = None
-        self._loop = asyncio.new_event_loop()
+        try:
+            self._loop = _new_loop()
+        except OSError as error:
+            self._socket.close()
+            raise PmjacError(f"the viewer cannot start: {error.strerror}") from None
         self._finish: asyncio.Event | None = None
         self._browsers: set[Browser] = set()
         name = f"pmjac viewer {self.port}"
@@ -179,6 +184,18 @@ async def _cancel_others() -> None:
     for task in tasks:
         task.cancel()
     await asyncio.gather(*tasks, return_exceptions=True)
+
+
+def _new_loop() -> asyncio.AbstractEventLoop:
+    """Return a loop, once there are file descriptors for it: half made, it cannot be closed."""
+    spare: list[int] = []
+    try:
+        while len(spare) < _DESCRIPTORS:
+            spare.append(os.open(os.devnull, os.O_RDONLY))
+    finally:
+        for descriptor in spare:
+            os.close(descriptor)
+    return asyncio.new_event_loop()
 
 
 _servers: weakref.WeakSet[Server] = weakref.WeakSet()
