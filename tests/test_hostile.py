@@ -192,11 +192,12 @@ def test_figures_are_saved_or_refused(path, tmp_path, monkeypatch):
 OPTIONS = {
     "report": ("--at", "--from", "--set", "--frame", "--tool", "--actuated", "--locked"),
     "check": ("--tolerance", "--tool", "--set"),
-    "modes": ("--at", "--seed", "--unseen", "-o"),
-    "plot": ("-o",),
+    "modes": ("--at", "--seed", "--unseen"),
+    "plot": ("--frame",),
     "view": ("--port",),
     "convert": ("-o",),
 }
+OUTPUT = {"plot": ["-o", "x.png"]}
 TOKENS = [
     "",
     "~nosuch",
@@ -217,7 +218,7 @@ def test_options_get_an_answer_or_one_line(command, option, tmp_path, monkeypatc
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("pmjac_pin.viewer.serving.serve_until_interrupted", lambda *_, **__: None)
     for token in TOKENS:
-        status = main([command, "serial_2r", f"{option}={token}"])
+        status = main([command, "serial_2r", f"{option}={token}", *OUTPUT.get(command, [])])
         error = capsys.readouterr().err
         assert status in (0, 1, 2)
         assert len(error) <= LONGEST_MESSAGE

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import re
 import tomllib
 import tracemalloc
+from pathlib import Path
 
 import looped
 import pytest
@@ -12,11 +14,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pmjac_pin as pj
+from pmjac_pin import model_file, urdf, urdf_checks
 from pmjac_pin.bounded_toml import MAXIMAL_PARTS, bounded_table
 from pmjac_pin.bounded_xml import MAXIMAL_ATTRIBUTES, MAXIMAL_ELEMENTS, MAXIMAL_NESTING
 from pmjac_pin.catalog import find_model_file, find_urdf
+from pmjac_pin.checks import LARGEST, SMALLEST
+from pmjac_pin.formats import closure_yaml, mjcf_file, sdf
 from pmjac_pin.loop_spec import MAXIMAL_LOOPS
 from pmjac_pin.spec import MAXIMAL_ENTRIES
+from pmjac_pin.table import LONGEST_NAME
 from pmjac_pin.urdf_xml import parse_xml
 
 FOUR_BAR = find_model_file("four_bar").read_text(encoding="utf-8")
@@ -230,3 +236,36 @@ def test_a_pipe_put_there_meanwhile_is_not_waited_for(tmp_path, monkeypatch):
     os.mkfifo(path)
     monkeypatch.setattr(type(path), "stat", lambda *_, **__: before)
     assert "is no regular file" in refusal(pj.load, path)
+
+
+# --- the page about it -------------------------------------------------------------------------
+
+
+def test_the_page_states_each_limit():
+    page = (Path(__file__).parent.parent / "docs" / "input_limits.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| ([^|]+) \| ([^|]+) \| ([^|]+) \|", page, re.MULTILINE)
+    stated = {f"{what.strip()} {of.strip()}": value.strip() for what, of, value in rows}
+    expected = {
+        "size of a model file": "1 MiB",
+        "size of a URDF or SDF": f"{urdf.MAXIMAL_SIZE:,} bytes",
+        "size of an MJCF, with all that it includes": f"{mjcf_file.MAXIMAL_SIZE:,} bytes",
+        "size of the YAML of an extended URDF": f"{closure_yaml.MAXIMAL_SIZE:,} bytes",
+        "files included in an MJCF": f"{mjcf_file.MAXIMAL_INCLUDES}",
+        "parts of a dotted TOML key": f"{MAXIMAL_PARTS}",
+        "nesting of XML elements": f"{MAXIMAL_NESTING}",
+        "elements of an XML file": f"{MAXIMAL_ELEMENTS:,}",
+        "attributes of an XML element": f"{MAXIMAL_ATTRIBUTES:,}",
+        "links of a machine": f"{urdf_checks.MAXIMAL_LINKS:,}",
+        "joints of a machine, with those that close loops": f"{urdf_checks.MAXIMAL_JOINTS:,}",
+        "joints in a row of the tree": f"{urdf_checks.MAXIMAL_DEPTH}",
+        "degrees of freedom of the tree": f"{urdf_checks.MAXIMAL_VELOCITIES}",
+        "loops of a machine, in a model file or from Pinocchio, too": f"{MAXIMAL_LOOPS}",
+        "poses, parameters of a model file": f"{MAXIMAL_ENTRIES:,} each",
+        "characters of a name": f"{LONGEST_NAME}",
+        "magnitude of a number, m, rad, kg, kg m²": "1e9",
+        "length, ratio of a rod; of a gear": "1e-9 to 1e9",
+    }
+    assert {key: stated.get(key) for key in expected} == expected
+    assert (model_file.MAXIMAL_SIZE, sdf.MAXIMAL_SIZE) == (1 << 20, urdf.MAXIMAL_SIZE)
+    assert urdf_checks.MAXIMAL_NAME == LONGEST_NAME
+    assert (LARGEST, SMALLEST) == (1e9, 1e-9)
