@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: demo test slow bench screenshots readme lint clean
+.PHONY: demo test slow lowest bench screenshots readme lint clean
 
 demo: .venv/ready
 	$(BIN)/pmjac demo
@@ -13,6 +13,9 @@ test: .venv/ready
 slow: .venv/ready
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[peers]'
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 -m slow --durations=8
+
+lowest:
+	$(PYTHON) scripts/test_lowest_versions.py
 
 bench: .venv/ready
 	$(BIN)/python benchmarks/bench_jacobian.py

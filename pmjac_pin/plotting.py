@@ -138,17 +138,29 @@ def save_figure(figure: Figure, path: str | os.PathLike[str], dpi: float = 150) 
         If the file cannot be written: no such folder, no right to, no space, or no file there
         but a folder, a device or a pipe.
     """
-    check_place(path)
-    suffix = user_path(path).suffix.lower().removeprefix(".")
-    formats = sorted(figure.canvas.get_supported_filetypes())
-    if suffix not in formats:
-        known = f"its suffix must be one of .{', .'.join(formats)}"
-        raise ArgumentError(f"cannot save {quoted(os.fspath(path))}: {known}")
+    suffix = check_figure_file(path)
     if not _FEWEST_DOTS <= as_number(dpi, "dpi") <= _MOST_DOTS:
         raise ArgumentError(f"dpi must be {_FEWEST_DOTS} to {_MOST_DOTS}; got {quoted(dpi)}")
     drawn = io.BytesIO()
     figure.savefig(drawn, dpi=dpi, format=suffix)
     write_file(path, drawn.getvalue())
+
+
+def check_figure_file(path: str | os.PathLike[str]) -> str:
+    """Return the suffix of a figure's file; refuse, before anything is drawn, what cannot be one.
+
+    Raises
+    ------
+    ArgumentError, OutputError, MissingDependencyError
+        As `save_figure`.
+    """
+    check_place(path)
+    suffix = user_path(path).suffix.lower().removeprefix(".")
+    formats = sorted(_matplotlib().backends.backend_agg.FigureCanvasAgg.get_supported_filetypes())
+    if suffix not in formats:
+        known = f"its suffix must be one of .{', .'.join(formats)}"
+        raise ArgumentError(f"cannot save {quoted(os.fspath(path))}: {known}")
+    return suffix
 
 
 def _check_bounded(ellipsoid: Ellipsoid) -> None:

@@ -346,6 +346,8 @@ def test_commands_ask_first_whether_they_may_write(tmp_path, monkeypatch, capsys
     monkeypatch.setattr("pmjac_pin.cli.modes.Search.report", lambda *_: pytest.fail("searched"))
     assert main(["modes", "four_bar", "-o", str(tmp_path / "none" / "x.png")]) == 2
     assert "there is no folder" in capsys.readouterr().err
+    assert main(["modes", "four_bar", "-o", str(tmp_path / "x.txt")]) == 2
+    assert "its suffix must be one of" in capsys.readouterr().err
 
 
 def test_an_output_without_a_name(tmp_path, monkeypatch, capsys):

@@ -19,8 +19,7 @@ from pmjac_pin.mode_sheet import modes_figure
 from pmjac_pin.modes.assembly_modes import AssemblyModes
 from pmjac_pin.modes_report import ModesReport, make_modes_report
 from pmjac_pin.modes_tables import modes_blocks
-from pmjac_pin.output_file import check_place
-from pmjac_pin.plotting import save_figure
+from pmjac_pin.plotting import check_figure_file, save_figure
 from pmjac_pin.report import to_json
 
 
@@ -112,7 +111,7 @@ def modes_command(
 ) -> Output:
     """Find all closed poses at these motor values, and say what is known of their number."""
     if output is not None:
-        check_place(output)  # before what may take minutes
+        check_figure_file(output)  # before what may take minutes
     loaded = choice.load(mechanism)
     values = _motor_values(loaded, at, from_)
     found = search.report(loaded, values)
