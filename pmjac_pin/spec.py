@@ -19,7 +19,7 @@ from pmjac_pin.errors import ArgumentError, did_you_mean, enumerated, quoted, un
 from pmjac_pin.loop_spec import MAXIMAL_LOOPS, DistanceLoop, Loop
 from pmjac_pin.parameter import Move, Parameter
 from pmjac_pin.table import LONGEST_NAME, Name, Table
-from pmjac_pin.tool_rows import ToolRows, WHOLE_TWIST, WORLD_AXES, checked_axes, checked_rows
+from pmjac_pin.tool_rows import WHOLE_TWIST, WORLD_AXES, ToolRows, checked_axes, checked_rows
 
 LARGEST_TOLERANCE = 1e-2  # m
 MAXIMAL_ENTRIES = 1000  # poses, and parameters: each pose is assembled, and takes milliseconds
