@@ -1,111 +1,31 @@
 """Closed-chain mechanisms on Pinocchio: the equivalent Jacobian J_eq = J − J* K*⁻¹ K."""
 
 import importlib
-from typing import TYPE_CHECKING, Any
 
-from pmjac_pin.catalog import list_mechanisms
-from pmjac_pin.certificates.certificate import Certificate
-from pmjac_pin.configuration import Configuration
-from pmjac_pin.diagnosis import Diagnosis
-from pmjac_pin.diagnosis_maker import check
-from pmjac_pin.ellipse import Ellipse
-from pmjac_pin.ellipsoid import Ellipsoid
-from pmjac_pin.errors import (
-    ArgumentError,
-    ClosureError,
-    ForbiddenRatesError,
-    IdleMotionError,
-    LimitError,
-    MissingDependencyError,
-    ModelFileError,
-    NoJacobianError,
-    OutputError,
-    PmjacError,
-    SingularError,
-    UnknownNameError,
-)
-from pmjac_pin.homotopy.complex_modes import ComplexModes
-from pmjac_pin.homotopy.operation_modes import OperationModes
-from pmjac_pin.homotopy.parameter_homotopy import ParameterHomotopy, parameter_homotopy
-from pmjac_pin.jacobian import EquivalentJacobian, SplitJacobian, equivalent_jacobian
-from pmjac_pin.loading import load
-from pmjac_pin.loop_spec import (
-    CylindricalLoop,
-    DistanceLoop,
-    FrameLoop,
-    JointLoop,
-    PlanarLoop,
-    PointLoop,
-    PrismaticLoop,
-    RevoluteLoop,
-    SphericalLoop,
-    UniversalLoop,
-)
-from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.modes.assembly_modes import AssemblyModes, Completeness
-from pmjac_pin.partition import Partition
-from pmjac_pin.singularity import Singularity
-from pmjac_pin.spec import MechanismSpec
-
+TYPE_CHECKING = False  # that of `typing` takes longer to import than all else here
 if TYPE_CHECKING:
-    from pmjac_pin.viewer.viewer import Viewer, view
+    from types import ModuleType
+    from typing import Any
 
-__all__ = [
-    "ArgumentError",
-    "AssemblyModes",
-    "Certificate",
-    "ClosureError",
-    "Completeness",
-    "ComplexModes",
-    "Configuration",
-    "CylindricalLoop",
-    "Diagnosis",
-    "DistanceLoop",
-    "Ellipse",
-    "Ellipsoid",
-    "EquivalentJacobian",
-    "ForbiddenRatesError",
-    "FrameLoop",
-    "IdleMotionError",
-    "JointLoop",
-    "LimitError",
-    "Mechanism",
-    "MechanismSpec",
-    "MissingDependencyError",
-    "ModelFileError",
-    "NoJacobianError",
-    "OperationModes",
-    "OutputError",
-    "ParameterHomotopy",
-    "Partition",
-    "PlanarLoop",
-    "PmjacError",
-    "PointLoop",
-    "PrismaticLoop",
-    "RevoluteLoop",
-    "SingularError",
-    "Singularity",
-    "SphericalLoop",
-    "SplitJacobian",
-    "UniversalLoop",
-    "UnknownNameError",
-    "Viewer",
-    "check",
-    "equivalent_jacobian",
-    "list_mechanisms",
-    "load",
-    "parameter_homotopy",
-    "view",
-]
+    from pmjac_pin.interface import *  # noqa: F403
 
 
-def __getattr__(name: str) -> Any:
-    """Import the viewer when it is asked for: it brings a web server along."""
-    if name in ("Viewer", "view"):
-        viewer = importlib.import_module("pmjac_pin.viewer.viewer")
-        return getattr(viewer, name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+def __getattr__(name: str) -> "Any":
+    """Import the interface when something of it is asked for.
+
+    So `import pmjac_pin` is quick, as the command line needs it to be, which has to end without a
+    word when it is interrupted while everything else is imported.
+    """
+    if name.startswith("__") and name != "__all__":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    interface = _interface()
+    # What was imported on the way, such as `pmjac_pin.loading`, is an attribute by now.
+    return globals()[name] if name in globals() else getattr(interface, name)
 
 
-def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+def __dir__() -> "list[str]":
+    return sorted({*globals(), *_interface().__all__})
+
+
+def _interface() -> "ModuleType":
+    return importlib.import_module("pmjac_pin.interface")

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import sys
 import unicodedata
 from collections.abc import Iterable, Sequence
+from typing import TextIO
 
 import rich.box
 import rich.table
@@ -17,6 +19,7 @@ from rich.text import Text
 from pmjac_pin.blocks import Block, Heading, Paragraph, Table, Verbatim
 
 _GAP = 3  # blanks between columns
+_NARROWEST, _USUAL, _WIDEST = 20, 80, 10_000  # characters of a line
 _WIDEST_NAME = 24  # longer column names are folded in wide tables
 
 # Headings underlined, nothing else: a box that needs no Unicode, and one that does.
@@ -57,9 +60,12 @@ _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789")
 def new_console() -> Console:
     """Return a console that draws plain text unless on a terminal, and if NO_COLOR is set."""
     plain = bool(os.environ.get("NO_COLOR"))
-    return Console(
+    console = Console(
         markup=False, highlight=False, emoji=False, color_system=None if plain else "auto"
     )
+    # Of `COLUMNS`, rich takes any number as it is: with 0 it would print nothing.
+    console.width = min(max(console.width, _NARROWEST), _WIDEST) if console.width else _USUAL
+    return console
 
 
 def draw(console: Console, blocks: Iterable[Block]) -> None:
@@ -86,13 +92,21 @@ def one_line(text: str) -> str:
 
 def write(text: str) -> None:
     """Write to standard output what its encoding can hold, without blanks at line ends."""
-    stream = sys.stdout
-    if stream is None:
-        return
-    trimmed = re.sub(r"[ ]+$", "", text, flags=re.MULTILINE)
+    if sys.stdout is not None:
+        _write(sys.stdout, re.sub(r"[ ]+$", "", text, flags=re.MULTILINE))
+
+
+def complain(text: str) -> None:
+    """Write to standard error, where that can be written to."""
+    if sys.stderr is not None:
+        with contextlib.suppress(OSError):  # the exit status says it, too
+            _write(sys.stderr, text)
+
+
+def _write(stream: TextIO, text: str) -> None:
     encoding = stream.encoding or "utf-8"
     try:
-        stream.write(trimmed.encode(encoding, "backslashreplace").decode(encoding))
+        stream.write(text.encode(encoding, "backslashreplace").decode(encoding))
         stream.flush()
     except OSError:
         # What is left in the buffer would fail again, with a traceback, when Python exits.

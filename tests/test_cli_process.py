@@ -9,6 +9,7 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -17,12 +18,12 @@ ENVIRONMENT = {key: value for key, value in os.environ.items() if key not in COL
 ENVIRONMENT["PYTHONPATH"] = str(ROOT)
 
 
-def process(*argv, stdout=subprocess.PIPE, **environment):
+def process(*argv, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **environment):
     """Run as a process of its own, from an unrelated folder."""
     return subprocess.run(
         [sys.executable, "-m", "pmjac_pin", *argv],
         stdout=stdout,
-        stderr=subprocess.PIPE,
+        stderr=stderr,
         env={**ENVIRONMENT, **environment},
         cwd=os.sep,
         check=False,
@@ -90,6 +91,85 @@ def test_ctrl_c_in_a_process():
         child.send_signal(signal.SIGINT)
         assert child.stderr.read() == b""
     assert child.wait() == 130
+
+
+WHEN = np.random.default_rng(0).uniform(0.005, 1.5, 60)  # seconds after `main` is there
+
+
+@pytest.mark.parametrize(
+    "when",
+    [*WHEN[:4], *(pytest.param(when, marks=pytest.mark.slow) for when in WHEN[4:])],
+)
+def test_ctrl_c_at_any_time(when):
+    """While it imports, works, writes and ends: nothing on stderr, and no other status."""
+    code = (
+        "import sys; from pmjac_pin.cli import main; print('ready', flush=True);"
+        "sys.argv[1:] = ['report', 'four_bar']; sys.exit(main())"
+    )
+    child = subprocess.Popen(
+        [sys.executable, "-c", code],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env=ENVIRONMENT,
+    )
+    with child.stdout, child.stderr:
+        assert child.stdout.readline() == b"ready\n"
+        time.sleep(when)
+        child.send_signal(signal.SIGINT)
+        out = child.stdout.read()
+        assert child.stderr.read() == b""
+    assert child.wait() in ((130,) if not out else (0, 130))
+
+
+def test_what_ctrl_c_does_not_concern_stays_so():
+    """As in the background of a script, which shells start with it ignored."""
+    code = "import signal; print(signal.getsignal(signal.SIGINT) == signal.SIG_IGN)"
+    ignoring = (
+        "import signal, sys; signal.signal(signal.SIGINT, signal.SIG_IGN);"
+        "sys.argv[1:] = ['report', 'nope']; from pmjac_pin.cli import main; main();" + code
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", ignoring], capture_output=True, env=ENVIRONMENT, check=False
+    )
+    assert done.stdout == b"True\n"
+
+
+def test_the_entry_point_imports_nothing_heavy():
+    code = (
+        "import sys; before = set(sys.modules); from pmjac_pin.cli import main;"
+        "print(*sorted(set(sys.modules) - before))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, env=ENVIRONMENT, check=True
+    )
+    new = {name for name in done.stdout.split() if not name.startswith(b"importlib")}
+    ours = {b"pmjac_pin", b"pmjac_pin.cli", b"pmjac_pin.cli.process"}
+    assert new <= ours | {b"signal", b"enum", b"types", b"operator", b"functools", b"warnings"}
+
+
+@pytest.mark.parametrize("columns", ["0", "1", "00", "-3", "x", "1000000000"])
+def test_any_width_shows_all(columns):
+    done = process("report", "serial_2r", COLUMNS=columns)
+    assert (done.returncode, done.stderr) == (0, b"")
+    words = b"".join(done.stdout.split())
+    assert b"serial_2r,posehome" in words
+    assert b"motionslosthere" in words
+    assert len(done.stdout) < 50_000
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
+def test_an_error_output_that_is_full():
+    with Path("/dev/full").open("wb") as full:
+        done = process("report", "nope", stderr=full)
+        assert (done.returncode, done.stdout) == (2, b"")
+        assert process("report", "serial_2r", stdout=full, stderr=full).returncode == 2
+
+
+def test_an_error_output_that_nobody_reads():
+    reader, writer = os.pipe()
+    os.close(reader)
+    with os.fdopen(writer, "wb") as nobody:
+        assert process("report", "nope", stderr=nobody).returncode == 2
 
 
 def test_matplotlib_is_imported_only_to_draw():

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import ast
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
+
+import pmjac_pin
 
 PACKAGE = Path(__file__).resolve().parent.parent / "pmjac_pin"
 
@@ -59,8 +63,26 @@ def knowing(package):
 
 def test_only_the_command_line_knows_the_viewer():
     """And the package's face, which imports it when somebody asks for `view`."""
-    assert knowing("viewer") == {"pmjac_pin", "pmjac_pin.cli.view"}
+    assert knowing("viewer") == {"pmjac_pin.interface", "pmjac_pin.cli.view"}
 
 
 def test_nobody_knows_the_command_line():
     assert knowing("cli") == {"pmjac_pin.__main__"}
+
+
+def test_the_package_shows_its_interface():
+    code = (
+        "import pmjac_pin as pj, pmjac_pin.interface as interface;"
+        "assert set(interface.__all__) <= set(dir(pj));"
+        "assert all(getattr(pj, name) is getattr(interface, name) for name in interface.__all__);"
+        "assert pj.loading.load is pj.load;"
+        "from pmjac_pin import *; assert Mechanism is pj.Mechanism"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=PACKAGE.parent)
+    assert not hasattr(pmjac_pin, "nope")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("module", sorted(IMPORTS))
+def test_each_module_can_be_imported_first(module):
+    subprocess.run([sys.executable, "-c", f"import {module}"], check=True, cwd=PACKAGE.parent)

@@ -4,6 +4,6 @@ Exit status 0; 1 where ``check`` finds an error in the model; 2 with one line on
 something is wrong; 130 on Ctrl-C.
 """
 
-from pmjac_pin.cli.running import app, main
+from pmjac_pin.cli.process import main
 
-__all__ = ["app", "main"]
+__all__ = ["main"]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib.metadata
 import re
-import sys
 from collections.abc import Sequence
 
 import numpy as np
@@ -17,10 +16,11 @@ from pmjac_pin.cli.list import list_command
 from pmjac_pin.cli.modes import modes_command
 from pmjac_pin.cli.output import Verdict
 from pmjac_pin.cli.plot import plot_command
+from pmjac_pin.cli.process import INTERRUPTED
 from pmjac_pin.cli.report import report_command
 from pmjac_pin.cli.view import view_command
 from pmjac_pin.errors import LimitError, PmjacError, shortened
-from pmjac_pin.terminal import draw, new_console, one_line, write
+from pmjac_pin.terminal import complain, draw, new_console, one_line, write
 
 _EXAMPLE = "Example: pmjac report four_bar --at 1.2 --set l1=1.1,l2=2.9"
 
@@ -54,28 +54,16 @@ app.command(view_command, name="view")
 app.command(convert_command, name="convert")
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command line.
-
-    Parameters
-    ----------
-    argv : sequence of str, optional
-        The arguments; the process's own when None.
-
-    Returns
-    -------
-    int
-        The exit status.
-    """
+def run(argv: Sequence[str]) -> int:
+    """Run a command; return the exit status, 130 where it was interrupted."""
     try:
-        return _run(sys.argv[1:] if argv is None else argv)
+        return _run(argv)
     except BrokenPipeError:  # the reader, such as `head`, has seen enough
         return 0
     except KeyboardInterrupt:
-        return 130
+        return INTERRUPTED
     except (PmjacError, CycloptsError, OSError) as error:
-        if sys.stderr is not None:
-            print(f"pmjac: {one_line(_message(error))}", file=sys.stderr)  # noqa: T201
+        complain(f"pmjac: {one_line(_message(error))}\n")
         return 2
 
 
