@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.named_values import named_values
 
 Array = NDArray[np.float64]
 
@@ -24,8 +25,12 @@ def as_numbers(given: object, what: str, largest: float = LARGEST) -> Array:
     Raises
     ------
     ArgumentError
-        Strings, complex numbers, ragged lists, NaN, infinities and numbers beyond `largest`.
+        Strings, complex numbers, ragged lists, NaN, infinities and numbers beyond `largest`;
+        values with names, which must not be taken by their order.
     """
+    if type(given) is not np.ndarray and named_values(given, what) is not None:
+        message = f"{what} must be plain numbers in their order, got names, too"
+        raise ArgumentError(f"{message}: {quoted(given)}")
     try:
         raw = np.asarray(given)
         if raw.dtype.kind not in "iuf":

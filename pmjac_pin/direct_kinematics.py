@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.checks import as_numbers
 from pmjac_pin.closure import Followed, follow
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.damped_closure import assemble
 from pmjac_pin.errors import ArgumentError, ClosureError, LimitError
 from pmjac_pin.held_motors import assemble_held
+from pmjac_pin.motor_values import motor_values
+from pmjac_pin.named_values import named_values
 from pmjac_pin.parts import Parts
 from pmjac_pin.pose_assembly import motor_weights
 
@@ -45,18 +46,6 @@ def close(mechanism: Mechanism, actuated: Any, guess: Guess, enforce_limits: boo
     return Configuration._of_point(mechanism, path.point, path.iterations)
 
 
-def motor_values(parts: Parts, actuated: Any) -> Array:
-    """Return the motor values as an array (n,), or say what was expected."""
-    names = parts.spec.actuated
-    values = np.atleast_1d(as_numbers(actuated, "motor values"))
-    if values.shape != (len(names),):
-        got = str(values.size) if values.ndim == 1 else f"shape {values.shape}"
-        plural = "s" * (len(names) != 1)
-        wanted = f"{len(names)} motor value{plural} ({', '.join(names)})"
-        raise ArgumentError(f"{wanted} expected, got {got}")
-    return values
-
-
 def check_limits(parts: Parts, values: Array) -> None:
     """Raise LimitError where a motor value is outside its joint's limits."""
     for name in parts.coordinates.outside(values, parts.problem.partition.actuated):
@@ -83,13 +72,14 @@ def _start(mechanism: Mechanism, guess: Guess, values: Array) -> Configuration:
         return _assembled(mechanism, guess.joint_values, values)
     if isinstance(guess, str):
         return mechanism.pose(guess)
-    if not isinstance(guess, Mapping):
+    by_name = named_values(guess, "joint values of a guess")
+    if by_name is None:
         message = (
             "guess must be the name of a pose, a Configuration or a mapping of joint values, "
             f"got {type(guess).__name__}"
         )
         raise ArgumentError(message)
-    return _assembled(mechanism, guess, values)
+    return _assembled(mechanism, by_name, values)
 
 
 def _assembled(

@@ -24,6 +24,7 @@ from pmjac_pin.modes.aim import Aim
 from pmjac_pin.modes.assembly_modes import AssemblyModes
 from pmjac_pin.modes.closed_pose import generator
 from pmjac_pin.modes.find import find_modes
+from pmjac_pin.motor_values import MotorValues
 from pmjac_pin.pinocchio_model import Constraint, RobotWrapper, own_model
 from pmjac_pin.pose_assembly import assemble_pose
 from pmjac_pin.read_only import read_only
@@ -190,7 +191,7 @@ class Mechanism(MechanismValue):
         return MappingProxyType({name: float(change[k]) for name, k in columns.items()})
 
     def close(
-        self, actuated: ArrayLike, guess: Guess = "home", *, enforce_limits: bool = True
+        self, actuated: MotorValues, guess: Guess = "home", *, enforce_limits: bool = True
     ) -> Configuration:
         """Close the loops at these motor values: direct kinematics by continuation.
 
@@ -200,8 +201,9 @@ class Mechanism(MechanismValue):
 
         Parameters
         ----------
-        actuated : array_like, shape (n,)
-            Motor values, m or rad, in the order of `actuated`.
+        actuated : array_like, shape (n,), or mapping of str to float
+            Motor values, m or rad: in the order of `actuated`, or by name where they have names,
+            as those of a pandas Series do.
         guess : str, Configuration or mapping of str to float
             Where to start: a pose's name, a configuration, or joint values; joints that a
             mapping does not name are taken from the target (motors) and from home. The loops
@@ -303,7 +305,7 @@ class Mechanism(MechanismValue):
 
     def assembly_modes(
         self,
-        actuated: ArrayLike,
+        actuated: MotorValues,
         *,
         rng: np.random.Generator | int,
         limits: bool = True,
@@ -323,8 +325,9 @@ class Mechanism(MechanismValue):
 
         Parameters
         ----------
-        actuated : array_like, shape (n,)
-            Motor values, m or rad, in the order of `actuated`.
+        actuated : array_like, shape (n,), or mapping of str to float
+            Motor values, m or rad: in the order of `actuated`, or by name where they have names,
+            as those of a pandas Series do.
         rng : numpy.random.Generator or int
             For the starts; a seed makes a generator. The modes do not depend on it, nor does
             their order, as long as all are found.

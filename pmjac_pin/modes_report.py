@@ -24,6 +24,8 @@ from pmjac_pin.labelled_values import (
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.modes.assembly_modes import AssemblyModes
 from pmjac_pin.modes.names import pose_names
+from pmjac_pin.motor_values import MotorValues
+from pmjac_pin.motor_values import motor_values as given_values
 from pmjac_pin.report import JointValue, ParameterValue, Quantity, ToolPose, Vector
 from pmjac_pin.solutions_report import (
     SolutionsReport,
@@ -144,7 +146,7 @@ class ModesReport(msgspec.Struct, frozen=True, kw_only=True):
 
 def make_modes_report(
     mechanism: Mechanism,
-    actuated: ArrayLike,
+    actuated: MotorValues,
     modes: AssemblyModes,
     *,
     limits: bool = True,
@@ -156,7 +158,7 @@ def make_modes_report(
     Parameters
     ----------
     mechanism : Mechanism
-    actuated : array_like, shape (n,)
+    actuated : array_like, shape (n,), or mapping of str to float
         The motor values, m or rad.
     modes : AssemblyModes
         Found at these; there may be none.
@@ -184,7 +186,7 @@ def make_modes_report(
         description=mechanism.spec.description,
         parameters=parameter_values(mechanism),
         characteristic_length=mechanism.characteristic_length,
-        motors=motor_values(np.asarray(actuated, dtype=float), labels),
+        motors=motor_values(given_values(mechanism._parts, actuated), labels),
         limits=limits,
         starts=modes.starts,
         complete=CompletenessReport(

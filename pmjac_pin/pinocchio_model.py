@@ -14,6 +14,7 @@ from pmjac_pin.checks import as_names, as_numbers
 from pmjac_pin.coordinates import JointCoordinates
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.loop_spec import FrameLoop, Loop, PointLoop
+from pmjac_pin.named_values import named_values
 from pmjac_pin.spec import JointValue, MechanismSpec, Tool, decode_spec, encode_spec
 
 Constraint: TypeAlias = Any  # Pinocchio's constraint models
@@ -139,12 +140,12 @@ def _tool(tool: str | Sequence[str]) -> Tool:
 def _home_pose(
     model: pin.Model, home: ArrayLike | Mapping[str, JointValue] | None
 ) -> dict[str, JointValue]:
-    if isinstance(home, Mapping):
+    if (by_name := named_values(home, "home")) is not None:
         return {
             name: tuple(
                 np.atleast_1d(as_numbers(value, f"the value of joint {quoted(name)}")).tolist()
             )
-            for name, value in home.items()
+            for name, value in by_name.items()
         }
     if home is None:
         return {}

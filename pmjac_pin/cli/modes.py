@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TypeAlias
 
 from cyclopts import Parameter
 
@@ -21,6 +21,8 @@ from pmjac_pin.modes_report import ModesReport, make_modes_report
 from pmjac_pin.modes_tables import modes_blocks
 from pmjac_pin.plotting import check_figure_file, save_figure
 from pmjac_pin.report import to_json
+
+Given: TypeAlias = Sequence[float] | Mapping[str, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +58,7 @@ class Search:
         bool, Parameter(help="And tell which of them hang together: longer.")
     ] = False
 
-    def report(self, mechanism: Mechanism, values: Sequence[float]) -> Found:
+    def report(self, mechanism: Mechanism, values: Given) -> Found:
         """Return the closed poses at these motor values, and what is known of them."""
         homotopy = None
         if self.homotopy or self.operation_modes:
@@ -77,7 +79,7 @@ class Search:
     def _modes(
         self,
         mechanism: Mechanism,
-        values: Sequence[float],
+        values: Given,
         homotopy: ParameterHomotopy | None,
     ) -> AssemblyModes:
         return mechanism.assembly_modes(
@@ -122,7 +124,7 @@ def modes_command(
     return f"{to_json(found.report)}\n" if json else [*modes_blocks(found.report), *drawn]
 
 
-def _motor_values(mechanism: Mechanism, at: str | None, pose: str | None) -> Sequence[float]:
+def _motor_values(mechanism: Mechanism, at: str | None, pose: str | None) -> Given:
     if at is None:
         values: list[float] = mechanism.pose("home" if pose is None else pose).actuated.tolist()
         return values

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Annotated, Any, TypeAlias
 
@@ -16,7 +17,9 @@ Name: TypeAlias = Annotated[
     str,
     Parameter(help="A name that pmjac list shows, or the path of a model file, URDF, MJCF or SDF."),
 ]
-At: TypeAlias = Annotated[str | None, Parameter(help="Motor values, m or rad, such as 0.5,1,2.")]
+At: TypeAlias = Annotated[
+    str | None, Parameter(help="Motor values, m or rad, such as 0.5,1,2 or l1=0.5,l2=1,l3=2.")
+]
 Frame: TypeAlias = Annotated[
     str, Parameter(help="Of the twist: LOCAL, WORLD or LOCAL_WORLD_ALIGNED (default).")
 ]
@@ -73,17 +76,8 @@ class Choice:
 
     def parameters(self) -> dict[str, float]:
         """Return the values given for the model's parameters."""
-        parameters: dict[str, float] = {}
-        for item in (item for setting in self.set_ or () for item in setting.split(",")):
-            name, _, value = map(str.strip, item.partition("="))
-            if name in parameters:
-                raise ArgumentError(f"--set gives {quoted(name)} twice")
-            try:
-                parameters[name] = float(value)
-            except ValueError:
-                message = f"--set takes NAME=NUMBER, such as l1=1.2; got {quoted(item)}"
-                raise ArgumentError(message) from None
-        return parameters
+        items = [item for setting in self.set_ or () for item in setting.split(",")]
+        return numbers_by_name("--set", items)
 
     def load(self, name: str) -> Mechanism:
         """Return the mechanism of this name or file."""
@@ -111,10 +105,28 @@ class Pose:
         return mechanism.close(motor_values(self.at), guess=start), {"pose": None, "start": start}
 
 
-def motor_values(at: str) -> list[float]:
-    """Return the numbers given by ``--at``."""
+def numbers_by_name(option: str, items: Iterable[str]) -> dict[str, float]:
+    """Return the numbers given as NAME=NUMBER."""
+    numbers: dict[str, float] = {}
+    for item in items:
+        name, _, value = map(str.strip, item.partition("="))
+        if name in numbers:
+            raise ArgumentError(f"{option} gives {quoted(name)} twice")
+        try:
+            numbers[name] = float(value)
+        except ValueError:
+            message = f"{option} takes NAME=NUMBER, such as l1=1.2; got {quoted(item)}"
+            raise ArgumentError(message) from None
+    return numbers
+
+
+def motor_values(at: str) -> list[float] | dict[str, float]:
+    """Return the numbers given by ``--at``, by the motors' names where it has them."""
+    items = at.split(",")
+    if all("=" in item for item in items):
+        return numbers_by_name("--at", items)
     try:
-        return [float(item) for item in at.split(",")]
+        return [float(item) for item in items]
     except ValueError:
         message = f"--at takes numbers joined by commas, such as 0.5,1,2; got {quoted(at)}"
         raise ArgumentError(message) from None

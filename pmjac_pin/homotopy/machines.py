@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import acb
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from pmjac_pin.direct_kinematics import motor_values
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.homotopy.joint_unknowns import Numbers
 from pmjac_pin.homotopy.polynomial_loops import PolynomialLoops
 from pmjac_pin.modes.legs import Leg, names_of
 from pmjac_pin.modes.search_problem import SearchProblem, search_problem, with_legs
+from pmjac_pin.motor_values import MotorValues, motor_values
 from pmjac_pin.parts import Parts
 
 if TYPE_CHECKING:
@@ -103,7 +103,7 @@ class Machines:
         self.loops = PolynomialLoops(problem, [plain + index for index in self._driven])
         self.home = self._machine(problem, self._legs)
 
-    def at(self, actuated: ArrayLike) -> tuple[Machine, ClosedForm]:
+    def at(self, actuated: MotorValues) -> tuple[Machine, ClosedForm]:
         """Return the machine with these motor values, and the way back from its unknowns."""
         parts = self._parts
         values = motor_values(parts, actuated)

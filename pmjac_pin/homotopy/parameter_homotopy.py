@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError
@@ -41,6 +41,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.modes.assembly_modes import Completeness
 from pmjac_pin.modes.closed_pose import closed_pose, generator, order
 from pmjac_pin.modes.recognition import Recognition
+from pmjac_pin.motor_values import MotorValues
 from pmjac_pin.read_only import read_only
 
 Array = NDArray[np.float64]
@@ -92,13 +93,13 @@ class ParameterHomotopy:
     def __repr__(self) -> str:
         return f"ParameterHomotopy({self.mechanism.name}, {self.count} solutions)"
 
-    def at(self, actuated: ArrayLike) -> ComplexModes:
+    def at(self, actuated: MotorValues) -> ComplexModes:
         """Return all complex solutions at given motor values.
 
         Parameters
         ----------
-        actuated : array_like, shape (n,)
-            Motor values, m or rad.
+        actuated : array_like, shape (n,), or mapping of str to float
+            Motor values, m or rad; by name where they have names.
 
         Returns
         -------

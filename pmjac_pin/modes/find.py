@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from pmjac_pin.closure import closed_point
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.direct_kinematics import check_limits, motor_values
+from pmjac_pin.direct_kinematics import check_limits
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.jacobian import refuse_felt_idle_motion
 from pmjac_pin.modes.aim import Aim
@@ -23,6 +23,7 @@ from pmjac_pin.modes.recognition import Recognition
 from pmjac_pin.modes.search_problem import search_problem, with_legs
 from pmjac_pin.modes.settling import Census, HomotopyCensus, ProofCensus, missing, settled
 from pmjac_pin.modes.starts import StartSpace
+from pmjac_pin.motor_values import MotorValues, motor_values
 from pmjac_pin.parts import Parts
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ _Found = tuple[Configuration, float]
 
 
 def find_modes(
-    mechanism: Mechanism, actuated: ArrayLike, rng: np.random.Generator, limits: bool, aim: Aim
+    mechanism: Mechanism, actuated: MotorValues, rng: np.random.Generator, limits: bool, aim: Aim
 ) -> AssemblyModes:
     """Find the assembly modes; see `Mechanism.assembly_modes`."""
     parts = mechanism._parts

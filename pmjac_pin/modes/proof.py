@@ -19,6 +19,7 @@ from pmjac_pin.modes.branch_and_prune import Budget, branch_and_prune
 from pmjac_pin.modes.intervals import Intervals
 from pmjac_pin.modes.krawczyk import Enclosure, enclose
 from pmjac_pin.modes.touching import moved_near, together
+from pmjac_pin.motor_values import MotorValues, motor_values
 from pmjac_pin.parts import Parts
 
 Array = NDArray[np.float64]
@@ -99,17 +100,15 @@ class Proof:
         return tuple(found)
 
 
-def prove(
-    parts: Parts, motor_values: ArrayLike, limits: bool, budget: Budget | None = None
-) -> Proof:
+def prove(parts: Parts, actuated: MotorValues, limits: bool, budget: Budget | None = None) -> Proof:
     """Prove how many assembly modes there are at these motor values, or say what is not settled.
 
     Parameters
     ----------
     parts : Parts
         Of a mechanism.
-    motor_values : array_like, shape (n,)
-        m or rad.
+    actuated : array_like, shape (n,), or mapping of str to float
+        Motor values, m or rad.
     limits : bool
         Keep within the passive joints' limits.
     budget : Budget, optional
@@ -125,7 +124,7 @@ def prove(
     [[-2.4793, -2.2632], [2.0236, 0.0075]]
     """
     began = time.monotonic()
-    values = as_numbers(motor_values, "motor values")
+    values = motor_values(parts, actuated)
     if not (parts.problem.partition.passive.size or parts.spec.loops):
         return _open_chain(parts, values)
     try:

@@ -1,0 +1,65 @@
+"""Values that carry names: taken by these, never by their order."""
+
+from __future__ import annotations
+
+import reprlib
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from pmjac_pin.errors import ArgumentError
+
+
+def named_values(given: Any, what: str) -> dict[Any, Any] | None:
+    """Return what a caller gave by its names, None for values that have only their order.
+
+    Names have mappings, pandas' Series, xarray's arrays of one dimension, NumPy's records, named
+    tuples and rows of a database. None of these packages is imported.
+
+    Raises
+    ------
+    ArgumentError
+        A name twice, or labels that are neither names nor 0, 1, 2, ... in this order.
+
+    Examples
+    --------
+    >>> named_values({"l2": 1.1, "l1": 1.0}, "motor values")
+    {'l2': 1.1, 'l1': 1.0}
+    >>> named_values([1.0, 1.1], "motor values")
+    """
+    if type(given) in (list, tuple, float, int):
+        return None
+    if isinstance(given, Mapping):
+        return dict(given)
+    pairs = _pairs(given)
+    if pairs is None:
+        return None
+    labels = [label for label, _ in pairs]
+    if not any(isinstance(label, str) for label in labels) and labels == list(range(len(labels))):
+        return None
+    if not all(isinstance(label, str) for label in labels) or len(set(labels)) < len(labels):
+        message = f"{what} are labelled {reprlib.repr(labels)}, by no names, or by one twice"
+        raise ArgumentError(f"{message}; give names, or a plain list")
+    return dict(pairs)
+
+
+def _pairs(given: Any) -> list[tuple[Any, Any]] | None:
+    """Return labels and values, each by the way that its kind has for it."""
+    if callable(getattr(given, "_asdict", None)):  # a named tuple
+        return list(given._asdict().items())
+    if names := getattr(getattr(given, "dtype", None), "names", None):
+        return [(name, np.squeeze(given[name])) for name in names]
+    if callable(getattr(given, "keys", None)):  # a Series, a row of a database
+        return _zipped(given.keys(), given)
+    dimensions: Any = getattr(given, "dims", ())
+    coordinates: Any = getattr(given, "coords", {})
+    if len(dimensions) == 1 and dimensions[0] in coordinates:
+        return _zipped(np.asarray(coordinates[dimensions[0]]).tolist(), np.asarray(given))
+    return None
+
+
+def _zipped(labels: Iterable[Any], values: Iterable[Any]) -> list[tuple[Any, Any]]:
+    labels, values = list(labels), list(values)
+    # A table's keys are its columns; its shape is refused where its numbers are looked at.
+    return list(zip(labels, values, strict=False)) if len(labels) == len(values) else []
