@@ -25,6 +25,7 @@ from pmjac_pin.jacobian import (
     equivalent_jacobian,
 )
 from pmjac_pin.kinematics import Snapshot
+from pmjac_pin.limits import Violation, violations
 from pmjac_pin.parts import Parts
 from pmjac_pin.pose_rounding import PoseRounding
 from pmjac_pin.read_only import read_only
@@ -122,6 +123,24 @@ class Configuration:
         others = (name for name in coordinates.names if name not in spec.actuated)
         names = spec.actuated + (spec.passive or tuple(others))
         return MappingProxyType(coordinates.joint_values(self.q, names))
+
+    @property
+    def limits_violated(self) -> Mapping[str, Violation]:
+        """The joints beyond their limits, by name, motors first: `value`, `lower` and `upper`.
+
+        The loops close here, but the joints that the model describes cannot be here.
+        An angle counts as it is, full turns and all.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> bar = pj.load("four_bar")
+        >>> dict(bar.close([1.0]).limits_violated)
+        {}
+        >>> bar.close([6.5], enforce_limits=False).limits_violated["theta1"].words
+        '6.5 is outside its limits [-6.28319, 6.28319]'
+        """
+        return violations(self._parts.coordinates, self.q, self.joint_values)
 
     @property
     def residual(self) -> Array:
@@ -271,7 +290,8 @@ class Configuration:
             for name, value in zip(self.mechanism.actuated[:3], self.actuated[:3], strict=True)
         ) + ", ..." * (self.actuated.size > 3)
         gap = f"residual_norm={self.residual_norm:.1e}"
-        return f"Configuration({self.mechanism.name}, {motors}, {gap})"
+        beyond = "".join(f", {name!r} beyond its limits" for name in self.limits_violated)
+        return f"Configuration({self.mechanism.name}, {motors}, {gap}{beyond})"
 
 
 def _frame_name(frame: str | pin.ReferenceFrame) -> FrameName:

@@ -9,14 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.closure import Followed, follow
+from pmjac_pin.closure_problem import ClosureProblem
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.damped_closure import assemble
-from pmjac_pin.errors import ArgumentError, ClosureError, LimitError
+from pmjac_pin.errors import ArgumentError, ClosureError
 from pmjac_pin.held_motors import assemble_held
+from pmjac_pin.limits import Violation, enforced, limit_error
 from pmjac_pin.motor_values import motor_values
 from pmjac_pin.named_values import named_values
 from pmjac_pin.parts import Parts
 from pmjac_pin.pose_assembly import motor_weights
+from pmjac_pin.rounded_numbers import wider_tolerance
 
 if TYPE_CHECKING:
     from pmjac_pin.mechanism import Mechanism
@@ -24,14 +27,17 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Guess: TypeAlias = "str | Configuration | Mapping[str, float | Sequence[float]]"
 
+_SMALL = 1e-4  # of the characteristic length: a gap of a target hardly missed, or of rounding
 _NEARLY_SINGULAR = 1e-3  # relative singular value of K* that explains why a path ended
 
 
-def close(mechanism: Mechanism, actuated: Any, guess: Guess, enforce_limits: bool) -> Configuration:
+def close(
+    mechanism: Mechanism, actuated: Any, guess: Guess, enforce_limits: bool | str
+) -> Configuration:
     """Close the loops at these motor values; see `Mechanism.close`."""
     parts = mechanism._parts
-    values = motor_values(parts, actuated)
-    if enforce_limits:
+    values, whose = motor_values(parts, actuated), enforced(enforce_limits)
+    if whose != "none":
         check_limits(parts, values)
     start = _start(mechanism, guess, values)
 
@@ -43,22 +49,19 @@ def close(mechanism: Mechanism, actuated: Any, guess: Guess, enforce_limits: boo
     path = follow(parts.problem, start._point, _displacement(parts, start, values), at_target)
     if path.share < 1.0:
         raise _stopped(mechanism, values, start, path)
-    return Configuration._of_point(mechanism, path.point, path.iterations)
+    closed = Configuration._of_point(mechanism, path.point, path.iterations)
+    if whose == "all" and (beyond := closed.limits_violated):
+        what = f"{mechanism.name}: at these motor values, on this assembly mode, "
+        raise limit_error(what, beyond, "; enforce_limits=True asks for the motors' alone")
+    return closed
 
 
 def check_limits(parts: Parts, values: Array) -> None:
     """Raise LimitError where a motor value is outside its joint's limits."""
     for name in parts.coordinates.outside(values, parts.problem.partition.actuated):
         value = float(values[parts.spec.actuated.index(name)])
-        lower, upper = parts.coordinates.limits(name)
-        raise LimitError(
-            f"motor {name!r} = {value:g} is outside its limits [{lower:g}, {upper:g}]; "
-            "enforce_limits=False turns this check off",
-            joint=name,
-            value=value,
-            lower=lower,
-            upper=upper,
-        )
+        found = {name: Violation(value, *parts.coordinates.limits(name))}
+        raise limit_error("motor ", found, "; enforce_limits=False turns this check off")
 
 
 def _start(mechanism: Mechanism, guess: Guess, values: Array) -> Configuration:
@@ -119,7 +122,7 @@ def _stopped(
     at_target = parts.coordinates.with_values(path.point.q, problem.partition.actuated, values)
     best = assemble(problem, at_target, motor_weights(problem, 0.0))
     reason = _reason(reached, path.share)
-    advice = _advice(best.gap, problem.tolerance)
+    advice = _advice(problem, best.gap)
     return ClosureError(
         f"{mechanism.name}: the straight path to the target {reason}; {advice}",
         residual_norm=best.gap,
@@ -147,12 +150,13 @@ def _reason(reached: Configuration, share: float) -> str:
     return f"cannot be followed further than {where}"
 
 
-def _advice(gap: float, tolerance: float) -> str:
+def _advice(problem: ClosureProblem, gap: float) -> str:
     """Say what to do about it: whether the loops close at the target at all."""
-    if gap <= tolerance:
+    if gap <= problem.tolerance:
         where = "the loops do close at the target, on another assembly mode"
         return f"{where}: start from a pose of that mode"
-    return (
-        f"at the target the loops stay open by {gap:.3g} m at best: it is out of reach "
-        "from here; try a nearer target, or another pose as guess"
-    )
+    open_by = f"at the target the loops stay open by {gap:.3g} m at best: "
+    beyond = "it is out of reach from here; try a nearer target, or another pose as guess"
+    if gap <= _SMALL * problem.partition.length:
+        return f"{open_by}give {wider_tolerance(gap, problem.largest_tolerance)}; where they are not, {beyond}"
+    return f"{open_by}{beyond}"

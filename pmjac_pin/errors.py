@@ -81,7 +81,7 @@ class ArgumentError(PmjacError, ValueError):
 
 
 class LimitError(ArgumentError):
-    """A motor value outside its joint's limits.
+    """A value outside its joint's limits: a motor's, or with ``enforce_limits="all"`` any joint's.
 
     Attributes
     ----------

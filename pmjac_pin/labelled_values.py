@@ -12,7 +12,7 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.jacobian import SplitJacobian
 from pmjac_pin.labelled import Powers, joint_powers, quotient, row_powers, unit
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.report import JointValue, ParameterValue, Quantity, ToolPose
+from pmjac_pin.report import BeyondLimits, JointValue, ParameterValue, Quantity, ToolPose
 
 Array = NDArray[np.float64]
 
@@ -61,6 +61,16 @@ def joint_values(configuration: Configuration, labels: Labels) -> tuple[JointVal
     passive = (labels.passive, labels.passive_powers, "passive")
     motors = motor_values(configuration.actuated, labels)
     return motors + _joint_values(configuration.passive, *passive)
+
+
+def beyond_limits(configuration: Configuration, labels: Labels) -> tuple[BeyondLimits, ...]:
+    """Return the joints outside their limits, motors first."""
+    found = configuration.limits_violated
+    return tuple(
+        BeyondLimits(joint.name, joint.role, joint.value, one.lower, one.upper, joint.unit)
+        for joint in joint_values(configuration, labels)
+        if (one := found.get(joint.name)) is not None
+    )
 
 
 def _joint_values(

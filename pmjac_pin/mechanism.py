@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import pinocchio as pin
@@ -146,7 +146,7 @@ class Mechanism(MechanismValue):
         UnknownNameError
             No such pose.
         ClosureError
-            The loops do not close near it, or only with a motor outside its limits.
+            The loops do not close near it, or not within the joints' limits.
         """
         if not isinstance(name, str) or name not in self.spec.poses:
             raise unknown_name("pose", name, self.poses)
@@ -191,7 +191,11 @@ class Mechanism(MechanismValue):
         return MappingProxyType({name: float(change[k]) for name, k in columns.items()})
 
     def close(
-        self, actuated: MotorValues, guess: Guess = "home", *, enforce_limits: bool = True
+        self,
+        actuated: MotorValues,
+        guess: Guess = "home",
+        *,
+        enforce_limits: bool | Literal["all"] = True,
     ) -> Configuration:
         """Close the loops at these motor values: direct kinematics by continuation.
 
@@ -209,8 +213,10 @@ class Mechanism(MechanismValue):
             mapping does not name are taken from the target (motors) and from home. The loops
             of a mapping are closed as those of a pose are, the motors at rest; it is an error
             where that fails.
-        enforce_limits : bool
-            Refuse motor values outside the joints' limits.
+        enforce_limits : bool or "all"
+            Refuse motor values outside the motors' limits; with "all", also a pose that has a
+            passive joint outside its limits. Passive joints are looked at where the path ends,
+            not on the way; without "all", `Configuration.limits_violated` names them.
 
         Returns
         -------

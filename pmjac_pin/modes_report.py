@@ -13,6 +13,7 @@ from pmjac_pin.homotopy.complex_modes import ComplexModes
 from pmjac_pin.homotopy.operation_modes import OperationModes
 from pmjac_pin.labelled_values import (
     Labels,
+    beyond_limits,
     determinant,
     encodable,
     joint_values,
@@ -26,7 +27,7 @@ from pmjac_pin.modes.assembly_modes import AssemblyModes
 from pmjac_pin.modes.names import pose_names
 from pmjac_pin.motor_values import MotorValues
 from pmjac_pin.motor_values import motor_values as given_values
-from pmjac_pin.report import JointValue, ParameterValue, Quantity, ToolPose, Vector
+from pmjac_pin.report import BeyondLimits, JointValue, ParameterValue, Quantity, ToolPose, Vector
 from pmjac_pin.solutions_report import (
     SolutionsReport,
     make_solutions_report,
@@ -65,6 +66,8 @@ class ModeReport(msgspec.Struct, frozen=True, kw_only=True):
     tool : ToolPose
     joints : tuple of JointValue
         Motors first.
+    limits_violated : tuple of BeyondLimits
+        The joints outside their limits, where these were left aside.
     q : tuple of float
         Pinocchio's configuration vector: `Mechanism.configuration` takes it.
     residual_norm : float
@@ -91,6 +94,7 @@ class ModeReport(msgspec.Struct, frozen=True, kw_only=True):
     poses: tuple[str, ...]
     tool: ToolPose
     joints: tuple[JointValue, ...]
+    limits_violated: tuple[BeyondLimits, ...]
     q: Vector
     residual_norm: float
     kind: str
@@ -230,6 +234,7 @@ def _mode(
         poses=poses,
         tool=tool_pose(mode),
         joints=joint_values(mode, labels),
+        limits_violated=beyond_limits(mode, labels),
         q=vector(mode.q),
         residual_norm=mode.residual_norm,
         kind=singularity.kind,

@@ -105,7 +105,8 @@ def _row(mode: ModeReport) -> tuple[str, ...]:
 
 def _names(mode: ModeReport) -> str:
     singular = () if mode.kind == "regular" else (f"singular ({mode.kind})",)
-    return ", ".join((*mode.poses, *singular))
+    beyond = tuple(f"{joint.name} beyond its limits" for joint in mode.limits_violated)
+    return ", ".join((*mode.poses, *singular, *beyond))
 
 
 def _tools(report: ModesReport) -> Table:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -11,10 +10,12 @@ from numpy.typing import NDArray
 from pmjac_pin.closure_problem import ClosureProblem
 from pmjac_pin.coordinates import JointCoordinates
 from pmjac_pin.damped_closure import Assembled, assemble
-from pmjac_pin.errors import ClosureError, LimitError
+from pmjac_pin.errors import ClosureError
 from pmjac_pin.factorisation import norm
 from pmjac_pin.held_motors import assemble_held, is_rounding
+from pmjac_pin.limits import Violation, limit_error, violations
 from pmjac_pin.parts import Parts
+from pmjac_pin.rounded_numbers import wider_tolerance
 from pmjac_pin.spec import MechanismSpec
 
 Array = NDArray[np.float64]
@@ -23,6 +24,8 @@ Array = NDArray[np.float64]
 # at rest: reluctantly, then like the others.
 _MOTOR_WEIGHTS = (0.1, 1.0)
 _FAR = 1e-2  # lengths: at the end of the reach, motors move about as far as the gap
+_STARTS_WITHIN = 64  # random, within all limits
+_MOST_NAMED = 8
 _SHAKES = (0.03, 0.03, 0.1, 0.1, 0.3, 0.3, 0.6, 0.6)  # rad or share of the length
 
 
@@ -36,7 +39,7 @@ def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
     ------
     ClosureError
         With the smallest gap found and the loop that stays open most, or with the joints that
-        would have to leave their limits.
+        leave their limits where the loops close.
     """
     problem, room = parts.problem, parts.coordinates.room
     found = [assemble_held(problem, q, room)]
@@ -98,9 +101,9 @@ def check_motors(coordinates: JointCoordinates, q: Array, spec: MechanismSpec, w
     columns = coordinates.columns(spec.actuated)
     values = coordinates.values(q)[columns]
     for name in coordinates.outside(values, columns):
-        value, (lower, upper) = values[spec.actuated.index(name)], coordinates.limits(name)
-        message = f"{what} motor {name!r} = {value:g} outside its limits [{lower:g}, {upper:g}]"
-        raise LimitError(message, joint=name, value=float(value), lower=lower, upper=upper)
+        value = float(values[spec.actuated.index(name)])
+        found = {name: Violation(value, *coordinates.limits(name))}
+        raise limit_error(f"{what} a motor beyond its limits: ", found)
 
 
 def _beyond_the_end(parts: Parts, start: Array, found: Array) -> Array:
@@ -119,15 +122,14 @@ def _beyond_the_end(parts: Parts, start: Array, found: Array) -> Array:
 
 
 def _open(parts: Parts, q: Array, best: Assembled, pose: str) -> ClosureError:
-    """Say which loop stays open, or which joints would have to leave their limits."""
+    """Say which loop stays open, or which joints leave their limits where it closes."""
     problem, coordinates = parts.problem, parts.coordinates
     what = f"{parts.spec.name}: the pose {pose!r}"
     freely = assemble(problem, q, motor_weights(problem, 1.0))
-    columns = np.arange(problem.partition.column_scale.size)
-    outside = coordinates.outside(coordinates.values(freely.q), columns)
+    outside = violations(coordinates, freely.q, coordinates.names)
     if freely.gap <= problem.tolerance and outside:
-        beyond = "; ".join(_beyond_limits(coordinates, freely.q, name) for name in outside)
-        message = f"{what} closes only with {beyond}"
+        beyond = "; ".join(f"{name!r} = {one.words}" for name, one in outside.items())
+        message = f"{what} closes where {beyond}; {_within(parts)}"
         return ClosureError(message, residual_norm=best.gap, q=best.q)
     residual = np.abs(problem.evaluate(best.q)[0] * problem.partition.row_scale)
     row, loops = int(np.argmax(residual)), parts.kinematics.loops
@@ -136,17 +138,43 @@ def _open(parts: Parts, q: Array, best: Assembled, pose: str) -> ClosureError:
         f"{loops.row_names[row]!r}; give joint values nearer to a closed pose, or other lengths"
     )
     if is_rounding(problem, best.gap):
-        enough = min(_rounded_up(best.gap), problem.largest_tolerance)
-        message += f", or a `tolerance` of {enough:.3g} where numbers are rounded"
+        message += f", or {wider_tolerance(best.gap, problem.largest_tolerance)}"
     return ClosureError(message, residual_norm=best.gap, q=best.q, loop=loops.row_loops[row])
 
 
-def _rounded_up(gap: float) -> float:
-    """Return the next power of ten."""
-    return float(10.0 ** math.ceil(math.log10(gap)))
+def _within(parts: Parts) -> str:
+    """Say whether the loops close within all limits, as far as random starts tell."""
+    problem, coordinates = parts.problem, parts.coordinates
+    rng = np.random.default_rng(0)
+    weights = motor_weights(problem, 1.0)
+    for _ in range(_STARTS_WITHIN):
+        q = _anywhere(parts, rng)
+        found = assemble(problem, q, weights, room=coordinates.room)
+        if found.gap <= problem.tolerance:
+            pose = coordinates.joint_values(found.q, coordinates.names[:_MOST_NAMED])
+            values = ", ".join(f"{name} = {_brief(value)}" for name, value in pose.items())
+            more = ", ..." * (len(coordinates.names) > _MOST_NAMED)
+            return f"within all limits they close elsewhere, at {values}{more}"
+    return f"from {_STARTS_WITHIN} random starts no pose within all limits was found"
 
 
-def _beyond_limits(coordinates: JointCoordinates, q: Array, name: str) -> str:
-    value = float(coordinates.values(q)[coordinates.columns([name])[0]])
-    lower, upper = coordinates.limits(name)
-    return f"{name!r} = {value:g} outside its limits [{lower:g}, {upper:g}]"
+def _anywhere(parts: Parts, rng: np.random.Generator) -> Array:
+    """Return a random pose within the limits; what has none is around its home value."""
+    problem, coordinates = parts.problem, parts.coordinates
+    length, turns = problem.partition.length, coordinates.rotational
+    spread = np.where(turns, np.pi, 2.0 * length)
+    q = problem.integrate(parts.home_q, spread * rng.uniform(-1.0, 1.0, spread.size))
+    columns = np.flatnonzero(np.isfinite(coordinates.lower) & np.isfinite(coordinates.upper))
+    values = coordinates.values(parts.home_q)[columns]
+    lower = np.maximum(coordinates.lower[columns], values - 2.0 * spread[columns])
+    upper = np.minimum(coordinates.upper[columns], values + 2.0 * spread[columns])
+    between = lower + (upper - lower) * rng.uniform(size=columns.size)
+    inside = np.clip(between, coordinates.lower[columns], coordinates.upper[columns])
+    return coordinates.with_values(q, columns, inside)
+
+
+def _brief(value: float | tuple[float, ...]) -> str:
+    """Return a joint's value, or values, in a few digits."""
+    if isinstance(value, tuple):
+        return f"({', '.join(f'{one:.4g}' for one in value)})"
+    return f"{value:.4g}"

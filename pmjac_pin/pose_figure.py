@@ -28,6 +28,8 @@ def save_pose_figure(report: Report, ellipsoid: Ellipsoid, path: Path) -> None:
         heading = report.mechanism
     if heading != title(report) or report.pose is not None:
         lines.insert(0, wrapped(motor_values(report.joints), _SUBTITLE_WIDTH))
+    if beyond := [joint.name for joint in report.limits_violated]:
+        lines.append(wrapped(f"beyond limits: {', '.join(beyond)}", _SUBTITLE_WIDTH))
     save_figure(plot_ellipsoid(ellipsoid, title=heading, subtitle="\n".join(lines)), path)
 
 

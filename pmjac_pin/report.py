@@ -44,6 +44,17 @@ class JointValue(msgspec.Struct, frozen=True):
     unit: str
 
 
+class BeyondLimits(msgspec.Struct, frozen=True):
+    """A joint outside its limits."""
+
+    name: str
+    role: str
+    value: float
+    lower: float
+    upper: float
+    unit: str
+
+
 class Dimensions(msgspec.Struct, frozen=True):
     """The sizes in the lecture's letters.
 
@@ -183,6 +194,8 @@ class Report(msgspec.Struct, frozen=True, kw_only=True):
         Of the tool's twist, with Pinocchio's meaning.
     joints : tuple of JointValue
         Motors first.
+    limits_violated : tuple of BeyondLimits
+        The joints outside their limits: the loops close, but the machine cannot be there.
     iterations : int
         Newton iterations that closed the loops.
     residual : tuple of Quantity
@@ -211,6 +224,7 @@ class Report(msgspec.Struct, frozen=True, kw_only=True):
     start: str | None
     frame: str
     joints: tuple[JointValue, ...]
+    limits_violated: tuple[BeyondLimits, ...]
     iterations: int
     residual: tuple[Quantity, ...]
     residual_norm: float

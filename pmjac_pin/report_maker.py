@@ -24,6 +24,7 @@ from pmjac_pin.labelled import (
 )
 from pmjac_pin.labelled_values import (
     Labels,
+    beyond_limits,
     determinant,
     encodable,
     joint_values,
@@ -92,6 +93,7 @@ def make_report(
         start=start,
         frame=split.frame,
         joints=joint_values(configuration, labels),
+        limits_violated=beyond_limits(configuration, labels),
         iterations=configuration.iterations,
         residual=_residual(configuration, labels),
         residual_norm=configuration.residual_norm,

@@ -6,7 +6,8 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from pmjac_pin.blocks import Block, Heading, Paragraph, Table, brief, matrix_table, number, numbers
-from pmjac_pin.report import EllipsoidReport, JointValue, Report, SingularityReport
+from pmjac_pin.limits import Violation
+from pmjac_pin.report import BeyondLimits, EllipsoidReport, JointValue, Report, SingularityReport
 
 TITLES = {
     "K": "K = ∂η/∂θ (loop equations by motors)",
@@ -42,6 +43,8 @@ def report_blocks(report: Report) -> Iterator[Block]:
         yield Paragraph("\n".join(f"Note: {note}" for note in report.notes))
     yield Paragraph(_sizes(report))
     yield Paragraph(_origin(report))
+    if report.limits_violated:
+        yield Paragraph(limits_warning(report.limits_violated))
     yield from _pose(report)
     yield Heading("Loop closure and tool Jacobian")
     yield Paragraph(LEGEND)
@@ -136,6 +139,15 @@ def _sizes(report: Report) -> str:
         f"m = {size.m} of them independent; mobility {mobility}; nq = {size.nq}, "
         f"nv = {size.nv}."
     )
+
+
+def limits_warning(found: Sequence[BeyondLimits]) -> str:
+    """Return the warning that joints are outside their limits."""
+    told = "; ".join(
+        f"{joint.name} = {Violation(joint.value, joint.lower, joint.upper).words} {joint.unit}"
+        for joint in found
+    )
+    return f"Warning: {told}. The loops close here, but the machine cannot be here."
 
 
 def _origin(report: Report) -> str:

@@ -95,5 +95,5 @@ def test_home_follows_the_parameters_alike_in_both_cuts(a, b):
 
 
 def test_home_refuses_to_leave_the_motors_limits():
-    with pytest.raises(pj.ClosureError, match=r"closes only with 'l1' = .* outside its limits"):
+    with pytest.raises(pj.ClosureError, match=r"closes where 'l1' = .* is outside its limits"):
         pj.load("three_rps", parameters={"a": 1000.0})

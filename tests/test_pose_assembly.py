@@ -59,7 +59,7 @@ def test_the_joints_stay_within_their_limits():
 
 def test_a_limit_that_no_closed_pose_respects_is_named():
     with pytest.raises(
-        pj.ClosureError, match=r"closes only with 'phi1' = .* outside its limits \[0\.5, 0\.6\]"
+        pj.ClosureError, match=r"closes where 'phi1' = .* is outside its limits \[0\.5, 0\.6\]"
     ):
         four_bar({"theta1": 0.9, "phi1": 2.0, "phi2": 0.0}, limits=(0.5, 0.6))
 

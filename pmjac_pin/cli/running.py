@@ -99,8 +99,7 @@ def _message(error: Exception) -> str:
         hint = "; numbers are joined by commas, without blanks: --at 0.5,1,2" if lists else ""
         return f"unexpected argument {shortened(' '.join(map(repr, tokens)))}{hint}"
     if isinstance(error, LimitError):
-        limits = f"[{error.lower:g}, {error.upper:g}]"
-        return f"motor {error.joint!r} = {error.value:g} is outside its limits {limits}"
+        return str(error).partition("; enforce_limits")[0]  # of Python alone
     if isinstance(error, OSError) and error.strerror:
         return ": ".join(map(str, filter(None, (error.filename, error.strerror))))
     return shortened(str(error), _LONGEST) if isinstance(error, CycloptsError) else str(error)

@@ -6,8 +6,10 @@ must name this server as its host, which DNS rebinding cannot, and must come fro
 
 from __future__ import annotations
 
+import asyncio
 import re
 from pathlib import Path
+from types import TracebackType
 
 import tornado.web
 import tornado.websocket
@@ -95,6 +97,11 @@ class Browser(Guarded, tornado.websocket.WebSocketHandler):
         if len(self.settings["sockets"]) >= _MOST_SOCKETS:
             raise tornado.web.HTTPError(503)
 
+    @property
+    def stream(self) -> IOStream | None:
+        """What it is connected by, once it is open."""
+        return self._stream
+
     async def send(self, message: str | bytes) -> None:
         """Send, and wait until it is on its way."""
         await self.write_message(message, binary=isinstance(message, bytes))
@@ -114,6 +121,16 @@ class Browser(Guarded, tornado.websocket.WebSocketHandler):
         """Leave the others."""
         self.settings["sockets"].discard(self)
         self.hub.remove(self)
+
+    def log_exception(
+        self,
+        typ: type[BaseException] | None,
+        value: BaseException | None,
+        tb: TracebackType | None,
+    ) -> None:
+        """Say nothing of what the end of the server has cut short."""
+        if not isinstance(value, asyncio.CancelledError):
+            super().log_exception(typ, value, tb)
 
     def forget(self) -> None:
         """Close the socket in a forked process; the connection lives on in this one."""

@@ -21,6 +21,7 @@ from pmjac_pin.modes_report import ModeReport, make_modes_report
 from pmjac_pin.modes_tables import count
 from pmjac_pin.viewer.messages import FindModes, Modes, ModesCommand, ShowMode, StopSearch
 from pmjac_pin.viewer.session import Session
+from pmjac_pin.viewer.worker import Worker
 
 _logger = logging.getLogger(__name__)
 
@@ -75,6 +76,7 @@ class ModeFinder:
         self._found: _Found | None = None
         self._search: threading.Event | None = None  # set when nobody wants its answer any more
         self._current: int | None = None
+        self._worker = Worker("pmjac modes")
         self._searches = 0  # each has other random starts
 
     @property
@@ -135,11 +137,13 @@ class ModeFinder:
         self._searches += 1
 
         def search() -> None:
+            if unwanted.is_set():  # while it waited for its turn
+                return
             found = _Found.of(start, seed, lambda: not unwanted.is_set())
             with contextlib.suppress(RuntimeError):  # the server has ended meanwhile
                 loop.call_soon_threadsafe(self._finish, unwanted, found)
 
-        threading.Thread(target=search, name="pmjac modes", daemon=True).start()
+        self._worker.do(search)
         self._tell()
 
     def _finish(self, search: threading.Event, found: _Found) -> None:

@@ -91,6 +91,8 @@ class Readout(msgspec.Struct, frozen=True, kw_only=True):
         Six rows, linear ones first; what is only rounding is 0.
     sections : tuple of Section or None
     warning : Nearness
+    beyond : str
+        Which joints are outside their limits; empty for none.
     refusal : str or None
         Why J_eq does not exist here.
     """
@@ -107,6 +109,7 @@ class Readout(msgspec.Struct, frozen=True, kw_only=True):
     J_eq: tuple[Vector, ...] | None
     sections: tuple[Section, ...] | None
     warning: Nearness
+    beyond: str
     refusal: str | None
 
 
@@ -143,8 +146,18 @@ def make_readout(configuration: Configuration, ranks: ToolRanks | None = None) -
         J_eq=known.get("J_eq"),
         sections=None if jacobian is None else _sections(jacobian.velocity_ellipsoid()),
         warning=_warning(configuration, singularity, jacobian, ranks),
+        beyond=_beyond(configuration),
         refusal=refusal,
     )
+
+
+def _beyond(configuration: Configuration) -> str:
+    found = tuple(configuration.limits_violated)
+    if not found:
+        return ""
+    shown = ", ".join(found[:_NAMES_SHOWN]) + " and others" * (len(found) > _NAMES_SHOWN)
+    their = "its limits" if len(found) == 1 else "their limits"
+    return f"Beyond {their}: {shown}. The loops close, but the machine cannot be here."
 
 
 def _equivalent(configuration: Configuration) -> tuple[EquivalentJacobian | None, str | None]:

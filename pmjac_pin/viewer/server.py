@@ -23,6 +23,7 @@ import tornado.httpserver
 import tornado.ioloop
 
 from pmjac_pin.errors import ArgumentError, PmjacError, quoted
+from pmjac_pin.viewer.door import Door
 from pmjac_pin.viewer.handlers import ABSURD_SIZE, Browser, make_application
 from pmjac_pin.viewer.hub import Hub
 
@@ -165,11 +166,12 @@ class Server:
             body_timeout=_PATIENCE,
             idle_connection_timeout=_IDLE,
         )
-        server.add_socket(self._socket)
+        door = Door(self._socket, server, self._browsers)
+        door.open()
         self._ready.set()
         await self._finish.wait()
         self.hub.close()
-        server.stop()
+        door.close()
         for browser in list(self._browsers):
             browser.close(1001, "the viewer has been closed")
         await asyncio.sleep(0.02)  # for the closing frames to go out

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pmjac_pin.assembled_poses import assembled_poses
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError, LimitError
+from pmjac_pin.limits import Violation
 from pmjac_pin.viewer.framing import Framing, frame
 from pmjac_pin.viewer.layers import Kind
 from pmjac_pin.viewer.leaving import beside_singularity, shortly_before
@@ -115,9 +116,8 @@ class Session:
         try:
             found, notice = self._close(target), _NOTHING
         except LimitError as error:
-            limits = f"[{error.lower:g}, {error.upper:g}]"
-            message = f"{error.joint} = {error.value:g} is outside its limits {limits}"
-            raise ArgumentError(message) from None
+            beyond = Violation(error.value, error.lower, error.upper)
+            raise ArgumentError(f"{error.joint} = {beyond.words}") from None
         except ClosureError as error:
             if error.reached is None:
                 raise

@@ -49,14 +49,14 @@ function show() {
   showSections(readout.sections, decimals.Jv);
   showOptions(state.drawn, connection.idle);
   $("pose").value = state.pose ?? "";
-  say(notice.kind, notice.text, readout.warning);
+  say(notice.kind, notice.text, readout.warning, readout.beyond);
 }
 
 function showMotors() {
   motors.show(state.values, connection.moving, state.notice.stops);
 }
 
-const complain = (text) => say("error", text, state?.readout.warning);
+const complain = (text) => say("error", text, state?.readout.warning, state?.readout.beyond);
 
 const LOST = "The connection to Python has ended: the picture stays as it was. It goes on by itself when Python serves this page again.";
 let focused = null;  // what had the focus when the connection was lost
