@@ -151,6 +151,8 @@ class PoseEntry(msgspec.Struct, frozen=True):
         and the largest over it. Infinite (null in JSON) without loops, or singular.
     failure : Failure or None
         Why it does not assemble.
+    beyond : dict of str to str
+        The joints that are outside their limits where it closes, and the words for it.
     """
 
     name: str
@@ -160,6 +162,7 @@ class PoseEntry(msgspec.Struct, frozen=True):
     smallest: float | None
     condition: float | None
     failure: Failure | None
+    beyond: dict[str, str] = {}
 
 
 class Diagnosis(msgspec.Struct, frozen=True, kw_only=True):
@@ -196,6 +199,9 @@ class Diagnosis(msgspec.Struct, frozen=True, kw_only=True):
         How far from the world's origin the mechanism stands, m, where that costs digits.
     closed : float
         The gap in m up to which loops count as closed.
+    rounding : float or None
+        How far the loops stay open, m, at the poses near home, where none closes but for so little
+        that rounded numbers are the cause.
     notes : tuple of str
         What the reader of another format decided.
     """
@@ -219,6 +225,7 @@ class Diagnosis(msgspec.Struct, frozen=True, kw_only=True):
     tolerance: float | None
     far: float | None
     closed: float
+    rounding: float | None = None
     notes: tuple[str, ...] = ()
 
     @property

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.actuation import analyse_actuation
 from pmjac_pin.assembly import nearby
+from pmjac_pin.damped_closure import assemble
 from pmjac_pin.diagnosis import (
     ActuationEntry,
     DependentRow,
@@ -33,15 +34,20 @@ from pmjac_pin.diagnosis_structure import (
     tool_frames,
 )
 from pmjac_pin.errors import ClosureError, LimitError, PmjacError
+from pmjac_pin.factorisation import norm
 from pmjac_pin.findings import find
 from pmjac_pin.labelled_values import encodable
 from pmjac_pin.loading import load
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.parts import Parts
+from pmjac_pin.pose_assembly import motor_weights
 from pmjac_pin.redundancy import LoopRank, dependent_rows, loop_ranks
 from pmjac_pin.singularity import Singularity, analyse_singularity
 
 Array = NDArray[np.float64]
+
+_STRIDE = 0.1  # rad or share of the length, from home to where rounding is looked for
+_ROUNDING = 1e-5  # of the length: the gap of a structure is a hundred times as large there
 
 
 def check(source: str | Path | Mechanism | PmjacError, **options: Any) -> Diagnosis:
@@ -112,6 +118,7 @@ def _of_mechanism(mechanism: Mechanism) -> Diagnosis:
         tolerance=mechanism.spec.tolerance,
         far=_far(parts),
         closed=parts.problem.tolerance,
+        rounding=_rounding(parts),
         notes=tuple(map(encodable, mechanism.notes)),
     )
     return msgspec.structs.replace(diagnosis, findings=find(diagnosis))
@@ -228,14 +235,32 @@ def _moving_bodies(parts: Parts, q: Array, free: Array) -> list[tuple[str, ...]]
     return list(map(tuple, moving))
 
 
+def _rounding(parts: Parts) -> float | None:
+    """Return the gap that stays a little away from home, where rounded numbers are its cause."""
+    problem, q = parts.problem, parts.home_q
+    partition = problem.partition
+    scaled = partition.scaled(parts.kinematics.snapshot(q).constraint_jacobian)
+    allowed = partition.factorise(scaled, norm(scaled)).null_space
+    gaps = []
+    for direction in (*allowed.T, *-allowed.T):
+        stride = _STRIDE * partition.length * partition.column_scale * direction
+        weights = motor_weights(problem, 0.0 if stride[partition.actuated].any() else 1.0)
+        gaps.append(assemble(problem, problem.integrate(q, stride), weights).gap)
+    if not gaps or max(gaps) <= problem.tolerance or max(gaps) > _ROUNDING * partition.length:
+        return None
+    return max(gaps)
+
+
 def _pose(mechanism: Mechanism, name: str) -> PoseEntry:
     gap = _gap_given(mechanism._parts, name)
     try:
-        singularity, moved = mechanism.pose(name).singularity(), mechanism.moved(name)
+        closed, moved = mechanism.pose(name), mechanism.moved(name)
+        singularity = closed.singularity()
     except PmjacError as error:
         return PoseEntry(name, gap, None, None, None, None, _failure(error))
     smallest, condition = singularity.smallest, singularity.condition
-    return PoseEntry(name, gap, dict(moved), singularity.kind, smallest, condition, None)
+    beyond = {joint: one.words for joint, one in closed.limits_violated.items()}
+    return PoseEntry(name, gap, dict(moved), singularity.kind, smallest, condition, None, beyond)
 
 
 def _gap_given(parts: Parts, pose: str) -> float:

@@ -8,6 +8,8 @@ from pmjac_pin.blocks import brief
 from pmjac_pin.diagnosis import Diagnosis, Finding, FreeMotion, PoseEntry, Severity
 from pmjac_pin.diagnosis_parts import Freedom
 from pmjac_pin.mobility_findings import count_findings, redundancy_findings
+from pmjac_pin.rounded_numbers import wider_tolerance
+from pmjac_pin.spec import LARGEST_TOLERANCE
 
 _ORDER = ("error", "warning", "note", "ok")
 WIDE_OPEN = 0.1  # of the characteristic length: beyond, which assembly mode is found is chance
@@ -98,12 +100,9 @@ def _what_to_try(diagnosis: Diagnosis) -> str:
             "Each loop closes alone, all together did not: check the lengths that they share, or "
             "give joint values nearer to a closed pose."
         )
-    if failure and failure.gap is not None and failure.gap <= _WORTH_A_TOLERANCE:
-        cause += " Where the model's numbers are rounded, a `tolerance` lets it pass."
+    if failure and failure.gap is not None and failure.gap <= LARGEST_TOLERANCE:
+        cause += f" Or give {wider_tolerance(failure.gap)}."
     return cause
-
-
-_WORTH_A_TOLERANCE = 1e-2  # m
 
 
 def _assembly(diagnosis: Diagnosis) -> Iterator[Finding]:
@@ -141,6 +140,10 @@ def _one_pose(diagnosis: Diagnosis, pose: PoseEntry) -> Iterator[Finding]:
             "write the closed values (pmjac report --json has all digits) into the file."
         )
         yield Finding("warning", "wide-open", message, advice)
+    if pose.beyond:
+        told = "; ".join(f"{name!r} = {words}" for name, words in pose.beyond.items())
+        advice = "Give values within the limits, widen them, or choose another assembly mode."
+        yield Finding("warning", "beyond-limits", f"{what} closes where {told}.", advice)
     motors = [freedom.name for freedom in diagnosis.freedoms if freedom.role == "actuated"]
     if forced := [name for name in motors if abs(moved.get(name, 0.0)) > _MOVED]:
         moves = ", ".join(f"{name!r} by {_value(diagnosis, name, moved[name])}" for name in forced)
@@ -307,6 +310,11 @@ def _tolerance(diagnosis: Diagnosis) -> Iterator[Finding]:
         message = f"The file lets loops count as closed that are open by {diagnosis.tolerance:g} m."
         advice = "Numbers are good to that, no better; write the model's with all their digits."
         yield Finding("note", "tolerance", message, advice)
+    if diagnosis.rounding is not None:
+        gap = diagnosis.rounding
+        message = f"Away from home the loops stay open by {brief(gap)} m: they close there only."
+        advice = f"Write the model's numbers with all their digits, or give {wider_tolerance(gap)}."
+        yield Finding("warning", "rounded-numbers", message, advice)
 
 
 def _far(diagnosis: Diagnosis) -> Iterator[Finding]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from pmjac_pin.closure_problem import LARGEST_TOLERANCE
+from pmjac_pin.spec import LARGEST_TOLERANCE
 
 
 def wider_tolerance(gap: float, largest: float = LARGEST_TOLERANCE) -> str:

@@ -1,0 +1,97 @@
+"""Models with rounded numbers: which tolerance would do is said wherever it is met."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import pmjac_pin as pj
+
+OVERCONSTRAINED = ("bennett", "bricard", "sarrus", "slider_crank", "four_bar", "planar_3rpr")
+
+
+def rounded(name, size, tolerance=None, seed=0):
+    """Return a machine whose axes are tilted at random, but for home, which stays closed."""
+    machine = pj.load(name)
+    model, rng = machine.model, np.random.default_rng(seed)
+    for joint in range(1, model.njoints):
+        if model.names[joint] in machine.actuated:
+            continue
+        tilt = pin.SE3(pin.exp3(size * rng.normal(size=3)), np.zeros(3))
+        model.jointPlacements[joint] = model.jointPlacements[joint] * tilt
+    spec = machine.spec
+    return pj.Mechanism.from_pinocchio(
+        model,
+        spec.loops,
+        spec.actuated,
+        spec.tool.frame or spec.tool.points,
+        home=machine.home.q,
+        name=name,
+        tolerance=tolerance,
+    )
+
+
+@pytest.mark.parametrize("name", OVERCONSTRAINED)
+def test_the_tolerance_that_is_named_does(name):
+    """A few questions and answers lead to a machine that closes."""
+    tolerance, home = None, pj.load(name).home.actuated
+    for _ in range(5):
+        try:
+            closed = rounded(name, 1e-8, tolerance).close(home + 0.05)
+        except pj.ClosureError as error:
+            named = re.search(r"a `tolerance` of (\S+) where numbers are rounded", str(error))
+            assert named, str(error)
+            assert tolerance is None or float(named[1]) > tolerance
+            tolerance = float(named[1])
+        else:
+            assert closed.residual_norm <= closed.mechanism.tolerance <= 1e-5
+            return
+    pytest.fail("no tolerance was enough")
+
+
+def one_axis(tolerance=None):
+    """A four-bar that closes exactly at home, and whose rod is tilted by 2e-8 rad elsewhere."""
+    machine = pj.load("four_bar")
+    model, home = machine.model, machine.home.q
+    joint = model.getJointId("phi2")
+    angle = home[model.joints[joint].idx_q]
+    turn = pin.SE3(pin.exp3(np.array([0.0, 0.0, angle])), np.zeros(3))
+    tilt = pin.SE3(pin.exp3(np.array([2e-8, 1e-8, 0.0])), np.zeros(3))
+    place = model.jointPlacements[joint]
+    # Tilted about its own axis's pose at home, and the body behind it back again.
+    model.jointPlacements[joint] = place * tilt
+    back = turn.inverse() * tilt.inverse() * turn
+    for frame in model.frames:
+        if frame.parentJoint == joint:
+            frame.placement = back * frame.placement
+    spec = machine.spec
+    return pj.Mechanism.from_pinocchio(
+        model, spec.loops, spec.actuated, spec.tool.frame, home=home, tolerance=tolerance
+    )
+
+
+def test_close_and_check_name_it_where_home_closes():
+    machine = one_axis()
+    with pytest.raises(pj.ClosureError, match=r"`tolerance` of 1e-0[78] where numbers are rounded"):
+        machine.close(machine.home.actuated + 0.3)
+    [found] = [f for f in pj.check(machine).findings if f.code == "rounded-numbers"]
+    assert found.severity == "warning"
+    assert "a `tolerance` of 1e-0" in found.advice
+    better = one_axis(1e-7)
+    assert better.close(better.home.actuated + 0.3).residual_norm < 1e-7
+    assert "rounded-numbers" not in [f.code for f in pj.check(better).findings]
+
+
+@pytest.mark.parametrize("name", ["four_bar", "bennett", "delta", "three_rps", "planar_3rpr"])
+def test_exact_machines_are_not_suspected(name):
+    assert pj.check(name).rounding is None
+
+
+def test_far_out_of_reach_is_no_rounding():
+    rocker = pj.load("four_bar", parameters={"l0": 4.0, "l1": 3.0, "l2": 2.5, "l3": 2.0})
+    with pytest.raises(pj.ClosureError, match="out of reach from here") as caught:
+        rocker.close([1.5])
+    assert "tolerance`" not in str(caught.value)
