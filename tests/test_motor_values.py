@@ -98,7 +98,7 @@ def test_unknown_and_missing_names_are_refused(three_rps, kind):
         three_rps.close(KINDS[kind]({"l1": 1.0, "l3": 0.9}))
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", ["dict", "Series", "named tuple"])
 def test_everywhere(kind):
     mechanism = pj.load("five_bar")
     theta = mechanism.home.actuated

@@ -152,6 +152,7 @@ def test_json_is_ascii_and_keeps_its_keys(homes):
         "start",
         "frame",
         "joints",
+        "limits_violated",
         "iterations",
         "residual",
         "residual_norm",

@@ -128,7 +128,13 @@ def ended(pid, seconds):
 
 @LINUX
 @pytest.mark.parametrize(
-    ("prefix", "stays"), [("", False), ("nohup ", True), ("setsid ", True), ("& ", True)]
+    ("prefix", "stays"),
+    [
+        ("", False),
+        ("& ", True),
+        pytest.param("nohup ", True, marks=pytest.mark.slow),
+        pytest.param("setsid ", True, marks=pytest.mark.slow),
+    ],
 )
 def test_a_killed_parent(prefix, stays):
     """It ends, too, unless it was started to stay."""
