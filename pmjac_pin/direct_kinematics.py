@@ -158,5 +158,6 @@ def _advice(problem: ClosureProblem, gap: float) -> str:
     open_by = f"at the target the loops stay open by {gap:.3g} m at best: "
     beyond = "it is out of reach from here; try a nearer target, or another pose as guess"
     if gap <= _SMALL * problem.partition.length:
-        return f"{open_by}give {wider_tolerance(gap, problem.largest_tolerance)}; where they are not, {beyond}"
+        enough = wider_tolerance(gap, problem.largest_tolerance)
+        return f"{open_by}give {enough}; where they are not, {beyond}"
     return f"{open_by}{beyond}"
