@@ -279,6 +279,21 @@ def _tool_rows(diagnosis: Diagnosis) -> Iterator[Finding]:
         yield Finding(severity, "tool-rows", message, advice)
 
 
+def _isolated(diagnosis: Diagnosis) -> Finding:
+    gap = diagnosis.rounding
+    if gap is None:
+        return Finding("error", "isolated", _NO_NEIGHBOUR, _LOOSEN)
+    message = (
+        f"No pose near home closes: the loops stay open there by {brief(gap)} m, as rounded "
+        "numbers leave them. Mobility and generic ranks are not known."
+    )
+    return Finding("error", "rounded-numbers", message, _all_digits(gap))
+
+
+def _all_digits(gap: float) -> str:
+    return f"Write the model's numbers with all their digits, or give {wider_tolerance(gap)}."
+
+
 def _conditioning(diagnosis: Diagnosis) -> Iterator[Finding]:
     for pose in diagnosis.poses:
         if pose.kind is None or pose.smallest is None or pose.condition is None:
@@ -292,7 +307,7 @@ def _conditioning(diagnosis: Diagnosis) -> Iterator[Finding]:
             yield Finding("note", "singular-pose", message, advice)
         elif pose.kind == "isolated":
             if home:
-                yield Finding("error", "isolated", _NO_NEIGHBOUR, _LOOSEN)
+                yield _isolated(diagnosis)
         elif pose.kind != "regular":
             message = f"The pose {pose.name!r} is singular, of kind {pose.kind} (K*: {sizes})."
             advice = "Start from a pose off it; pmjac report shows the motion that comes free."
@@ -310,11 +325,10 @@ def _tolerance(diagnosis: Diagnosis) -> Iterator[Finding]:
         message = f"The file lets loops count as closed that are open by {diagnosis.tolerance:g} m."
         advice = "Numbers are good to that, no better; write the model's with all their digits."
         yield Finding("note", "tolerance", message, advice)
-    if diagnosis.rounding is not None:
-        gap = diagnosis.rounding
-        message = f"Away from home the loops stay open by {brief(gap)} m: they close there only."
-        advice = f"Write the model's numbers with all their digits, or give {wider_tolerance(gap)}."
-        yield Finding("warning", "rounded-numbers", message, advice)
+    gap, isolated = diagnosis.rounding, any(pose.kind == "isolated" for pose in diagnosis.poses)
+    if gap is not None and not isolated:
+        message = f"Away from home the loops stay open by up to {brief(gap)} m."
+        yield Finding("warning", "rounded-numbers", message, _all_digits(gap))
 
 
 def _far(diagnosis: Diagnosis) -> Iterator[Finding]:
