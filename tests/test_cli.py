@@ -345,7 +345,7 @@ def test_mistakes_get_one_line(run, line, message):
         (("report", ""), "unknown mechanism ''"),
         (
             ("report", "three_rps_ss", "--set", "a=100"),
-            "three_rps_ss: the pose 'home' closes only with",
+            "three_rps_ss: the pose 'home' closes where",
         ),
     ],
 )

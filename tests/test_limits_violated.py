@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import msgspec
 import numpy as np
@@ -127,12 +128,14 @@ def test_check_warns_of_a_pose_given_beyond():
 
 
 def test_nothing_is_said_to_be_the_only_way():
-    """Within the limits the other mode closes, far from what is given."""
+    """But what was seen, beyond the limits and within them."""
     with pytest.raises(pj.ClosureError) as caught:
-        limited("four_bar", "phi1", -3.0, -1.0, {"theta1": 0.9, "phi1": 2.0, "phi2": 0.0})
+        limited("four_bar", "phi1", 0.5, 0.6, {"theta1": 0.9, "phi1": 0.55, "phi2": 0.0})
     message = str(caught.value)
     assert "only" not in message
-    assert "within all limits they close elsewhere, at phi1 = -" in message
+    assert "closes where 'phi1' = " in message
+    seen = r"they close elsewhere, at phi1 = |from 64 random starts no pose within all limits was"
+    assert re.search(seen, message)
 
 
 def test_catalogue_machines_keep_their_limits():
