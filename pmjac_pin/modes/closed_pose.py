@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.damped_closure import assemble
 from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.modes.gear_trains import gear_trains, unwound
 from pmjac_pin.pose_assembly import motor_weights
 
 if TYPE_CHECKING:
@@ -26,7 +27,8 @@ def closed_pose(mechanism: Mechanism, q: Array, limits: bool) -> Configuration |
     if closed.gap > problem.tolerance:
         return None
     columns = problem.partition.passive
-    q = coordinates.unwound(closed.q, columns, limits)
+    trains = gear_trains(parts.model, parts.spec.loops, parts.spec.actuated)
+    q = unwound(coordinates, trains, closed.q, columns, limits)
     if limits and coordinates.outside(coordinates.values(q)[columns], columns):
         return None
     return Configuration._of_q(mechanism, q)

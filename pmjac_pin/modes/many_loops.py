@@ -27,12 +27,13 @@ Array = NDArray[np.float64]
 class ManyLoops:
     """All loops of a mechanism over rows of q: η (b, p) and ∂η/∂v (b, p, nv)."""
 
-    __slots__ = ("_couplings", "_pairs", "_tree")
+    __slots__ = ("_couplings", "_joints", "_pairs", "_tree")
 
     def __init__(
         self, model: pin.Model, tree: ManyPoses, loops: Sequence[Loop], values: Mapping[str, float]
     ) -> None:
         self._tree = tree
+        self._joints = {joint.idx_v: joint for joint in list(model.joints)[1:]}
         self._couplings: list[Coupling] = []
         self._pairs: list[tuple[Frame, Frame, list[Rows]]] = []
         for loop in loops:
@@ -53,11 +54,26 @@ class ManyLoops:
                 residuals.append(residual)
                 jacobians.append(jacobian)
         for coupling in self._couplings:
-            residuals.append(np.array([[coupling.residual(row)] for row in q]))
+            residuals.append(self._coupled(coupling, q)[:, None])
             jacobians.append(
                 np.broadcast_to(coupling.gradient, (len(q), 1, coupling.gradient.size))
             )
         return np.concatenate(residuals, axis=1), np.concatenate(jacobians, axis=1)
+
+    def _coupled(self, coupling: Coupling, q: Array) -> Array:
+        """Return a coupling's η (b,), as `Coupling.residual` does for one pose."""
+        first, second = (self._values(q, column) for column in coupling.columns.tolist())
+        difference: Array = second - coupling.ratio * first - coupling.offset
+        if coupling.coordinates.wraps[coupling.columns[1]]:
+            difference -= 2.0 * np.pi * np.round(difference / (2.0 * np.pi))
+        return difference
+
+    def _values(self, q: Array, column: int) -> Array:
+        """Return the values (b,) of a joint of one degree of freedom."""
+        entries = q[:, self._joints[column].idx_q :][:, : self._joints[column].nq]
+        if entries.shape[1] == 1:
+            return entries[:, 0]
+        return np.asarray(np.arctan2(entries[:, 1], entries[:, 0]))
 
     def _end(self, poses: Poses, frame: Frame) -> _End:
         rotation, mask = poses.rotations[frame.joint], self._tree.moved_by[frame.joint]

@@ -32,7 +32,8 @@ class RandomSearch:
     """
 
     def __init__(self, problem: SearchProblem, space: StartSpace, rng: np.random.Generator) -> None:
-        self._closures, self._space, self._rng = ManyClosures(problem), space, rng
+        self._closures = ManyClosures(problem, space.strides(problem))
+        self._space, self._rng = space, rng
         self.met = Distinct(Signatures.of(problem, problem.base[None]))
         self.starts = 0
         self.moving = False
@@ -76,9 +77,10 @@ class RandomSearch:
             )
             return Completeness("neither", statement, 1.0, aim.confidence)
         if bound <= aim.unseen:
+            only = f" ({self._space.cut_off})" if self._space.cut_off else ""
             statement = (
                 f"statistics: with confidence {aim.confidence:g}, at most {bound:.2g} of the "
-                f"start space leads to modes not found, after {self.starts} random starts"
+                f"start space{only} leads to modes not found, after {self.starts} random starts"
             )
             return Completeness("statistics", statement, bound, aim.confidence)
         statement = (

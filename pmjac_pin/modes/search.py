@@ -20,15 +20,22 @@ Array = NDArray[np.float64]
 
 _STEPS = 60  # of one start
 _CLOSED = 1e-9  # of the characteristic length: Pinocchio's Newton does the rest
-_LONGEST_STRIDE = 1.0  # of one step, in characteristic lengths; a rad counts as one
 _STUCK = 1e8  # damping at which a start is given up
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ManyClosures:
-    """Damped Newton on the passive joints, over many poses."""
+    """Damped Newton on the passive joints, over many poses.
+
+    Attributes
+    ----------
+    problem : SearchProblem
+    strides : ndarray, shape (m_p,)
+        What one step may move each passive degree of freedom alone, m; a rad counts as one length.
+    """
 
     problem: SearchProblem
+    strides: Array
 
     def closed(self, starts: Array) -> Array:
         """Return the rows of q that close the loops, of those that starts (b, nq) lead to."""
@@ -72,7 +79,7 @@ class ManyClosures:
         largest = diagonal.max(axis=1)
         diagonal += ((damping + 1e-12) * largest)[:, None]
         step = -np.linalg.solve(square, across @ error[:, :, None])[:, :, 0]
-        stride = np.linalg.norm(step, axis=1) / (_LONGEST_STRIDE * problem.length)
+        stride = np.linalg.norm(step / self.strides, axis=1)
         step /= np.maximum(stride, 1.0)[:, None]
         velocity = np.zeros((len(error), problem.column_scale.size))
         velocity[:, problem.columns] = step * problem.column_scale[problem.columns]

@@ -1,0 +1,235 @@
+"""Where random starts are drawn: all that limits, loops and gears let the passive joints be."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from math import pi
+
+import mechanisms
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import pmjac_pin as pj
+from pmjac_pin.linkage import edges_of
+from pmjac_pin.modes.search_problem import search_problem, without_legs
+from pmjac_pin.modes.slide_ranges import slide_ranges
+from pmjac_pin.modes.starts import StartSpace
+
+WIDE = np.full(1, 1e9)
+SLIDING = (
+    "planar_3rpr",
+    "planar_3rrr",
+    "slider_crank",
+    "stewart_gough",
+    "stewart_gough_dietmaier",
+    "three_rps",
+    "delta",
+    "delta_rods",
+)
+
+
+def at(x=0.0, y=0.0):
+    return pin.SE3(np.eye(3), np.array([x, y, 0.0]))
+
+
+def machine(joints, frames, loops, actuated, tool, home, limits=WIDE):
+    """Joints (name, model, parent, x, y) without frames of their own; frames (name, joint, x)."""
+    model, ids = pin.Model(), {"world": 0}
+    for name, kind, parent, x, y in joints:
+        ids[name] = model.addJoint(ids[parent], kind, at(x, y), name, WIDE, WIDE, -limits, limits)
+        model.addJointFrame(ids[name])
+    for name, joint, x in frames:
+        model.addFrame(pin.Frame(name, ids[joint], at(x), pin.FrameType.OP_FRAME), False)
+    return pj.Mechanism.from_pinocchio(model, loops, actuated, tool, home=home)
+
+
+def rack(theta):
+    """A pinion turns a rack, x = 0.1 q, which a rod of length 1.5 joins to the motor's crank."""
+    x = 0.5 * np.cos(theta) + np.sqrt(1.5**2 - (0.5 * np.sin(theta)) ** 2)
+    return machine(
+        [
+            ("pinion", pin.JointModelRZ(), "world", 0, 0),
+            ("rack", pin.JointModelPX(), "world", 1, 0),
+            ("crank", pin.JointModelRZ(), "world", 0, 0),
+        ],
+        [("A", "crank", 0.5), ("B", "rack", 0)],
+        [
+            pj.DistanceLoop(frames=("A", "B"), length=1.5),
+            pj.JointLoop(joints=("pinion", "rack"), ratio=0.1),
+        ],
+        ["crank"],
+        "B",
+        {"crank": theta, "rack": x - 1.0, "pinion": (x - 1.0) / 0.1},
+    )
+
+
+@pytest.mark.parametrize("theta", [1.2, 0.2])
+def test_a_pinion_keeps_its_turns(theta):
+    modes = rack(theta).assembly_modes([theta], rng=0)
+    found = sorted(mode.tool_pose.translation[0] for mode in modes)
+    root = np.sqrt(1.5**2 - (0.5 * np.sin(theta)) ** 2)
+    np.testing.assert_allclose(found, 0.5 * np.cos(theta) + np.array([-root, root]), atol=1e-9)
+
+
+def geared_cranks(ratio, turned=False, limits=WIDE):
+    """The rocker of a four-bar drives a second shaft, `ratio` times as fast."""
+    gear = pj.JointLoop(joints=("rocker", "shaft"), ratio=ratio, offset=0.3)
+    if turned:
+        gear = pj.JointLoop(joints=("shaft", "rocker"), ratio=1 / ratio, offset=-0.3 / ratio)
+    return machine(
+        [
+            ("crank", pin.JointModelRZ(), "world", 0, 0),
+            ("rocker", pin.JointModelRZ(), "world", 4, 0),
+            ("shaft", pin.JointModelRZ(), "world", 4, 2),
+        ],
+        [("A", "crank", 1), ("B", "rocker", 3.5), ("end", "shaft", 1)],
+        [pj.DistanceLoop(frames=("A", "B"), length=3.0), gear],
+        ["crank"],
+        "end",
+        {"crank": 0.9, "rocker": 2.0, "shaft": 2.0 * ratio + 0.3},
+        limits,
+    )
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("ratio", [1.0, -2.0, 0.5, 1 / 3, -2 / 3])
+def test_as_many_turns_as_make_a_difference(ratio, turned):
+    """The shaft tells which of its turns the rocker is in: the ratio's denominator of them."""
+    modes = geared_cranks(ratio, turned).assembly_modes([0.9], rng=0)
+    assert len(modes) == 2 * Fraction(ratio).limit_denominator(9).denominator
+    for mode in modes:
+        error = mode.joint_values["shaft"] - ratio * mode.joint_values["rocker"] - 0.3
+        assert abs(error) <= 1e-12
+
+
+def test_limits_decide_which_turns_there_are():
+    """Within ±2 turns, four of a third: two of the rocker's angles, each four times."""
+    limited = geared_cranks(1 / 3, limits=np.full(1, 4 * pi))
+    assert len(limited.assembly_modes([0.9], rng=0)) == 6
+    narrow = geared_cranks(1 / 3, limits=np.full(1, pi))
+    assert len(narrow.assembly_modes([0.9], rng=0)) == 2
+
+
+def test_a_train_that_never_is_the_same_again_is_cut_off_and_says_so():
+    modes = geared_cranks(np.sqrt(0.5)).assembly_modes([0.9], rng=0, most_starts=5000)
+    assert len(modes) > 30
+    bound = geared_cranks(np.sqrt(0.5))
+    problem, _ = search_problem(bound._parts, bound.home.q)
+    assert StartSpace.of(problem, True).cut_off.startswith("'rocker' between -60.")
+    bounded = geared_cranks(np.sqrt(0.5), limits=np.full(1, 6.0))
+    assert len(bounded.assembly_modes([0.9], rng=0)) == 4
+
+
+def far_slide(kind=None):
+    """A block on a rail, at the end of a rod that is far longer than all that has frames."""
+    return machine(
+        [
+            ("crank", pin.JointModelRZ(), "world", 0, 0),
+            ("rail", kind or pin.JointModelPX(), "world", 0, 0),
+        ],
+        [("A", "crank", 0.5), ("B", "rail", 0)],
+        [pj.DistanceLoop(frames=("A", "B"), length=100.0)],
+        ["crank"],
+        "B",
+        {"crank": 0.3, "rail": 100.0},
+    )
+
+
+@pytest.mark.parametrize("limits", [True, False])
+def test_a_mode_far_along_a_slide_is_met(limits):
+    mechanism = far_slide()
+    assert mechanism.characteristic_length < 60.0
+    modes = mechanism.assembly_modes([0.3], rng=0, limits=limits, proof=False)
+    x = sorted(mode.joint_values["rail"] for mode in modes)
+    root = np.sqrt(1e4 - (0.5 * np.sin(0.3)) ** 2)
+    np.testing.assert_allclose(x, 0.5 * np.cos(0.3) + np.array([-root, root]), atol=1e-8)
+
+
+def test_two_slides_at_an_angle_are_a_place():
+    """A gantry whose end is at the end of a rod."""
+    mechanism = machine(
+        [
+            ("crank", pin.JointModelRZ(), "world", 0, 0),
+            ("x", pin.JointModelPX(), "world", 3, 0),
+            ("y", pin.JointModelPY(), "x", 0, 0),
+        ],
+        [("A", "crank", 1.0), ("B", "y", 0.0), ("C", "world", 0.5)],
+        [
+            pj.DistanceLoop(frames=("A", "B"), length=2.0),
+            pj.DistanceLoop(frames=("C", "B"), length=2.5),
+        ],
+        ["crank"],
+        "B",
+        {"crank": 1.0, "x": -1.0, "y": 1.5},
+    )
+    problem, _ = search_problem(mechanism._parts, mechanism.home.q)
+    for name, middle in (("x", 0.5 - 3.0), ("y", 0.0)):
+        one = slide_ranges(problem, True)[name]
+        assert one.cut_off is None
+        assert middle - 2.5 - 1e-6 <= one.lower[0] <= one.upper[0] <= middle + 2.5 + 1e-6
+    assert len(mechanism.assembly_modes([1.0], rng=0)) == 2
+
+
+def test_parallel_slides_are_cut_off_and_say_so():
+    mechanism = machine(
+        [
+            ("crank", pin.JointModelRZ(), "world", 0, 0),
+            ("x", pin.JointModelPX(), "world", 3, 0),
+            ("coupler", pin.JointModelRZ(), "x", 0, 0),
+            ("y", pin.JointModelPX(), "coupler", 0, 0),
+        ],
+        [("A", "crank", 1.0), ("B", "y", 0.0), ("C", "y", 0.5), ("D", "crank", 0.5)],
+        [pj.PointLoop(frames=("A", "B")), pj.DistanceLoop(frames=("D", "C"), length=0.7)],
+        ["crank"],
+        "B",
+        {"crank": 1.0, "x": -1.0, "y": 1.5, "coupler": 2.8},
+    )
+    complete = mechanism.assembly_modes([1.0], rng=0, proof=False, unseen=0.02).complete
+    assert "of the start space ('x' within" in str(complete)
+    assert "m of home, 'y' within" in str(complete)
+
+
+@pytest.mark.parametrize("name", SLIDING)
+def test_every_mode_is_in_the_start_space(name, rng):
+    """Of the machine, and of the machine moved, which changes no range."""
+    mechanism = pj.load(name)
+    legs = search_problem(mechanism._parts, mechanism.home.q)[1]
+    for configuration in mechanisms.random_closed(mechanism, rng, 3):
+        problem, _ = search_problem(mechanism._parts, configuration.q)
+        ranges = slide_ranges(problem, False)
+        row = without_legs(mechanism._parts, problem, configuration.q)
+        assert legs or ranges.keys() == {
+            edge.name for _, edge in problem.passive if edge.kind in ("prismatic", "planar", "free")
+        }
+        for entries, edge in problem.passive:
+            if edge.name in ranges:
+                one = ranges[edge.name]
+                values = row[entries][: one.lower.size]
+                assert (one.lower - 1e-9 <= values).all()
+                assert (values <= one.upper + 1e-9).all()
+                assert one.cut_off is None
+
+
+@pytest.mark.parametrize("name", SLIDING)
+def test_ranges_are_those_of_the_machine_not_of_its_place(name):
+    mechanism = pj.load(name)
+    problem, _ = search_problem(mechanism._parts, mechanism.home.q)
+    away = pin.SE3(pin.rpy.rpyToMatrix(0.3, -0.8, 2.0), np.array([3e3, -2e3, 1e3]))
+    moved = problem.model.copy()
+    for joint in range(1, moved.njoints):
+        if moved.parents[joint] == 0:
+            moved.jointPlacements[joint] = away * moved.jointPlacements[joint]
+    for index in range(1, moved.nframes):
+        if moved.frames[index].parentJoint == 0:
+            moved.frames[index].placement = away * moved.frames[index].placement
+    edges = edges_of(moved)
+    passive = tuple((entries, edges[edge.name]) for entries, edge in problem.passive)
+    elsewhere = replace(problem, model=moved, passive=passive)
+    one, other = slide_ranges(problem, False), slide_ranges(elsewhere, False)
+    assert one.keys() == other.keys()
+    for key, found in one.items():
+        width = (found.upper - found.lower).max(initial=0.0)
+        np.testing.assert_allclose(other[key].lower, found.lower, atol=1e-6 * width)
+        np.testing.assert_allclose(other[key].upper, found.upper, atol=1e-6 * width)
