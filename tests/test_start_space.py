@@ -123,7 +123,7 @@ def test_a_train_that_never_is_the_same_again_is_cut_off_and_says_so():
 
 
 def far_slide(kind=None):
-    """A block on a rail, at the end of a rod that is far longer than all that has frames."""
+    """A block on a rail, at the end of a rod that is far longer than its crank."""
     return machine(
         [
             ("crank", pin.JointModelRZ(), "world", 0, 0),
@@ -140,7 +140,6 @@ def far_slide(kind=None):
 @pytest.mark.parametrize("limits", [True, False])
 def test_a_mode_far_along_a_slide_is_met(limits):
     mechanism = far_slide()
-    assert mechanism.characteristic_length < 60.0
     modes = mechanism.assembly_modes([0.3], rng=0, limits=limits, proof=False)
     x = sorted(mode.joint_values["rail"] for mode in modes)
     root = np.sqrt(1e4 - (0.5 * np.sin(0.3)) ** 2)
