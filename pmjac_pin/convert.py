@@ -86,7 +86,7 @@ def convert(
 
 
 def _comments(path: Path, source: Source) -> Iterable[str]:
-    return (f"From {path.name}.", *source.notes)
+    return (f"From {path.name}.", *source.all_notes)
 
 
 def _urdf_beside(target: Path, read: Set[Path]) -> Path:

@@ -203,7 +203,9 @@ class Diagnosis(msgspec.Struct, frozen=True, kw_only=True):
         How far the loops stay open, m, at the poses near home, where none closes but for so little
         that rounded numbers are the cause.
     notes : tuple of str
-        What the reader of another format decided.
+        What the reader of another format decided, and what it does not know.
+    unread : tuple of str
+        Those of the notes that name what nobody reads.
     """
 
     mechanism: str
@@ -227,6 +229,7 @@ class Diagnosis(msgspec.Struct, frozen=True, kw_only=True):
     closed: float
     rounding: float | None = None
     notes: tuple[str, ...] = ()
+    unread: tuple[str, ...] = ()
 
     @property
     def judged(self) -> ToolRows:

@@ -43,6 +43,7 @@ from pmjac_pin.parts import Parts
 from pmjac_pin.pose_assembly import motor_weights
 from pmjac_pin.redundancy import LoopRank, dependent_rows, loop_ranks
 from pmjac_pin.singularity import Singularity, analyse_singularity
+from pmjac_pin.source import Source
 
 Array = NDArray[np.float64]
 
@@ -120,6 +121,7 @@ def _of_mechanism(mechanism: Mechanism) -> Diagnosis:
         closed=parts.problem.tolerance,
         rounding=_rounding(parts),
         notes=tuple(map(encodable, mechanism.notes)),
+        unread=tuple(map(encodable, mechanism.unread)),
     )
     return msgspec.structs.replace(diagnosis, findings=find(diagnosis))
 
@@ -130,6 +132,7 @@ def _of_error(error: PmjacError) -> Diagnosis:
     if not isinstance(cause, PmjacError) or cause.parts is None:
         raise error
     parts: Parts = cause.parts
+    source: Source | None = error.source
     structure = Structure.of(parts)
     diagnosis = Diagnosis(
         mechanism=encodable(parts.spec.name),
@@ -153,6 +156,8 @@ def _of_error(error: PmjacError) -> Diagnosis:
         tolerance=parts.spec.tolerance,
         far=_far(parts),
         closed=parts.problem.tolerance,
+        notes=tuple(map(encodable, source.all_notes)) if source else (),
+        unread=tuple(map(encodable, source.unread)) if source else (),
     )
     return msgspec.structs.replace(diagnosis, findings=find(diagnosis))
 

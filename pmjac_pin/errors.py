@@ -16,6 +16,7 @@ _LONGEST_NAME = 200  # characters: near matches of longer ones take for ever
 _MOST_NAMES = 12  # listed in one message
 _LONGEST_LIST = 400  # characters of them
 _LONGEST_QUOTE = 200  # characters of what somebody gave
+_NOT_PICKLED = ("parts", "source")
 
 
 class PmjacError(Exception):
@@ -32,16 +33,19 @@ class PmjacError(Exception):
     ----------
     parts : Parts or None
         What was known of the mechanism when it could not be built, for `check`; not pickled.
+    source : Source or None
+        What the file says, as far; not pickled.
     """
 
     parts: Any = None
+    source: Any = None
 
     def __init__(self, message: str, **details: Any) -> None:
         super().__init__(message)
         self.__dict__.update(details)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        known = {name: value for name, value in self.__dict__.items() if name != "parts"}
+        known = {name: value for name, value in self.__dict__.items() if name not in _NOT_PICKLED}
         return (type(self), self.args, known)
 
     def __str__(self) -> str:

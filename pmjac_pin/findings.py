@@ -343,4 +343,12 @@ def _far(diagnosis: Diagnosis) -> Iterator[Finding]:
 
 def _reader(diagnosis: Diagnosis) -> Iterator[Finding]:
     for note in diagnosis.notes:
-        yield Finding("note", "reader", note)
+        if note in diagnosis.unread:
+            yield Finding("warning", "unread", f"{note}.", _IF_IT_TIES)
+        else:
+            yield Finding("note", "reader", note)
+
+
+_IF_IT_TIES = (
+    "If it ties bodies together, the machine is another: declare it as a loop that is read."
+)

@@ -83,7 +83,11 @@ def load(
     1.2
     """
     source = read_source(find_model_file(name_or_path), actuated, tool)
-    return build(adjusted(source, locked, tool_rows, tool_axes, tolerance), parameters)
+    try:
+        return build(adjusted(source, locked, tool_rows, tool_axes, tolerance), parameters)
+    except PmjacError as error:
+        error.source = source
+        raise
 
 
 def adjusted(
@@ -114,7 +118,7 @@ def build(source: Source, parameters: Mapping[str, float] | None = None) -> Mech
         urdf = _set(source.urdf, spec, values)
         start = _home_on_the_way(source.urdf, spec, values)
         parts = build_parts(_pinocchio_model(urdf, spec), spec, values, urdf, start)
-        return Mechanism(parts, notes=source.notes)
+        return Mechanism(parts, notes=source.all_notes, unread=source.unread)
     except (ClosureError, ModelFileError):
         raise
     except PmjacError as error:

@@ -31,6 +31,7 @@ class MechanismValue:
 
     _parts: Parts
     notes: tuple[str, ...] = field(default=(), kw_only=True)
+    unread: tuple[str, ...] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
         if not isinstance(self._parts, Parts):
@@ -163,7 +164,7 @@ class MechanismValue:
     def __reduce__(self) -> tuple[Any, ...]:
         parts = self._parts
         built_of = (parts.standing, parts.spec, dict(parts.values), parts.urdf)
-        return (_rebuild, (type(self), self.notes, *built_of))
+        return (_rebuild, (type(self), self.notes, self.unread, *built_of))
 
     def __repr__(self) -> str:
         motors = ", ".join(self.actuated[:3]) + ", ..." * (len(self.actuated) > 3)
@@ -174,5 +175,7 @@ class MechanismValue:
         )
 
 
-def _rebuild(kind: type[MechanismValue], notes: tuple[str, ...], *built_of: Any) -> MechanismValue:
-    return kind(build_parts(*built_of), notes=notes)
+def _rebuild(
+    kind: type[MechanismValue], notes: tuple[str, ...], unread: tuple[str, ...], *built_of: Any
+) -> MechanismValue:
+    return kind(build_parts(*built_of), notes=notes, unread=unread)

@@ -33,12 +33,20 @@ class Source:
         The cut tree at the parameters' defaults.
     notes : tuple of str
         One sentence for each decision that the reader of another format took.
+    unread : tuple of str
+        One sentence for each kind of thing in the file that nobody reads.
     """
 
     path: Path
     spec: MechanismSpec
     urdf: Urdf
     notes: tuple[str, ...] = ()
+    unread: tuple[str, ...] = ()
+
+    @property
+    def all_notes(self) -> tuple[str, ...]:
+        """What was not read, and what was decided."""
+        return (*self.unread, *self.notes)
 
 
 def read_source(
@@ -62,7 +70,7 @@ def read_source(
     motors = None if actuated is None else as_names(actuated, "actuated is a list of joint names")
     if path.suffix.lower() in SUFFIXES[1:]:
         model = _foreign(path, motors or ())
-        return Source(path, model.spec(motors, tool), model.urdf, model.notes)
+        return Source(path, model.spec(motors, tool), model.urdf, model.notes, model.unread)
     spec = read_model_file(path)
     urdf = read_urdf(find_urdf(spec.urdf, path))
     if motors is not None:
@@ -70,7 +78,7 @@ def read_source(
         spec = msgspec.structs.replace(spec, actuated=check_motors(urdf, motors), passive=None)
     if tool is not None:
         spec = msgspec.structs.replace(spec, tool=Tool(frame=check_frame(urdf, tool)))
-    return Source(path, spec, urdf)
+    return Source(path, spec, urdf, unread=urdf.unread)
 
 
 def _foreign(path: Path, motors: tuple[str, ...]) -> ForeignModel:

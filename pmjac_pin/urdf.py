@@ -13,9 +13,11 @@ from types import MappingProxyType
 from xml.etree.ElementTree import Element, tostring
 
 from pmjac_pin.errors import ModelFileError, unknown_name
+from pmjac_pin.gazebo_plugins import unread_harmless
 from pmjac_pin.parameter import Move
 from pmjac_pin.text_file import at_file, read_text
 from pmjac_pin.urdf_checks import UrdfJoint, checked_robot, joints_of
+from pmjac_pin.urdf_vocabulary import URDF_WORDS
 from pmjac_pin.urdf_xml import label, numbers, only, parse_xml, written
 
 __all__ = ["Urdf", "UrdfJoint", "parse_urdf", "read_urdf"]
@@ -48,6 +50,8 @@ class Urdf:
         In file order.
     visuals : tuple of str
         The names of the <visual> elements that have one, in file order.
+    unread : tuple of str
+        One sentence for each kind of thing in it that nobody reads.
     """
 
     path: str
@@ -55,6 +59,7 @@ class Urdf:
     joints: tuple[UrdfJoint, ...]
     links: tuple[str, ...]
     visuals: tuple[str, ...]
+    unread: tuple[str, ...] = ()
 
     def kinematic_xml(self) -> str:
         """Return the least URDF that gives Pinocchio the same model.
@@ -150,6 +155,7 @@ def parse_urdf(text: str, path: str) -> Urdf:
     """
     with at_file(path):
         robot = parse_xml(text)
+        unread = URDF_WORDS.unread(robot, *unread_harmless(robot))
         kinematic = checked_robot(robot)
     return Urdf(
         path=path,
@@ -159,6 +165,7 @@ def parse_urdf(text: str, path: str) -> Urdf:
         visuals=tuple(
             name for visual in robot.iterfind("link/visual") if (name := visual.get("name"))
         ),
+        unread=unread,
     )
 
 

@@ -19,6 +19,7 @@ from xml.etree.ElementTree import Element, SubElement
 from pmjac_pin.checks import LARGEST
 from pmjac_pin.errors import ModelFileError, did_you_mean
 from pmjac_pin.urdf_xml import label, numbers, only, shown, written
+from pmjac_pin.vocabulary import spelt
 
 MAXIMAL_NAME = 200  # characters: near matches of longer names would take minutes
 MAXIMAL_LINKS = 1000
@@ -32,6 +33,10 @@ VELOCITIES: Mapping[str, int] = MappingProxyType(
 )
 _VERSIONS = (None, "1.0", "1.1", "1.2")
 _RESERVED = "universe"
+_TIES = (
+    *("loop", "constraint", "loop_joint", "coupling"),
+    *("drake:ball_constraint", "drake:weld_constraint"),
+)
 _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _CUT = "cut the loop: remove one of them and declare it as [[loop]] in the model file"
 
@@ -82,11 +87,12 @@ def _check_root(robot: Element) -> None:
     if (version := robot.get("version")) not in _VERSIONS:
         known = ", ".join(filter(None, _VERSIONS))
         raise ModelFileError(f"URDF version {shown(version or '')} is not read; {known} are")
-    for tag in ("loop", "constraint"):
-        if robot.find(tag) is not None:
-            why = "Pinocchio would ignore it in silence"
-            todo = "declare the loop as [[loop]] in the model file and remove it here"
-            raise ModelFileError(f"<{tag}> is not read, since {why}; {todo}")
+    ties = [tag for child in robot if (tag := spelt(child.tag)) in _TIES]
+    if ties or robot.find("gazebo/joint") is not None:
+        what = f"<{ties[0]}>" if ties else "<joint> in <gazebo>"
+        why = "Pinocchio would ignore it in silence"
+        todo = "declare the loop as [[loop]] in the model file and remove it here"
+        raise ModelFileError(f"{what} is not read, since {why}; {todo}")
 
 
 def check_size(links: Sequence[Element], joints: Sequence[Element]) -> None:

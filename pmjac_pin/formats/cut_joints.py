@@ -67,6 +67,15 @@ class CutJoints:
         """The joints of the tree."""
         return [joint for number, joint in enumerate(self.joints) if number not in self.tree.cut]
 
+    def placements(self) -> dict[str, pin.SE3]:
+        """Return where the links are in the base with all joints at zero, the base first."""
+        found = {self.tree.root: pin.SE3.Identity()}
+        for branch in self.tree.branches:
+            place = _placement(self.checked[branch.joint])
+            step = place.inverse() if branch.turned else place
+            found[branch.below] = found[branch.above] * step
+        return found
+
     def remove_from(self, robot: Element) -> None:
         """Take the joints that are cut out of a robot."""
         for number in self.tree.cut:

@@ -75,7 +75,8 @@ def read_extended_urdf(path: Path, motors: Collection[str] = ()) -> ForeignModel
         if closures.floats():
             _float_base(robot)
     with at_file(str(path)):
-        model = read_robot(robot, path, {*motors, *named})
+        joined = [name for loop in loops for name in loop.ends]
+        model = read_robot(robot, path, {*motors, *named}, joined)
     return replace(
         model,
         name=path.parent.absolute().name if path.stem == _DEFAULT_STEM else path.stem,

@@ -38,6 +38,8 @@ class ForeignModel:
         As in `MechanismSpec`.
     notes : tuple of str
         One sentence for each decision that the reader took: which joint it cut, what it left out.
+    unread : tuple of str
+        One sentence for each kind of thing in the file that the reader does not know.
     """
 
     name: str
@@ -49,6 +51,7 @@ class ForeignModel:
     tool: str = ""
     tolerance: float | None = None
     notes: tuple[str, ...] = ()
+    unread: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if (count := len(self.loops)) > MAXIMAL_LOOPS:

@@ -1,7 +1,8 @@
 """URDF with loops in it: cut into a tree, and all that closes it declared as loops.
 
 A loop may be written as a link that is the child of two joints, as a cycle of joints, as URDF+'s
-<loop>, as the <constraint> proposed for urdfdom, or as <mimic>.
+<loop>, as the <constraint> proposed for urdfdom, as <mimic>, or as other programs write it: see
+`pmjac_pin.formats.urdf_ties`.
 """
 
 from __future__ import annotations
@@ -11,7 +12,6 @@ from dataclasses import replace
 from pathlib import Path
 from xml.etree.ElementTree import Element, tostring
 
-from pmjac_pin.errors import ModelFileError
 from pmjac_pin.formats.anchors import Anchors
 from pmjac_pin.formats.cut_joints import CutJoints
 from pmjac_pin.formats.foreign_model import ForeignModel
@@ -21,11 +21,22 @@ from pmjac_pin.formats.joint_dialects import (
     independence,
     opened_limits,
 )
-from pmjac_pin.formats.loop_elements import TAGS, Closing, read_closings, read_gears
+from pmjac_pin.formats.loop_elements import Closing, read_closings, read_gears
+from pmjac_pin.formats.sdf_vocabulary import SDF_WORDS
+from pmjac_pin.formats.urdf_ties import (
+    closing_frames,
+    joints_of_gazebo,
+    refuse_unreadable,
+    take_gazebo_joints,
+    take_loops,
+    take_mimics,
+)
+from pmjac_pin.gazebo_plugins import is_mimic, unread_harmless
 from pmjac_pin.loop_spec import JointLoop
 from pmjac_pin.text_file import at_file, read_text
 from pmjac_pin.urdf import MAXIMAL_SIZE, parse_urdf
 from pmjac_pin.urdf_checks import VELOCITIES, UrdfJoint, check_size, checked_names
+from pmjac_pin.urdf_vocabulary import URDF_WORDS
 from pmjac_pin.urdf_xml import parse_xml
 
 
@@ -60,8 +71,19 @@ def read_looped_urdf(path: Path, motors: Collection[str] = ()) -> ForeignModel:
         return replace(model, actuated=actuated, notes=(*model.notes, note))
 
 
-def read_robot(robot: Element, path: Path, motors: Collection[str]) -> ForeignModel:
+def read_robot(
+    robot: Element, path: Path, motors: Collection[str], joined: Collection[str] = ()
+) -> ForeignModel:
     """Read the <robot> of a URDF, which is changed; `actuated` only where joints tell.
+
+    Parameters
+    ----------
+    robot : Element
+    path : Path
+    motors : collection of str
+        Joints that are not to be cut.
+    joined : collection of str
+        Links whose loops are told elsewhere.
 
     Raises
     ------
@@ -72,21 +94,22 @@ def read_robot(robot: Element, path: Path, motors: Collection[str]) -> ForeignMo
     check_size(links, elements)
     names = checked_names(links)
     checked_names(elements)
-    _refuse_coupling(robot)
+    unread = _unread(robot)
+    refuse_unreadable(robot)
+    take_mimics(robot, elements)
     limit_notes, balls = opened_limits(elements), floating_balls(elements)
     independent, gears = independence(elements), read_gears(elements)
     geared = {name for gear in gears for name in gear.joints}
     wanted = {name for name, given in independent.items() if given}
     cut = CutJoints.of(elements, names, balls, {*motors, *wanted, *geared})
-    declared = [element for element in robot if element.tag in TAGS]
-    for element in declared:
-        robot.remove(element)
+    declared, tie_notes = _declared(robot, names, cut, joined)
     cut.remove_from(robot)
     anchors = Anchors(robot)
     cut.turn(anchors)
     cut_loops, closings = cut.loops(anchors), read_closings(declared, names, anchors)
     loops = (*cut_loops, *(closing.loop for closing in closings), *gears)
     home, home_notes = home_within_limits(cut.checked, cut.kept)
+    closing_notes = _closing_notes(closings, cut.kept)
     return ForeignModel(
         name=path.stem,
         urdf=parse_urdf(tostring(robot, encoding="unicode"), str(path)),
@@ -94,14 +117,27 @@ def read_robot(robot: Element, path: Path, motors: Collection[str]) -> ForeignMo
         spherical=tuple(joint.name for joint in cut.kept if joint.name in balls),
         home=home,
         actuated=_actuated(cut.kept, independent, gears),
-        notes=(*limit_notes, *home_notes, *cut.notes(), *_closing_notes(closings, cut.kept)),
+        notes=(*limit_notes, *home_notes, *cut.notes(), *tie_notes, *closing_notes),
+        unread=unread,
     )
 
 
-def _refuse_coupling(robot: Element) -> None:
-    if robot.find("coupling") is not None:
-        todo = "gear the joints by <mimic>"
-        raise ModelFileError(f"<coupling> is not read, and left out it would free a motion; {todo}")
+def _unread(robot: Element) -> tuple[str, ...]:
+    """Return what of a robot nobody reads, once no word in it looks misspelt."""
+    joints = joints_of_gazebo(robot)
+    mimics = filter(is_mimic, robot.iterfind("gazebo/plugin"))
+    inside = [note for joint in joints for note in SDF_WORDS.unread(joint)]
+    return (*URDF_WORDS.unread(robot, *joints, *mimics, *unread_harmless(robot)), *inside)
+
+
+def _declared(
+    robot: Element, links: Collection[str], cut: CutJoints, joined: Collection[str]
+) -> tuple[list[Element], list[str]]:
+    """Take all that declares loops out of a robot; return it as URDF+ writes it, and notes."""
+    declared = take_loops(robot)
+    gazebo, gazebo_notes = take_gazebo_joints(robot, cut.placements())
+    closing, closing_notes = closing_frames(links, declared, joined)
+    return [*declared, *gazebo, *closing], [*gazebo_notes, *closing_notes]
 
 
 def _actuated(
