@@ -7,16 +7,18 @@ rounding. Inertials, shapes, sensors and plugins are left out.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 
+from pmjac_pin.errors import ModelFileError
 from pmjac_pin.formats.foreign_model import ForeignModel
-from pmjac_pin.formats.sdf_couplings import coupled_links, coupling
+from pmjac_pin.formats.sdf_couplings import coupled_links, coupling, read_mimics
 from pmjac_pin.formats.sdf_frames import WORLD
-from pmjac_pin.formats.sdf_joints import AXIS_TAGS, SdfJoint
+from pmjac_pin.formats.sdf_joints import SdfJoint, freedom_names
 from pmjac_pin.formats.sdf_model import SdfModel, read_model
 from pmjac_pin.formats.sdf_tree import SdfTree
 from pmjac_pin.formats.spanning_tree import SpanningTree, spanning_tree
+from pmjac_pin.loop_spec import JointLoop
 from pmjac_pin.text_file import at_file, read_text
 from pmjac_pin.urdf import parse_urdf
 from pmjac_pin.urdf_xml import parse_xml
@@ -51,14 +53,20 @@ def read_sdf(path: Path, motors: Collection[str] = ()) -> ForeignModel:
 def _foreign_model(model: SdfModel, path: Path, motors: Collection[str]) -> ForeignModel:
     gearboxes = [joint for joint in model.joints if joint.kind == "gearbox"]
     joints = [joint for joint in model.joints if joint.kind != "gearbox"]
-    graph = _graph(model, joints, gearboxes, motors)
-    tree = SdfTree(model)
+    mimics = read_mimics(joints, model.element)
+    coupled = {name for loop in mimics for name in loop.joints}
+    graph = _graph(model, joints, gearboxes, {*motors, *coupled})
+    _refuse_cut(graph, joints, coupled)
+    tree = SdfTree(model, coupled)
     if graph.root != WORLD:
         tree.urdf.fixed(WORLD, graph.root, model.links[graph.root])
     for branch in graph.branches:
         tree.add(joints[branch.joint], branch)
     for number in graph.cut:
         tree.cut(joints[number])
+    for number, tie in enumerate(model.ties, start=1):
+        if not set(tie.links) & set(graph.apart):
+            tree.tie(tie, number)
     kept = [joints[branch.joint] for branch in graph.branches]
     couplings = [
         coupling(gearbox, kept) for gearbox in gearboxes if gearbox.child not in graph.apart
@@ -69,11 +77,28 @@ def _foreign_model(model: SdfModel, path: Path, motors: Collection[str]) -> Fore
     return ForeignModel(
         name=model.name or path.stem,
         urdf=parse_urdf(tree.urdf.text(), str(path)),
-        loops=(*tree.loops, *couplings),
+        loops=(*tree.loops, *couplings, *_within(mimics, kept)),
         spherical=tuple(tree.spherical),
         home=tree.home,
-        notes=tuple(_notes(graph, joints, tree)),
+        notes=(*model.notes, *_notes(graph, joints, tree)),
+        unread=model.unread,
     )
+
+
+def _within(mimics: Iterable[JointLoop], kept: Sequence[SdfJoint]) -> Iterator[JointLoop]:
+    """Yield the couplings of joints that are in the tree: the others' links are left out."""
+    names = {name for joint in kept for name in freedom_names(joint)}
+    for loop in mimics:
+        if set(loop.joints) <= names:
+            yield loop
+
+
+def _refuse_cut(graph: SpanningTree, joints: Sequence[SdfJoint], coupled: Collection[str]) -> None:
+    for joint in (joints[number] for number in graph.cut):
+        if set(freedom_names(joint)) & set(coupled):
+            why = f"another such joint holds link {joint.child!r}, or it is the base"
+            got = f"joint {joint.name!r} is coupled by <mimic>, and would have to be cut"
+            raise ModelFileError(f"{got}, since {why}")
 
 
 def _graph(
@@ -87,8 +112,7 @@ def _graph(
     first = [
         number
         for number, joint in enumerate(joints)
-        if {joint.name, *(f"{joint.name}_{tag}" for tag in AXIS_TAGS)} & set(motors)
-        or {joint.parent, joint.child} in pairs
+        if {joint.name, *freedom_names(joint)} & set(motors) or {joint.parent, joint.child} in pairs
     ]
     links = [link for link in model.links if link != WORLD or model.root == WORLD]
     return spanning_tree(links, [(item.parent, item.child) for item in joints], model.root, first)

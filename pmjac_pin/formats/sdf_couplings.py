@@ -1,15 +1,18 @@
-"""Gearboxes of SDFormat: two joints whose rates have a fixed ratio."""
+"""Coupled joints of SDFormat: gearboxes, <mimic> of SDFormat 1.11 and of Drake, Gazebo's plugin."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from pmjac_pin.errors import ModelFileError
-from pmjac_pin.formats.sdf_joints import SdfJoint, text_of
+from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.formats.sdf_joints import AXIS_TAGS, SdfJoint, freedom_names, text_of
+from pmjac_pin.gazebo_plugins import is_mimic
 from pmjac_pin.loop_spec import JointLoop
-from pmjac_pin.urdf_xml import label, numbers_in
+from pmjac_pin.urdf_xml import label, numbers, numbers_in, only, shown
+from pmjac_pin.vocabulary import spelt
 
 _PARALLEL = 1e-6
 
@@ -27,6 +30,9 @@ def coupling(gearbox: SdfJoint, tree: Sequence[SdfJoint]) -> JointLoop:
     """
     where = label(gearbox.element)
     (ratio,) = numbers_in(f"{where}, <gearbox_ratio>", _text(gearbox, "gearbox_ratio"))
+    if ratio == 0.0:
+        todo = "give how often the first link turns against the second"
+        raise ModelFileError(f"{where}, <gearbox_ratio> is 0, which holds a joint; {todo}")
     body = _text(gearbox, "gearbox_reference_body")
     (first, one), (second, other) = (
         _turning(gearbox, tree, body, link, number)
@@ -60,3 +66,83 @@ def _turning(
                 return joint.name, float(np.sign(along)) * (1.0 if joint.child == link else -1.0)
     what = f"{label(gearbox.element)}: no joint of the tree turns {link!r} against {body!r}"
     raise ModelFileError(f"{what} about the axis that the gearbox gives")
+
+
+def read_mimics(joints: Sequence[SdfJoint], model: Element) -> tuple[JointLoop, ...]:
+    """Return a loop for each joint that follows another.
+
+    q = multiplier · (q_leader − reference) + offset (SDFormat 1.11, `joint/axis/mimic`).
+
+    Raises
+    ------
+    ModelFileError
+        A joint or an axis that does not exist, or that follows in two ways.
+    """
+    freedoms = {joint.name: freedom_names(joint) for joint in joints}
+    found: dict[str, JointLoop] = {}
+    for where, loop in (*_of_axes(joints, freedoms), *_of_plugins(model, freedoms)):
+        leader, follower = loop.joints
+        if leader == follower:
+            raise ModelFileError(f"{where}: the joint follows itself")
+        if found.setdefault(follower, loop) != loop:
+            raise ModelFileError(f"{where}: joint {follower!r} follows in another way already")
+    return tuple(found.values())
+
+
+def _of_axes(
+    joints: Sequence[SdfJoint], freedoms: Mapping[str, tuple[str, ...]]
+) -> Iterator[tuple[str, JointLoop]]:
+    for joint in joints:
+        where = f"{label(joint.element)}, <mimic>"
+        for number, follower in enumerate(freedoms[joint.name]):
+            axis = only(label(joint.element), joint.element, AXIS_TAGS[number])
+            if axis is None or (mimic := only(where, axis, "mimic")) is None:
+                continue
+            leader = _freedom(where, mimic.get("joint", ""), mimic.get("axis", "axis"), freedoms)
+            ratio, offset, reference = (
+                _number(where, mimic, tag, default)
+                for tag, default in (("multiplier", "1"), ("offset", "0"), ("reference", "0"))
+            )
+            constant = offset - ratio * reference
+            yield where, JointLoop(joints=(leader, follower), ratio=ratio, offset=constant)
+        for mimic in joint.element:
+            if spelt(mimic.tag) == "drake:mimic":
+                leader = _freedom(where, mimic.get("joint", ""), "axis", freedoms)
+                follower = _freedom(where, joint.name, "axis", freedoms)
+                (ratio,) = numbers(where, mimic, "multiplier", default="1")
+                (offset,) = numbers(where, mimic, "offset", default="0")
+                yield where, JointLoop(joints=(leader, follower), ratio=ratio, offset=offset)
+
+
+def _of_plugins(
+    model: Element, freedoms: Mapping[str, tuple[str, ...]]
+) -> Iterator[tuple[str, JointLoop]]:
+    for plugin in filter(is_mimic, model.findall("plugin")):
+        where = label(plugin)
+        leader, follower = (
+            _freedom(where, text_of(where, plugin, tag) or "", "axis", freedoms)
+            for tag in ("joint", "mimicJoint")
+        )
+        ratio, offset = (
+            _number(where, plugin, tag, default)
+            for tag, default in (("multiplier", "1"), ("offset", "0"))
+        )
+        yield where, JointLoop(joints=(leader, follower), ratio=ratio, offset=offset)
+
+
+def _freedom(where: str, joint: str, axis: str, freedoms: Mapping[str, tuple[str, ...]]) -> str:
+    """Return the degree of freedom about an axis of a joint."""
+    if joint not in freedoms:
+        raise ModelFileError(
+            f"{where}: the joint {shown(joint)} does not exist{did_you_mean(joint, freedoms)}"
+        )
+    known = dict(zip(AXIS_TAGS, freedoms[joint], strict=False))
+    if axis not in known:
+        raise ModelFileError(
+            f"{where}: joint {joint!r} has no {shown(axis)}{did_you_mean(axis, known)}"
+        )
+    return known[axis]
+
+
+def _number(where: str, parent: Element, tag: str, default: str) -> float:
+    return numbers_in(f"{where}, <{tag}>", text_of(where, parent, tag) or default)[0]

@@ -98,6 +98,13 @@ def read_joint(element: Element, frames: Frames, version: tuple[int, int]) -> Sd
     return SdfJoint(name, kind, parent, child, placement, axes, element)
 
 
+def freedom_names(joint: SdfJoint) -> tuple[str, ...]:
+    """Return the names of the joints of the tree that a joint becomes, one for each axis."""
+    if len(joint.axes) < 2:
+        return (joint.name,) * len(joint.axes)
+    return tuple(f"{joint.name}_{tag}" for tag in AXIS_TAGS)
+
+
 def end_of(joint: Element, tag: str) -> str:
     """Return the name of the frame that a joint's <parent> or <child> gives."""
     name = text_of(label(joint), joint, tag)
@@ -156,10 +163,15 @@ def _limits(where: str, axis: Element) -> tuple[float, float]:
     found = []
     for tag, sign in (("lower", -1.0), ("upper", 1.0)):
         text = None if limit is None else text_of(where, limit, tag)
-        if not text or text.lower().lstrip("+-") in ("inf", "infinity"):
+        if not text:
             text = written([sign * WITHOUT_LIMIT])
+        elif text.lower().lstrip("+-") in ("inf", "infinity"):
+            text = written([-WITHOUT_LIMIT if text.startswith("-") else WITHOUT_LIMIT])
         found += numbers_in(f"{where}, <{tag}>", text, largest=math.inf)
     lower, upper = (min(max(value, -WITHOUT_LIMIT), WITHOUT_LIMIT) for value in found)
+    for tag, value, beyond in (("lower", lower, "inf"), ("upper", -upper, "-inf")):
+        if value >= WITHOUT_LIMIT:
+            raise ModelFileError(f"{where}, <{tag}> is {beyond}; no limit is -inf to inf")
     if lower > upper:
         raise ModelFileError(f"{where}: lower {lower:g} exceeds upper {upper:g}")
     return lower, upper

@@ -11,6 +11,10 @@ import pinocchio as pin
 from pmjac_pin.errors import ModelFileError, did_you_mean
 from pmjac_pin.formats.sdf_frames import MODEL, WORLD, Frame, Frames, pose
 from pmjac_pin.formats.sdf_joints import SdfJoint, end_of, read_joint
+from pmjac_pin.formats.sdf_plugins import PointTie, detachable_joints, point_ties, read_plugins
+from pmjac_pin.formats.sdf_vocabulary import SDF_WORDS
+from pmjac_pin.formats.sdf_world import the_model
+from pmjac_pin.gazebo_plugins import unread_harmless
 from pmjac_pin.urdf_checks import MAXIMAL_LINKS, checked_names
 from pmjac_pin.urdf_xml import label, shown
 
@@ -28,17 +32,28 @@ class SdfModel:
         In file order, and "world" at the end.
     joints : tuple of SdfJoint
         In file order.
+    ties : tuple of PointTie
     frames : mapping of str to (str, pin.SE3)
         Each <frame>: the link that carries it, and its placement.
     root : str or None
         "world" if a joint holds a link to it, else the link that the file calls canonical.
+    element : Element
+        The <model>.
+    notes : tuple of str
+        What was left out.
+    unread : tuple of str
+        One sentence for each kind of thing in the file that nobody reads.
     """
 
     name: str
     links: Mapping[str, pin.SE3]
     joints: tuple[SdfJoint, ...]
+    ties: tuple[PointTie, ...]
     frames: Mapping[str, tuple[str, pin.SE3]]
     root: str | None
+    element: Element
+    notes: tuple[str, ...]
+    unread: tuple[str, ...]
 
 
 def read_model(sdf: Element) -> SdfModel:
@@ -49,7 +64,9 @@ def read_model(sdf: Element) -> SdfModel:
     ModelFileError
         The message names the element at fault.
     """
-    version, model = _version(sdf), _only_model(sdf)
+    version = _version(sdf)
+    model, notes, elsewhere = the_model(sdf)
+    unread = SDF_WORDS.unread(sdf, *unread_harmless(sdf), *read_plugins(model))
     links, joints, extra = (model.findall(tag) for tag in ("link", "joint", "frame"))
     names = _names(links, joints, extra)
     canonical = model.get("canonical_link")
@@ -57,18 +74,26 @@ def read_model(sdf: Element) -> SdfModel:
         known = did_you_mean(canonical, names)
         raise ModelFileError(f"the canonical link {shown(canonical)} does not exist{known}")
     frames = Frames(dict(_given(links, joints, extra)), names, canonical or names[0])
-    read = tuple(read_joint(joint, frames, version) for joint in joints)
+    named = {element.get("name", "") for element in (*links, *joints, *extra)}
+    read = (
+        *(read_joint(joint, frames, version) for joint in joints),
+        *detachable_joints(model, frames, named),
+    )
     held = any(joint.parent == WORLD for joint in read)
     return SdfModel(
         name=model.get("name", ""),
         links={name: frames.placement(name, MODEL) for name in names}
         | {WORLD: _world(model, frames)},
         joints=read,
+        ties=point_ties(model, names),
         frames={
             name: (frames.link(name, MODEL), frames.placement(name, MODEL))
             for name in (frame.get("name", "") for frame in extra)
         },
         root=WORLD if held else canonical,
+        element=model,
+        notes=tuple(notes),
+        unread=(*unread, *elsewhere),
     )
 
 
@@ -81,17 +106,6 @@ def _version(sdf: Element) -> tuple[int, int]:
             return (1, minor)
     got = "no version" if given is None else f"the version {shown(given)}"
     raise ModelFileError(f"<sdf> has {got}; 1.{_OLDEST[1]} to 1.{_NEWEST[1]} are read")
-
-
-def _only_model(sdf: Element) -> Element:
-    models = [*sdf.findall("model"), *sdf.findall("world/model")]
-    if len(models) != 1:
-        raise ModelFileError(f"there are {len(models)} models; a file with one <model> is read")
-    for tag in ("model", "include"):
-        if models[0].find(tag) is not None:
-            todo = "write its links and joints into the model itself"
-            raise ModelFileError(f"a <{tag}> within a <model> is not read; {todo}")
-    return models[0]
 
 
 def _names(links: Sequence[Element], *others: Sequence[Element]) -> list[str]:

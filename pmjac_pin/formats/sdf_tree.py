@@ -7,13 +7,18 @@ one with the link's name at its frame.
 
 from __future__ import annotations
 
+from collections.abc import Container
 from dataclasses import replace
 from itertools import pairwise
+
+import numpy as np
+import pinocchio as pin
 
 from pmjac_pin.errors import ModelFileError
 from pmjac_pin.formats.sdf_frames import WORLD
 from pmjac_pin.formats.sdf_joints import AXIS_TAGS, Axis, SdfJoint
 from pmjac_pin.formats.sdf_model import SdfModel
+from pmjac_pin.formats.sdf_plugins import PointTie
 from pmjac_pin.formats.spanning_tree import Branch
 from pmjac_pin.formats.tree_urdf import Motion, TreeUrdf
 from pmjac_pin.loop_spec import (
@@ -35,6 +40,8 @@ class SdfTree:
     Parameters
     ----------
     model : SdfModel
+    counted : container of str, optional
+        Joints whose turns count, so that they must not be ``continuous``.
 
     Attributes
     ----------
@@ -45,8 +52,8 @@ class SdfTree:
         The nearest to zero, for joints whose limits leave zero out.
     """
 
-    def __init__(self, model: SdfModel) -> None:
-        self._model, self._links = model, model.links
+    def __init__(self, model: SdfModel, counted: Container[str] = ()) -> None:
+        self._model, self._links, self._counted = model, model.links, counted
         self._joints = {joint.name for joint in model.joints}
         taken = {*model.links, *model.frames, *self._joints}
         self.urdf = TreeUrdf(model.name, WORLD, model.links[WORLD], taken)
@@ -76,6 +83,18 @@ class SdfTree:
         )
         self.loops.append(_loop(joint, (first, second)))
 
+    def tie(self, tie: PointTie, number: int) -> None:
+        """Add a loop that holds a point of one link at a point of another."""
+        first, second = (
+            self.urdf.fixed(
+                link,
+                self.urdf.unused(f"tie{number}_on_{link}"),
+                self._links[link] * pin.SE3(np.eye(3), point),
+            )
+            for link, point in zip(tie.links, tie.points, strict=True)
+        )
+        self.loops.append(SphericalLoop(frames=(first, second)))
+
     def add_frame(self, name: str) -> None:
         """Add a <frame> to the link that carries it, by another name if that one is taken."""
         link, placement = self._model.frames[name]
@@ -98,6 +117,7 @@ class SdfTree:
         return body
 
     def _moving(self, name: str, kind: str, ends: tuple[str, str], axis: Axis) -> None:
+        kind = "revolute" if kind == "continuous" and name in self._counted else kind
         limits = None if kind == "continuous" else axis.limits
         self.urdf.joint(name, kind, ends, Motion(axis.direction, limits))
         if limits is not None and not limits[0] <= 0.0 <= limits[1]:

@@ -6,7 +6,7 @@ from pmjac_pin.vocabulary import Vocabulary
 
 SDF_WORDS = Vocabulary("""
 sdf version : model world actor* light*
-world name : model include joint frame light* gravity* magnetic_field* atmosphere* audio* wind*
+world name : model include frame* light* gravity* magnetic_field* atmosphere* audio* wind*
   gui* physics* scene* road* spherical_coordinates* state* population* actor*
 include : uri name* pose* static* placement_frame* plugin*
 model name canonical_link placement_frame : static pose frame link joint include model gripper*
