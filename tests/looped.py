@@ -36,7 +36,13 @@ def numbers(vector):
     return " ".join(map(repr, map(float, vector)))
 
 
-def link(name, inside=""):
+MASS = (
+    '<inertial><mass value="1"/>'
+    '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+)
+
+
+def link(name, inside=MASS):
     return f'<link name="{name}">{inside}</link>'
 
 

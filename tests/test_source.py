@@ -78,7 +78,7 @@ def test_sdf(tmp_path):
         "<axis><xyz>0 0 1</xyz></axis></joint></model></sdf>"
     )
     mechanism = pj.load(path, actuated=["swing"], tool="rod")
-    assert mechanism.notes[0].startswith("no joint holds the model to the world")
+    assert any(note.startswith("no joint holds the model") for note in mechanism.notes)
 
 
 def test_parameters_are_those_of_a_model_file(path):

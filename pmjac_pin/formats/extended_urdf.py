@@ -66,7 +66,8 @@ def read_extended_urdf(path: Path, motors: Collection[str] = ()) -> ForeignModel
         links, joints = robot.findall("link"), robot.findall("joint")
         check_size(links, joints)
         checked_names(joints)
-        carriers = _carriers(joints, tuple(checked_names(links)))
+        own = tuple(checked_names(links))
+        carriers = _carriers(joints, own)
     with at_file(str(beside)):
         loops = _loops(closures, carriers)
         replaced = _replace_joints(robot, closures.replacements())
@@ -76,7 +77,8 @@ def read_extended_urdf(path: Path, motors: Collection[str] = ()) -> ForeignModel
             _float_base(robot)
     with at_file(str(path)):
         joined = [name for loop in loops for name in loop.ends]
-        model = read_robot(robot, path, {*motors, *named}, joined)
+        added = {link.get("name", "") for link in robot.iterfind("link")} - set(own)
+        model = read_robot(robot, path, {*motors, *named}, joined=joined, added=added)
     return replace(
         model,
         name=path.parent.absolute().name if path.stem == _DEFAULT_STEM else path.stem,

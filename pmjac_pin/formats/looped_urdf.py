@@ -22,6 +22,7 @@ from pmjac_pin.formats.joint_dialects import (
     opened_limits,
 )
 from pmjac_pin.formats.loop_elements import Closing, read_closings, read_gears
+from pmjac_pin.formats.massless import massless_bodies, without_mass
 from pmjac_pin.formats.sdf_vocabulary import SDF_WORDS
 from pmjac_pin.formats.urdf_ties import (
     closing_frames,
@@ -72,7 +73,12 @@ def read_looped_urdf(path: Path, motors: Collection[str] = ()) -> ForeignModel:
 
 
 def read_robot(
-    robot: Element, path: Path, motors: Collection[str], joined: Collection[str] = ()
+    robot: Element,
+    path: Path,
+    motors: Collection[str],
+    *,
+    joined: Collection[str] = (),
+    added: Collection[str] = (),
 ) -> ForeignModel:
     """Read the <robot> of a URDF, which is changed; `actuated` only where joints tell.
 
@@ -84,6 +90,8 @@ def read_robot(
         Joints that are not to be cut.
     joined : collection of str
         Links whose loops are told elsewhere.
+    added : collection of str
+        Links that the file does not have.
 
     Raises
     ------
@@ -110,14 +118,16 @@ def read_robot(
     loops = (*cut_loops, *(closing.loop for closing in closings), *gears)
     home, home_notes = home_within_limits(cut.checked, cut.kept)
     closing_notes = _closing_notes(closings, cut.kept)
+    urdf = parse_urdf(tostring(robot, encoding="unicode"), str(path))
+    massless = without_mass(massless_bodies(urdf, set(names) - set(added)))
     return ForeignModel(
         name=path.stem,
-        urdf=parse_urdf(tostring(robot, encoding="unicode"), str(path)),
+        urdf=urdf,
         loops=tuple(loop for loop in loops if loop is not None),
         spherical=tuple(joint.name for joint in cut.kept if joint.name in balls),
         home=home,
         actuated=_actuated(cut.kept, independent, gears),
-        notes=(*limit_notes, *home_notes, *cut.notes(), *tie_notes, *closing_notes),
+        notes=(*limit_notes, *home_notes, *cut.notes(), *tie_notes, *closing_notes, *massless),
         unread=unread,
     )
 

@@ -19,7 +19,8 @@ from pmjac_pin.formats.mjcf_equality import active_equalities, read_closures
 from pmjac_pin.formats.mjcf_file import read_mujoco
 from pmjac_pin.formats.mjcf_frames import Compiler
 from pmjac_pin.formats.mjcf_home import read_home
-from pmjac_pin.formats.mjcf_names import Names
+from pmjac_pin.formats.mjcf_masses import MassRules, inertias
+from pmjac_pin.formats.mjcf_names import WORLD, Names
 from pmjac_pin.formats.mjcf_tree import MjcfTree
 from pmjac_pin.text_file import at_file
 from pmjac_pin.urdf import parse_urdf
@@ -57,6 +58,13 @@ def _foreign_model(root: Element, path: Path) -> ForeignModel:
     counted = {joint for loop in couplings for joint in loop.joints} | set(held)
     tree = MjcfTree(name, bodies, names, counted)
     closures = read_closures(equalities, compiler, bodies, tree)
+    masses, mass_notes = inertias(
+        {body.name: body.mass for body in bodies if body.name != WORLD},
+        {body.name for body in bodies if body.joints},
+        MassRules.of(root),
+    )
+    for body, inertia in masses.items():
+        tree.urdf.inertial(body, inertia)
     motors, idle = read_motors(root, joints, held)
     home, moved = read_home(root, bodies, held)
     notes += [*left_out, *(f"joint {joint!r} is held at {held[joint]:g}" for joint in held)]
@@ -67,5 +75,5 @@ def _foreign_model(root: Element, path: Path) -> ForeignModel:
         spherical=tuple(joint.name for joint in joints.values() if joint.kind == "ball"),
         home=home,
         actuated=motors,
-        notes=(*notes, *idle, *moved),
+        notes=(*notes, *idle, *moved, *mass_notes),
     )

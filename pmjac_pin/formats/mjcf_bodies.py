@@ -12,14 +12,15 @@ from pmjac_pin.errors import ModelFileError, did_you_mean
 from pmjac_pin.formats.mjcf_defaults import Defaults
 from pmjac_pin.formats.mjcf_frames import Compiler, truth
 from pmjac_pin.formats.mjcf_joints import MjcfJoint, read_joint
+from pmjac_pin.formats.mjcf_masses import BodyMass, MassRules, read_inertial, read_solid
 from pmjac_pin.formats.mjcf_names import WORLD, Names
 from pmjac_pin.urdf_checks import MAXIMAL_LINKS
 from pmjac_pin.urdf_xml import shown
 
 MAXIMAL_GEOMS = 2000
 
-_IGNORED = ("camera", "light", "inertial", "plugin")
-_READ = ("body", "frame", "geom", "site", "joint", "freejoint", *_IGNORED)
+_IGNORED = ("camera", "light", "plugin")
+_READ = ("body", "frame", "geom", "site", "joint", "freejoint", "inertial", *_IGNORED)
 _GENERATED = ("attach", "composite", "flexcomp", "replicate")
 
 
@@ -54,6 +55,7 @@ class Body:
     joints: list[MjcfJoint] = field(default_factory=list)
     sites: list[Site] = field(default_factory=list)
     geoms: list[Fixture] = field(default_factory=list)
+    mass: BodyMass = field(default_factory=BodyMass)
 
 
 @dataclass(frozen=True)
@@ -81,7 +83,7 @@ def read_bodies(
     if count > MAXIMAL_LINKS:
         what = f"{count} bodies, sites and joints are too many"
         raise ModelFileError(f"{what}; at most {MAXIMAL_LINKS} links are read")
-    walk = _Walk(compiler, defaults, names)
+    walk = _Walk(compiler, defaults, names, MassRules.of(root))
     for section in sections:
         walk.into(section, _Within(walk.bodies[0], pin.SE3.Identity(), ""))
     return walk.bodies, walk.notes
@@ -90,8 +92,11 @@ def read_bodies(
 class _Walk:
     """One pass through <worldbody>; the nesting of its elements is bounded by the parser."""
 
-    def __init__(self, compiler: Compiler, defaults: Defaults, names: Names) -> None:
+    def __init__(
+        self, compiler: Compiler, defaults: Defaults, names: Names, rules: MassRules
+    ) -> None:
         self._compiler, self._defaults, self._names = compiler, defaults, names
+        self._rules = rules
         self.bodies = [Body(WORLD, "", WORLD, pin.SE3.Identity())]
         self.notes: list[str] = []
         self._geoms = 0
@@ -135,6 +140,9 @@ class _Walk:
     def _fix(self, child: Element, within: _Within) -> None:
         if child.tag in _IGNORED:
             return
+        if child.tag == "inertial":
+            self._inertial(child, within)
+            return
         element, body = self._defaults.complete(child, within.childclass), within.body
         if child.tag in ("joint", "freejoint"):
             body.joints.append(self._joint(element, within))
@@ -142,10 +150,18 @@ class _Walk:
         placement = within.placement * self._compiler.placement(_where(child, within), element)
         if child.tag == "geom":
             self._draw(Fixture(element, placement), body)
+            solid = read_solid(_where(child, within), element, placement, self._rules)
+            body.mass.add(solid)
         elif name := element.get("name", ""):
             body.sites.append(Site(name, self._names.site(name), placement))
         else:
             body.sites.append(Site("", self._names.new(f"{body.name}_site"), placement))
+
+    def _inertial(self, child: Element, within: _Within) -> None:
+        mass, where = within.body.mass, _where(child, within)
+        if mass.given is not None:
+            raise ModelFileError(f"{where}: there is another; give one")
+        mass.given = read_inertial(where, child, within.placement, self._compiler)
 
     def _draw(self, geom: Fixture, body: Body) -> None:
         self._geoms += 1

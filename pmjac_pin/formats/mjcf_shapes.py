@@ -9,17 +9,40 @@ import numpy as np
 
 from pmjac_pin.urdf_xml import numbers, written
 
-# How many sizes each shape has, and how many of them `fromto` takes the place of.
-_SIZES: Mapping[str, tuple[int, int]] = {
+# How many sizes each solid has, and how many of them `fromto` takes the place of.
+SOLIDS: Mapping[str, tuple[int, int]] = {
     "sphere": (1, 0),
     "capsule": (2, 1),
     "cylinder": (2, 1),
     "box": (3, 2),
+    "ellipsoid": (3, 2),
 }
 
 
+def half_sizes(geom: Element) -> list[float]:
+    """Return the radius of a solid, its radius and half its length, or its three half-lengths.
+
+    Raises
+    ------
+    ModelFileError
+        A size that is no number.
+    """
+    kind = geom.get("type", "sphere")
+    where, (count, given) = f"<geom> {geom.get('name', '')!r}", SOLIDS[kind]
+    ends = geom.get("fromto")
+    # More sizes than a solid has are allowed, and ignored.
+    count -= given if ends else 0
+    words = geom.get("size", "").split()[:count]
+    sizes = numbers(where, Element("geom", size=" ".join(words)), "size", count=count)
+    if not (ends and given):
+        return sizes
+    points = np.array(numbers(where, geom, "fromto", count=6))
+    half = float(np.linalg.norm(points[3:] - points[:3])) / 2.0
+    return [sizes[0]] * given + [half]
+
+
 def shape(geom: Element) -> Element | None:
-    """Return the shape of a geom with its defaults; None where it is no simple one.
+    """Return the shape of a geom with its defaults; None where a URDF has none.
 
     MuJoCo's sizes are half-lengths, a URDF's are whole ones.
 
@@ -36,21 +59,11 @@ def shape(geom: Element) -> Element | None:
     True
     """
     kind = geom.get("type", "sphere")
-    if kind not in _SIZES or geom.get("mesh") is not None:
+    if kind not in SOLIDS or kind == "ellipsoid" or geom.get("mesh") is not None:
         return None
-    where, (count, given) = f"<geom> {geom.get('name', '')!r}", _SIZES[kind]
-    half = 0.0
-    if ends := geom.get("fromto"):
-        count -= given
-        points = np.array(numbers(where, geom, "fromto", count=6))
-        half = float(np.linalg.norm(points[3:] - points[:3])) / 2.0
-    # More sizes than a shape has are allowed, and ignored.
-    words = geom.get("size", "").split()[:count]
-    sizes = numbers(where, Element("geom", size=" ".join(words)), "size", count=count)
-    radius, *others = [*sizes, half] if ends else sizes
+    radius, *others = half_sizes(geom)
     if kind == "sphere":
         return Element(kind, radius=written([radius]))
     if kind == "box":
-        box = (radius, radius, half) if ends else (radius, *others)
-        return Element(kind, size=written(2.0 * side for side in box))
+        return Element(kind, size=written(2.0 * side for side in (radius, *others)))
     return Element(kind, radius=written([radius]), length=written([2.0 * others[-1]]))

@@ -68,6 +68,9 @@ def _foreign_model(model: SdfModel, path: Path, motors: Collection[str]) -> Fore
         if not set(tie.links) & set(graph.apart):
             tree.tie(tie, number)
     kept = [joints[branch.joint] for branch in graph.branches]
+    for link, inertia in model.inertias.items():
+        if link not in graph.apart:
+            tree.urdf.inertial(link, inertia)
     couplings = [
         coupling(gearbox, kept) for gearbox in gearboxes if gearbox.child not in graph.apart
     ]

@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from pmjac_pin.errors import ModelFileError, did_you_mean
 from pmjac_pin.formats.sdf_frames import MODEL, WORLD, Frame, Frames, pose
+from pmjac_pin.formats.sdf_inertials import read_inertias
 from pmjac_pin.formats.sdf_joints import SdfJoint, end_of, read_joint
 from pmjac_pin.formats.sdf_plugins import PointTie, detachable_joints, point_ties, read_plugins
 from pmjac_pin.formats.sdf_vocabulary import SDF_WORDS
@@ -33,6 +34,8 @@ class SdfModel:
     joints : tuple of SdfJoint
         In file order.
     ties : tuple of PointTie
+    inertias : mapping of str to pin.Inertia
+        Of links, in the link's frame.
     frames : mapping of str to (str, pin.SE3)
         Each <frame>: the link that carries it, and its placement.
     root : str or None
@@ -49,6 +52,7 @@ class SdfModel:
     links: Mapping[str, pin.SE3]
     joints: tuple[SdfJoint, ...]
     ties: tuple[PointTie, ...]
+    inertias: Mapping[str, pin.Inertia]
     frames: Mapping[str, tuple[str, pin.SE3]]
     root: str | None
     element: Element
@@ -79,6 +83,7 @@ def read_model(sdf: Element) -> SdfModel:
         *(read_joint(joint, frames, version) for joint in joints),
         *detachable_joints(model, frames, named),
     )
+    inertias, mass_notes = read_inertias(links, frames)
     held = any(joint.parent == WORLD for joint in read)
     return SdfModel(
         name=model.get("name", ""),
@@ -86,13 +91,14 @@ def read_model(sdf: Element) -> SdfModel:
         | {WORLD: _world(model, frames)},
         joints=read,
         ties=point_ties(model, names),
+        inertias=inertias,
         frames={
             name: (frames.link(name, MODEL), frames.placement(name, MODEL))
             for name in (frame.get("name", "") for frame in extra)
         },
         root=WORLD if held else canonical,
         element=model,
-        notes=tuple(notes),
+        notes=(*notes, *mass_notes),
         unread=(*unread, *elsewhere),
     )
 

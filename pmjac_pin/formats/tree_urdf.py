@@ -99,6 +99,15 @@ class TreeUrdf:
             material = SubElement(visual, "material", name=rgba)
             SubElement(material, "color", rgba=rgba)
 
+    def inertial(self, link: str, inertia: pin.Inertia) -> None:
+        """Give a link its inertia, in the link's frame."""
+        inertial = SubElement(self._links[link], "inertial")
+        SubElement(inertial, "origin", xyz=written(inertia.lever), rpy="0 0 0")
+        SubElement(inertial, "mass", value=written([inertia.mass]))
+        moments = inertia.inertia
+        keys = {f"i{'xyz'[k]}{'xyz'[m]}": moments[k, m] for k in range(3) for m in range(k, 3)}
+        SubElement(inertial, "inertia", {key: written([value]) for key, value in keys.items()})
+
     def text(self) -> str:
         """Return the URDF."""
         return tostring(self._robot, encoding="unicode")
