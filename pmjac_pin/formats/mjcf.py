@@ -11,7 +11,6 @@ from xml.etree.ElementTree import Element
 
 from pmjac_pin.formats.foreign_model import ForeignModel
 from pmjac_pin.formats.mjcf_actuators import read_motors
-from pmjac_pin.formats.mjcf_attributes import check_attributes
 from pmjac_pin.formats.mjcf_bodies import read_bodies
 from pmjac_pin.formats.mjcf_couplings import read_couplings
 from pmjac_pin.formats.mjcf_defaults import Defaults
@@ -22,6 +21,7 @@ from pmjac_pin.formats.mjcf_home import read_home
 from pmjac_pin.formats.mjcf_masses import MassRules, inertias
 from pmjac_pin.formats.mjcf_names import WORLD, Names
 from pmjac_pin.formats.mjcf_tree import MjcfTree
+from pmjac_pin.formats.mjcf_vocabulary import MJCF_WORDS
 from pmjac_pin.text_file import at_file
 from pmjac_pin.urdf import parse_urdf
 from pmjac_pin.urdf_locking import lock_joints
@@ -48,7 +48,7 @@ def read_mjcf(path: Path) -> ForeignModel:
 
 
 def _foreign_model(root: Element, path: Path) -> ForeignModel:
-    check_attributes(root)
+    unread = MJCF_WORDS.unread(root)
     name = root.get("model") or path.stem
     compiler, defaults, names = Compiler.of(root), Defaults(root), Names(root)
     bodies, notes = read_bodies(root, compiler, defaults, names)
@@ -76,4 +76,5 @@ def _foreign_model(root: Element, path: Path) -> ForeignModel:
         home=home,
         actuated=motors,
         notes=(*notes, *idle, *moved, *mass_notes),
+        unread=unread,
     )

@@ -128,7 +128,7 @@ def inertias(
     ]
     notes = []
     if guessed:
-        what = "geoms that are no sphere, capsule, cylinder, box or ellipsoid"
+        what = "geoms that are no solid sphere, capsule, cylinder, box or ellipsoid"
         notes.append(f"the mass of {what} is left out of {listed(guessed)}")
     none = [name for name in bodies if name in moving and name not in {*known, *guessed}]
     return known, [*notes, *without_mass(none)]
@@ -169,7 +169,8 @@ def read_solid(
     outside = not rules.groups[0] <= group <= rules.groups[1]
     if kind in _FLAT or outside or (mass if given else density) == 0.0:
         return pin.Inertia.Zero()
-    if kind not in SOLIDS or geom.get("mesh") is not None:
+    shell = truth(where, "shellinertia", geom.get("shellinertia", "false"))
+    if kind not in SOLIDS or geom.get("mesh") is not None or shell:
         return None
     volume, unit_moments = _VOLUMES[kind](*half_sizes(geom))
     mass = mass if given else density * volume
