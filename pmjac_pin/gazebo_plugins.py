@@ -9,6 +9,8 @@ import re
 from collections.abc import Iterator
 from xml.etree.ElementTree import Element
 
+from pmjac_pin.vocabulary import Vocabulary
+
 # Sensors, controllers, publishers and forces, by a part of the file's name.
 _HARMLESS = re.compile(
     r"ros2?_control|controller|camera|kinect|realsense|depth|laser|lidar|ray_sensor|imu|gps|navsat"
@@ -20,11 +22,29 @@ _HARMLESS = re.compile(
 )
 
 
+_MIMIC_WORDS = Vocabulary("""
+plugin name filename : joint mimicJoint multiplier offset sensitiveness* maxEffort* hasPID*
+  robotNamespace* namespace* violenceFactor* updateRate*
+""")
+
+
 def unread_harmless(root: Element) -> Iterator[Element]:
     """Yield the plugins of a file that have no bearing on the machine."""
     for plugin in root.iter("plugin"):
         if _HARMLESS.search(plugin.get("filename", "")) and not is_mimic(plugin):
             yield plugin
+
+
+def misread_mimics(root: Element) -> list[str]:
+    """Return what is not known in plugins that are called mimic.
+
+    Raises
+    ------
+    ModelFileError
+        A misspelt word.
+    """
+    plugins = [plugin for plugin in root.iter("plugin") if "mimic" in plugin.get("filename", "")]
+    return [note for plugin in plugins for note in _MIMIC_WORDS.unread(plugin)]
 
 
 def is_mimic(plugin: Element) -> bool:

@@ -87,6 +87,9 @@ def _check_root(robot: Element) -> None:
     if (version := robot.get("version")) not in _VERSIONS:
         known = ", ".join(filter(None, _VERSIONS))
         raise ModelFileError(f"URDF version {shown(version or '')} is not read; {known} are")
+    if unexpanded := [tag for child in robot if (tag := spelt(child.tag)).startswith("xacro:")]:
+        todo = "expand it first: xacro robot.urdf.xacro > robot.urdf"
+        raise ModelFileError(f"<{shown(unexpanded[0])[1:-1]}> is xacro, which is not read; {todo}")
     ties = [tag for child in robot if (tag := spelt(child.tag)) in _TIES]
     if ties or robot.find("gazebo/joint") is not None:
         what = f"<{ties[0]}>" if ties else "<joint> in <gazebo>"

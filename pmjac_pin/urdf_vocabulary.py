@@ -7,6 +7,7 @@ from pmjac_pin.vocabulary import Vocabulary
 URDF_WORDS = Vocabulary("""
 robot name version : link joint material transmission ros2_control gazebo loop constraint coupling
   loop_joint drake:ball_constraint drake:weld_constraint drake:collision_filter_group* frame*
+  drake:linear_bushing_rpy! drake:linear_spring_damper! drake:tendon_constraint! drake:joint!
   sensor* group* disable_collisions*
 link name type* : inertial visual collision* contact* self_filter* collision_checking* gravity*
   kinematic* surface* self_collision_checking* velocity_decay* laser_retro*
@@ -58,12 +59,12 @@ drake:ball_constraint_body_B name
 drake:ball_constraint_p_AP value
 drake:ball_constraint_p_BQ value
 transmission name type* : type* actuator* joint* mechanicalReduction* leftActuator* rightActuator*
-  flexJoint* rollJoint* use_simulated_gripper_joint* plugin* compensator*
+  flexJoint* rollJoint* use_simulated_gripper_joint* plugin* compensator* gap_joint! passive_joint!
 ros2_control name type* rw_rate* is_async* : hardware* joint sensor* gpio* transmission*
 ros2_control/joint name mimic : param command_interface* state_interface* plugin*
 param name*
-gazebo reference : joint collision* visual* material* sensor* light* self_collide* selfCollide*
-  gravity* turnGravityOff* turnGravityOff* static* kinematic* enable_wind* velocity_decay*
+gazebo reference : joint plugin! collision* visual* material* sensor* light* self_collide*
+  selfCollide* gravity* turnGravityOff* static* kinematic* enable_wind* velocity_decay*
   mu* mu1* mu2* fdir1* kp* kd* minDepth* min_depth* maxVel* max_vel* maxContacts* max_contacts*
   soft_cfm* soft_erp* softCfm* softErp* cfm* erp* bounce* friction* laserRetro* laser_retro*
   dampingFactor* implicitSpringDamper* springStiffness* springReference* stopCfm* stopErp* stopKp*

@@ -3,14 +3,15 @@
 What a reader does not look for it would pass over in silence, a misspelt `<orgin>` like an element
 that ties two bodies together. So every file is first held against the words of its format: what
 looks like a misspelt one is an error, and what is not known at all is told. Words with a star are
-known to have no bearing on the machine, and nobody looks into them.
+known to have no bearing on the machine, and nobody looks into them; those with an exclamation mark
+are known to have one, and are told though nobody reads them.
 """
 
 from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from xml.etree.ElementTree import Element
@@ -22,6 +23,8 @@ _LONGEST = 60  # characters; a longer name is like none of them
 _SHORTEST = 2  # of one letter any other is one slip away
 _ALIKE = 0.8  # of difflib's ratio, for names that are more than one slip away
 _MOST_TOLD = 10
+_MOST_NAMES = 4
+_NAMES = "\0"  # where the names of a kind of thing go
 _XML = "{http://www.w3.org/XML/1998/namespace}"
 
 
@@ -34,11 +37,14 @@ class Word:
     attributes, children : frozenset of str
     unread : frozenset of str
         Further attributes and children, which have no bearing on the machine.
+    told : frozenset of str
+        Children that have one, and that nobody reads.
     """
 
     attributes: frozenset[str] = frozenset()
     children: frozenset[str] = frozenset()
     unread: frozenset[str] = frozenset()
+    told: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -50,7 +56,8 @@ class Vocabulary:
     text : str
         One line an element, continued by indented ones: ``tag attributes : children``, where the
         last two may be left out; a tag as ``parent/tag`` is meant within that parent only. A star
-        says that an attribute or child is known and not read; ``drake:*`` all of a namespace.
+        says that an attribute or child is known and not read, and ``drake:*`` all of a namespace;
+        an exclamation mark that it ties bodies together, and is told.
         Children without a line of their own hold text alone.
 
     Examples
@@ -92,20 +99,22 @@ class Vocabulary:
             An element or an attribute that looks like a misspelt one.
         """
         passed = set(map(id, skipped))
-        told = dict.fromkeys(self._strange(root, root.tag, passed))
-        more = len(told) - _MOST_TOLD
-        notes = [f"not read: {what}" for what in list(told)[:_MOST_TOLD]]
+        kinds: dict[str, dict[str, None]] = {}
+        for what, name in self._strange(root, root.tag, passed):
+            kinds.setdefault(what, {})[name] = None
+        more = len(kinds) - _MOST_TOLD
+        notes = [f"not read: {_said(*kind)}" for kind in list(kinds.items())[:_MOST_TOLD]]
         return (*notes, f"not read: {more} more kinds of things") if more > 0 else tuple(notes)
 
-    def _strange(self, element: Element, path: str, passed: set[int]) -> Iterator[str]:
-        """Yield what an element holds that is not known, and what its children do."""
+    def _strange(self, element: Element, path: str, passed: set[int]) -> Iterator[tuple[str, str]]:
+        """Yield what an element and its children hold that nobody reads: its kind and its name."""
         word = self._word(path)
         for attribute in element.attrib:
             if attribute in word.attributes or attribute.startswith(_XML):
                 continue
             if not _told(spelt(attribute), word.unread):
                 self._refuse_near(element, spelt(attribute), word.attributes, "attribute")
-                yield f"attribute {shown(spelt(attribute))} of {_called(element)}"
+                yield f"attribute {shown(spelt(attribute))} of {_called(element)}", ""
         for child in element:
             tag = spelt(child.tag)
             if id(child) in passed or _told(tag, word.unread):
@@ -113,8 +122,10 @@ class Vocabulary:
             if tag in word.children:
                 yield from self._strange(child, f"{spelt(element.tag)}/{tag}", passed)
                 continue
-            self._refuse_near(element, tag, word.children, "element")
-            yield f"{_tagged(child)} in {_called(element)}"
+            if tag not in word.told:
+                self._refuse_near(element, tag, word.children | word.told, "element")
+            name = child.get("filename") or child.get("name") or ""
+            yield f"<{shown(tag)[1:-1]}>{_NAMES} in {_called(element)}", name
 
     def _word(self, path: str) -> Word:
         return self.words.get(path) or self.words.get(path.rpartition("/")[2], Word())
@@ -180,8 +191,9 @@ def _word(attributes: list[str], children: list[str]) -> Word:
     unread = [name[:-1] for name in (*attributes, *children) if name.endswith("*")]
     return Word(
         frozenset(name for name in attributes if not name.endswith("*")),
-        frozenset(name for name in children if not name.endswith("*")),
+        frozenset(name for name in children if name[-1] not in "*!"),
         frozenset(unread),
+        frozenset(name[:-1] for name in children if name.endswith("!")),
     )
 
 
@@ -189,10 +201,12 @@ def _told(name: str, unread: frozenset[str]) -> bool:
     return name in unread or (name.partition(":")[0] + ":") in unread
 
 
-def _tagged(element: Element) -> str:
-    """Return an element's tag and what tells it from others: its file or its name."""
-    given = element.get("filename") or element.get("name")
-    return f"<{shown(spelt(element.tag))[1:-1]}>" + (f" {shown(given)}" if given else "")
+def _said(what: str, names: Iterable[str]) -> str:
+    """Return a kind of thing with the names of the first few of it."""
+    given = [shown(name) for name in names if name]
+    more = [f"{len(given) - _MOST_NAMES} more"] if len(given) > _MOST_NAMES else []
+    listed = ", ".join(given[:_MOST_NAMES]) + "".join(f" and {rest}" for rest in more)
+    return what.replace(_NAMES, f" {listed}" if given else "")
 
 
 def _called(element: Element) -> str:

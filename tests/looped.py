@@ -132,3 +132,53 @@ def constraint_element(kind="revolute", parent_axis=Z, child_axis=Z, rpy="0 0 0"
         f'<child link="rocker"/><child_origin xyz="{numbers(p["C"] - p["D"])}" rpy="{rpy}"/>'
         f'<child_axis xyz="{child_axis}"/>{tail}</constraint>'
     )
+
+
+def with_drake(element):
+    return with_element(element).replace("<robot", '<robot xmlns:drake="http://drake.mit.edu"', 1)
+
+
+def ball_constraint():
+    p = points()
+    return (
+        '<drake:ball_constraint><drake:ball_constraint_body_A name="coupler"/>'
+        '<drake:ball_constraint_body_B name="rocker"/>'
+        f'<drake:ball_constraint_p_AP value="{numbers(p["C"] - p["B"])}"/>'
+        f'<drake:ball_constraint_p_BQ value="{numbers(p["C"] - p["D"])}"/></drake:ball_constraint>'
+    )
+
+
+def loop_joint(kind="continuous"):
+    p = points()
+    return (
+        f'<loop_joint name="tip" type="{kind}">'
+        f'<link1 link="coupler" xyz="{numbers(p["C"] - p["B"])}" rpy="0 0 0"/>'
+        f'<link2 link="rocker" xyz="{numbers(p["C"] - p["D"])}"/><axis xyz="{Z}"/></loop_joint>'
+    )
+
+
+def gazebo_joint(kind="revolute", parent="coupler", axis=f"<axis><xyz>{Z}</xyz></axis>"):
+    """Placed in the frame of its child, as SDFormat does."""
+    p = points()
+    child, origin = ("rocker", "D") if parent == "coupler" else ("coupler", "B")
+    return (
+        f'<gazebo><joint name="tip" type="{kind}"><parent>{parent}</parent><child>{child}</child>'
+        f"<pose>{numbers(p['C'] - p[origin])} 0 0 0</pose>{axis}</joint></gazebo>"
+    )
+
+
+def closing_frames():
+    p = points()
+    ends = (("closing_tip_1", "coupler", "B"), ("closing_tip_2", "rocker", "D"))
+    return "".join(
+        link(name, "") + joint(f"{name}_frame", "fixed", parent, name, p["C"] - p[origin])
+        for name, parent, origin in ends
+    )
+
+
+def mimic_plugin(multiplier="-2", follower="phi1", inside=""):
+    return (
+        '<gazebo><plugin name="follow" filename="libroboticsgroup_gazebo_mimic_joint_plugin.so">'
+        f"<joint>theta1</joint><mimicJoint>{follower}</mimicJoint>"
+        f"<multiplier>{multiplier}</multiplier><offset>0.5</offset>{inside}</plugin></gazebo>"
+    )

@@ -68,6 +68,13 @@ LOOPED = {
     "constraint, exported": looped.with_element(
         looped.loop_element().replace("<loop", "<constraint").replace("</loop", "</constraint")
     ),
+    "Gazebo's joint": looped.with_element(looped.gazebo_joint()),
+    "Gazebo's joint, other way": looped.with_element(looped.gazebo_joint(parent="rocker")),
+    "Gazebo's ball": looped.with_element(looped.gazebo_joint("ball", axis="")),
+    "Drake's ball": looped.with_drake(looped.ball_constraint()),
+    "loop_joint": looped.with_element(looped.loop_joint()),
+    "loop_joint, ball": looped.with_element(looped.loop_joint("spherical")),
+    "closing frames": looped.with_element(looped.closing_frames()),
 }
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import yaml
@@ -74,6 +75,20 @@ class ClosureFile(msgspec.Struct, frozen=True):
         return _TRUTHS[self.free_flyer.lower()]
 
 
+class _Loader(yaml.BaseLoader):  # type: ignore[misc]
+    """Refuses a key that is given twice, of which YAML would keep the last."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        given: set[str] = set()
+        for key, _ in node.value:
+            if (name := str(key.value)) in given:
+                problem = f"the key {name[:60]!r} is given twice"
+                raise yaml.constructor.ConstructorError(None, None, problem, key.start_mark)
+            given.add(name)
+        found: dict[Any, Any] = super().construct_mapping(node, deep)
+        return found
+
+
 def read_closure_yaml(path: Path) -> tuple[ClosureFile, tuple[str, ...]]:
     """Read the file; also return the keys that were not used.
 
@@ -87,7 +102,7 @@ def read_closure_yaml(path: Path) -> tuple[ClosureFile, tuple[str, ...]]:
     with at_file(str(path)):
         try:
             # Text, lists and tables only: no dates, numbers, objects or merged tables.
-            contents = yaml.load(text, Loader=yaml.BaseLoader)
+            contents = yaml.load(text, Loader=_Loader)
         except RecursionError:
             raise ModelFileError("not valid YAML: nested too deep to be read") from None
         except (yaml.YAMLError, ValueError, OverflowError) as error:

@@ -87,9 +87,18 @@ def read_extended_urdf(path: Path, motors: Collection[str] = ()) -> ForeignModel
         notes=(
             *model.notes,
             *replaced,
-            *(f"{beside.name}: {key!r} is not used" for key in unused_keys),
+            *(f"{beside.name}: {key!r} is not used" for key in unused_keys if _of_rotors(key)),
+        ),
+        unread=(
+            *model.unread,
+            *(f"not read: {key!r} of {beside.name}" for key in unused_keys if not _of_rotors(key)),
         ),
     )
+
+
+def _of_rotors(key: str) -> bool:
+    """Whether a key that is not used tells of rotors, which have no bearing on kinematics."""
+    return "rotor" in str(key)
 
 
 def _carriers(joints: Sequence[Element], links: Sequence[str]) -> dict[str, str]:

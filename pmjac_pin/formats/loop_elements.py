@@ -20,6 +20,7 @@ import pinocchio as pin
 
 from pmjac_pin.errors import ModelFileError, did_you_mean
 from pmjac_pin.formats.anchors import KINDS, WITHOUT_AXIS, Anchors, loop_of_kind, placement_of
+from pmjac_pin.formats.joint_dialects import listed
 from pmjac_pin.loop_spec import JointLoop, Loop, UniversalLoop, X
 from pmjac_pin.table import Vector
 from pmjac_pin.urdf_checks import SHORTEST_AXIS, checked_end, checked_origin
@@ -126,6 +127,8 @@ def _turn(where: str, kind: str, axes: tuple[Vector, Vector]) -> pin.SE3:
 def read_gears(joints: Sequence[Element]) -> tuple[JointLoop, ...]:
     """Return each <mimic> as q = multiplier · q_leader + offset, and take it out of its joint.
 
+    One of a fixed joint, which has no value, says nothing: `idle_mimics` tells.
+
     Raises
     ------
     ModelFileError
@@ -138,6 +141,8 @@ def read_gears(joints: Sequence[Element]) -> tuple[JointLoop, ...]:
         if (mimic := only(where, joint, "mimic")) is None:
             continue
         joint.remove(mimic)
+        if joint.get("type") == "fixed":
+            continue
         where, leader = f"{where}, <mimic>", mimic.get("joint", "")
         if leader not in names:
             known = did_you_mean(leader, names)
@@ -150,6 +155,13 @@ def read_gears(joints: Sequence[Element]) -> tuple[JointLoop, ...]:
         gears[follower] = JointLoop(joints=(leader, follower), ratio=ratio, offset=offset)
     _refuse_circles(gears)
     return tuple(gears.values())
+
+
+def idle_mimics(joints: Sequence[Element]) -> list[str]:
+    """Return a note on joints that are fixed and are to follow others all the same."""
+    fixed = [joint for joint in joints if joint.get("type") == "fixed"]
+    names = [joint.get("name", "") for joint in fixed if joint.find("mimic") is not None]
+    return [f"fixed, and follow no other joint: {listed(names)}"] if names else []
 
 
 def _refuse_circles(gears: Mapping[str, JointLoop]) -> None:

@@ -21,7 +21,7 @@ from pmjac_pin.formats.joint_dialects import (
     independence,
     opened_limits,
 )
-from pmjac_pin.formats.loop_elements import Closing, read_closings, read_gears
+from pmjac_pin.formats.loop_elements import Closing, idle_mimics, read_closings, read_gears
 from pmjac_pin.formats.massless import massless_bodies, without_mass
 from pmjac_pin.formats.sdf_vocabulary import SDF_WORDS
 from pmjac_pin.formats.urdf_ties import (
@@ -32,7 +32,7 @@ from pmjac_pin.formats.urdf_ties import (
     take_loops,
     take_mimics,
 )
-from pmjac_pin.gazebo_plugins import is_mimic, unread_harmless
+from pmjac_pin.gazebo_plugins import is_mimic, misread_mimics, unread_harmless
 from pmjac_pin.loop_spec import JointLoop
 from pmjac_pin.text_file import at_file, read_text
 from pmjac_pin.urdf import MAXIMAL_SIZE, parse_urdf
@@ -106,6 +106,7 @@ def read_robot(
     refuse_unreadable(robot)
     take_mimics(robot, elements)
     limit_notes, balls = opened_limits(elements), floating_balls(elements)
+    limit_notes += idle_mimics(elements)
     independent, gears = independence(elements), read_gears(elements)
     geared = {name for gear in gears for name in gear.joints}
     wanted = {name for name, given in independent.items() if given}
@@ -137,7 +138,8 @@ def _unread(robot: Element) -> tuple[str, ...]:
     joints = joints_of_gazebo(robot)
     mimics = filter(is_mimic, robot.iterfind("gazebo/plugin"))
     inside = [note for joint in joints for note in SDF_WORDS.unread(joint)]
-    return (*URDF_WORDS.unread(robot, *joints, *mimics, *unread_harmless(robot)), *inside)
+    skipped = (*joints, *mimics, *unread_harmless(robot))
+    return (*URDF_WORDS.unread(robot, *skipped), *inside, *misread_mimics(robot))
 
 
 def _declared(

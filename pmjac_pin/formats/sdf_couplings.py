@@ -81,9 +81,7 @@ def read_mimics(joints: Sequence[SdfJoint], model: Element) -> tuple[JointLoop, 
     freedoms = {joint.name: freedom_names(joint) for joint in joints}
     found: dict[str, JointLoop] = {}
     for where, loop in (*_of_axes(joints, freedoms), *_of_plugins(model, freedoms)):
-        leader, follower = loop.joints
-        if leader == follower:
-            raise ModelFileError(f"{where}: the joint follows itself")
+        follower = loop.joints[1]
         if found.setdefault(follower, loop) != loop:
             raise ModelFileError(f"{where}: joint {follower!r} follows in another way already")
     return tuple(found.values())
@@ -103,15 +101,14 @@ def _of_axes(
                 _number(where, mimic, tag, default)
                 for tag, default in (("multiplier", "1"), ("offset", "0"), ("reference", "0"))
             )
-            constant = offset - ratio * reference
-            yield where, JointLoop(joints=(leader, follower), ratio=ratio, offset=constant)
+            yield where, _gear(where, (leader, follower), ratio, offset - ratio * reference)
         for mimic in joint.element:
             if spelt(mimic.tag) == "drake:mimic":
                 leader = _freedom(where, mimic.get("joint", ""), "axis", freedoms)
                 follower = _freedom(where, joint.name, "axis", freedoms)
                 (ratio,) = numbers(where, mimic, "multiplier", default="1")
                 (offset,) = numbers(where, mimic, "offset", default="0")
-                yield where, JointLoop(joints=(leader, follower), ratio=ratio, offset=offset)
+                yield where, _gear(where, (leader, follower), ratio, offset)
 
 
 def _of_plugins(
@@ -127,7 +124,13 @@ def _of_plugins(
             _number(where, plugin, tag, default)
             for tag, default in (("multiplier", "1"), ("offset", "0"))
         )
-        yield where, JointLoop(joints=(leader, follower), ratio=ratio, offset=offset)
+        yield where, _gear(where, (leader, follower), ratio, offset)
+
+
+def _gear(where: str, joints: tuple[str, str], ratio: float, offset: float) -> JointLoop:
+    if joints[0] == joints[1]:
+        raise ModelFileError(f"{where}: the joint follows itself")
+    return JointLoop(joints=joints, ratio=ratio, offset=offset)
 
 
 def _freedom(where: str, joint: str, axis: str, freedoms: Mapping[str, tuple[str, ...]]) -> str:

@@ -15,7 +15,7 @@ from pmjac_pin.formats.sdf_joints import SdfJoint, end_of, read_joint
 from pmjac_pin.formats.sdf_plugins import PointTie, detachable_joints, point_ties, read_plugins
 from pmjac_pin.formats.sdf_vocabulary import SDF_WORDS
 from pmjac_pin.formats.sdf_world import the_model
-from pmjac_pin.gazebo_plugins import unread_harmless
+from pmjac_pin.gazebo_plugins import misread_mimics, unread_harmless
 from pmjac_pin.urdf_checks import MAXIMAL_LINKS, checked_names
 from pmjac_pin.urdf_xml import label, shown
 
@@ -99,7 +99,7 @@ def read_model(sdf: Element) -> SdfModel:
         root=WORLD if held else canonical,
         element=model,
         notes=(*notes, *mass_notes),
-        unread=(*unread, *elsewhere),
+        unread=(*unread, *misread_mimics(model), *elsewhere),
     )
 
 

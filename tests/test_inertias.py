@@ -1,0 +1,229 @@
+"""Masses and inertias of every format: against MuJoCo, by hand, and where there are none."""
+
+from __future__ import annotations
+
+import looped
+import mjcf_models
+import numpy as np
+import pinocchio as pin
+import pytest
+from mujoco_oracle import Pair
+from peer_models import peer_model
+
+import pmjac_pin as pj
+from pmjac_pin.formats.looped_urdf import read_looped_urdf
+from pmjac_pin.formats.mjcf import read_mjcf
+from pmjac_pin.formats.sdf import read_sdf
+from pmjac_pin.urdf_xml import parse_xml
+
+POSED = 'pos=".1 -.2 .3" euler="20 30 40"'
+SOLIDS = {
+    "sphere": f'<geom size=".3" {POSED}/>',
+    "capsule": f'<geom type="capsule" size=".2 .5" {POSED}/>',
+    "cylinder": f'<geom type="cylinder" size=".2 .5" {POSED}/>',
+    "box": f'<geom type="box" size=".2 .5 .1" {POSED}/>',
+    "ellipsoid": f'<geom type="ellipsoid" size=".2 .5 .1" {POSED}/>',
+    "capsule between": '<geom type="capsule" size=".2" fromto="0 1 2 1 .5 0"/>',
+    "cylinder between": '<geom type="cylinder" size=".2" fromto="0 1 2 1 .5 0"/>',
+    "box between": '<geom type="box" size=".2" fromto="0 1 2 1 .5 0"/>',
+    "ellipsoid between": '<geom type="ellipsoid" size=".2" fromto="0 1 2 1 .5 0"/>',
+    "mass": f'<geom type="box" size=".2 .5 .1" mass="7" density="3" {POSED}/>',
+    "density": f'<geom type="box" size=".2 .5 .1" density="3" {POSED}/>',
+    "several": f'<geom size=".3" {POSED}/><geom type="box" size=".2 .1 .3" pos="1 0 0"/>'
+    '<geom size=".4" mass="0"/><geom size=".2" density="0"/>',
+    "in a frame": f'<frame {POSED}><geom type="box" size=".2 .5 .1" {POSED}/></frame>',
+    "inertial": f'<inertial mass="3" diaginertia="1 2 2.5" {POSED}/><geom size="1"/>',
+    "full inertia": '<inertial mass="3" pos=".1 .2 .3" fullinertia="3 2.5 2 .1 .2 -.3"/>',
+}
+COMPILERS = {
+    "none": "",
+    "always": 'inertiafromgeom="true"',
+    "never": 'inertiafromgeom="false"',
+    "groups": 'inertiagrouprange="1 2"',
+    "bounds": 'boundmass="4" boundinertia="1.7"',
+    "balance": 'balanceinertia="true"',
+    "total": 'settotalmass="2.5"',
+}
+GROUPS = (
+    '<inertial mass="3" diaginertia="1 2 2.5" pos="1 0 0"/><geom size=".3" group="1"/>'
+    '<geom size=".2" group="3" pos="0 1 0"/>'
+)
+
+
+@pytest.fixture
+def pair(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # MuJoCo writes its log into the working directory
+
+    def pair(text):
+        path = tmp_path / "robot.xml"
+        path.write_text(text)
+        return Pair(path)
+
+    return pair
+
+
+def inertias(found):
+    """Mass, centre and moments about the centre of each link that has them, in its frame."""
+    masses = {}
+    for link in parse_xml(found.urdf.text).iterfind("link"):
+        if (inertial := link.find("inertial")) is not None:
+            given = inertial.find("inertia").attrib
+            moments = [[given[f"i{min(a, b)}{max(a, b)}"] for b in "xyz"] for a in "xyz"]
+            masses[link.get("name")] = (
+                float(inertial.find("mass").get("value")),
+                np.array(inertial.find("origin").get("xyz").split(), dtype=float),
+                np.array(moments, dtype=float),
+            )
+    return masses
+
+
+def assert_inertias_are_mujocos(pair):
+    found = inertias(pair.found)
+    for number in range(1, pair.mj.nbody):
+        body = pair.mj.body(number)
+        mass, centre, moments = found.get(body.name, (0.0, np.zeros(3), np.zeros((3, 3))))
+        axes = pin.Quaternion(*body.iquat).toRotationMatrix()
+        theirs = axes @ np.diag(body.inertia) @ axes.T
+        np.testing.assert_allclose(mass, body.mass[0], rtol=1e-12)
+        np.testing.assert_allclose(centre, body.ipos, atol=1e-12)
+        np.testing.assert_allclose(moments, theirs, atol=1e-10 * max(1.0, np.abs(theirs).max()))
+
+
+@pytest.mark.parametrize("inside", SOLIDS.values(), ids=SOLIDS)
+def test_a_bodys_inertia_is_mujocos(pair, inside):
+    joint = '<joint name="j" pos=".1 .2 .3" ref="20" axis="1 2 3"/>'
+    assert_inertias_are_mujocos(pair(mjcf_models.mjcf(f'<body name="a">{joint}{inside}</body>')))
+
+
+@pytest.mark.parametrize("compiler", COMPILERS.values(), ids=COMPILERS)
+@pytest.mark.parametrize("inside", [GROUPS, SOLIDS["several"]], ids=["groups", "several"])
+def test_the_compilers_rules_are_mujocos(pair, compiler, inside):
+    bodies = f'<body name="a"><joint name="j"/>{inside}</body>'
+    other = '<body name="b"><joint name="k"/><inertial mass="1" pos="0 0 1" diaginertia="1 1 1"/>'
+    text = mjcf_models.mjcf(f"{bodies}{other}</body>", before=f"<compiler {compiler}/>")
+    if compiler == COMPILERS["groups"] and "group=" not in text:
+        text = text.replace("<geom", '<geom group="1"')
+    if compiler == COMPILERS["never"]:  # MuJoCo wants a mass for all that moves
+        inertial = '<inertial mass="2" pos="0 0 0" diaginertia="1 1 1"/>'
+        text = text if 'mass="3"' in text else text.replace("<geom", f"{inertial}<geom", 1)
+    if compiler == COMPILERS["always"]:
+        text = text.replace("</body></worldbody>", '<geom size=".1"/></body></worldbody>')
+    assert_inertias_are_mujocos(pair(text))
+
+
+@pytest.mark.parametrize("name", mjcf_models.MODELS)
+def test_inertias_of_all_models_are_mujocos(pair, name):
+    assert_inertias_are_mujocos(pair(mjcf_models.MODELS[name]))
+
+
+def test_cassies_inertias_are_mujocos(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert_inertias_are_mujocos(Pair(peer_model("mjcf/cassie_closed_chain.xml")))
+
+
+def test_defaults_give_geoms_their_mass(pair):
+    inner = '<default class="x"><geom mass="2"/></default>'
+    defaults = f'<default><geom density="30"/>{inner}</default>'
+    geoms = '<geom size=".2"/><geom class="x" size=".3" pos="1 0 0"/>'
+    bodies = f'<body name="a"><joint name="j"/>{geoms}</body>'
+    assert_inertias_are_mujocos(pair(mjcf_models.mjcf(bodies, before=defaults)))
+
+
+def test_what_is_not_known_of_masses_is_said(tmp_path):
+    path = tmp_path / "robot.xml"
+    joint = '<joint name="{}"/>'
+    path.write_text(
+        mjcf_models.mjcf(
+            f'<body name="a">{joint.format("j")}<geom type="mesh" mesh="m"/></body>'
+            f'<body name="b">{joint.format("k")}<body name="c"/></body>'
+            f'<body name="d">{joint.format("l")}<geom size=".1" shellinertia="true"/></body>'
+        )
+    )
+    what = "the mass of geoms that are no solid sphere, capsule, cylinder, box or ellipsoid"
+    assert read_mjcf(path).notes == (
+        f"{what} is left out of 'a', 'd'",
+        "no mass is given for 'b': it is 0 in `model`",
+    )
+
+
+@pytest.mark.parametrize(
+    ("inside", "message"),
+    [
+        ('<inertial mass="-1" pos="0 0 0" diaginertia="1 1 1"/>', "the mass is -1; it must not"),
+        ('<inertial mass="1" pos="0 0 0" diaginertia="1 -1 1"/>', "a moment of inertia is -1, be"),
+        ('<inertial mass="1" pos="0 0 0"/>', "has no `diaginertia`"),
+        ('<inertial pos="0 0 0" diaginertia="1 1 1"/>', "has no `mass`"),
+        ('<geom size=".1" density="-1"/>', "the mass is -"),
+        ('<inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/>' * 2, "there is another; give one"),
+    ],
+)
+def test_masses_that_no_body_has(tmp_path, inside, message):
+    path = tmp_path / "robot.xml"
+    path.write_text(mjcf_models.mjcf(f'<body name="a">{inside}</body>'))
+    with pytest.raises(pj.ModelFileError, match=message):
+        read_mjcf(path)
+
+
+SDF = """
+<sdf version="1.9"><model name="m">
+  <link name="a"><pose>1 2 3 0.1 0.2 0.3</pose>
+    <inertial><mass>2</mass><pose>0.1 0 0.2 0.3 0 0.4</pose><inertia>
+      <ixx>2</ixx><ixy>0.1</ixy><ixz>0.2</ixz><iyy>3</iyy><iyz>-0.3</iyz><izz>4</izz>
+    </inertia></inertial></link>
+  <link name="b"><inertial><mass>3</mass><pose relative_to="a">0 0 1 0 0 0</pose></inertial></link>
+  <link name="c"/><link name="d"><inertial auto="true"/></link>
+  <joint name="i" type="revolute"><parent>a</parent><child>b</child>
+    <pose>0.5 0 0 0 0 1</pose><axis><xyz>0 1 0</xyz></axis></joint>
+  <joint name="j" type="ball"><parent>a</parent><child>c</child></joint>
+  <joint name="k" type="fixed"><parent>a</parent><child>d</child></joint>
+</model></sdf>"""
+
+
+def test_inertias_of_sdf(tmp_path):
+    path = tmp_path / "robot.sdf"
+    path.write_text(SDF)
+    found = read_sdf(path)
+    masses = inertias(found)
+    turn = pin.rpy.rpyToMatrix(0.3, 0.0, 0.4)
+    given = np.array([[2, 0.1, 0.2], [0.1, 3, -0.3], [0.2, -0.3, 4]])
+    mass, centre, moments = masses["a"]
+    assert mass == 2.0
+    np.testing.assert_allclose(centre, [0.1, 0, 0.2], atol=1e-15)
+    np.testing.assert_allclose(moments, turn @ given @ turn.T, atol=1e-14)
+    placed = pin.SE3(pin.rpy.rpyToMatrix(0.1, 0.2, 0.3), np.array([1.0, 2, 3]))
+    np.testing.assert_allclose(masses["b"][1], placed.act(np.array([0.0, 0, 1])), atol=1e-15)
+    assert (masses["b"][0], masses["c"][0], "d" in masses) == (3.0, 1.0, False)
+    np.testing.assert_allclose(masses["c"][2], np.eye(3))
+    default = "SDFormat's default, 1 kg and 1 kg m², is taken"
+    assert found.notes[0] == f"no <inertial> is given for 'c': {default}"
+    assert found.notes[1].startswith("the <inertial> of 'd' is to be computed from shapes")
+    model = pj.load(path, actuated=["i"], tool="b").model
+    assert model.inertias[model.getJointId("i")].mass == 3.0
+
+
+@pytest.mark.parametrize(
+    ("inertial", "message"),
+    [
+        ("<mass>-1</mass>", "the mass is -1; it must not be negative"),
+        ("<mass>nan</mass>", "<mass> is 'nan', not a finite number"),
+        ("<inertia><ixx>-1</ixx></inertia>", "a moment of inertia is -1, below zero"),
+        ("<inertia><ixy>2</ixy></inertia>", "a moment of inertia is -1, below zero"),
+        ("<inertia><ixxx>2</ixxx></inertia>", "unknown <ixxx>; did you mean 'ixx'"),
+    ],
+)
+def test_inertias_that_no_link_has(tmp_path, inertial, message):
+    path = tmp_path / "robot.sdf"
+    text = f'<link name="a"><inertial>{inertial}</inertial></link>'
+    path.write_text(f'<sdf version="1.9"><model name="m">{text}</model></sdf>')
+    with pytest.raises(pj.ModelFileError, match=message):
+        read_sdf(path)
+
+
+def test_bodies_of_a_urdf_without_mass_are_told(tmp_path):
+    """A frame needs none: the body that carries it has one."""
+    path = tmp_path / "robot.urdf"
+    text = looped.two_parents()
+    path.write_text(text.replace(looped.link("pin"), looped.link("pin", "")))
+    assert not any("no mass" in note for note in read_looped_urdf(path).notes)
+    path.write_text(text.replace(looped.link("rocker"), looped.link("rocker", "")))
+    assert read_looped_urdf(path).notes[-1] == "no mass is given for 'rocker': it is 0 in `model`"

@@ -1,0 +1,229 @@
+"""What other programs write into a URDF to tie bodies together."""
+
+from __future__ import annotations
+
+import looped
+import numpy as np
+import pinocchio as pin
+import pytest
+from looped import TOOL
+
+import pmjac_pin as pj
+from pmjac_pin.convert import convert
+from pmjac_pin.formats.looped_urdf import read_looped_urdf
+
+RHOMBUS = """
+<robot name="rhombus">
+  <link name="ground"/><link name="crank"/><link name="coupler"/><link name="rocker"/>
+  <joint name="a" type="continuous"><parent link="ground"/><child link="crank"/>
+    <axis xyz="0 0 1"/></joint>
+  <joint name="b" type="continuous"><parent link="crank"/><child link="coupler"/>
+    <origin xyz="0 1 0"/><axis xyz="0 0 1"/></joint>
+  <joint name="d" type="continuous"><parent link="ground"/><child link="rocker"/>
+    <origin xyz="4 0 0"/><axis xyz="0 0 1"/></joint>
+  {}
+</robot>"""
+PIN = '<gazebo><joint name="c" type="revolute"><parent>coupler</parent><child>rocker</child>'
+PIN += "<pose>-1 2 0 0 0 0</pose><axis><xyz>0 0 1</xyz></axis></joint></gazebo>"
+
+
+@pytest.fixture
+def write(tmp_path):
+    def write(text, name="machine.urdf"):
+        path = tmp_path / name
+        path.write_text(text)
+        return path
+
+    return write
+
+
+@pytest.fixture
+def refusal(write):
+    def refusal(text):
+        with pytest.raises(pj.ModelFileError) as caught:
+            read_looped_urdf(write(text))
+        return str(caught.value).partition(": ")[2]
+
+    return refusal
+
+
+def test_a_joint_of_gazebo_closes_the_rhombus(write):
+    """By hand: the tip C moves with the coupler and the rocker, (−1 − ω, 3ω) = (−2δ, −δ)."""
+    mechanism = pj.load(write(RHOMBUS.format(PIN)), actuated=["a"], tool="coupler")
+    assert (mechanism.mobility, mechanism.passive) == (1, ("b", "d"))
+    expected = [-1, 0, 0, 0, 0, -1 / 7]
+    np.testing.assert_allclose(mechanism.home.jacobian().J_eq[:, 0], expected, atol=1e-12)
+    assert "joint 'c' of <gazebo> is closed as revolute, without its limits" in mechanism.notes
+
+
+def test_a_looped_urdf_does_not_make_motors_of_its_passive_joints(write):
+    path = write(RHOMBUS.format(PIN))
+    with pytest.raises(pj.ModelFileError, match="which joints are motors; give `actuated`, of: a"):
+        pj.load(path, tool="coupler")
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("kind", ["revolute", "prismatic", "universal", "fixed", "ball"])
+def test_a_joint_of_gazebo_is_where_both_links_see_it_at_zero(write, kind, seed):
+    """Origins turned at random; the pose may be seen from any link."""
+    rng = np.random.default_rng(seed)
+    seen = ("ground", "crank", "coupler", "rocker")[seed % 4]
+
+    def place():
+        return " ".join(map(repr, rng.uniform(-1, 1, 3).tolist()))
+
+    joints = [
+        f'<joint name="{name}" type="continuous"><parent link="{parent}"/><child link="{child}"/>'
+        f'<origin xyz="{place()}" rpy="{place()}"/><axis xyz="{place()}"/></joint>'
+        for name, parent, child in (
+            ("a", "ground", "crank"), ("b", "crank", "coupler"), ("d", "ground", "rocker")
+        )
+    ]  # fmt: skip
+    axes = {"revolute": 1, "prismatic": 1, "universal": 2}.get(kind, 0)
+    given = ("<xyz>1 2 2</xyz>", "<xyz>2 1 -2</xyz>")[:axes]
+    tags = ("axis", "axis2")[:axes]
+    inside = "".join(f"<{tag}>{xyz}</{tag}>" for tag, xyz in zip(tags, given, strict=True))
+    pose = f"{place()} {place()}"
+    tie = (
+        f'<gazebo><joint name="c" type="{kind}"><parent>coupler</parent><child>rocker</child>'
+        f'<pose relative_to="{seen}">{pose}</pose>{inside}</joint></gazebo>'
+    )
+    links = "".join(f'<link name="{name}"/>' for name in ("ground", "crank", "coupler", "rocker"))
+    found = read_looped_urdf(write(f'<robot name="r">{links}{"".join(joints)}{tie}</robot>'))
+    model = pin.buildModelFromXML(found.urdf.kinematic_xml())
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, pin.neutral(model))
+    first, second = (data.oMf[model.getFrameId(name)] for name in found.loops[0].ends)
+    np.testing.assert_allclose(first.homogeneous, second.homogeneous, atol=1e-12)
+    numbers = np.array(pose.split(), dtype=float)
+    placed = pin.SE3(pin.rpy.rpyToMatrix(numbers[3:]), numbers[:3])
+    wanted = data.oMf[model.getFrameId(seen)] * placed
+    np.testing.assert_allclose(first.homogeneous, wanted.homogeneous, atol=1e-12)
+
+
+def test_a_base_that_gazebo_holds_is_held(write):
+    hold = '<gazebo><joint name="hold" type="fixed"><parent>world</parent><child>ground</child>'
+    path = write(RHOMBUS.format(f"{PIN}{hold}</joint></gazebo>"))
+    mechanism = pj.load(path, actuated=["a"], tool="coupler")
+    assert len(mechanism.spec.loops) == 1
+    assert "joint 'hold' of <gazebo> holds the base: it is held anyway" in mechanism.notes
+
+
+def test_closing_frames_that_others_join_are_left_to_them(write):
+    p = looped.points()
+    frames = looped.closing_frames()
+    loop = '<loop name="l" type="revolute"><predecessor link="closing_tip_1"/>'
+    loop += '<successor link="closing_tip_2"/><axis xyz="0 0 1"/></loop>'
+    found = read_looped_urdf(write(looped.with_element(frames + loop)))
+    assert [type(loop) for loop in found.loops] == [pj.RevoluteLoop]
+    path = write(looped.with_element(frames), "robot.urdf")
+    path.with_name("robot.yaml").write_text(
+        "closed_loop: [[closing_tip_1, closing_tip_2]]\ntype: [3d]\nname_mot: [theta1]\n"
+    )
+    mechanism = pj.load(path, tool=TOOL)
+    assert mechanism.spec.loops == (pj.PointLoop(frames=("closing_tip_1", "closing_tip_2")),)
+    assert p["C"].any()
+
+
+def test_a_closing_frame_alone_is_told(write):
+    links, joints = looped.chain()
+    one = looped.link("closing_tip_1", "") + looped.joint("j", "fixed", "coupler", "closing_tip_1")
+    found = read_looped_urdf(write(looped.robot(*links, *joints.values(), one)))
+    assert "link 'closing_tip_1' has no 'closing_tip_2' to close a loop with" in found.notes
+
+
+def follower(tie):
+    links, joints = looped.chain()
+    return looped.robot(*links, *joints.values(), tie)
+
+
+CONTROL = (
+    '<ros2_control name="c" type="system"><joint name="phi1"><command_interface name="position"/>'
+    '<param name="mimic">theta1</param><param name="multiplier">-2</param>'
+    '<param name="offset">0.5</param></joint></ros2_control>'
+)
+
+
+@pytest.mark.parametrize("tie", [looped.mimic_plugin(), CONTROL], ids=["plugin", "ros2_control"])
+def test_joints_follow_others(write, tie):
+    mechanism = pj.load(write(follower(tie)), tool="rocker")
+    gear = pj.JointLoop(joints=("theta1", "phi1"), ratio=-2, offset=0.5)
+    assert mechanism.spec.loops == (gear,)
+    assert mechanism.actuated == ("theta1", "phi2")
+    assert mechanism.unread == ()
+
+
+def test_a_plugin_and_a_mimic_that_agree_are_one(write, refusal):
+    links, joints = looped.chain()
+    own = '<mimic joint="theta1" multiplier="-2.0" offset="0.5"/>'
+    joints["phi1"] = joints["phi1"].replace("</joint>", f"{own}</joint>")
+    text = looped.robot(*links, *joints.values(), looped.mimic_plugin())
+    assert len(read_looped_urdf(write(text)).loops) == 1
+    assert refusal(text.replace('multiplier="-2.0"', 'multiplier="2"')) == (
+        "joint 'phi1' follows otherwise by <mimic> than by plugin 'follow'"
+    )
+    assert "the joint 'phi3' does not exist; did you mean 'phi2' or 'phi1'?" in refusal(
+        follower(looped.mimic_plugin(follower="phi3"))
+    )
+
+
+def test_a_fixed_joint_follows_nothing(write):
+    links, joints = looped.chain()
+    joints["tool"] = joints["tool"].replace("</joint>", '<mimic joint="theta1"/></joint>')
+    mechanism = pj.load(write(looped.robot(*links, *joints.values())), tool=TOOL)
+    assert mechanism.spec.loops == ()
+    assert mechanism.notes[0] == "fixed, and follow no other joint: 'tool'"
+
+
+TIES = {
+    "gazebo": looped.with_element(looped.gazebo_joint()),
+    "drake": looped.with_drake(looped.ball_constraint()),
+    "loop_joint": looped.with_element(looped.loop_joint()),
+    "closing": looped.with_element(looped.closing_frames()),
+    "plugin": follower(looped.mimic_plugin()),
+    "control": follower(CONTROL),
+}
+
+
+@pytest.mark.parametrize("text", TIES.values(), ids=TIES)
+def test_what_is_converted_is_the_same_machine(write, tmp_path, text):
+    path = write(text)
+    motors = None if text in (TIES["plugin"], TIES["control"]) else ["theta1"]
+    before = pj.load(path, actuated=motors, tool=TOOL)
+    target, _ = convert(path, tmp_path / "out.toml", actuated=motors, tool=TOOL)
+    after = pj.load(target)
+    assert after.unread == ()
+    expected = before.home.jacobian().J_eq
+    np.testing.assert_allclose(after.home.jacobian().J_eq, expected, atol=1e-12)
+
+
+BAD = {
+    "weld": ("<drake:weld_constraint/>", "<drake:weld_constraint> is not read, and left out it"),
+    "coupling": ("<coupling/>", "<coupling> is not read, and left out it would free a motion"),
+    "half a ball": (
+        '<drake:ball_constraint><drake:ball_constraint_body_A name="crank"/>'
+        "</drake:ball_constraint>",
+        "<drake:ball_constraint> has no <drake:ball_constraint_p_AP>",
+    ),
+    "half a loop_joint": ('<loop_joint name="l" type="fixed"/>', "loop_joint 'l' has no <link1>"),
+    "gearbox": (
+        '<gazebo><joint name="g" type="gearbox"><parent>crank</parent><child>rocker</child>'
+        "<axis/><axis2/></joint></gazebo>",
+        "joint 'g' of <gazebo> is of type gearbox, which is not read there",
+    ),
+    "no link": (
+        PIN.replace(">coupler<", ">copler<"),
+        "joint 'c', <parent>: the frame 'copler' does not exist; did you",
+    ),
+    "base against the world": (
+        '<gazebo><joint name="g" type="ball"><parent>world</parent><child>ground</child></joint>'
+        "</gazebo>",
+        "joint 'g' of <gazebo> joins link 'ground' to itself",
+    ),
+}
+
+
+@pytest.mark.parametrize(("tie", "message"), BAD.values(), ids=BAD)
+def test_what_is_refused(refusal, tie, message):
+    text = RHOMBUS.format(tie).replace("<robot", '<robot xmlns:drake="http://drake.mit.edu"')
+    assert refusal(text).startswith(message)
