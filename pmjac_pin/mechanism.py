@@ -46,7 +46,11 @@ class Mechanism(MechanismValue):
     Attributes
     ----------
     notes : tuple of str
-        One sentence for each decision that the reader of a file of another format took.
+        One sentence for each decision that the reader of a file of another format took, after
+        those of `unread`.
+    unread : tuple of str
+        One sentence for each kind of thing in the file that nobody reads, and that might tie
+        bodies together.
 
     Examples
     --------

@@ -1,7 +1,8 @@
 """MJCF, MuJoCo's format: bodies, joints and equality constraints, as a cut tree and its loops.
 
-Of everything else only actuators (which joints are motors), the keyframe "home" and simple geoms
-(for a picture) are read. A joint's value is MuJoCo's qpos, and the loops are closed at qpos0.
+Of everything else only actuators (which joints are motors), the keyframe "home", inertias and
+simple geoms (for their masses and a picture) are read. A joint's value is MuJoCo's qpos, and the
+loops are closed at qpos0.
 """
 
 from __future__ import annotations

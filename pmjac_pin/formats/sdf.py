@@ -2,7 +2,7 @@
 
 Read are the links, joints and frames of one model, SDFormat 1.4 to 1.12. Every link and every
 joint is placed where it is with all joints at zero, so that all loops are closed there, to
-rounding. Inertials, shapes, sensors and plugins are left out.
+rounding. Shapes and sensors are left out.
 """
 
 from __future__ import annotations
