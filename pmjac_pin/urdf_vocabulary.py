@@ -22,7 +22,7 @@ cylinder radius length
 capsule radius length
 sphere radius
 mesh filename* scale* : drake:*
-material name : color texture*
+material name : color texture* specular*
 color rgba
 joint name type independent dont_collapse* id* : origin parent child axis limit dynamics mimic
   calibration* safety_controller* joint_properties* hardwareInterface* drake:rotor_inertia*

@@ -130,6 +130,9 @@ def inertias(
     if guessed:
         what = "geoms that are no solid sphere, capsule, cylinder, box or ellipsoid"
         notes.append(f"the mass of {what} is left out of {listed(guessed)}")
+    points = [name for name, body in known.items() if body.mass > 0.0 and not body.inertia.any()]
+    if points:
+        notes.append(f"no moments of inertia are given for {listed(points)}: they are 0 in `model`")
     none = [name for name in bodies if name in moving and name not in {*known, *guessed}]
     return known, [*notes, *without_mass(none)]
 
@@ -140,14 +143,15 @@ def read_inertial(where: str, element: Element, frame: pin.SE3, compiler: Compil
     Raises
     ------
     ModelFileError
-        A number that is none, or no moments of inertia.
+        A number that is none, or no mass.
     """
     (mass,) = numbers(where, element, "mass")
     if element.get("fullinertia") is not None:
         xx, yy, zz, xy, xz, yz = numbers(where, element, "fullinertia", count=_FULL)
         moments = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     else:
-        moments = np.diag(numbers(where, element, "diaginertia", count=_DIAGONAL))
+        given = numbers(where, element, "diaginertia", default="0 0 0", count=_DIAGONAL)
+        moments = np.diag(given)
     return inertia_at(where, mass, moments, frame * compiler.placement(where, element))
 
 
