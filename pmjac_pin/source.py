@@ -15,6 +15,7 @@ from pmjac_pin.formats.foreign_model import ForeignModel, check_frame, check_mot
 from pmjac_pin.formats.looped_urdf import read_looped_urdf
 from pmjac_pin.formats.mjcf import read_mjcf
 from pmjac_pin.formats.sdf import read_sdf
+from pmjac_pin.formats.urdf_ties import closing_frames
 from pmjac_pin.model_file import read_model_file
 from pmjac_pin.spec import MechanismSpec, Tool
 from pmjac_pin.urdf import Urdf, read_urdf
@@ -78,7 +79,15 @@ def read_source(
         spec = msgspec.structs.replace(spec, actuated=check_motors(urdf, motors), passive=None)
     if tool is not None:
         spec = msgspec.structs.replace(spec, tool=Tool(frame=check_frame(urdf, tool)))
-    return Source(path, spec, urdf, unread=urdf.unread)
+    return Source(path, spec, urdf, unread=(*urdf.unread, *_open_frames(urdf, spec)))
+
+
+def _open_frames(urdf: Urdf, spec: MechanismSpec) -> list[str]:
+    """Return a sentence for each pair of frames that is made to close a loop, and is in none."""
+    joined = [name for loop in spec.loops for name in loop.ends]
+    loops, _ = closing_frames(urdf.links, (), joined)
+    pairs = (" and ".join(repr(end.get("link")) for end in loop) for loop in loops)
+    return [f"not read: the frames {pair} are in no [[loop]]" for pair in pairs]
 
 
 def _foreign(path: Path, motors: tuple[str, ...]) -> ForeignModel:

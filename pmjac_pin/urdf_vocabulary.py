@@ -8,7 +8,7 @@ URDF_WORDS = Vocabulary("""
 robot name version : link joint material transmission ros2_control gazebo loop constraint coupling
   loop_joint drake:ball_constraint drake:weld_constraint drake:collision_filter_group* frame*
   drake:linear_bushing_rpy! drake:linear_spring_damper! drake:tendon_constraint! drake:joint!
-  sensor* group* disable_collisions*
+  sensor* group* disable_collisions* mujoco*
 link name type* : inertial visual collision* contact* self_filter* collision_checking* gravity*
   kinematic* surface* self_collision_checking* velocity_decay* laser_retro*
 inertial : origin mass inertia

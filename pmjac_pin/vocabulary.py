@@ -25,7 +25,7 @@ _ALIKE = 0.8  # of difflib's ratio, for names that are more than one slip away
 _MOST_TOLD = 10
 _MOST_NAMES = 4
 _NAMES = "\0"  # where the names of a kind of thing go
-_XML = "{http://www.w3.org/XML/1998/namespace}"
+_OF_XML = "{http://www.w3.org/"  # attributes of XML itself and of its schemas
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ class Vocabulary:
         """Yield what an element and its children hold that nobody reads: its kind and its name."""
         word = self._word(path)
         for attribute in element.attrib:
-            if attribute in word.attributes or attribute.startswith(_XML):
+            if attribute in word.attributes or attribute.startswith(_OF_XML):
                 continue
             if not _told(spelt(attribute), word.unread):
                 self._refuse_near(element, spelt(attribute), word.attributes, "attribute")

@@ -7,7 +7,7 @@ import mjcf_models
 import numpy as np
 import pinocchio as pin
 import pytest
-from mujoco_oracle import Pair
+from mujoco_oracle import Pair, mujoco
 from peer_models import peer_model
 
 import pmjac_pin as pj
@@ -114,6 +114,30 @@ def test_the_compilers_rules_are_mujocos(pair, compiler, inside):
 @pytest.mark.parametrize("name", mjcf_models.MODELS)
 def test_inertias_of_all_models_are_mujocos(pair, name):
     assert_inertias_are_mujocos(pair(mjcf_models.MODELS[name]))
+
+
+def inertia_matrix(pair):
+    """MuJoCo's joint space inertia matrix, by Pinocchio's v, rotors aside."""
+    columns = np.eye(pair.mj.nv)
+    for column in columns:
+        mujoco.mj_mulM(pair.mj, pair.data, result := np.zeros(pair.mj.nv), column.copy())
+        column[:] = result
+    return columns
+
+
+@pytest.mark.parametrize("name", mjcf_models.MODELS)
+def test_the_model_has_mujocos_inertia_matrix(pair, rng, name):
+    """That of `mechanism.model`, at random poses."""
+    pair = pair(mjcf_models.MODELS[name])
+    pair.mj.dof_armature[:] = 0.0
+    data = pair.pin.createData()
+    for _ in range(3):
+        qpos = pair.random(rng)
+        pair.forward(qpos)
+        rates = pair.rates(qpos)
+        theirs = rates.T @ inertia_matrix(pair) @ rates
+        ours = np.triu(pin.crba(pair.pin, data, pair.q(qpos)))
+        np.testing.assert_allclose(ours, np.triu(theirs), atol=1e-9 * np.abs(theirs).max())
 
 
 def test_cassies_inertias_are_mujocos(tmp_path, monkeypatch):

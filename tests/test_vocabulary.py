@@ -243,6 +243,18 @@ def test_a_model_files_urdf_is_held_against_the_words_too(tmp_path):
             pj.load(tmp_path / "m.toml")
 
 
+def test_frames_that_close_nothing_in_a_model_file_are_told(tmp_path):
+    (tmp_path / "m.urdf").write_text(looped.with_element(looped.closing_frames()))
+    path = tmp_path / "m.toml"
+    model = 'urdf = "m.urdf"\nactuated = ["theta1"]\ntool.frame = "middle"\n[poses.home]\n'
+    path.write_text(model.replace('["theta1"]', '["theta1", "phi1", "phi2"]'))
+    pair = "'closing_tip_1' and 'closing_tip_2'"
+    assert pj.load(path).unread == (f"not read: the frames {pair} are in no [[loop]]",)
+    loop = '[[loop]]\nkind = "point"\nframes = ["closing_tip_1", "closing_tip_2"]\n'
+    path.write_text(f"{model}{loop}")
+    assert pj.load(path).unread == ()
+
+
 def test_xacro_is_to_be_expanded(read):
     text = looped.two_parents().replace("<robot", '<robot xmlns:xacro="http://ros.org/wiki/xacro"')
     with pytest.raises(pj.ModelFileError, match="<xacro:leg> is xacro, which is not read; expand"):

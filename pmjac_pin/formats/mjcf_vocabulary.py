@@ -22,10 +22,10 @@ MJCF_WORDS = Vocabulary(
     """
 mujoco model : compiler option default worldbody equality actuator keyframe asset* contact* custom*
   deformable* extension* sensor* size* statistic* tendon* visual*
-worldbody : body frame geom site joint freejoint inertial camera* light* plugin* attach composite
+worldbody : body frame geom site joint freejoint inertial camera* light* plugin! attach composite
   flexcomp replicate
 frame name pos quat axisangle euler xyaxes zaxis childclass :
-  body frame geom site joint freejoint inertial camera* light* plugin* attach composite
+  body frame geom site joint freejoint inertial camera* light* plugin! attach composite
   flexcomp replicate
 equality : connect weld joint tendon* flex* flexstrain* flexvert* distance*
 keyframe : key
@@ -43,7 +43,7 @@ flag equality constraint actuation* autoreset* clampctrl* contact* damper* diage
   midphase* multiccd* nativeccd* override* refsafe* sensor* sleep* speculative* spring* warmstart*
 body name pos quat axisangle euler xyaxes zaxis childclass mocap fuse* gravcomp* simple* sleep*
   user* :
-  body frame geom site joint freejoint inertial camera* light* plugin* attach composite
+  body frame geom site joint freejoint inertial camera* light* plugin! attach composite
   flexcomp replicate
 inertial mass diaginertia fullinertia pos quat axisangle euler xyaxes zaxis
 joint name class type pos axis ref range limited actuatorfrclimited* actuatorfrcrange*
