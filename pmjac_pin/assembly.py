@@ -131,7 +131,7 @@ def _unassembled(
     rounding = ROUNDING_OF_PLACES * size.extent
     partition = _partition(spec, coordinates, kinematics.loops, size.length, rounding)
     problem = ClosureProblem(
-        kinematics.evaluate,
+        kinematics.closure,
         lambda q, v: pin.integrate(near, q, v),
         lambda one, other: pin.difference(near, one, other),
         partition,

@@ -19,19 +19,22 @@ from pmjac_pin.closure_problem import ROUNDING, ClosureProblem
 from pmjac_pin.damped_closure import assemble
 from pmjac_pin.factorisation import Factorisation, norm
 from pmjac_pin.partition import Partition
+from pmjac_pin.step_guard import StepGuard
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
+MOST_STEPS = 50_000  #: tried in one path
+
 # All lengths relative to the mechanism's characteristic length.
 _LARGEST_STEP = 0.25  # motion in one step, a rad counted as one length
-_SMALLEST_STEP = 1e-15  # of the whole path
+_SMALLEST_STEP = 1e-9  # motion in one step that is not the last: less is not resolved
 _LARGEST_CORRECTION = 0.25  # first Newton correction, as a share of the predicted motion
 _SLOWEST_CONTRACTION = 0.25  # of one Newton correction by the next
-_HARDLY_ANYTHING = 1e-8  # left of the motors' path, where it may have ended at a fold
+_HARDLY_ANYTHING = 1e-5  # left of the motors' path, where it may end in a singular target
 _BESIDE = 1e-5  # m or rad: both modes that meet at a fold are as near when the gap is 1e-12
 _WALKING = 1e-13  # gap on the way: beside a fold, more would hide how near that is
-_MOST_STEPS = 2000  # of full length, for a path that is very long beside the mechanism
+_NO_INVERSE = 1e-9  # relative singular value of K* at a pose that no step is proven to lead to
 _MOST_CORRECTIONS = 50  # at a fold, polishing halves the error each time
 
 
@@ -41,6 +44,7 @@ class Closed:
 
     q: Array
     gap: float
+    residual: Array
     scaled: Array
     factors: Factorisation
     iterations: int
@@ -48,21 +52,33 @@ class Closed:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Followed:
-    """Where a path ended: at its target when `share` is 1."""
+    """Where a path ended: at its target when `share` is 1.
+
+    `spent` where it is so long that its steps were used up; `strayed` is where motors were led to
+    that loops forbid to move so (`over_actuation`).
+    """
 
     point: Closed
     share: float
     iterations: int
+    spent: bool = False
+    strayed: Array | None = None
 
 
 def follow(
-    problem: ClosureProblem, start: Closed, displacement: Array, target: Callable[[Array], Array]
+    problem: ClosureProblem,
+    guard: StepGuard,
+    start: Closed,
+    displacement: Array,
+    target: Callable[[Array], Array],
 ) -> Followed:
     """Walk the motors along a straight path, staying on the assembly mode of `start`.
 
     Parameters
     ----------
     problem : ClosureProblem
+    guard : StepGuard
+        Says which steps are covered.
     start : Closed
     displacement : ndarray, shape (n,)
         Of the motors, over the whole path.
@@ -71,28 +87,33 @@ def follow(
     """
     partition = problem.partition
     distance = norm(displacement / partition.column_scale[partition.actuated])
-    largest_step = max(_LARGEST_STEP * partition.length, distance / _MOST_STEPS)
     point, share, step, iterations = start, 0.0, 1.0, 0
-    while share < 1.0:
-        if _is_singular(point, partition):
-            break
-        velocity = _path_velocity(point, displacement, partition)
+    regular = not _is_singular(start, partition)
+    velocity = _path_velocity(start, displacement, partition) if regular else np.zeros(0)
+    tries = 0
+    while regular and tries < MOST_STEPS:
+        tries += 1
         pace = norm(velocity / partition.column_scale)
-        step = min(step, largest_step / pace if pace else 1.0)
+        step = min(step, _LARGEST_STEP * partition.length / pace if pace else 1.0)
         last = step >= 1.0 - share
         stride = 1.0 - share if last else step
+        if not last and stride * pace < _SMALLEST_STEP * partition.length:
+            break
         tangent = velocity * stride
         ahead = problem.integrate(point.q, tangent)
-        candidate = _correct(problem, target(ahead) if last else ahead, point, tangent, last)
-        if candidate is None:
-            step *= 0.5
-            if step < _SMALLEST_STEP:
-                break
+        candidate = _correct(problem, target(ahead) if last else ahead, tangent, last)
+        step = 0.5 * stride
+        if candidate is None or not _is_invertible(candidate, partition):
+            continue
+        arriving = _path_velocity(candidate, displacement, partition)
+        if not guard.covers(problem, point, candidate, tangent, arriving * stride):
             continue
         iterations += candidate.iterations
-        point, share = candidate, 1.0 if last else share + step
-        step *= 2.0
-    ended = Followed(point, share, iterations)
+        point, velocity, share = candidate, arriving, 1.0 if last else share + stride
+        if last or _is_singular(point, partition):
+            break
+        step = 2.0 * stride
+    ended = Followed(point, share, iterations, spent=tries == MOST_STEPS)
     if share < 1.0 and (1.0 - share) * distance <= _HARDLY_ANYTHING * partition.length:
         return _arrived(problem, ended, target) or ended
     return ended
@@ -101,35 +122,46 @@ def follow(
 def _arrived(
     problem: ClosureProblem, ended: Followed, target: Callable[[Array], Array]
 ) -> Followed | None:
-    """Return the target itself, when the path ended at a fold that rounding puts beside it."""
+    """Return the target itself, when it is singular and the path ended right beside it."""
+    point = beside(problem, ended.point.q, target(ended.point.q))
+    if point is None or not _is_singular(point, problem.partition):
+        return None
+    return Followed(point, 1.0, ended.iterations + point.iterations)
+
+
+def beside(problem: ClosureProblem, closed: Array, q: Array) -> Closed | None:
+    """Close the loops at a q with its motors at rest, right beside a closed q; None elsewhere."""
     partition = problem.partition
     weights = np.zeros(partition.column_scale.size)
     weights[partition.passive] = 1.0
-    found = assemble(problem, target(ended.point.q), weights)
-    moved = np.abs(found.q - ended.point.q).max(initial=0.0)
+    found = assemble(problem, q, weights)
+    moved = np.abs(found.q - closed).max(initial=0.0)
     if found.gap > problem.tolerance or moved > _BESIDE * max(1.0, partition.length):
         return None
-    return Followed(closed_point(problem, found.q), 1.0, ended.iterations + found.iterations)
+    return _point(problem, found.q, *problem.evaluate(found.q), found.iterations)
 
 
 def closed_point(problem: ClosureProblem, q: Array) -> Closed:
     """Evaluate and factorise at a q whose loops are closed."""
-    residual, jacobian = problem.evaluate(q)
-    return _point(problem, q, problem.gap(residual), jacobian, 0)
+    return _point(problem, q, *problem.evaluate(q), 0)
 
 
 def _point(
-    problem: ClosureProblem, q: Array, gap: float, jacobian: Array, iterations: int
+    problem: ClosureProblem, q: Array, residual: Array, jacobian: Array, iterations: int
 ) -> Closed:
-    scaled = problem.partition.scaled(jacobian)
-    factors = problem.partition.factorise(
-        scaled.take(problem.partition.passive, axis=1), norm(scaled)
-    )
-    return Closed(q, gap, scaled, factors, iterations)
+    partition = problem.partition
+    scaled, error = partition.scaled(jacobian), residual * partition.row_scale
+    factors = partition.factorise(scaled.take(partition.passive, axis=1), partition.size_of(scaled))
+    return Closed(q, norm(error), error, scaled, factors, iterations)
 
 
 def _is_singular(point: Closed, partition: Partition) -> bool:
     return point.factors.rank < partition.passive_rank
+
+
+def _is_invertible(point: Closed, partition: Partition) -> bool:
+    rank, values = partition.passive_rank, point.factors.singular_values
+    return not rank or float(values[rank - 1]) > _NO_INVERSE * point.factors.size
 
 
 def _path_velocity(point: Closed, displacement: Array, partition: Partition) -> Array:
@@ -144,20 +176,17 @@ def _path_velocity(point: Closed, displacement: Array, partition: Partition) -> 
     return velocity
 
 
-def _correct(
-    problem: ClosureProblem, q: Array, start: Closed, tangent: Array, last: bool
-) -> Closed | None:
-    """Newton on the passive joints; None unless it contracts at once and stays on the mode.
+def _correct(problem: ClosureProblem, q: Array, tangent: Array, last: bool) -> Closed | None:
+    """Newton on the passive joints; None unless it contracts at once.
 
     A first correction that is small beside the predicted motion, and each next one small
-    beside the one before, say that the prediction was close to the path. That K* stays regular
-    (`Factorisation.stays_regular`) says that no singularity lies between them. Within the
+    beside the one before, say that the prediction was close to the path. Within the
     tolerance there is nothing left to tell apart: there it only polishes, slowly at a fold.
     """
     partition = problem.partition
     enough = (ROUNDING if last else _WALKING) * partition.length
     allowed = _LARGEST_CORRECTION * norm(tangent / partition.column_scale)
-    corrections = no_motion = np.zeros(tangent.size)
+    no_motion = np.zeros(tangent.size)
     previous_gap = np.inf
     for iteration in range(1, _MOST_CORRECTIONS):
         residual, jacobian = problem.evaluate(q)
@@ -167,35 +196,12 @@ def _correct(
         velocity = no_motion if done else _newton_step(residual, jacobian, partition)
         size = norm(velocity / partition.column_scale)
         if done or (closed and not np.isfinite(size)):
-            point = _point(problem, q, gap, jacobian, iteration)
-            return point if _same_mode(problem, start, point, tangent, corrections) else None
+            return _point(problem, q, residual, jacobian, iteration)
         if not (closed or size <= allowed):
             return None
         allowed, previous_gap = _SLOWEST_CONTRACTION * size, gap
         q = problem.integrate(q, velocity)
-        corrections = corrections + velocity
     return None
-
-
-def _same_mode(
-    problem: ClosureProblem, start: Closed, end: Closed, tangent: Array, corrections: Array
-) -> bool:
-    """Tell whether no singularity lies between two points; the end may be one itself.
-
-    Halfway along a path that starts with the velocity t and ends at t + c, it is at t/2 + c/4,
-    to second order.
-    """
-    partition = problem.partition
-    passive = partition.passive
-    if _is_singular(end, partition):
-        return True
-
-    def middle() -> Array:
-        q = problem.integrate(problem.integrate(start.q, 0.5 * tangent), 0.25 * corrections)
-        return partition.scaled(problem.evaluate(q)[1]).take(passive, axis=1)
-
-    K_star = end.scaled.take(passive, axis=1)
-    return start.factors.stays_regular(K_star, middle, partition.passive_rank)
 
 
 def _newton_step(residual: Array, jacobian: Array, partition: Partition) -> Array:
@@ -206,8 +212,8 @@ def _newton_step(residual: Array, jacobian: Array, partition: Partition) -> Arra
         *_, solution, failed = dgesv(jacobian.take(passive, axis=1), residual)
         velocity[passive] = np.nan if failed else -solution
         return velocity
-    scaled = partition.scaled(jacobian).take(passive, axis=1)
-    factors = partition.factorise(scaled, norm(scaled))
+    scaled = partition.scaled(jacobian)
+    factors = partition.factorise(scaled.take(passive, axis=1), partition.size_of(scaled))
     error = residual * partition.row_scale
     velocity[passive] = -partition.column_scale[passive] * factors.solve(
         error, partition.passive_rank

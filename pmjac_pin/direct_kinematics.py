@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.closure import Followed, follow
+from pmjac_pin.closure import MOST_STEPS, Followed
 from pmjac_pin.closure_problem import ClosureProblem
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.damped_closure import assemble
@@ -17,6 +17,7 @@ from pmjac_pin.held_motors import assemble_held
 from pmjac_pin.limits import Violation, enforced, limit_error
 from pmjac_pin.motor_values import motor_values
 from pmjac_pin.named_values import named_values
+from pmjac_pin.over_actuation import walk
 from pmjac_pin.parts import Parts
 from pmjac_pin.pose_assembly import motor_weights
 from pmjac_pin.rounded_numbers import wider_tolerance
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Guess: TypeAlias = "str | Configuration | Mapping[str, float | Sequence[float]]"
 
+_ARRIVED = 1e-9  # m or rad
+_GO_ON = "go on from there, the error's `reached`, as guess"
 _SMALL = 1e-4  # of the characteristic length: a gap of a target hardly missed, or of rounding
 _NEARLY_SINGULAR = 1e-3  # relative singular value of K* that explains why a path ended
 
@@ -41,12 +44,8 @@ def close(
         check_limits(parts, values)
     start = _start(mechanism, guess, values)
 
-    columns = parts.problem.partition.actuated
-
-    def at_target(q: Array) -> Array:
-        return parts.coordinates.with_values(q, columns, values)
-
-    path = follow(parts.problem, start._point, _displacement(parts, start, values), at_target)
+    displacement = _displacement(parts, start, values)
+    path = walk(parts, mechanism._step_guard, start._point, displacement, values)
     if path.share < 1.0:
         raise _stopped(mechanism, values, start, path)
     closed = Configuration._of_point(mechanism, path.point, path.iterations)
@@ -121,10 +120,13 @@ def _stopped(
     reached = Configuration._of_point(mechanism, path.point, path.iterations)
     at_target = parts.coordinates.with_values(path.point.q, problem.partition.actuated, values)
     best = assemble(problem, at_target, motor_weights(problem, 0.0))
-    reason = _reason(reached, path.share)
-    advice = _advice(problem, best.gap)
+    if path.strayed is not None:
+        message = _forbidden(mechanism, values, path.strayed)
+    else:
+        advice = _GO_ON if path.spent else _advice(problem, best.gap)
+        message = f"the straight path to the target {_reason(reached, path)}; {advice}"
     return ClosureError(
-        f"{mechanism.name}: the straight path to the target {reason}; {advice}",
+        f"{mechanism.name}: {message}",
         residual_norm=best.gap,
         q=best.q,
         actuated=values,
@@ -134,14 +136,37 @@ def _stopped(
     )
 
 
-def _reason(reached: Configuration, share: float) -> str:
+def _forbidden(mechanism: Mechanism, values: Array, strayed: Array) -> str:
+    """Say which motors the loops lead elsewhere than they were told to go."""
+    parts = mechanism._parts
+    motors = parts.problem.partition.actuated
+    there, wraps = parts.coordinates.values(strayed)[motors], parts.coordinates.wraps[motors]
+    misses = np.where(
+        wraps, np.remainder(there - values + np.pi, 2 * np.pi) - np.pi, there - values
+    )
+    least = min(_ARRIVED, 0.5 * float(np.abs(misses).max()))
+    led = [
+        f"{name} goes to {value:.9g}, which is {miss:+.2g} from its target"
+        for name, value, miss in zip(mechanism.actuated, there.tolist(), misses, strict=True)
+        if abs(miss) > least
+    ]
+    passive = f"{len(led)} of them" if len(led) > 1 else "one of them"
+    return (
+        "the loops forbid these motors to move so together: with the other motors at their "
+        f"targets, {' and '.join(led)}; give values that fit, or make {passive} passive"
+    )
+
+
+def _reason(reached: Configuration, path: Followed) -> str:
     """Say where a path ended, and why."""
     singularity = reached.singularity()
     motors = ", ".join(
         f"{name}={value:.6g}"
         for name, value in zip(reached.mechanism.actuated, reached.actuated, strict=True)
     )
-    where = f"after {100.0 * share:.4g} % of the way, at {motors}"
+    where = f"after {100.0 * path.share:.4g} % of the way, at {motors}"
+    if path.spent:
+        return f"takes more than {MOST_STEPS} steps, which end {where}"
     if singularity.smallest < _NEARLY_SINGULAR:
         value = f"(relative singular value of K* {singularity.smallest:.2g})"
         return f"meets a singularity {where} {value}, where this assembly mode ends"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,8 +14,6 @@ Array = NDArray[np.float64]
 #: of the length cannot tell a pose from a singular one nearer than √1e-12: at a fold the residual
 #: grows with the square of the distance.
 RANK_TOLERANCE = 1e-6
-
-_SAFE_CHANGE = 0.7  # below 1, for what a way does beyond the second order
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,43 +66,10 @@ class Factorisation:
         projected = (self.left[:, :r].T @ b).T / self.singular_values[:r]
         return self.right[:r].T @ projected.T
 
-    def change_to(self, matrix: Array, rank: int) -> Array:
-        """Return U_rᵀ (B − A) V_r, shape (rank, rank), on A's first `rank` singular values."""
-        change: Array = self.left[:, :rank].T @ matrix @ self.right[:rank].T
-        change[np.diag_indices(rank)] -= self.singular_values[:rank]
-        return change
-
-    def stays_regular(self, end: Array, middle: Callable[[], Array], rank: int) -> bool:
-        """Tell whether no drop below `rank` lies on the way from A to another matrix.
-
-        With E(s) = Σ_r⁻¹ U_rᵀ (A(s) − A) V_r for the matrix A(s) on the way, 0 ≤ s ≤ 1,
-
-            U_rᵀ A(s) V_r = Σ_r (I + E(s))
-
-        is invertible where ‖E(s)‖ < 1 (Neumann), and then A(s), of which it is a part, has at
-        least rank r: whatever its shape, its other rows and columns. The part for s = 1 alone is
-        enough on a straight line: E(s) = s E(1). A way that bends departs from it, to second order
-        by 4 s (1 − s) D with D = E(½) − E(1)/2, so that ‖E(s)‖ ≤ ‖E(1)‖ + ‖D‖.
-
-        Where even ‖U_rᵀ (B − A) V_r‖ is below σ_r, so that ‖E(1)‖ is as well, the way is taken
-        to be too short to bend as much, and A(½) is not asked for.
-
-        Parameters
-        ----------
-        end : ndarray, shape (p, k)
-            B = A(1).
-        middle : callable
-            Returns A(½); called only if it matters.
-        rank : int
-        """
-        change, values = self.change_to(end, rank), self.singular_values[:rank, np.newaxis]
-        if rank == 0 or norm(change) < _SAFE_CHANGE * float(values[-1, 0]):
-            return True
-        share = norm(change / values)
-        if share >= _SAFE_CHANGE:
-            return False
-        bend = self.change_to(middle(), rank) - 0.5 * change
-        return share + norm(bend / values) < _SAFE_CHANGE
+    def inverse(self, rank: int) -> Array:
+        """Return the pseudoinverse by the first `rank` singular values, shape (k, p)."""
+        inverse: Array = (self.right[:rank].T / self.singular_values[:rank]) @ self.left[:, :rank].T
+        return inverse
 
 
 def norm(array: Array) -> float:

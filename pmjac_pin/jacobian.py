@@ -268,7 +268,7 @@ def equivalent_jacobian(
     partition, J = split.partition, split.tool_jacobian
     actuated, passive = partition.actuated, partition.passive
     scaled = partition.scaled(split.constraint_jacobian)
-    factors = partition.factorise(scaled.take(passive, axis=1), norm(scaled))
+    factors = partition.factorise(scaled.take(passive, axis=1), partition.size_of(scaled))
     if factors.rank < partition.passive_rank or partition.isolated:
         here = singularity or partial(analyse_singularity, split.constraint_jacobian, J, partition)
         raise _singular(here())

@@ -70,6 +70,17 @@ class Kinematics:
         pin.computeJointJacobians(self.model, scratch.data, q)
         return self.loops.evaluate(self.model, scratch.data, scratch.loops, q)
 
+    def closure(self, q: Array) -> tuple[Array, Array]:
+        """Return η (p,) and ∂η/∂v (p, nv), each loop seen from the body that carries both ends.
+
+        The derivative is that of rows which turn with their second frame: off closure, exact for
+        Newton's method, where both are turned alike.
+        """
+        residual, jacobian = self.evaluate(q)
+        scratch = self._scratch
+        self.loops.to_base(scratch.data, scratch.loops, residual, jacobian)
+        return residual, jacobian
+
     def loop_equations(self, q: Array) -> tuple[Array, Array]:
         """Return η (p,) and ∂η/∂v (p, nv) in world axes, exact on and off closure."""
         residual, jacobian = self.evaluate(q)

@@ -54,6 +54,7 @@ class _Closure:
     constraint: Any  # pin.PointAnchorConstraintModel or pin.FrameAnchorConstraintModel
     blocks: tuple[tuple[slice, Rows], ...]
     body: int  # Pinocchio's index of the joint that carries the second frame
+    base: int  # ... of the last joint that carries both frames, 0 for the world
 
     def relative(self, model: pin.Model, data: pin.Data, scratch: Any) -> Relative:
         # Without `calc` the constraint's Jacobian is silently the one of another q.
@@ -204,6 +205,21 @@ class LoopSystem:
                 residual[rows] = rotation @ residual[rows]
                 jacobian[rows] = rotation @ jacobian[rows]
 
+    def to_base(self, data: pin.Data, scratch: list[Any], residual: Array, jacobian: Array) -> None:
+        """Turn what `evaluate` just returned, in place: seen from the body that carries both ends.
+
+        What happens above a loop does not turn its rows, and neither do its own joints.
+        """
+        for closure, loop_data in zip(self._closures, scratch, strict=True):
+            if closure.base == closure.body:
+                continue
+            for rows in closure.vectors():
+                rotation = loop_data.oMc1.rotation
+                if closure.base:
+                    rotation = data.oMi[closure.base].rotation.T @ rotation
+                residual[rows] = rotation @ residual[rows]
+                jacobian[rows] = rotation @ jacobian[rows]
+
     def add_turning(
         self, model: pin.Model, data: pin.Data, residual: Array, jacobian: Array
     ) -> None:
@@ -255,4 +271,6 @@ def _closure(
     points_only = all(isinstance(block, Gap | Distance) for _, block in blocks)
     anchors = pin.PointAnchorConstraintModel if points_only else pin.FrameAnchorConstraintModel
     constraint = anchors(model, second.joint, second.placement, first.joint, first.placement)
-    return _Closure(constraint, blocks, second.joint)
+    one, other = (list(model.supports[frame.joint]) for frame in (first, second))
+    base = [a for a, b in zip(one, other, strict=False) if a == b][-1]
+    return _Closure(constraint, blocks, second.joint, base)

@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from pmjac_pin.arms import arms_of, without_arms
 from pmjac_pin.assembly import build_parts
 from pmjac_pin.certificates.equations import LoopEquations
 from pmjac_pin.checks import as_numbers
@@ -30,6 +31,7 @@ from pmjac_pin.pose_assembly import assemble_pose
 from pmjac_pin.read_only import read_only
 from pmjac_pin.recut import recut_parts
 from pmjac_pin.spec import JointValue
+from pmjac_pin.step_guard import StepGuard
 
 if TYPE_CHECKING:
     from pmjac_pin.homotopy.parameter_homotopy import ParameterHomotopy
@@ -205,7 +207,12 @@ class Mechanism(MechanismValue):
 
         Walks from the guess to the target along a straight line in the motor values, with
         Newton's method on the passive joints at every step, and stays on the guess's assembly
-        mode; it never jumps to another one.
+        mode. A step is taken only where K* is shown to be regular along the whole of it, from
+        its values at three poses and bounds on its derivatives from the links' lengths: what
+        comes closer to singular than 1e-6 ends the path, and only the target itself may be
+        singular. `docs/closing_loops.md` says what this rests on. With more motors than
+        freedom, as many as may move at will walk straight, and the values of the others must
+        fit at the end.
 
         Parameters
         ----------
@@ -230,7 +237,8 @@ class Mechanism(MechanismValue):
         Raises
         ------
         ClosureError
-            The path meets a singularity, or the target is out of reach. Attributes: the
+            The path meets a singularity, the target is out of reach, the loops forbid the motors
+            to move so together, or the path is too long for one call. Attributes: the
             smallest gap found at the target (`residual_norm`, `q`), the last closed pose on
             the path (`reached`, a Configuration), the `share` of the path up to there.
         LimitError, ArgumentError, UnknownNameError
@@ -400,6 +408,15 @@ class Mechanism(MechanismValue):
         parts = self._parts
         passive = parts.problem.partition.passive.tolist()
         return LoopEquations(parts.model, parts.spec.loops, parts.values, passive)
+
+    @cached_property
+    def _step_guard(self) -> StepGuard:
+        parts = self._parts
+        try:
+            arms = arms_of(parts.model, parts.spec.loops, parts.values)
+        except ArgumentError:
+            arms = without_arms(parts.model, len(parts.kinematics.loops.row_names))
+        return StepGuard(parts.model, arms)
 
     def _checked(self, q: ArrayLike) -> Array:
         values = as_numbers(q, "q")

@@ -25,6 +25,9 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 
+_LEAST_SIZE = 0.1  # of [K K*], beside its generic size
+
+
 class TwistRanks(NamedTuple):
     """Dimensions of the tool's twists, of its linear and of its angular velocities."""
 
@@ -59,6 +62,8 @@ class Partition(ReadOnlyArrays):
         Relative size up to which singular values count as zero.
     tool_rows : ToolRows
         The rows of the tool's twist on which `tool_rank` rests.
+    size : float
+        Of [K K*], the largest seen where the ranks are from.
     """
 
     actuated: Index
@@ -73,6 +78,7 @@ class Partition(ReadOnlyArrays):
     tool_rank: int = 0
     kept_rows: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     rank_tolerance: float = RANK_TOLERANCE
+    size: float = 0.0
     isolated: bool = False
     tool_rows: ToolRows = WHOLE_TWIST
 
@@ -160,6 +166,14 @@ class Partition(ReadOnlyArrays):
         scaled: Array = constraint_jacobian * self._scale
         return scaled
 
+    def size_of(self, scaled: Array) -> float:
+        """Return what singular values of [K K*] are compared with: its own size, within reason.
+
+        Where a single loop is singular, all of [K K*] may vanish, and would have full rank beside
+        itself.
+        """
+        return max(norm(scaled), _LEAST_SIZE * self.size)
+
     def scaled_tool(self, tool_jacobian: Array) -> Array:
         """Return the tool Jacobian (6, nv) on the scaled columns, angular rows times length."""
         scaled: Array = tool_jacobian * self.column_scale
@@ -228,15 +242,16 @@ class Partition(ReadOnlyArrays):
         """
         ranks = [self._ranks(constraint, tool) for constraint, tool in poses]
         regular = max(range(len(poses)), key=ranks.__getitem__)
-        constraint, passive, tool = ranks[regular]
-        shown = 0 if ranks[0][0] == constraint else regular
+        whole, passive, tool = ranks[regular]
+        shown = 0 if ranks[0][0] == whole else regular
         return replace(
             self,
             passive_rank=passive,
-            constraint_rank=constraint,
+            constraint_rank=whole,
             tool_rank=tool,
-            kept_rows=independent_rows(self.scaled(poses[shown][0]), constraint),
-            isolated=len(poses) == 1 and constraint < self.column_scale.size,
+            size=max(norm(self.scaled(constraint)) for constraint, _ in poses),
+            kept_rows=independent_rows(self.scaled(poses[shown][0]), whole),
+            isolated=len(poses) == 1 and whole < self.column_scale.size,
         )
 
     def _ranks(self, constraint_jacobian: Array, tool_jacobian: Array) -> tuple[int, int, int]:

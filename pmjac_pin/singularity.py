@@ -173,7 +173,7 @@ def analyse_singularity(
         not.
     """
     scaled = partition.scaled(constraint_jacobian)
-    size = norm(scaled)
+    size = partition.size_of(scaled)
     passive = partition.factorise(scaled[:, partition.passive], size)
     whole = partition.factorise(scaled, size)
     tool = partition.tool_ranks(tool_jacobian, whole.null_space)
@@ -216,7 +216,7 @@ def forbidden_rates(left_null_space: Array, scaled: Array, partition: Partition)
     """
     actuated = partition.actuated
     defect = left_null_space.T @ scaled[:, actuated]
-    size = norm(scaled)
+    size = partition.size_of(scaled)
     if norm(defect) <= partition.rank_tolerance * size:
         return np.zeros((actuated.size, 0))
     row_space = partition.factorise(defect, size)

@@ -1,0 +1,99 @@
+"""Over-actuation: where loops forbid some motor rates, some motors lead and the others are led.
+
+The loops of a machine with more motors than freedom decide what the last of them do. A straight
+line in all motor values is left by the loops at once, even where the values at its end fit. So as
+many motors as may move at will walk straight, and the led ones must arrive by themselves.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from pmjac_pin.closure import Closed, Followed, beside, closed_point, follow
+from pmjac_pin.closure_problem import ClosureProblem
+from pmjac_pin.parts import Parts
+from pmjac_pin.step_guard import StepGuard
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+
+def walk(
+    parts: Parts, guard: StepGuard, point: Closed, displacement: Array, values: Array
+) -> Followed:
+    """Walk the motors to their values from a closed pose, on its assembly mode.
+
+    Where motors are led and do not arrive at their values, the path ends where it began, and
+    `strayed` says where they were led to.
+
+    Parameters
+    ----------
+    parts : Parts
+    guard : StepGuard
+    point : Closed
+    displacement, values : ndarray, shape (n,)
+        Of the motors: over the whole path, and at its end.
+    """
+    problem, coordinates = parts.problem, parts.coordinates
+    driven = lead(problem, point)
+    columns = driven.problem.partition.actuated
+
+    def at_target(q: Array) -> Array:
+        return coordinates.with_values(q, columns, values[driven.leading])
+
+    if not driven.led.size:
+        return follow(problem, guard, point, displacement, at_target)
+    start = closed_point(driven.problem, point.q)
+    path = follow(driven.problem, guard, start, displacement[driven.leading], at_target)
+    if path.share < 1.0:
+        return replace(path, point=closed_point(problem, path.point.q))
+    q = coordinates.with_values(path.point.q, problem.partition.actuated, values)
+    if (arrived := beside(problem, path.point.q, q)) is None:
+        return Followed(point, 0.0, path.iterations, strayed=path.point.q)
+    return Followed(arrived, 1.0, path.iterations)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lead:
+    """Which motors lead, and the loops with the led ones passive.
+
+    Attributes
+    ----------
+    problem : ClosureProblem
+    leading, led : ndarray of int
+        Among the motors.
+    """
+
+    problem: ClosureProblem
+    leading: Index
+    led: Index
+
+
+def lead(problem: ClosureProblem, point: Closed) -> Lead:
+    """Return which motors lead on a path from a closed pose: all, where loops forbid nothing."""
+    partition = problem.partition
+    count = partition.constraint_rank - partition.passive_rank
+    motors = np.arange(partition.actuated.size)
+    if count <= 0:
+        return Lead(problem, motors, motors[:0])
+    # What K* cannot follow, motors that are led must: those that can do it best.
+    beyond = point.factors.left[:, partition.passive_rank :].T
+    *_, order = scipy.linalg.qr(
+        beyond @ point.scaled[:, partition.actuated], mode="economic", pivoting=True
+    )
+    led = np.sort(order[:count])
+    leading = np.setdiff1d(motors, led)
+    names = partition.actuated_names
+    parted = replace(
+        partition,
+        actuated=partition.actuated[leading],
+        passive=np.concatenate([partition.passive, partition.actuated[led]]),
+        actuated_names=tuple(names[k] for k in leading),
+        passive_names=partition.passive_names + tuple(names[k] for k in led),
+        passive_rank=partition.constraint_rank,
+    )
+    return Lead(replace(problem, partition=parted), leading, led)

@@ -1,0 +1,83 @@
+"""More motors than freedom: close returns, with a pose where the values fit or saying why not."""
+
+from __future__ import annotations
+
+import mechanisms
+import numpy as np
+import pytest
+
+import pmjac_pin as pj
+from pmjac_pin.kinematics import Kinematics
+
+ENOUGH = 600  # evaluations of the loop equations: a closure takes some tens
+
+
+@pytest.fixture
+def evaluations(monkeypatch):
+    """The number of evaluations of the loop equations so far, as a list of one."""
+    count, evaluate = [0], Kinematics.evaluate
+
+    def counted(self, q):
+        count[0] += 1
+        return evaluate(self, q)
+
+    monkeypatch.setattr(Kinematics, "evaluate", counted)
+    return count
+
+
+@pytest.mark.parametrize("name", mechanisms.CLOSED)
+def test_one_motor_too_many_is_told_soon_and_values_that_fit_close(name, evaluations):
+    """With each passive joint of the catalogue as a further motor."""
+    mechanism = pj.load(name)
+    way = np.full(len(mechanism.actuated), 0.01)
+    fitting = mechanism.close(mechanism.home.actuated + way, enforce_limits=False)
+    for joint in set(mechanism.passive) & set(mechanism.model.names):
+        if mechanism.model.joints[mechanism.model.getJointId(joint)].nv > 1:
+            continue
+        machine = pj.load(name, actuated=[*mechanism.actuated, joint])
+        evaluations[0] = 0
+        try:
+            reached = machine.close([*fitting.actuated, machine.home.actuated[-1]])
+        except pj.LimitError:
+            pass
+        except pj.ClosureError as error:
+            assert error.reached is not None
+            assert error.share < 1.0
+        else:
+            assert reached.residual_norm <= machine.tolerance
+        assert evaluations[0] < ENOUGH
+        evaluations[0] = 0
+        values = [*fitting.actuated, fitting.joint_values[joint]]
+        reached = machine.close(values, enforce_limits=False)
+        np.testing.assert_allclose(reached.actuated, values, atol=1e-12)
+        assert evaluations[0] < ENOUGH
+
+
+def test_it_says_where_the_loops_lead_the_motor_that_does_not_fit():
+    machine = pj.load("five_bar", actuated=["theta1", "theta2", "phi1"])
+    with pytest.raises(pj.ClosureError) as caught:
+        machine.close(machine.home.actuated + np.array([0.01, 0.01, 0.0]))
+    message = str(caught.value)
+    assert message.startswith("five_bar: the loops forbid these motors to move so together: with")
+    assert "from its target; give values that fit, or make one of them passive" in message
+    np.testing.assert_array_equal(caught.value.reached.q, machine.home.q)
+    assert caught.value.share == 0.0
+
+
+def test_a_path_that_is_too_long_for_one_call_goes_on_from_where_it_ended(monkeypatch):
+    monkeypatch.setattr("pmjac_pin.closure.MOST_STEPS", 300)
+    mechanism = pj.load("four_bar")
+    target = mechanism.home.actuated + 2 * np.pi * 20
+    calls, guess = 0, mechanism.home
+    while True:
+        calls += 1
+        try:
+            end = mechanism.close(target, guess=guess, enforce_limits=False)
+            break
+        except pj.ClosureError as error:
+            assert "go on from there, the error's `reached`, as guess" in str(error)
+            assert 0.0 < error.share < 1.0
+            guess = error.reached
+    assert calls > 1
+    # A crank-rocker turns all the way round: phi1 comes back.
+    assert end.joint_values["phi1"] == pytest.approx(mechanism.home.joint_values["phi1"], abs=1e-9)
