@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from pmjac_pin.arms import Arms
 
 Array = NDArray[np.float64]
+Index = NDArray[np.intp]
 
 _ROUNDING = 1e-15  # of the segments of a loop together
 
@@ -56,7 +57,7 @@ class Bends:
 
     __slots__ = (
         "_above", "_blocks", "_distances", "_inside", "_lengths", "_lies", "_members", "_of_row",
-        "_slid", "_sums", "_turned", "_values", "off_closure",
+        "_rods", "_slid", "_sums", "_turned", "_values", "off_closure",
     )  # fmt: skip
 
     def __init__(self, arms: Arms) -> None:
@@ -72,7 +73,9 @@ class Bends:
         self._sums = (owners == blocks[:, None]).astype(float)
         self._of_row = np.repeat(blocks, [block.rows for block in arms.blocks])
         self._blocks = (self._of_row == blocks[:, None]).astype(float)
-        self._distances = [(k, block.rod) for k, block in enumerate(arms.blocks) if block.rod]
+        rods = np.array([block.rod for block in arms.blocks])
+        self._distances = np.flatnonzero(rods)
+        self._rods = rods[self._distances]
         inexact = np.array([not block.exact for block in arms.blocks], dtype=bool)
         moved = (self._sums @ self._turned > 0.0) & inexact[:, None]
         self.off_closure = moved[self._of_row].astype(float)
@@ -115,26 +118,27 @@ class Bends:
     def residual(self, motion: Motion) -> Array:
         """Return a bound on the fourth derivative of η, shape (p,)."""
         bound = 24.0 * (self._sums @ motion.arms[4])
-        for block, rod in self._distances:
-            g1, g2, g3, g4 = (self._sums[block] @ arm for arm in motion.arms[1:])
-            bound[block] = 24.0 * (2.0 * (rod + g1) * g4 + 2.0 * g1 * g3 + g2 * g2)
+        if self._rods.size:
+            g1, g2, g3, g4 = (self._gaps(arm) for arm in motion.arms[1:])
+            square = 2.0 * (self._rods + g1) * g4 + 2.0 * g1 * g3 + g2 * g2
+            bound[self._distances] = 24.0 * square
         return self._by_row(bound)
 
     def rounding(self, motion: Motion) -> Array:
         """Return how far η as evaluated may be off, shape (p,): a few units in the last place."""
         bound = _ROUNDING * (self._sums @ motion.arms[0])
-        for block, rod in self._distances:
-            bound[block] *= 2.0 * rod
+        bound[self._distances] *= 2.0 * self._rods
         return self._by_row(bound)
 
     def rates(self, motion: Motion) -> Array:
         """Return a bound on the third derivative of ∂η/∂v, shape (p, nv)."""
         bound = 6.0 * self._rates(motion, 3)
-        for block, rod in self._distances:
-            g1, g2, g3 = (self._sums[block] @ arm for arm in motion.arms[1:4])
-            c0, c1, c2 = (self._rates(motion, order, block) for order in range(3))
-            c3 = bound[block] / 6.0
-            bound[block] = 12.0 * ((rod + g1) * c3 + g1 * c2 + g2 * c1 + g3 * c0)
+        if self._rods.size:
+            g1, g2, g3 = (self._gaps(arm)[:, None] for arm in motion.arms[1:4])
+            c0, c1, c2 = (self._rates(motion, order, self._distances) for order in range(3))
+            c3 = bound[self._distances] / 6.0
+            product = (self._rods[:, None] + g1) * c3 + g1 * c2 + g2 * c1 + g3 * c0
+            bound[self._distances] = 12.0 * product
         return self._by_row(bound)
 
     def within(self, motion: Motion, reach: Array) -> Array:
@@ -144,13 +148,20 @@ class Bends:
         length = motion.arms[0] + slide
         arm = length * turn + slide
         bound = self._sums @ (arm[:, None] * self._turned + turn[:, None] * self._slid)
-        for block, rod in self._distances:
-            gap = rod + self._sums[block] @ (motion.arms[1] + arm)
-            c0 = self._sums[block] @ (length[:, None] * self._turned + self._slid)
-            bound[block] = 2.0 * (gap * bound[block] + (c0 @ reach) * c0)
+        if self._rods.size:
+            gap = self._rods + self._gaps(motion.arms[1] + arm)
+            moved = length[:, None] * self._turned + self._slid
+            c0 = self._sums[self._distances] @ moved
+            product = gap[:, None] * bound[self._distances] + (c0 @ reach)[:, None] * c0
+            bound[self._distances] = 2.0 * product
         return self._by_row(bound)
 
-    def _rates(self, motion: Motion, order: int, block: int | slice = slice(None)) -> Array:
+    def _gaps(self, arms: Array) -> Array:
+        """Return the sums over the segments of each distance."""
+        gaps: Array = self._sums[self._distances] @ arms
+        return gaps
+
+    def _rates(self, motion: Motion, order: int, block: Index | slice = slice(None)) -> Array:
         turned = motion.arms[order][:, None] * self._turned
         moved = turned + motion.turns[order][:, None] * self._slid
         rates: Array = self._sums[block] @ moved
