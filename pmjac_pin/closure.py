@@ -24,7 +24,7 @@ from pmjac_pin.step_guard import StepGuard
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-MOST_STEPS = 50_000  #: tried in one path
+MOST_STEPS = 20_000  #: tried in one path
 
 # All lengths relative to the mechanism's characteristic length.
 _LARGEST_STEP = 0.25  # motion in one step, a rad counted as one length
