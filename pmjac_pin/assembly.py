@@ -202,7 +202,7 @@ def nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
     rng = np.random.default_rng(0)
     partition = problem.partition
     scaled = partition.scaled(problem.evaluate(home_q)[1])
-    allowed = partition.factorise(scaled, norm(scaled)).null_space
+    allowed = partition.factorise(scaled, partition.size_of(scaled)).null_space
     free, motors_kept = np.ones(scaled.shape[1]), np.zeros(scaled.shape[1])
     motors_kept[partition.passive] = 1.0
     starts = []

@@ -34,7 +34,6 @@ from pmjac_pin.diagnosis_structure import (
     tool_frames,
 )
 from pmjac_pin.errors import ClosureError, LimitError, PmjacError
-from pmjac_pin.factorisation import norm
 from pmjac_pin.findings import find
 from pmjac_pin.labelled_values import encodable
 from pmjac_pin.loading import load
@@ -245,7 +244,7 @@ def _rounding(parts: Parts) -> float | None:
     problem, q = parts.problem, parts.home_q
     partition = problem.partition
     scaled = partition.scaled(parts.kinematics.snapshot(q).constraint_jacobian)
-    allowed = partition.factorise(scaled, norm(scaled)).null_space
+    allowed = partition.factorise(scaled, partition.size_of(scaled)).null_space
     gaps = []
     for direction in (*allowed.T, *-allowed.T):
         stride = _STRIDE * partition.length * partition.column_scale * direction

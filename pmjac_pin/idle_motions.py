@@ -59,7 +59,7 @@ def gained_and_idle(problem: ClosureProblem, q: Array, rank: int) -> tuple[Array
     """
     partition = problem.partition
     scaled = partition.scaled(problem.evaluate(q)[1])
-    passive = partition.factorise(scaled[:, partition.passive], norm(scaled))
+    passive = partition.factorise(scaled[:, partition.passive], partition.size_of(scaled))
     free, gained = passive.right[rank:].T, partition.passive_rank - rank
     if gained <= 0 or gained == free.shape[1]:
         return (free, free[:, :0]) if gained > 0 else (free[:, :0], free)
@@ -77,11 +77,11 @@ def _by_what_changes(
     """Return an orthogonal matrix, its first columns gained, the others in all null B(v)."""
     partition = problem.partition
     free, left = passive.right[rank:].T, passive.left[:, rank:]
-    allowed = partition.factorise(scaled, norm(scaled)).null_space
+    allowed = partition.factorise(scaled, partition.size_of(scaled)).null_space
     changes = [left.T @ _derivative(problem, q, v) @ free for v in allowed.T]
     stacked = np.vstack(changes)
     _, values, right = np.linalg.svd(np.pad(stacked, ((0, free.shape[1]), (0, 0))))
-    seen = int(np.count_nonzero(values > _SEEN * norm(scaled)))
+    seen = int(np.count_nonzero(values > _SEEN * partition.size_of(scaled)))
     turned: Array = right.T
     return turned if seen == partition.passive_rank - rank else None
 
@@ -116,7 +116,7 @@ def _regular_null_spaces(
 ) -> Iterator[Array]:
     partition = problem.partition
     stride = distance * partition.length * partition.column_scale
-    for v in partition.factorise(scaled, norm(scaled)).null_space.T:
+    for v in partition.factorise(scaled, partition.size_of(scaled)).null_space.T:
         for way in (stride * v, -stride * v):
             pose = assemble(problem, problem.integrate(q, way), np.ones(way.size), limit=50)
             there = partition.scaled(problem.evaluate(pose.q)[1])

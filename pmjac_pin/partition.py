@@ -222,7 +222,7 @@ class Partition(ReadOnlyArrays):
         """Return the rows of η to show: those kept since home, while they are independent."""
         if self.kept_rows.size == scaled.shape[0]:
             return self.kept_rows
-        size = norm(scaled)
+        size = self.size_of(scaled)
         if self.factorise(scaled[self.kept_rows], size).rank == self.kept_rows.size:
             return self.kept_rows
         return independent_rows(scaled, self.factorise(scaled, size).rank)
@@ -240,16 +240,17 @@ class Partition(ReadOnlyArrays):
             Home first, then others near it: home itself may be singular. The tool's is in the
             axes of `tool_rows`.
         """
-        ranks = [self._ranks(constraint, tool) for constraint, tool in poses]
+        size = max(norm(self.scaled(constraint)) for constraint, _ in poses)
+        sized = replace(self, size=size)
+        ranks = [sized._ranks(constraint, tool) for constraint, tool in poses]
         regular = max(range(len(poses)), key=ranks.__getitem__)
         whole, passive, tool = ranks[regular]
         shown = 0 if ranks[0][0] == whole else regular
         return replace(
-            self,
+            sized,
             passive_rank=passive,
             constraint_rank=whole,
             tool_rank=tool,
-            size=max(norm(self.scaled(constraint)) for constraint, _ in poses),
             kept_rows=independent_rows(self.scaled(poses[shown][0]), whole),
             isolated=len(poses) == 1 and whole < self.column_scale.size,
         )
@@ -257,7 +258,7 @@ class Partition(ReadOnlyArrays):
     def _ranks(self, constraint_jacobian: Array, tool_jacobian: Array) -> tuple[int, int, int]:
         """Return the ranks of [K K*], of K* and of the tool's motion."""
         scaled = self.scaled(constraint_jacobian)
-        size = norm(scaled)
+        size = self.size_of(scaled)
         whole = self.factorise(scaled, size)
         passive = self.factorise(scaled[:, self.passive], size)
         tool = self.judged_rank(tool_jacobian, whole.null_space)

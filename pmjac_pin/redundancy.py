@@ -17,7 +17,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.factorisation import norm
 from pmjac_pin.partition import Partition, independent_rows
 
 Array = NDArray[np.float64]
@@ -72,7 +71,7 @@ def loop_ranks(scaled: Array, loops: Sequence[slice], partition: Partition) -> t
     >>> loop_ranks(scaled, [slice(0, 2), slice(2, 4)], partition)[0]
     LoopRank(rows=2, rank=1, needed=0)
     """
-    size = norm(scaled)
+    size = partition.size_of(scaled)
 
     def rank(matrix: Array) -> int:
         return partition.factorise(matrix, size).rank
@@ -100,7 +99,7 @@ def dependent_rows(scaled: Array, partition: Partition) -> dict[int, tuple[int, 
         The dimensionless [K K*].
     partition : Partition
     """
-    size = norm(scaled)
+    size = partition.size_of(scaled)
     kept = independent_rows(scaled, partition.factorise(scaled, size).rank)
     dropped = np.setdiff1d(np.arange(scaled.shape[0]), kept)
     shares = np.linalg.lstsq(scaled[kept].T, scaled[dropped].T, rcond=None)[0]
