@@ -32,7 +32,7 @@ _SMALLEST_STEP = 1e-9  # motion in one step that is not the last: less is not re
 _LARGEST_CORRECTION = 0.25  # first Newton correction, as a share of the predicted motion
 _SLOWEST_CONTRACTION = 0.25  # of one Newton correction by the next
 _HARDLY_ANYTHING = 1e-5  # left of the motors' path, where it may end in a singular target
-_BESIDE = 1e-5  # m or rad: both modes that meet at a fold are as near when the gap is 1e-12
+_BESIDE = 1e-5  # lengths or rad: both modes that meet at a fold are as near when the gap is 1e-12
 _WALKING = 1e-13  # gap on the way: beside a fold, more would hide how near that is
 _NO_INVERSE = 1e-9  # relative singular value of K* at a pose that no step is proven to lead to
 _MOST_CORRECTIONS = 50  # at a fold, polishing halves the error each time
@@ -135,8 +135,8 @@ def beside(problem: ClosureProblem, closed: Array, q: Array) -> Closed | None:
     weights = np.zeros(partition.column_scale.size)
     weights[partition.passive] = 1.0
     found = assemble(problem, q, weights)
-    moved = np.abs(found.q - closed).max(initial=0.0)
-    if found.gap > problem.tolerance or moved > _BESIDE * max(1.0, partition.length):
+    moved = norm(problem.difference(closed, found.q) / partition.column_scale)
+    if found.gap > problem.tolerance or moved > _BESIDE * partition.length:
         return None
     return _point(problem, found.q, *problem.evaluate(found.q), found.iterations)
 
