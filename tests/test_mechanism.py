@@ -290,7 +290,11 @@ class TestFromPinocchio:
                 pj.ArgumentError,
                 "the frames 'coupler' and 'coupler_tip' of a loop are on one body",
             ),
-            ({"home": {"theta1": 51.0}}, pj.LimitError, "the pose 'home' has motor 'theta1' = 51"),
+            (
+                {"home": {"theta1": 51.0}},
+                pj.LimitError,
+                "the pose 'home' has a motor beyond its limits: 'theta1' = 51",
+            ),
             ({"home": [0.0]}, pj.ArgumentError, "home has nq = 3 entries, got shape (1,)"),
             ({"home": {"phi9": 1.0}}, pj.UnknownNameError, "unknown joint 'phi9'"),
             (
