@@ -135,7 +135,8 @@ def beside(problem: ClosureProblem, closed: Array, q: Array) -> Closed | None:
     weights = np.zeros(partition.column_scale.size)
     weights[partition.passive] = 1.0
     found = assemble(problem, q, weights)
-    moved = norm(problem.difference(closed, found.q) / partition.column_scale)
+    moves = problem.difference(closed, found.q) / partition.column_scale
+    moved = float(np.abs(moves).max(initial=0.0))
     if found.gap > problem.tolerance or moved > _BESIDE * partition.length:
         return None
     return _point(problem, found.q, *problem.evaluate(found.q), found.iterations)

@@ -17,7 +17,6 @@ from flint import Ordering, acb, fmpq_mpoly, fmpq_mpoly_ctx
 from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError
-from pmjac_pin.factorisation import RANK_TOLERANCE
 from pmjac_pin.frames import find_frame
 from pmjac_pin.homotopy.joint_unknowns import (
     Numbers,
@@ -37,6 +36,7 @@ from pmjac_pin.linkage import edges_of
 from pmjac_pin.loop_rows import Distance
 from pmjac_pin.loop_spec import JointLoop
 from pmjac_pin.loops import loop_blocks
+from pmjac_pin.modes.distinct import scaled_passive
 from pmjac_pin.modes.search_problem import SearchProblem
 from pmjac_pin.partition import independent_rows
 
@@ -63,6 +63,8 @@ class PolynomialLoops:
         Of equations that are rows of η: the last ones.
     length : float
         The characteristic length, m.
+    tolerance : float
+        The gap that counts as closed, in lengths.
 
     Raises
     ------
@@ -72,6 +74,7 @@ class PolynomialLoops:
 
     def __init__(self, problem: SearchProblem, rods: Sequence[int]) -> None:
         self.length = problem.length
+        self.tolerance = problem.tolerance / problem.length
         edges, passive = edges_of(problem.model), [edge.name for _, edge in problem.passive]
         self._joints = joint_unknowns(problem.model, edges, passive, problem.length)
         self._motors = [joint for joint in self._joints if joint.motor]
@@ -263,8 +266,6 @@ def _homogeneous(one: fmpq_mpoly, context: fmpq_mpoly_ctx, unknowns: int) -> fmp
 
 def _independent_rows(problem: SearchProblem) -> NDArray[np.intp]:
     """Return rows of η that are independent at the problem's base."""
-    _, jacobian = problem.loops.evaluate(problem.base[None])
-    scale = problem.column_scale[problem.columns]
-    K_star = (jacobian[0] * problem.row_scale[:, None])[:, problem.columns] * scale
+    (K_star,), (size,) = scaled_passive(problem, problem.base[None])
     values = np.linalg.svd(K_star, compute_uv=False)
-    return independent_rows(K_star, int((values > RANK_TOLERANCE * values[:1]).sum()))
+    return independent_rows(K_star, int((values > problem.rank_tolerance * size).sum()))

@@ -15,6 +15,7 @@ Index = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 
 _MET = 1e-7  # rows left out that hold
+_TOLERATED = 100.0  # tolerances that they may be off: the kept rows hold exactly, at their cost
 _NEAR = 100.0  # characteristic lengths, cosines ...: real poses are nearer
 
 
@@ -39,4 +40,5 @@ def near(x: Complex) -> Mask:
 def _solving(loops: PolynomialLoops, machine: Machine, x: Complex, rows: Index) -> Index:
     """Return which of some rows of x solve all rows of η, beside the size of their terms."""
     size = (1.0 + np.abs(x[rows]).max(axis=1, initial=0.0)) ** 2
-    return np.asarray(rows[loops.unmet(x[rows], machine.p) <= _MET * size])
+    enough = max(_MET, _TOLERATED * loops.tolerance)
+    return np.asarray(rows[loops.unmet(x[rows], machine.p) <= enough * size])

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.factorisation import RANK_TOLERANCE
 from pmjac_pin.modes.many_poses import ManyPoses
 from pmjac_pin.modes.search_problem import SearchProblem
 
@@ -74,8 +73,9 @@ def _idle_motions(problem: SearchProblem, rows: Array) -> tuple[Array, int]:
 
     Not more of it than idles at every pose: all rows may be beside a singularity.
     """
-    _, values, right = np.linalg.svd(scaled_passive(problem, rows[:_TRIED]))
-    ranks = _ranks(values)
+    K_star, sizes = scaled_passive(problem, rows[:_TRIED])
+    _, values, right = np.linalg.svd(K_star)
+    ranks = _ranks(problem, values, sizes)
     row = int(np.argmax(ranks))
     rank = max(int(ranks[row]), problem.columns.size - problem.idle)
     idle = np.zeros((problem.column_scale.size, problem.columns.size - rank))
@@ -86,20 +86,21 @@ def _idle_motions(problem: SearchProblem, rows: Array) -> tuple[Array, int]:
 
 def isolated(problem: SearchProblem, rows: Array) -> NDArray[np.bool_]:
     """Tell at which closed poses (b, nq) nothing moves but what idles at every pose."""
-    values = np.asarray(np.linalg.svd(scaled_passive(problem, rows), compute_uv=False), float)
-    return np.asarray(_ranks(values) >= problem.columns.size - problem.idle)
+    K_star, sizes = scaled_passive(problem, rows)
+    values = np.asarray(np.linalg.svd(K_star, compute_uv=False), float)
+    return np.asarray(_ranks(problem, values, sizes) >= problem.columns.size - problem.idle)
 
 
-def scaled_passive(problem: SearchProblem, rows: Array) -> Array:
-    """Return K* (b, p, m_p), dimensionless, at rows of q."""
+def scaled_passive(problem: SearchProblem, rows: Array) -> tuple[Array, Array]:
+    """Return K* (b, p, m_p), dimensionless, at rows of q, and the sizes (b,) of [K K*] there."""
     _, jacobian = problem.loops.evaluate(rows)
-    scale = problem.column_scale[problem.columns]
-    return np.asarray(jacobian[:, :, problem.columns] * problem.row_scale[:, None] * scale)
+    scaled = jacobian * problem.row_scale[:, None] * problem.column_scale
+    return scaled[:, :, problem.columns], np.linalg.norm(scaled, axis=(1, 2))
 
 
-def _ranks(values: Array) -> Array:
-    largest = values.max(axis=1, initial=1e-300)[:, None]
-    return np.asarray((values > RANK_TOLERANCE * largest).sum(axis=1))
+def _ranks(problem: SearchProblem, values: Array, sizes: Array) -> Array:
+    """Return the ranks that the mechanism's own tolerance gives."""
+    return np.asarray((values > problem.rank_tolerance * sizes[:, None]).sum(axis=1))
 
 
 class Distinct:

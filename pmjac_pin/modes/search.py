@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 
 _STEPS = 60  # of one start
 _CLOSED = 1e-9  # of the characteristic length: Pinocchio's Newton does the rest
+_FALLING = 1e-8  # of itself: a gap within the tolerance that falls less is the least there is
 _STUCK = 1e8  # damping at which a start is given up
 
 
@@ -38,14 +39,19 @@ class ManyClosures:
     strides: Array
 
     def closed(self, starts: Array) -> Array:
-        """Return the rows of q that close the loops, of those that starts (b, nq) lead to."""
-        length = self.problem.length
+        """Return the rows of q that close the loops, of those that starts (b, nq) lead to.
+
+        Loops that close to a tolerance only are closed as far as they can be: the many poses around
+        that are within the tolerance, too, are that one.
+        """
+        length, tolerance = self.problem.length, self.problem.tolerance
         q, found = starts, []
         damping = np.full(len(q), 1e-2)
         error, rows = self._scaled(q)
         gap = np.linalg.norm(error, axis=1)
+        least = np.zeros(len(q), dtype=bool)
         for _ in range(_STEPS):
-            done = gap <= _CLOSED * length
+            done = (gap <= _CLOSED * length) | least
             found.append(q[done])
             going = ~done & (damping < _STUCK)
             if not going.any():
@@ -56,6 +62,7 @@ class ManyClosures:
             trial_error, trial_rows = self._scaled(trial)
             trial_gap = np.linalg.norm(trial_error, axis=1)
             better = trial_gap < gap
+            least = (gap <= tolerance) & (trial_gap >= (1.0 - _FALLING) * gap)
             q = np.where(better[:, None], trial, q)
             error = np.where(better[:, None], trial_error, error)
             rows = np.where(better[:, None, None], trial_rows, rows)

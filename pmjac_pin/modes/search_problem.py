@@ -47,6 +47,9 @@ class SearchProblem:
         Their degrees of freedom.
     row_scale, column_scale : ndarray, shapes (p,) and (nv,)
         As in `Partition`.
+    rank_tolerance, tolerance : float
+        Those of the mechanism: what counts as zero beside the size of [K K*], and the gap in m
+        that counts as closed.
     length : float
         The characteristic length, m.
     idle : int
@@ -63,6 +66,8 @@ class SearchProblem:
     columns: NDArray[np.intp]
     row_scale: Array
     column_scale: Array
+    rank_tolerance: float
+    tolerance: float
     length: float
     idle: int
 
@@ -133,6 +138,8 @@ def _problem(parts: Parts, model: pin.Model, loops: Sequence[Loop], base: Array)
         columns=coordinates.columns(passive),
         row_scale=row_scale(system, columns, length),
         column_scale=columns,
+        rank_tolerance=partition.rank_tolerance,
+        tolerance=parts.problem.tolerance,
         length=length,
         idle=partition.passive.size - partition.passive_rank,
     )

@@ -1,0 +1,115 @@
+"""One tolerance: what `close` calls closed and regular, searches, proofs and homotopies do, too."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+import transformed
+
+import pmjac_pin as pj
+from pmjac_pin.modes.branch_and_prune import Budget
+from pmjac_pin.modes.proof import prove
+
+TILT, TOLERANCE = 3e-5, 1e-4  # rad, m
+JOINTS = {
+    "four_bar": "phi2",
+    "slider_crank": "beta",
+    "five_bar": "phi1",
+    "watt_six_bar": "B",
+    "planar_3rpr": "theta1",
+    "planar_3rrr": "phi1",
+    "bennett": "theta2",
+}
+QUICK = ("four_bar", "slider_crank", "five_bar")
+
+
+def tilted(name):
+    """The machine with one hinge tilted, which its tolerance lets pass."""
+    exact = pj.load(name)
+    model = exact.model
+    joint = model.getJointId(JOINTS[name])
+    turn = pin.SE3(pin.exp3(TILT * np.array([1.0, 0.33, 0.0])), np.zeros(3))
+    model.jointPlacements[joint] = model.jointPlacements[joint] * turn
+    spec = exact.spec
+    other = pj.Mechanism.from_pinocchio(
+        model,
+        transformed.resolved(exact),
+        spec.actuated,
+        spec.tool.frame,
+        passive=spec.passive,
+        home=exact.home.q,
+        tolerance=TOLERANCE,
+    )
+    return exact, other
+
+
+def same_place(one, other, room):
+    difference = one.tool_pose.homogeneous - other.tool_pose.homogeneous
+    return np.abs(difference).max() <= room
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[] if name in QUICK else pytest.mark.slow) for name in JOINTS],
+)
+def test_a_machine_with_a_tolerance_has_the_modes_of_the_exact_one(name):
+    exact, mechanism = tilted(name)
+    motors = exact.home.actuated
+    expected = exact.assembly_modes(motors, rng=0, limits=False)
+    modes = mechanism.assembly_modes(motors, rng=0, limits=False, proof=False)
+    assert len(modes) == len(expected)
+    room = 100.0 * TOLERANCE
+    for mode in expected:
+        assert any(same_place(mode, found, room) for found in modes)
+    for mode in modes:
+        again = mechanism.configuration(mode.q)
+        assert again.singularity().kind == mode.singularity().kind == "regular"
+    reached = mechanism.close(motors + 1e-3, guess=mechanism.home)
+    back = mechanism.close(motors, guess=reached)
+    assert any(same_place(back, found, 20.0 * TOLERANCE) for found in modes)
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_a_proof_under_a_tolerance_never_counts_otherwise(name):
+    exact, mechanism = tilted(name)
+    motors = exact.home.actuated
+    proof = prove(mechanism._parts, motors, False, Budget(boxes=1500))
+    count = len(exact.assembly_modes(motors, rng=0, limits=False))
+    assert not proof.complete or len(proof.q) == count
+
+
+def test_a_homotopy_under_a_tolerance_finds_what_close_reaches():
+    _, mechanism = tilted("four_bar")
+    homotopy = pj.parameter_homotopy(mechanism, rng=0)
+    found = homotopy.at([0.9])
+    assert len(found.real) == 2
+    modes = mechanism.assembly_modes([0.9], rng=0, proof=False, homotopy=homotopy)
+    assert len(modes) == 2
+    assert any(same_place(mechanism.close([0.9]), mode, 20.0 * TOLERANCE) for mode in modes)
+
+
+PLACES = {
+    "1 km away": pin.SE3(np.eye(3), np.array([1000.0, 300.0, 0.0])),
+    "1e7 m away": pin.SE3(np.eye(3), np.array([1e7, 3e6, 0.0])),
+    "turned": pin.SE3(pin.exp3(np.array([0.4, -1.1, 0.7])), np.zeros(3)),
+}
+COUNTED = ("four_bar", "five_bar", "three_rps", "planar_3rpr", "delta_rods")
+
+
+def count(mechanism):
+    motors = mechanism.home.actuated
+    return len(mechanism.assembly_modes(motors, rng=0, limits=False, proof=False))
+
+
+@pytest.mark.parametrize("way", [*PLACES, "in mm", "in km"])
+@pytest.mark.parametrize(
+    "name", [*COUNTED, pytest.param("stewart_gough_dietmaier", marks=pytest.mark.slow)]
+)
+def test_how_many_modes_there_are_does_not_depend_on_how_a_machine_is_written(name, way):
+    mechanism = pj.load(name)
+    if way in PLACES:
+        other = transformed.moved(mechanism, PLACES[way])
+    else:
+        other = transformed.scaled(mechanism, 1e3 if way == "in mm" else 1e-3)
+    assert count(other) == count(mechanism)
