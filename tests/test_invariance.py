@@ -12,7 +12,7 @@ import pmjac_pin as pj
 
 NAMES = [name for name in pj.list_mechanisms() if name != "ur5"]
 RANDOM = [
-    pytest.param(f"random {seed}", marks=[pytest.mark.slow] if seed >= 10 else [])
+    pytest.param(f"random {seed}", marks=[pytest.mark.slow] if seed >= 5 else [])
     for seed in range(50)
 ]
 TURN = pin.SE3(pin.exp3(np.array([0.4, -1.1, 0.7])), np.zeros(3))
@@ -97,7 +97,12 @@ def compare_paths(mechanism, other, way=""):
         assert (np.abs(its_J_eq - expected) <= room * sizes[:, None]).all()
 
 
-@pytest.mark.parametrize("way", WAYS)
+QUICK = ("turned and far", "in mm", "more frames", "gears from the other side")
+
+
+@pytest.mark.parametrize(
+    "way", [pytest.param(way, marks=[] if way in QUICK else pytest.mark.slow) for way in WAYS]
+)
 @pytest.mark.parametrize("name", NAMES + RANDOM)
 def test_how_a_machine_is_written_changes_nothing(name, way):
     mechanism = machine(name)

@@ -416,6 +416,7 @@ def swapped(text: str, rng: np.random.Generator) -> str:
     return '"'.join(parts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MODELS)
 def test_mutilated_files_are_read_or_refused(read, rng, name) -> None:
     """And what is read makes a mechanism, or the reason why it does not is said."""

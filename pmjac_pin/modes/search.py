@@ -41,10 +41,13 @@ class ManyClosures:
     def closed(self, starts: Array) -> Array:
         """Return the rows of q that close the loops, of those that starts (b, nq) lead to.
 
-        Loops that close to a tolerance only are closed as far as they can be: the many poses around
-        that are within the tolerance, too, are that one.
+        Loops with redundant rows that close to a tolerance only are closed as far as they can be:
+        the many poses around that are within the tolerance, too, are that one. Without redundant
+        rows a gap that stays is none of rounding, but of a fold that is not reached.
         """
-        length, tolerance = self.problem.length, self.problem.tolerance
+        problem, length = self.problem, self.problem.length
+        redundant = problem.row_scale.size > problem.columns.size - problem.idle
+        tolerance = problem.tolerance if redundant else 0.0
         q, found = starts, []
         damping = np.full(len(q), 1e-2)
         error, rows = self._scaled(q)
