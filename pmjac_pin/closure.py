@@ -90,7 +90,7 @@ def follow(
     point, share, step, iterations = start, 0.0, 1.0, 0
     regular = not _is_singular(start, partition)
     velocity = _path_velocity(start, displacement, partition) if regular else np.zeros(0)
-    tries = 0
+    tries, weakest = 0, np.inf
     while regular and tries < MOST_STEPS:
         tries += 1
         pace = norm(velocity / partition.column_scale)
@@ -110,7 +110,10 @@ def follow(
             continue
         iterations += candidate.iterations
         point, velocity, share = candidate, arriving, 1.0 if last else share + stride
+        sinking, weakest = _weakest(candidate, partition) < weakest, _weakest(candidate, partition)
         if last or _is_singular(point, partition):
+            break
+        if sinking and weakest <= partition.rank_tolerance * partition.size:
             break
         step = 2.0 * stride
     ended = Followed(point, share, iterations, spent=tries == MOST_STEPS)
@@ -165,6 +168,12 @@ def _is_invertible(point: Closed, partition: Partition) -> bool:
     return not rank or float(values[rank - 1]) > _NO_INVERSE * point.factors.size
 
 
+def _weakest(point: Closed, partition: Partition) -> float:
+    """Return the singular value of K* that decides, in m; beside a crossing all of K* is small."""
+    rank = partition.passive_rank
+    return float(point.factors.singular_values[rank - 1]) if rank else np.inf
+
+
 def _path_velocity(point: Closed, displacement: Array, partition: Partition) -> Array:
     """Return v (nv,): the motors' displacement and φ̇ = −K*⁻¹ K θ̇ with it."""
     actuated, passive = partition.actuated, partition.passive
@@ -215,6 +224,9 @@ def _newton_step(residual: Array, jacobian: Array, partition: Partition) -> Arra
         return velocity
     scaled = partition.scaled(jacobian)
     factors = partition.factorise(scaled.take(passive, axis=1), partition.size_of(scaled))
+    if not factors.singular_values[: partition.passive_rank].all():
+        velocity[passive] = np.nan
+        return velocity
     error = residual * partition.row_scale
     velocity[passive] = -partition.column_scale[passive] * factors.solve(
         error, partition.passive_rank

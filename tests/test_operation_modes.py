@@ -80,7 +80,7 @@ def test_the_agile_eyes_four_and_four_times_one():
     found = homotopy.operation_modes(rng=0)
     assert found.sizes == (4, 1, 1, 1, 1)
     poses = {}
-    for theta in ([0.0, 0.0, 0.0], [0.3, -0.2, 0.4], [-0.5, 0.1, 0.2]):
+    for theta in ([0.2, 0.1, -0.3], [0.3, -0.2, 0.4], [-0.5, 0.1, 0.2]):
         modes = homotopy.at(theta)
         for mode, label in zip(modes.real, found.of(modes), strict=True):
             poses.setdefault(label, []).append(mode.tool_pose.rotation)
