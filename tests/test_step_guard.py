@@ -206,8 +206,8 @@ def test_what_is_alike_at_both_ends_of_a_step_does_not_pass_unseen(rng):
 @pytest.mark.slow
 @pytest.mark.parametrize("one", [trial, under_a_platform_trial])
 def test_many_machines_made_to_mislead(one, rng):
-    outcomes = [one(rng) for _ in range(2000)]
-    assert min(map(outcomes.count, ("stopped", "closed"))) > 100
+    outcomes = [one(rng) for _ in range(250)]
+    assert min(map(outcomes.count, ("stopped", "closed"))) > 12
 
 
 @pytest.mark.parametrize("target", [0.0999, 0.1])
