@@ -89,6 +89,46 @@ def test_a_homotopy_under_a_tolerance_finds_what_close_reaches():
     assert any(same_place(mechanism.close([0.9]), mode, 20.0 * TOLERANCE) for mode in modes)
 
 
+def fold(mechanism):
+    """Motor values at which this mode ends while the first motor turns on: by bisection."""
+    home, first = mechanism.home, np.eye(len(mechanism.actuated))[0]
+    near, far = 0.0, 4.0
+    while far - near > 1e-10:
+        middle = 0.5 * (near + far)
+        try:
+            mechanism.close(home.actuated + middle * first, guess=home, enforce_limits=False)
+            near = middle
+        except pj.ClosureError:
+            far = middle
+    return home.actuated + far * first, first
+
+
+@pytest.mark.parametrize("name", ["five_bar", pytest.param("planar_3rrr", marks=pytest.mark.slow)])
+def test_a_fold_that_is_missed_by_less_than_the_tolerance_is_no_crowd_of_modes(name):
+    """Beyond the fold at most one pose nearly closes where two met; it is singular."""
+    exact = pj.load(name)
+    end, first = fold(exact)
+    spec = exact.spec
+    mechanism = pj.Mechanism.from_pinocchio(
+        exact.model,
+        transformed.resolved(exact),
+        spec.actuated,
+        spec.tool.frame,
+        passive=spec.passive,
+        home=exact.home.q,
+        tolerance=TOLERANCE,
+    )
+
+    def modes(beyond):
+        motors = end + beyond * first
+        return mechanism.assembly_modes(motors, rng=0, limits=False, proof=False)
+
+    before = len(modes(-1e-3))
+    assert before >= 2
+    for beyond in (1e-8, 1e-6, 1e-5):
+        assert len(modes(beyond)) <= before - 1
+
+
 PLACES = {
     "1 km away": pin.SE3(np.eye(3), np.array([1000.0, 300.0, 0.0])),
     "1e7 m away": pin.SE3(np.eye(3), np.array([1e7, 3e6, 0.0])),

@@ -65,7 +65,7 @@ class ManyClosures:
             trial_error, trial_rows = self._scaled(trial)
             trial_gap = np.linalg.norm(trial_error, axis=1)
             better = trial_gap < gap
-            least = (gap <= tolerance) & (trial_gap >= (1.0 - _FALLING) * gap)
+            least = (gap <= tolerance) & better & (trial_gap >= (1.0 - _FALLING) * gap)
             q = np.where(better[:, None], trial, q)
             error = np.where(better[:, None], trial_error, error)
             rows = np.where(better[:, None, None], trial_rows, rows)
