@@ -28,7 +28,7 @@ NO_LENGTH = 1e-9
 ROUNDING_OF_PLACES = 16.0 * float(np.finfo(float).eps)
 
 _TOLERANCES = 3.0  # a length that the tolerance covers is rounding, too
-_ARMS_ARE_NONE = 1e-4  # of the tool's: loops with shorter arms have no length of their own
+_ARMS_ARE_NONE = 1e-6  # of the tool's: loops with shorter arms have no length of their own
 _FAR = 8.0  # lengths: from here on the machine is computed beside itself, not from the origin
 
 
