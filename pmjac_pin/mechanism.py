@@ -339,7 +339,8 @@ class Mechanism(MechanismValue):
         by interval arithmetic that none is missing; where it is not, more starts, until the share
         of the start space that leads to poses not seen yet is bounded as asked for. Poses that
         differ by full turns, by the sign of a quaternion, by idle motions or by half a turn of a
-        leg's universal joint are one.
+        leg's universal joint are one; so are those in which only bodies that look the same are
+        turned over, which `ways` counts.
 
         Parameters
         ----------

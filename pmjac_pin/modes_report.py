@@ -83,6 +83,8 @@ class ModeReport(msgspec.Struct, frozen=True, kw_only=True):
         than at home, so that signs cannot be compared.
     share : float
         The share of the random starts that led here.
+    ways : int
+        In how many ways its bodies fit: more than one where some turn over unseen.
     mirror_image : int or None
         Number of the mode that is its mirror image in the plane of the base.
     operation_mode : int or None
@@ -102,6 +104,7 @@ class ModeReport(msgspec.Struct, frozen=True, kw_only=True):
     det_K_star: Quantity | None
     sign: int | None
     share: float
+    ways: int
     mirror_image: int | None
     operation_mode: int | None
     certificate: CertificateReport
@@ -206,10 +209,20 @@ def _modes(
 ) -> tuple[ModeReport, ...]:
     names = pose_names(mechanism, modes)
     rows = mechanism.home.split_jacobian().rows
-    found = zip(modes, names, modes.shares, modes.mirror_images, numbers, strict=True)
+    found = zip(modes, names, modes.shares, modes.ways, modes.mirror_images, numbers, strict=True)
     return tuple(
-        _mode(index, mode, rows, labels, poses=poses, share=share, mirror=mirror, operation=number)
-        for index, (mode, poses, share, mirror, number) in enumerate(found, start=1)
+        _mode(
+            index,
+            mode,
+            rows,
+            labels,
+            poses=poses,
+            share=share,
+            ways=ways,
+            mirror=mirror,
+            operation=number,
+        )
+        for index, (mode, poses, share, ways, mirror, number) in enumerate(found, start=1)
     )
 
 
@@ -221,6 +234,7 @@ def _mode(
     *,
     poses: tuple[str, ...],
     share: float,
+    ways: int,
     mirror: int | None,
     operation: int | None,
 ) -> ModeReport:
@@ -242,6 +256,7 @@ def _mode(
         det_K_star=det,
         sign=sign,
         share=share,
+        ways=ways,
         mirror_image=None if mirror is None else mirror + 1,
         operation_mode=operation,
         certificate=_certificate(mode),

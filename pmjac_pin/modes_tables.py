@@ -27,7 +27,7 @@ def modes_blocks(report: ModesReport) -> Iterator[Block]:
     yield Paragraph(count(report))
     if report.modes:
         yield _table(report)
-        yield Paragraph(LEGEND)
+        yield Paragraph(_legend(report))
         yield _tools(report)
     yield Paragraph(f"Complete? {report.complete.statement}.")
     if report.solutions is not None:
@@ -53,7 +53,15 @@ def count(report: ModesReport) -> str:
     """
     found = len(report.modes)
     within = "within the limits of the joints" if report.limits else "with limits left aside"
-    return f"{found or 'No'} assembly mode{'s' * (found != 1)} {within}."
+    poses = sum(mode.ways for mode in report.modes)
+    turned = f"; {poses} poses, bodies turned over or not" if poses > found else ""
+    return f"{found or 'No'} assembly mode{'s' * (found != 1)} {within}{turned}."
+
+
+def _legend(report: ModesReport) -> str:
+    if all(mode.ways == 1 for mode in report.modes):
+        return LEGEND
+    return f"{LEGEND[:-1]}; ways, in how many its bodies fit: some turn over unseen."
 
 
 def _solutions(found: SolutionsReport, complete: str) -> Iterator[Block]:
@@ -86,6 +94,9 @@ def _table(report: ModesReport) -> Table:
         header = (*header, "oper-\nation\nmode")
         numbers = [mode.operation_mode or "" for mode in report.modes]
         rows = [(*row, str(number)) for row, number in zip(rows, numbers, strict=True)]
+    if any(mode.ways > 1 for mode in report.modes):
+        header = (*header, "ways")
+        rows = [(*row, str(mode.ways)) for row, mode in zip(rows, report.modes, strict=True)]
     named = tuple((*row, _names(mode)) for row, mode in zip(rows, report.modes, strict=True))
     return Table("", (*header, "which is"), named, ">" * len(header) + "<")
 

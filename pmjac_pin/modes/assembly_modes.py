@@ -56,6 +56,9 @@ class AssemblyModes(Sequence[Configuration]):
         Whether that is all of them, and what this rests on.
     mirror_images : tuple of (int or None)
         For each mode, the index of the one that is its mirror image in the plane of the base.
+    poses : tuple of tuple of Configuration
+        For each mode all closed poses that are it, itself first: those where only bodies that look
+        the same are turned over. Just itself when not given.
     """
 
     configurations: tuple[Configuration, ...]
@@ -63,6 +66,16 @@ class AssemblyModes(Sequence[Configuration]):
     starts: int
     complete: Completeness
     mirror_images: tuple[int | None, ...]
+    poses: tuple[tuple[Configuration, ...], ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.poses:
+            object.__setattr__(self, "poses", tuple((mode,) for mode in self.configurations))
+
+    @property
+    def ways(self) -> tuple[int, ...]:
+        """In how many ways the bodies of each mode fit: more than one where some turn over."""
+        return tuple(map(len, self.poses))
 
     @overload
     def __getitem__(self, index: int) -> Configuration: ...

@@ -42,7 +42,7 @@ class Signatures:
         """
         if not len(rows):
             rows = problem.base[None]
-        idle, row = _idle_motions(problem, rows)
+        idle, row = idle_motions(problem, rows)
         poses = problem.tree.poses(rows[row][None])
         mask = problem.tree.moved_by[:, None, :]
         angular = (poses.angular[0] * mask) @ idle
@@ -68,7 +68,7 @@ class Signatures:
         return np.asarray(np.abs(signatures - known).max(axis=1, initial=0.0) <= _SAME)
 
 
-def _idle_motions(problem: SearchProblem, rows: Array) -> tuple[Array, int]:
+def idle_motions(problem: SearchProblem, rows: Array) -> tuple[Array, int]:
     """Return the null space of K* (nv, k) at the row where it is smallest, and that row.
 
     Not more of it than idles at every pose: all rows may be beside a singularity.

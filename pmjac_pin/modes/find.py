@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +21,7 @@ from pmjac_pin.modes.mirror import mirror_images
 from pmjac_pin.modes.proof import prove
 from pmjac_pin.modes.random_search import RandomSearch
 from pmjac_pin.modes.recognition import Recognition
+from pmjac_pin.modes.same_machine import same_machines
 from pmjac_pin.modes.search_problem import search_problem, with_legs
 from pmjac_pin.modes.settling import Census, HomotopyCensus, ProofCensus, missing, settled
 from pmjac_pin.modes.starts import StartSpace
@@ -61,14 +63,26 @@ def find_modes(
     if complete is None:
         search.until(aim)
         found, complete = judged()
-    found.sort(key=lambda item: order(item[0], parts.problem.partition.length))
-    modes = tuple(configuration for configuration, _ in found)
+    return _modes(parts, found, search.starts, complete or search.completeness(aim))
+
+
+def _modes(parts: Parts, found: list[_Found], starts: int, complete: Completeness) -> AssemblyModes:
+    """Return the poses found as modes, those that are the same machine as one."""
+    groups = same_machines(parts, [configuration for configuration, _ in found])
+    ways = [[found[index] for index in group] for group in groups]
+    ways.sort(key=lambda group: order(group[0][0], parts.problem.partition.length))
+    poses = tuple(tuple(configuration for configuration, _ in group) for group in ways)
+    modes = tuple(group[0] for group in poses)
+    if len(modes) < len(found):
+        statement = f"{complete.statement}; {len(found)} poses are {len(modes)} modes"
+        complete = replace(complete, statement=f"{statement}, with bodies turned over unseen")
     return AssemblyModes(
         configurations=modes,
-        shares=tuple(share for _, share in found),
-        starts=search.starts,
-        complete=complete or search.completeness(aim),
+        shares=tuple(sum(share for _, share in group) for group in ways),
+        starts=starts,
+        complete=complete,
         mirror_images=mirror_images(parts, modes),
+        poses=poses,
     )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.modes.assembly_modes import AssemblyModes
 from pmjac_pin.modes.distinct import Signatures
 from pmjac_pin.modes.search_problem import search_problem, without_legs
 
@@ -18,11 +19,21 @@ SAME_MOTORS = 1e-9
 
 
 class Recognition:
-    """Knows assembly modes at the same motor values by the places of their bodies."""
+    """Knows poses at the same motor values by the places of their bodies.
+
+    Parameters
+    ----------
+    modes : sequence of Configuration
+        Of AssemblyModes, all of a mode's poses are known as that mode.
+    """
 
     def __init__(self, modes: Sequence[Configuration]) -> None:
+        self._numbers: Sequence[int] = range(len(modes))
+        if isinstance(modes, AssemblyModes):
+            self._numbers = [index for index, ways in enumerate(modes.ways) for _ in range(ways)]
+            modes = [pose for poses in modes.poses for pose in poses]
         self._modes = modes
-        if not len(modes):
+        if len(modes) == 0:
             return
         self._parts = modes[0].mechanism._parts
         self._problem, _ = search_problem(self._parts, modes[0].q)
@@ -39,7 +50,7 @@ class Recognition:
             return None
         mine = self._signatures(self._row(configuration)[None])[0]
         same = np.flatnonzero(self._signatures.same(self._known, mine))
-        return int(same[0]) if same.size else None
+        return self._numbers[int(same[0])] if same.size else None
 
     def _row(self, configuration: Configuration) -> Array:
         return without_legs(self._parts, self._problem, configuration.q)

@@ -45,7 +45,11 @@ function line(mode) {
   const [sign, spoken] = SIGNS[mode.sign] ?? ["", ""];
   const residual = minus(mode.residual_norm.toExponential(0));
   const mirror = mode.mirror_image ?? "";
-  const names = [...mode.poses, ...(mode.kind === "regular" ? [] : ["singular"])].join(", ");
+  const names = [
+    ...mode.poses,
+    ...(mode.kind === "regular" ? [] : ["singular"]),
+    ...(mode.ways > 1 ? [`${mode.ways} ways`] : []),
+  ].join(", ");
   const label = [
     `Mode ${mode.number}`,
     smallest && `smallest singular value of K* ${smallest}`,
