@@ -15,10 +15,11 @@ from pmjac_pin.closure_problem import LARGEST_SHARE, ClosureProblem
 from pmjac_pin.coordinates import JointCoordinates
 from pmjac_pin.damped_closure import assemble
 from pmjac_pin.errors import ArgumentError, ClosureError, PmjacError, unknown_name
-from pmjac_pin.factorisation import RANK_TOLERANCE, norm
+from pmjac_pin.factorisation import RANK_TOLERANCE
 from pmjac_pin.kinematics import Kinematics
 from pmjac_pin.loops import LoopSystem
 from pmjac_pin.machine_size import ROUNDING_OF_PLACES, Size, shifted
+from pmjac_pin.nearby_poses import every_joint_moves, nearby
 from pmjac_pin.partition import Partition
 from pmjac_pin.parts import Parts
 from pmjac_pin.pose_assembly import assemble_pose, check_motors, motor_weights
@@ -31,9 +32,7 @@ Array = NDArray[np.float64]
 
 # Numbers that are off by a share of the mechanism's length are off by that in K*, and more.
 _RANK_ROOM = 10.0
-_PROBES = 2  # times three closed poses near home at which the generic ranks are looked for
-_AWAY = 0.1  # of a probe's distance: nearer to home, the loops have only pulled it back
-_PROBE_DISTANCES = (0.05, 0.005, 0.0005)  # rad or share of the characteristic length
+_ENOUGH = 3  # poses of the generic rank from which it is tried whether all joints can move
 
 _logger = logging.getLogger(__name__)
 
@@ -79,12 +78,20 @@ def _ranked(parts: Parts) -> Parts:
         parts.spec, parts.coordinates, kinematics.loops, size.length, problem.rounding
     )
     problem = replace(problem, partition=partition)
-    snapshots = [kinematics.snapshot(q) for q in (parts.home_q, *nearby(problem, parts.home_q))]
+    poses = [parts.home_q, *nearby(problem, parts.home_q)]
+    snapshots = [kinematics.snapshot(q) for q in poses]
     rows = partition.tool_rows
     ranked = partition.with_ranks_of(
         [(snapshot.constraint_jacobian, snapshot.judged_jacobian(rows)) for snapshot in snapshots]
     )
-    return replace(parts, problem=replace(problem, partition=ranked))
+    problem = replace(problem, partition=ranked)
+    regular = [
+        q
+        for q, snapshot in zip(poses, snapshots, strict=True)
+        if ranked.rank_of(snapshot.constraint_jacobian) == ranked.constraint_rank
+    ]
+    isolated = not any(every_joint_moves(problem, q) for q in regular[:_ENOUGH])
+    return replace(parts, problem=replace(problem, partition=replace(ranked, isolated=isolated)))
 
 
 def home_pose(
@@ -189,37 +196,3 @@ def _partition(
         rank_tolerance=max(RANK_TOLERANCE, _RANK_ROOM * opened / length),
         tool_rows=spec.tool.judged,
     )
-
-
-def nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
-    """Return closed poses near home and away from it, in seeded random directions.
-
-    First along motions that the loops allow, all joints free to close them again; then with
-    the motors displaced and kept there. From a home pose where branches meet, the first may
-    well fall back to where they came from, which does not count, and from one at the end of a
-    motor's range half of the second have nowhere to go.
-    """
-    rng = np.random.default_rng(0)
-    partition = problem.partition
-    scaled = partition.scaled(problem.evaluate(home_q)[1])
-    allowed = partition.factorise(scaled, partition.size_of(scaled)).null_space
-    free, motors_kept = np.ones(scaled.shape[1]), np.zeros(scaled.shape[1])
-    motors_kept[partition.passive] = 1.0
-    starts = []
-    for _ in range(_PROBES):
-        starts.append((allowed @ rng.normal(size=allowed.shape[1]), free))
-        motors = np.zeros(scaled.shape[1])
-        motors[partition.actuated] = rng.normal(size=partition.actuated.size)
-        starts += [(motors, motors_kept), (-motors, motors_kept)]
-    found = []
-    for distance in _PROBE_DISTANCES:
-        for direction, weights in starts:
-            stride = distance * partition.length / (norm(direction) or 1.0)
-            q = problem.integrate(home_q, stride * partition.column_scale * direction)
-            pose = assemble(problem, q, weights, limit=50)
-            away = norm(problem.difference(home_q, pose.q) / partition.column_scale)
-            if pose.gap <= problem.tolerance and away > _AWAY * distance * partition.length:
-                found.append(pose.q)
-        if found:
-            break
-    return found

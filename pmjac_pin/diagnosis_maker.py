@@ -11,7 +11,6 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.actuation import analyse_actuation
-from pmjac_pin.assembly import nearby
 from pmjac_pin.damped_closure import assemble
 from pmjac_pin.diagnosis import (
     ActuationEntry,
@@ -38,6 +37,7 @@ from pmjac_pin.findings import find
 from pmjac_pin.labelled_values import encodable
 from pmjac_pin.loading import load
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.nearby_poses import nearby
 from pmjac_pin.parts import Parts
 from pmjac_pin.pose_assembly import motor_weights
 from pmjac_pin.redundancy import LoopRank, dependent_rows, loop_ranks

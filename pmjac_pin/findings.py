@@ -259,8 +259,8 @@ def _idle(joints: Sequence[str], motion: FreeMotion) -> Finding:
 
 
 _NO_NEIGHBOUR = (
-    "No pose near home closes: a structure, or a singular home. The rates that the loops seem to "
-    "allow there lead nowhere; mobility and generic ranks are not known."
+    "No pose near home closes: a structure, or a singular home, in whole or in part. Rates that "
+    "the loops seem to allow there lead nowhere; mobility and generic ranks are not known."
 )
 _LOOSEN = "Give a home pose from which the machine can move, or check the lengths."
 

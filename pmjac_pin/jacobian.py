@@ -317,8 +317,8 @@ def change_frame(tool_jacobian: Array, frame: FrameName, rotation: Array, positi
 def _singular(singularity: Singularity) -> SingularError:
     if singularity.isolated:
         return SingularError(
-            "no pose near home closes: a structure, or a singular home; the rates that its loops "
-            "seem to allow lead nowhere, and no J_eq exists",
+            "no pose near home closes: a structure, or a singular home, in whole or in part; rates "
+            "that the loops seem to allow lead nowhere, and no J_eq exists",
             singular_value=singularity.smallest,
             tolerance=singularity.tolerance,
             free_motion={},

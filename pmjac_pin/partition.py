@@ -56,8 +56,8 @@ class Partition(ReadOnlyArrays):
     kept_rows : ndarray of int, shape (m,)
         Independent rows of η, chosen at the home pose, or at that one where home is singular.
     isolated : bool
-        No pose near home closes though its rates are not all forbidden there: a structure, or
-        a singular home. What is generic is not known then, and the ranks are home's.
+        A joint cannot be moved though its rates are not forbidden, near home either: it is part of
+        a structure, or home is singular. What is generic is not known then.
     rank_tolerance : float
         Relative size up to which singular values count as zero.
     tool_rows : ToolRows
@@ -155,7 +155,7 @@ class Partition(ReadOnlyArrays):
             row_scale=np.ones(rows),
             column_scale=np.full(columns, 1.0 / length),
         )
-        return replace(partition.with_ranks_of([(constraint, tool)]), isolated=False)
+        return partition.with_ranks_of([(constraint, tool)])
 
     def factorise(self, matrix: Array, size: float) -> Factorisation:
         """Factorise a matrix without dimension; `size` is that of what it is a part of."""
@@ -252,8 +252,12 @@ class Partition(ReadOnlyArrays):
             constraint_rank=whole,
             tool_rank=tool,
             kept_rows=independent_rows(self.scaled(poses[shown][0]), whole),
-            isolated=len(poses) == 1 and whole < self.column_scale.size,
         )
+
+    def rank_of(self, constraint_jacobian: Array) -> int:
+        """Return the rank of [K K*] at one pose."""
+        scaled = self.scaled(constraint_jacobian)
+        return self.factorise(scaled, self.size_of(scaled)).rank
 
     def _ranks(self, constraint_jacobian: Array, tool_jacobian: Array) -> tuple[int, int, int]:
         """Return the ranks of [K K*], of K* and of the tool's motion."""

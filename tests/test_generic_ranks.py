@@ -40,6 +40,53 @@ def test_a_taut_four_bar_is_a_structure_or_not_known(motors):
     assert not any("command every motion" in finding.message for finding in diagnosis.findings)
 
 
+@pytest.mark.parametrize("motor", ["a", "wheel", "crank"])
+def test_what_moves_beside_a_structure_does_not_make_it_a_mechanism(motor):
+    """A taut four-bar beside a free wheel and a four-bar that moves: 1 + 1, no motor moves `a`."""
+    tree = Tree()
+    a = tree.joint(0, "a", at([0, 0, 0]))
+    b = tree.joint(a, "b", at([1, 0, 0]))
+    tree.frame(b, "bt", at([2, 0, 0]))
+    tree.frame(0, "ct", at([2, 0, 0]))
+    tree.joint(0, "wheel", at([5, 0, 0]))
+    crank = tree.joint(0, "crank", at([9, 0, 0]))
+    coupler = tree.joint(crank, "coupler", at([9, 1, 0]))
+    rocker = tree.joint(0, "rocker", at([12, 0, 0]))
+    tree.frame(coupler, "one", at([11.5, 2, 0]))
+    tree.frame(rocker, "other", at([11.5, 2, 0]))
+    loops = [pj.PointLoop(frames=frames) for frames in (("bt", "ct"), ("one", "other"))]
+    mechanism = pj.Mechanism.from_pinocchio(tree.model, loops, [motor], "bt")
+    assert mechanism.mobility is None
+    assert mechanism.home.singularity().kind == "isolated"
+    with pytest.raises(pj.SingularError, match="no pose near home closes: a structure"):
+        mechanism.home.jacobian()
+
+
+@pytest.mark.parametrize("wheels", [2, 3, 4, 5])
+@pytest.mark.parametrize("motor", ["first", "last", "all"])
+def test_a_flat_coupling_rod_moves_and_its_home_is_a_branch_point(wheels, motor, rng):
+    """Equal cranks, all joints at 0: cranks at v and the rod at -v close the loops at every v."""
+    tree, arm = Tree(), rng.uniform(0.2, 1.0)
+    places = [0.0, *np.cumsum(rng.uniform(0.5, 3.0, wheels - 1))]
+    first = tree.joint(0, "c0", at([0, 0, 0]))
+    rod = tree.joint(first, "rod", at([arm, 0, 0]))
+    loops = []
+    for k, place in enumerate(places[1:], start=1):
+        crank = tree.joint(0, f"c{k}", at([place, 0, 0]))
+        tree.frame(crank, f"pin{k}", at([place + arm, 0, 0]))
+        tree.frame(rod, f"eye{k}", at([place + arm, 0, 0]))
+        loops.append(pj.PointLoop(frames=(f"eye{k}", f"pin{k}")))
+    tree.frame(rod, "tool", at([arm + 0.5, 0, 0]))
+    cranks = [f"c{k}" for k in range(wheels)]
+    motors = {"first": cranks[:1], "last": cranks[-1:], "all": cranks}[motor]
+    mechanism = pj.Mechanism.from_pinocchio(tree.model, loops, motors, "tool")
+    assert mechanism.mobility == 1
+    assert mechanism.home.singularity().kind == "configuration space"
+    q = np.full(wheels + 1, 0.3)
+    q[mechanism.model.joints[mechanism.model.getJointId("rod")].idx_q] = -0.3
+    assert mechanism.configuration(q).singularity().constraint_rank == wheels
+
+
 @pytest.mark.parametrize("shorter", [1e-3, 1e-2, 0.3])
 def test_a_four_bar_that_is_not_quite_taut_moves(shorter):
     """With a ground that is a little shorter, it is a mechanism of mobility 1."""

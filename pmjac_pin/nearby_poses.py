@@ -1,0 +1,135 @@
+"""Closed poses near another one, and whether the rates that loops allow there lead anywhere.
+
+Where branches of the configuration space meet, or in a structure, loops allow rates to first order
+that no motion has. From there least squares alone falls back to where it came from. So one joint at
+a time is displaced and held: with it, closed poses are away from home, or there are none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from pmjac_pin.closure_problem import ClosureProblem
+from pmjac_pin.damped_closure import assemble
+from pmjac_pin.factorisation import norm
+
+Array = NDArray[np.float64]
+
+_PROBES = 2  # times three poses along allowed rates or with displaced motors
+_DISTANCES = (0.05, 0.005, 0.0005)  # rad or share of the characteristic length
+_AWAY = 0.1  # of a probe's distance: nearer to home, the loops have only pulled it back
+_TOO_FAR = 20.0  # times a probe's distance: another assembly mode
+_SHAKEN = 3  # starts of each joint that is displaced and held
+_MOVES = 0.05  # a joint's share in the rates that loops allow, below which others are tried
+
+
+def nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
+    """Return closed poses near home and away from it, in seeded random directions.
+
+    First along motions that the loops allow, all joints free to close them again; then with
+    the motors displaced and kept there. From a home pose where branches meet, the first may
+    well fall back to where they came from, which does not count, and from one at the end of a
+    motor's range half of the second have nowhere to go. Where none of them closes, single joints
+    are displaced and held, the others starting around home.
+    """
+    rng = np.random.default_rng(0)
+    allowed = _allowed(problem, home_q)
+    directions = list(_directions(problem, allowed, rng))
+    for distance in _DISTANCES:
+        starts = ((distance * step, weights) for step, weights in directions)
+        found = _closed(problem, home_q, starts, distance)
+        if not found:
+            held = (_held(allowed, k, rng) for k in _moving(allowed) for _ in range(_SHAKEN))
+            starts = ((distance * step, weights) for step, weights in held)
+            found = _closed(problem, home_q, starts, distance)
+        if found:
+            return found
+    return []
+
+
+def every_joint_moves(problem: ClosureProblem, q: Array) -> bool:
+    """Tell whether the joints that the loops allow to move at a closed pose can be moved.
+
+    What they allow is to first order. A joint that can be displaced neither way is held by them
+    all the same: the pose is singular, or the joint part of a structure. As many joints are tried
+    as there are independent motions, those that determine the others best.
+    """
+    rng = np.random.default_rng(0)
+    allowed = _allowed(problem, q)
+    leading = scipy.linalg.qr(allowed.T, mode="r", pivoting=True)[1][: allowed.shape[1]]
+    return all(_moves(problem, q, allowed, int(k), rng) for k in leading)
+
+
+def _moves(
+    problem: ClosureProblem, q: Array, allowed: Array, joint: int, rng: np.random.Generator
+) -> bool:
+    tries = [_held(allowed, joint), *(_held(allowed, joint, rng) for _ in range(_SHAKEN))]
+    return any(
+        _closed(problem, q, [(way * distance * step, weights)], distance)
+        for distance in _DISTANCES
+        for step, weights in tries
+        for way in (1.0, -1.0)
+    )
+
+
+def _allowed(problem: ClosureProblem, q: Array) -> Array:
+    """Return orthonormal columns that span the scaled rates which loops allow at q, (nv, d)."""
+    partition = problem.partition
+    scaled = partition.scaled(problem.evaluate(q)[1])
+    return partition.factorise(scaled, partition.size_of(scaled)).null_space
+
+
+def _moving(allowed: Array) -> list[int]:
+    """Return the joints that take part well in what the loops allow."""
+    return [int(k) for k in np.flatnonzero(np.linalg.norm(allowed, axis=1) > _MOVES)]
+
+
+def _directions(
+    problem: ClosureProblem, allowed: Array, rng: np.random.Generator
+) -> Iterator[tuple[Array, Array]]:
+    """Yield scaled steps of length 1, and how easily each joint moves from there."""
+    partition, count = problem.partition, len(allowed)
+    motors_kept = np.zeros(count)
+    motors_kept[partition.passive] = 1.0
+    for _ in range(_PROBES):
+        yield _unit(allowed @ rng.normal(size=allowed.shape[1])), np.ones(count)
+        motors = np.zeros(count)
+        motors[partition.actuated] = rng.normal(size=partition.actuated.size)
+        yield _unit(motors), motors_kept
+        yield -_unit(motors), motors_kept
+
+
+def _held(
+    allowed: Array, joint: int, rng: np.random.Generator | None = None
+) -> tuple[Array, Array]:
+    """Return a step that displaces a joint by 1, the others as allowed with it, or around that."""
+    weights = np.ones(len(allowed))
+    weights[joint] = 0.0
+    step: Array = allowed @ allowed[joint] / (allowed[joint] @ allowed[joint])
+    if rng is not None:
+        step = step + rng.normal(size=step.size)
+    step[joint] = 1.0
+    return step, weights
+
+
+def _closed(
+    problem: ClosureProblem, q: Array, starts: Iterable[tuple[Array, Array]], distance: float
+) -> list[Array]:
+    """Return where these starts close, away from q and not on another assembly mode."""
+    partition, found = problem.partition, []
+    for step, weights in starts:
+        start = problem.integrate(q, partition.length * partition.column_scale * step)
+        pose = assemble(problem, start, weights, limit=50)
+        moved = problem.difference(q, pose.q) / partition.column_scale
+        away = norm(moved) / (distance * partition.length)
+        if pose.gap <= problem.tolerance and _AWAY < away < _TOO_FAR:
+            found.append(pose.q)
+    return found
+
+
+def _unit(step: Array) -> Array:
+    return step / (norm(step) or 1.0)
