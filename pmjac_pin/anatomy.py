@@ -119,8 +119,7 @@ class Anatomy:
     @cached_property
     def tool(self) -> list[Point]:
         """The frame that is the tool, or the three that span it."""
-        tool = self.mechanism.spec.tool
-        return [self.point(name) for name in (tool.points or (tool.frame or "",))]
+        return [self.point(name) for name in self.mechanism.spec.tool.names]
 
     @cached_property
     def size(self) -> float:

@@ -16,6 +16,7 @@ from pmjac_pin.coordinates import JointCoordinates
 from pmjac_pin.damped_closure import assemble
 from pmjac_pin.errors import ArgumentError, ClosureError, PmjacError, unknown_name
 from pmjac_pin.factorisation import RANK_TOLERANCE
+from pmjac_pin.frames import carrying_columns
 from pmjac_pin.kinematics import Kinematics
 from pmjac_pin.loops import LoopSystem
 from pmjac_pin.machine_size import ROUNDING_OF_PLACES, Size, shifted
@@ -74,9 +75,7 @@ def build_parts(
 def _ranked(parts: Parts) -> Parts:
     problem, kinematics = parts.problem, parts.kinematics
     size = _size(kinematics, parts.spec, parts.home_q)
-    partition = _partition(
-        parts.spec, parts.coordinates, kinematics.loops, size.length, problem.rounding
-    )
+    partition = _partition(parts.spec, parts.coordinates, kinematics, size.length, problem.rounding)
     problem = replace(problem, partition=partition)
     poses = [parts.home_q, *nearby(problem, parts.home_q)]
     snapshots = [kinematics.snapshot(q) for q in poses]
@@ -136,7 +135,7 @@ def _unassembled(
     near = shifted(model, -size.place) if size.place.any() else model
     kinematics = _kinematics(near, spec, values)
     rounding = ROUNDING_OF_PLACES * size.extent
-    partition = _partition(spec, coordinates, kinematics.loops, size.length, rounding)
+    partition = _partition(spec, coordinates, kinematics, size.length, rounding)
     problem = ClosureProblem(
         kinematics.closure,
         lambda q, v: pin.integrate(near, q, v),
@@ -162,7 +161,7 @@ def _size(kinematics: Kinematics, spec: MechanismSpec, q: Array) -> Size:
 def _partition(
     spec: MechanismSpec,
     coordinates: JointCoordinates,
-    loops: LoopSystem,
+    kinematics: Kinematics,
     length: float,
     rounding: float,
 ) -> Partition:
@@ -184,7 +183,8 @@ def _partition(
             f"a tolerance of {opened:g} m leaves nothing of a machine whose characteristic length "
             f"is {length:.3g} m; at most {LARGEST_SHARE * length:.3g} m would do"
         )
-    columns = column_scale(loops, coordinates.rotational, length)
+    loops, carrying = kinematics.loops, carrying_columns(kinematics.model, spec.tool.names)
+    columns = column_scale(loops, coordinates.rotational, length, carrying)
     return Partition(
         actuated=coordinates.columns(spec.actuated),
         passive=coordinates.columns(passive),

@@ -30,7 +30,6 @@ from pmjac_pin.diagnosis_structure import (
     loop_gaps,
     loops,
     mobility,
-    tool_frames,
 )
 from pmjac_pin.errors import ClosureError, LimitError, PmjacError
 from pmjac_pin.findings import find
@@ -103,7 +102,7 @@ def _of_mechanism(mechanism: Mechanism) -> Diagnosis:
         failure=None,
         bodies=bodies(structure),
         freedoms=freedoms(structure, mechanism.moved()),
-        tool=tool_frames(parts),
+        tool=parts.spec.tool.names,
         tool_rows=partition.tool_rows.names,
         tool_axes=partition.tool_rows.axes,
         tool_rank=partition.tool_rank,
@@ -139,7 +138,7 @@ def _of_error(error: PmjacError) -> Diagnosis:
         failure=_failure(cause),
         bodies=bodies(structure),
         freedoms=freedoms(structure, None),
-        tool=tool_frames(parts),
+        tool=parts.spec.tool.names,
         tool_rows=parts.spec.tool.judged.names,
         tool_axes=parts.spec.tool.judged.axes,
         tool_rank=None,

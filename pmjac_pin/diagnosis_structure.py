@@ -66,7 +66,7 @@ def bodies(structure: Structure) -> tuple[Body, ...]:
     for name, loop in zip(structure.loop_names, spec.loops, strict=True):
         for body in _ends(model, loop):
             on.setdefault(body, []).append(name)
-    tools = {find_frame(model, name).joint for name in tool_frames(structure.parts)}
+    tools = {find_frame(model, name).joint for name in structure.parts.spec.tool.names}
     names = body_names(model)
     return tuple(
         Body(
@@ -78,12 +78,6 @@ def bodies(structure: Structure) -> tuple[Body, ...]:
         )
         for body in range(model.njoints)
     )
-
-
-def tool_frames(parts: Parts) -> tuple[str, ...]:
-    """Return the tool's frame, or its three."""
-    tool = parts.spec.tool
-    return (tool.frame,) if tool.frame else tool.points or ()
 
 
 def body_names(model: pin.Model) -> tuple[str, ...]:

@@ -78,5 +78,15 @@ def moving_columns(model: pin.Model, frames: Sequence[Frame]) -> list[NDArray[np
     ]
 
 
+def carrying_columns(model: pin.Model, names: Sequence[str]) -> NDArray[np.bool_]:
+    """Tell which columns move one of these frames, shape (nv,)."""
+    carrying = np.zeros(model.nv, dtype=bool)
+    for name in names:
+        for k in model.supports[find_frame(model, name).joint]:
+            joint = model.joints[k]
+            carrying[joint.idx_v : joint.idx_v + joint.nv] = k > 0
+    return carrying
+
+
 def _at_one_place(one: pin.Frame, other: pin.Frame) -> bool:
     return bool(one.parentJoint == other.parentJoint and one.placement.isApprox(other.placement))

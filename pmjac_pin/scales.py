@@ -14,9 +14,12 @@ from pmjac_pin.coupling import Coupling
 from pmjac_pin.loops import LoopSystem
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 
-def column_scale(loops: LoopSystem, rotational: NDArray[np.bool_], length: float) -> Array:
+def column_scale(
+    loops: LoopSystem, rotational: Mask, length: float, carrying: Mask | None = None
+) -> Array:
     """Return a natural rate of each column, shape (nv,): 1/length rad or 1 m, times its gears.
 
     Parameters
@@ -26,19 +29,23 @@ def column_scale(loops: LoopSystem, rotational: NDArray[np.bool_], length: float
         Which columns are rotations.
     length : float
         The mechanism's characteristic length, m.
+    carrying : ndarray of bool, shape (nv,), optional
+        The columns that move the tool: the measure of gear trains that are in no loop.
     """
     scale = np.where(rotational, 1.0 / length, 1.0)
     known, waiting = loops.anchored.copy(), list(loops.couplings.values())
     while waiting:
         number = next((k for k, item in enumerate(waiting) if known[item.columns].any()), None)
-        if number is None:  # a gear train of its own: one of its joints measures the others
-            known[min(int(item.columns.min()) for item in waiting)] = True
+        if number is None:  # gear trains of their own
+            columns = np.unique([item.columns for item in waiting])
+            measures = columns[:0] if carrying is None else columns[carrying[columns]]
+            known[measures if measures.size else columns[:1]] = True
         else:
             _pass_on(waiting.pop(number), scale, known)
     return scale
 
 
-def _pass_on(coupling: Coupling, scale: Array, known: NDArray[np.bool_]) -> None:
+def _pass_on(coupling: Coupling, scale: Array, known: Mask) -> None:
     """Set the rate of the joint that is not known yet: q̇_second = ratio · q̇_first."""
     first, second = coupling.columns
     ratio = abs(coupling.ratio)

@@ -55,6 +55,11 @@ class Tool(Table, frozen=True, kw_only=True):
             raise ArgumentError("the tool has `axes` but no `rows` that would be in these")
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """The frame, or the three whose origins span the tool."""
+        return (self.frame,) if self.frame else self.points or ()
+
+    @property
     def judged(self) -> ToolRows:
         """The rows that count where ranks are judged."""
         return WHOLE_TWIST if self.rows is None else ToolRows(self.rows, checked_axes(self.axes))

@@ -193,3 +193,27 @@ def test_check_and_pictures_of_a_machine_far_away():
 def test_a_tolerance_as_large_as_the_machine_is_refused():
     with pytest.raises(pj.PmjacError, match=r"a tolerance of 0\.01 m leaves nothing of a machine"):
         pj.load("ankle", tolerance=1e-2)
+
+
+@pytest.mark.parametrize("carrier_first", [True, False])
+def test_a_gear_train_in_no_loop_is_measured_by_what_moves_the_tool(carrier_first):
+    """A slow carrier and a planet on it, driven a thousand times faster and slower."""
+    tree = Tree()
+
+    def carrier():
+        body = tree.joint(0, "carrier", at([0, 0, 0]))
+        return tree.joint(body, "planet", at([1, 0, 0]))
+
+    planet = carrier() if carrier_first else 0
+    tree.joint(0, "motor", at([0, 0, 1]))
+    tree.joint(0, "sun", at([0, 0, 1]))
+    planet = planet or carrier()
+    tree.frame(planet, "tool", at([1.3, 0.2, 0]))
+    loops = [
+        pj.JointLoop(joints=("motor", "carrier"), ratio=1e-3),
+        pj.JointLoop(joints=("sun", "planet"), ratio=-1e3),
+    ]
+    mechanism = pj.Mechanism.from_pinocchio(tree.model, loops, ["motor", "sun"], "tool")
+    found = mechanism.home.singularity()
+    assert (found.tool_rank, found.linear_rank, found.angular_rank) == (2, 2, 1)
+    assert mechanism.home.jacobian().tool_ranks == (2, 2, 1)

@@ -76,7 +76,7 @@ def find_legs(parts: Parts, q: Array) -> list[Leg]:
 def _lonely_bodies(parts: Parts, joints: dict[int, Edge]) -> set[int]:
     """Return the bodies that nothing but a chain of joints and one loop at its end holds."""
     model, spec = parts.model, parts.spec
-    tool = spec.tool.points or (spec.tool.frame or "",)
+    tool = spec.tool.names
     uses = [find_frame(model, name).joint for name in tool]
     branches = [edge.parent for edge in joints.values()]
     ends: list[int] = []

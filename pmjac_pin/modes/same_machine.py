@@ -144,7 +144,7 @@ def _at_rest(
 
 def _tool(parts: Parts, problem: SearchProblem, poses: Poses) -> Iterator[Array]:
     tool = parts.spec.tool
-    for name in tool.points or (tool.frame or "",):
+    for name in tool.names:
         frame = find_frame(problem.model, name)
         yield _point(problem, poses, frame)
         if not tool.points:
