@@ -19,7 +19,7 @@ from pmjac_pin.factorisation import RANK_TOLERANCE
 from pmjac_pin.frames import carrying_columns
 from pmjac_pin.kinematics import Kinematics
 from pmjac_pin.loops import LoopSystem
-from pmjac_pin.machine_size import ROUNDING_OF_PLACES, Size, shifted
+from pmjac_pin.machine_size import Size, shifted
 from pmjac_pin.nearby_poses import every_joint_moves, nearby
 from pmjac_pin.partition import Partition
 from pmjac_pin.parts import Parts
@@ -75,7 +75,7 @@ def build_parts(
 def _ranked(parts: Parts) -> Parts:
     problem, kinematics = parts.problem, parts.kinematics
     size = _size(kinematics, parts.spec, parts.home_q)
-    partition = _partition(parts.spec, parts.coordinates, kinematics, size.length, problem.rounding)
+    partition = _partition(parts.spec, parts.coordinates, kinematics, size, problem.rounding)
     problem = replace(problem, partition=partition)
     poses = [parts.home_q, *nearby(problem, parts.home_q)]
     snapshots = [kinematics.snapshot(q) for q in poses]
@@ -134,8 +134,8 @@ def _unassembled(
     size = _size(_kinematics(model, spec, values), spec, given)
     near = shifted(model, -size.place) if size.place.any() else model
     kinematics = _kinematics(near, spec, values)
-    rounding = ROUNDING_OF_PLACES * size.extent
-    partition = _partition(spec, coordinates, kinematics, size.length, rounding)
+    rounding = size.rounding
+    partition = _partition(spec, coordinates, kinematics, size, rounding)
     problem = ClosureProblem(
         kinematics.closure,
         lambda q, v: pin.integrate(near, q, v),
@@ -162,7 +162,7 @@ def _partition(
     spec: MechanismSpec,
     coordinates: JointCoordinates,
     kinematics: Kinematics,
-    length: float,
+    size: Size,
     rounding: float,
 ) -> Partition:
     for name in spec.actuated:
@@ -177,21 +177,22 @@ def _partition(
     if forgotten := [name for name in others if name not in passive]:
         message = f"joint {forgotten[0]!r} moves and is neither actuated nor passive"
         raise ArgumentError(message)
-    opened = max(spec.tolerance or 0.0, rounding)
+    opened, length = max(spec.tolerance or 0.0, rounding), size.length
     if opened > LARGEST_SHARE * length:
         raise ArgumentError(
             f"a tolerance of {opened:g} m leaves nothing of a machine whose characteristic length "
             f"is {length:.3g} m; at most {LARGEST_SHARE * length:.3g} m would do"
         )
     loops, carrying = kinematics.loops, carrying_columns(kinematics.model, spec.tool.names)
-    columns = column_scale(loops, coordinates.rotational, length, carrying)
+    columns = column_scale(loops, coordinates.rotational, length, size.loop_sizes, carrying)
     return Partition(
         actuated=coordinates.columns(spec.actuated),
         passive=coordinates.columns(passive),
         actuated_names=coordinates.dof_names(spec.actuated),
         passive_names=coordinates.dof_names(passive),
         length=length,
-        row_scale=row_scale(loops, columns, length),
+        loop_sizes=size.loop_sizes,
+        row_scale=row_scale(loops, columns, length, size.loop_sizes),
         column_scale=columns,
         rank_tolerance=max(RANK_TOLERANCE, _RANK_ROOM * opened / length),
         tool_rows=spec.tool.judged,

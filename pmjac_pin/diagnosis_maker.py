@@ -162,7 +162,7 @@ def _of_error(error: PmjacError) -> Diagnosis:
 
 def _far(parts: Parts) -> float | None:
     """Return how far a mechanism stands from the origin where that decides what is closed."""
-    decides = parts.problem.tolerance == parts.problem.rounding
+    decides = parts.problem.tolerance == parts.problem.rounding and parts.place.any()
     return float(np.linalg.norm(parts.place)) if decides else None
 
 

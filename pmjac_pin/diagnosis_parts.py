@@ -74,6 +74,8 @@ class LoopEntry(msgspec.Struct, frozen=True):
         Its independent rows for displacements in that group.
     rank, needed : int or None
         Of its rows alone; and how much the rank of all loops' rows drops without it.
+    size : float
+        The mean of its lever arms, m; 0 where they are rounding only, or it has none.
     gap_given : float
         How open it is in the file's home pose, m.
     gap_alone : float or None
@@ -89,6 +91,7 @@ class LoopEntry(msgspec.Struct, frozen=True):
     group_rows: int
     rank: int | None
     needed: int | None
+    size: float
     gap_given: float
     gap_alone: float | None
 

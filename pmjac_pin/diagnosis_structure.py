@@ -19,6 +19,7 @@ from pmjac_pin.frames import find_frame
 from pmjac_pin.linkage import known_kind
 from pmjac_pin.loop_motion import LoopMotion, loop_motions
 from pmjac_pin.loop_spec import JointLoop, Loop
+from pmjac_pin.machine_size import Size
 from pmjac_pin.parts import Parts
 from pmjac_pin.pose_assembly import motor_weights, shaken
 from pmjac_pin.redundancy import LoopRank
@@ -123,7 +124,8 @@ def loops(
     """
     parts = structure.parts
     system, spec = parts.kinematics.loops, parts.spec
-    gaps = loop_gaps(parts, structure.given)
+    gaps, tool = loop_gaps(parts, structure.given), parts.kinematics.tool
+    sizes = Size(parts.model, spec, system, tool, parts.home_q).arms
     return tuple(
         LoopEntry(
             name=name,
@@ -135,6 +137,7 @@ def loops(
             group_rows=motion.rows,
             rank=ranks[k].rank if ranks else None,
             needed=ranks[k].needed if ranks else None,
+            size=sizes[k],
             gap_given=gaps[k],
             gap_alone=None if ranks else _gap_alone(parts, rows, best),
         )
@@ -161,8 +164,12 @@ def mobility(structure: Structure, rank: int | None) -> Mobility:
 
 def loop_gaps(parts: Parts, q: Array) -> tuple[float, ...]:
     """Return how open each loop is at q, m."""
-    gaps = parts.problem.evaluate(q)[0] * parts.problem.partition.row_scale
-    return tuple(float(np.linalg.norm(gaps[rows])) for rows in parts.kinematics.loops.slices)
+    partition, slices = parts.problem.partition, parts.kinematics.loops.slices
+    gaps = parts.problem.evaluate(q)[0] * partition.row_scale
+    sizes = np.array(partition.loop_sizes) / partition.length
+    return tuple(
+        float(size * np.linalg.norm(gaps[rows])) for rows, size in zip(slices, sizes, strict=True)
+    )
 
 
 def _gap_alone(parts: Parts, rows: slice, best: Array | None) -> float:

@@ -8,6 +8,7 @@ from pmjac_pin.blocks import brief
 from pmjac_pin.diagnosis import Diagnosis, Finding, FreeMotion, PoseEntry, Severity
 from pmjac_pin.diagnosis_parts import Freedom
 from pmjac_pin.mobility_findings import count_findings, redundancy_findings
+from pmjac_pin.number_findings import all_digits, number_findings
 from pmjac_pin.rounded_numbers import wider_tolerance
 from pmjac_pin.spec import LARGEST_TOLERANCE
 
@@ -31,8 +32,7 @@ def find(diagnosis: Diagnosis) -> tuple[Finding, ...]:
         _conditioning,
         redundancy_findings,
         count_findings,
-        _tolerance,
-        _far,
+        number_findings,
         _reader,
     )
     findings = [finding for rule in rules for finding in rule(diagnosis)]
@@ -287,11 +287,7 @@ def _isolated(diagnosis: Diagnosis) -> Finding:
         f"No pose near home closes: the loops stay open there by {brief(gap)} m, as rounded "
         "numbers leave them. Mobility and generic ranks are not known."
     )
-    return Finding("error", "rounded-numbers", message, _all_digits(gap))
-
-
-def _all_digits(gap: float) -> str:
-    return f"Write the model's numbers with all their digits, or give {wider_tolerance(gap)}."
+    return Finding("error", "rounded-numbers", message, all_digits(gap))
 
 
 def _conditioning(diagnosis: Diagnosis) -> Iterator[Finding]:
@@ -318,27 +314,6 @@ def _conditioning(diagnosis: Diagnosis) -> Iterator[Finding]:
             yield Finding(severity, "near-singular", message, advice)
         elif home and diagnosis.loops:
             yield Finding("ok", "conditioning", f"K* is regular at home: {sizes}.")
-
-
-def _tolerance(diagnosis: Diagnosis) -> Iterator[Finding]:
-    if diagnosis.tolerance is not None:
-        message = f"The file lets loops count as closed that are open by {diagnosis.tolerance:g} m."
-        advice = "Numbers are good to that, no better; write the model's with all their digits."
-        yield Finding("note", "tolerance", message, advice)
-    gap, isolated = diagnosis.rounding, any(pose.kind == "isolated" for pose in diagnosis.poses)
-    if gap is not None and not isolated:
-        message = f"Away from home the loops stay open by up to {brief(gap)} m."
-        yield Finding("warning", "rounded-numbers", message, _all_digits(gap))
-
-
-def _far(diagnosis: Diagnosis) -> Iterator[Finding]:
-    if diagnosis.far is not None:
-        message = (
-            f"It stands {brief(diagnosis.far)} m from the world's origin, where coordinates are "
-            f"rounded: loops count as closed up to {brief(diagnosis.closed)} m."
-        )
-        advice = "Put the origin near the machine for more digits."
-        yield Finding("note", "far-from-origin", message, advice)
 
 
 def _reader(diagnosis: Diagnosis) -> Iterator[Finding]:

@@ -95,15 +95,15 @@ class LoopSystem:
         The geared joints, by their row.
     rods : dict of int to float
         The lengths of the rods by their row, m.
-    anchored : ndarray of bool, shape (nv,)
-        The columns that move the two frames of a loop against each other.
+    moving : tuple of ndarray of int
+        The columns that move each loop's two frames against each other; none for gears.
     """
 
     __slots__ = (
         "_closures",
         "_nv",
-        "anchored",
         "couplings",
+        "moving",
         "rods",
         "row_loops",
         "row_names",
@@ -121,7 +121,7 @@ class LoopSystem:
         units: list[str] = []
         owners: list[str] = []
         self.rods: dict[int, float] = {}
-        self.anchored = np.zeros(model.nv, dtype=bool)
+        moving: list[NDArray[np.intp]] = []
         starts: list[int] = []
         for loop in loops:
             starts.append(len(names))
@@ -132,6 +132,7 @@ class LoopSystem:
                 names.append(f"{prefix} ratio")
                 units.append(coupling.unit)
                 owners.append(prefix)
+                moving.append(np.zeros(0, dtype=np.intp))
                 continue
             blocks = []
             for block in loop_blocks(loop, values):
@@ -143,11 +144,12 @@ class LoopSystem:
                 units += [block.unit] * len(block.names)
                 owners += [prefix] * len(block.names)
             self._closures.append(_closure(model, loop, tuple(blocks)))
-            for columns in moving_columns(model, [find_frame(model, name) for name in loop.frames]):
-                self.anchored[columns] = True
+            ends = [find_frame(model, name) for name in loop.frames]
+            moving.append(np.concatenate(moving_columns(model, ends)))
         self.row_names = tuple(names)
         self.row_units = tuple(units)
         self.row_loops = tuple(owners)
+        self.moving = tuple(moving)
         self.slices = tuple(itertools.starmap(slice, itertools.pairwise([*starts, len(names)])))
 
     def create_data(self) -> list[Any]:

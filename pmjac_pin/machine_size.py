@@ -2,7 +2,7 @@
 
 Metres and radians meet in ranks and steps, so a length has to say what a radian is worth. It is a
 size of the loops: how far from its joints' axes a loop's two frames are, whatever else the model
-names, and wherever it stands.
+names, and wherever it stands. So has each loop one, where it is much smaller than the machine.
 """
 
 from __future__ import annotations
@@ -27,8 +27,12 @@ NO_LENGTH = 1e-9
 #: Of the largest coordinate that loops and tool rest on: what their rounding may open a loop by.
 ROUNDING_OF_PLACES = 16.0 * float(np.finfo(float).eps)
 
+#: Of the machine's length: loops with shorter arms have none, as those of a spherical linkage.
+SPHERICAL = 1e-6
+#: Of the machine's length: smaller loops are measured by their own size.
+SMALL = 1e-2
+
 _TOLERANCES = 3.0  # a length that the tolerance covers is rounding, too
-_ARMS_ARE_NONE = 1e-6  # of the tool's: loops with shorter arms have no length of their own
 _FAR = 8.0  # lengths: from here on the machine is computed beside itself, not from the origin
 
 
@@ -50,8 +54,13 @@ class Size:
         Σa²/Σa. An arm is the distance of one of a loop's two frames from the axis of a joint
         that turns it against the other; the length of a rod counts as one. A spherical linkage
         has no such arms: then it is the tool's, and 1 m where that has none either.
-    extent : float
-        The largest coordinate, m, that the loops and the tool rest on.
+    arms : tuple of float
+        Of each loop in the same way, m; 0 where rounding is all there is.
+    loop_sizes : tuple of float
+        What each loop is measured by, m: its arms where they are less than a hundredth of the
+        machine's, but not so short that it is spherical; `length` elsewhere.
+    rounding : float
+        What rounding of coordinates may open a loop by, m, each loop as large as the machine.
     place : ndarray, shape (3,)
         Where the machine stands, m: 0 for coordinates that are no larger than the machine.
     """
@@ -69,23 +78,33 @@ class Size:
         pin.updateFramePlacements(model, self._data)
         self._turns = JointCoordinates(model).rotational
         ends = [
-            [find_frame(model, name) for name in loop.frames]
+            [] if isinstance(loop, JointLoop) else [find_frame(model, name) for name in loop.frames]
             for loop in spec.loops
-            if not isinstance(loop, JointLoop)
         ]
         points = [self._data.oMf[frame.index].translation for frames in ends for frame in frames]
         points.append(tool.pose(model, self._data)[1])
-        self.extent = float(np.abs(points).max())
-        arms = [*loops.rods.values(), *(arm for frames in ends for arm in self._arms(frames))]
+        opened = ROUNDING_OF_PLACES * float(np.abs(points).max())
+        arms = [
+            [*(loops.rods[row] for row in loops.rods if rows.start <= row < rows.stop), *own]
+            for rows, own in zip(loops.slices, map(self._arms, ends), strict=True)
+        ]
         turns = tool.jacobian(model, self._data)[:3, self._turns]
-        opened = max(spec.tolerance or 0.0, ROUNDING_OF_PLACES * self.extent)
-        rounding = max(NO_LENGTH, _TOLERANCES * opened)
-        self.length = _length(np.array(arms), np.linalg.norm(turns, axis=0), rounding)
+        rounding = max(NO_LENGTH, _TOLERANCES * max(spec.tolerance or 0.0, opened))
+        means = [_mean(np.array(own)) for own in arms]
+        every = _mean(np.array([arm for own in arms for arm in own]))
+        self.length = _length(every, _mean(np.linalg.norm(turns, axis=0)), rounding)
+        self.arms = tuple(mean if mean > rounding else 0.0 for mean in means)
+        self.loop_sizes = tuple(
+            mean if SPHERICAL * self.length < mean < SMALL * self.length else self.length
+            for mean in self.arms
+        )
+        self.rounding = opened * self.length / min(self.loop_sizes, default=self.length)
         middle = np.mean(points, axis=0)
         self.place: Array = np.where(np.abs(middle) > _FAR * self.length, middle, 0.0)
 
     def _arms(self, frames: list[Frame]) -> Iterator[float]:
-        for frame, columns in zip(frames, moving_columns(self._model, frames), strict=True):
+        moving = moving_columns(self._model, frames) if frames else []
+        for frame, columns in zip(frames, moving, strict=True):
             turning = columns[self._turns[columns]]
             linear = frame_jacobian(self._model, self._data, frame.index)[:3, turning]
             yield from np.linalg.norm(linear, axis=0).tolist()
@@ -111,9 +130,8 @@ def shifted(model: pin.Model, by: Array) -> pin.Model:
     return moved
 
 
-def _length(loop_arms: Array, tool_arms: Array, rounding: float) -> float:
-    loops, tool = _mean(loop_arms), _mean(tool_arms)
-    if loops > max(rounding, _ARMS_ARE_NONE * tool):
+def _length(loops: float, tool: float, rounding: float) -> float:
+    if loops > max(rounding, SPHERICAL * tool):
         return loops
     return tool if tool > rounding else 1.0
 

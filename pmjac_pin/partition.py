@@ -48,9 +48,11 @@ class Partition(ReadOnlyArrays):
     length : float
         The mechanism's characteristic length, m: it makes a rad and a m comparable.
     row_scale : ndarray, shape (p,)
-        Turns the rows of η into m.
+        Turns the rows of η into m, of a loop as large as the mechanism.
     column_scale : ndarray, shape (nv,)
         A unit rate of a column, in the scaled problem: 1/length rad or 1 m.
+    loop_sizes : tuple of float
+        Of each loop, m: `length`, or its own where it is much smaller.
     passive_rank, constraint_rank, tool_rank : int
         Generic ranks of K*, of [K K*] and of the tool's motion: those of one regular pose.
     kept_rows : ndarray of int, shape (m,)
@@ -80,6 +82,7 @@ class Partition(ReadOnlyArrays):
     rank_tolerance: float = RANK_TOLERANCE
     size: float = 0.0
     isolated: bool = False
+    loop_sizes: tuple[float, ...] = ()
     tool_rows: ToolRows = WHOLE_TWIST
 
     @cached_property

@@ -189,5 +189,5 @@ def test_tolerances_are_those_of_the_gap_in_metres():
         sizes = [size for block in loop_blocks(loop, {}) for size in tolerances(block, CLOSED, 4.0)]
         model = pin.buildModelFromXML(mechanisms.tree(*JOINTS))
         system = LoopSystem(model, [loop], {})
-        scales = row_scale(system, np.ones(model.nv), 4.0)
+        scales = row_scale(system, np.ones(model.nv), 4.0, [4.0] * len(system.slices))
         np.testing.assert_allclose(np.array(sizes) * scales, CLOSED)

@@ -115,8 +115,10 @@ def test_row_names_and_scales(model, system):
     assert system.row_names[:3] == ("S1-leg1_rod x", "S1-leg1_rod y", "S1-leg1_rod z")
     assert system.row_names[10] == "base-S3 distance²"
     assert system.row_names[-1] == "l1-theta2 ratio"
-    columns = column_scale(system, JointCoordinates(model).rotational, 2.0)
-    scales = row_scale(system, columns, 2.0)
+    columns = column_scale(
+        system, JointCoordinates(model).rotational, 2.0, [2.0] * len(system.slices)
+    )
+    scales = row_scale(system, columns, 2.0, [2.0] * len(system.slices))
     np.testing.assert_allclose(scales[:11], [1] * 9 + [0.5 / 0.9, 0.5])
     for name, unit, scale in zip(
         system.row_names[11:-1], system.row_units[11:-1], scales[11:-1], strict=True

@@ -76,7 +76,8 @@ def search_problem(parts: Parts, base: Array) -> tuple[SearchProblem, list[Leg]]
     """Return the problem of a mechanism with its motors as in `base`, and the legs left out."""
     legs = find_legs(parts, base)
     if not legs:
-        return _problem(parts, parts.model, parts.spec.loops, base), legs
+        sizes = parts.problem.partition.loop_sizes
+        return _problem(parts, parts.model, parts.spec.loops, sizes, base), legs
     return _problem(parts, *_without(parts, legs, base)), legs
 
 
@@ -97,8 +98,10 @@ def without_legs(parts: Parts, problem: SearchProblem, q: Array) -> Array:
     return _copied(parts.model, q, problem.model, problem.base)
 
 
-def _without(parts: Parts, legs: list[Leg], base: Array) -> tuple[pin.Model, Sequence[Loop], Array]:
-    """Return model, loops and q with rods in place of the legs."""
+def _without(
+    parts: Parts, legs: list[Leg], base: Array
+) -> tuple[pin.Model, Sequence[Loop], Sequence[float], Array]:
+    """Return model, loops, their sizes and q with rods in place of the legs."""
     gone = set(names_of(legs))
     edges = [edge for name, edge in edges_of(parts.model).items() if name not in gone]
     centres = {
@@ -112,14 +115,22 @@ def _without(parts: Parts, legs: list[Leg], base: Array) -> tuple[pin.Model, Seq
         for leg, centre in zip(legs, centres, strict=True)
     ]
     loops = [loop for loop in parts.spec.loops if not any(loop is end for end in ended)]
-    return model, [*loops, *rods], _copied(parts.model, base, model, pin.neutral(model))
+    sizes = dict(zip(map(id, parts.spec.loops), parts.problem.partition.loop_sizes, strict=True))
+    return (
+        model,
+        [*loops, *rods],
+        [sizes[id(loop)] for loop in (*loops, *ended)],
+        _copied(parts.model, base, model, pin.neutral(model)),
+    )
 
 
-def _problem(parts: Parts, model: pin.Model, loops: Sequence[Loop], base: Array) -> SearchProblem:
+def _problem(
+    parts: Parts, model: pin.Model, loops: Sequence[Loop], sizes: Sequence[float], base: Array
+) -> SearchProblem:
     partition = parts.problem.partition
     coordinates, length = JointCoordinates(model), partition.length
     system = LoopSystem(model, loops, parts.values)
-    columns = column_scale(system, coordinates.rotational, length)
+    columns = column_scale(system, coordinates.rotational, length, sizes)
     edges = edges_of(model)
     passive = [name for name in edges if name not in parts.spec.actuated]
     tree = ManyPoses(model)
@@ -136,7 +147,7 @@ def _problem(parts: Parts, model: pin.Model, loops: Sequence[Loop], base: Array)
         values=parts.values,
         passive=tuple(entries),
         columns=coordinates.columns(passive),
-        row_scale=row_scale(system, columns, length),
+        row_scale=row_scale(system, columns, length, sizes),
         column_scale=columns,
         rank_tolerance=partition.rank_tolerance,
         tolerance=parts.problem.tolerance,
