@@ -51,7 +51,7 @@ def at(name: str, motors: list[float]) -> Outcome:
 
 
 def assembly_modes(name: str, motors: list[float]) -> Outcome:
-    found = pj.load(name).assembly_modes(motors, rng=0, limits=False)
+    found = pj.assembly_modes(pj.load(name), motors, rng=0, limits=False)
     return {"complex": "", "real": len(found), "note": found.complete.kind}
 
 

@@ -78,7 +78,7 @@ def search(
 ) -> tuple[pj.AssemblyModes, float]:
     """Return what the library finds, and in what time."""
     begin = time.perf_counter()
-    modes = mechanism.assembly_modes(theta, rng=0, limits=False, **options)
+    modes = pj.assembly_modes(mechanism, theta, rng=0, limits=False, **options)
     return modes, time.perf_counter() - begin
 
 

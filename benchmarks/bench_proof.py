@@ -6,7 +6,6 @@ import sys
 import time
 
 import pmjac_pin as pj
-from pmjac_pin.modes.proof import prove
 
 CASES = (
     ("four_bar", (0.9,)),
@@ -28,11 +27,11 @@ def main() -> int:
     print(f"{'mechanism':14}{'unknowns':>9}{'modes':>6}{'boxes':>8}{'proof, s':>10}{'all, s':>11}")
     for name, motors in CASES:
         mechanism = pj.load(name)
-        proofs = [prove(mechanism._parts, motors, limits=False) for _ in range(3)]
+        proofs = [pj.prove(mechanism, motors, limits=False) for _ in range(3)]
         proof = min(proofs, key=lambda one: one.seconds)
         start = time.perf_counter()
         try:
-            found = f"{len(mechanism.assembly_modes(motors, rng=0, limits=False))}"
+            found = f"{len(pj.assembly_modes(mechanism, motors, rng=0, limits=False))}"
         except pj.ArgumentError:
             found = "no end"
         search = time.perf_counter() - start

@@ -13,7 +13,6 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.certificates.certificate import Certificate, certify, refused
 from pmjac_pin.closure import Closed, closed_point
 from pmjac_pin.errors import ArgumentError, ClosureError, quoted
 from pmjac_pin.idle_motions import gained_and_idle
@@ -220,45 +219,6 @@ class Configuration:
             problem.partition,
             functools.partial(gained_and_idle, problem, self.q),
         )
-
-    def certificate(self) -> Certificate:
-        """Return a proof that an exact solution of the loop equations is near this pose.
-
-        By the Newton–Kantorovich theorem, the motors held at exactly these values: with
-        Newton's step Y = |A η|, the defect Z₁ = ‖I − A K*‖ of an approximate inverse A of K*,
-        and a bound Z₂ on ‖A D²η‖ from the lengths of the links,
-
-            h = 2 Y Z₂ / (1 − Z₁)² < 1.
-
-        All of it by interval arithmetic rounded outwards, from q and the model's numbers; it
-        covers every mechanism whose placements differ from the model's by a few units in the
-        last place.
-
-        Returns
-        -------
-        Certificate
-            False where nothing is proven; `failed` then names the inequality.
-
-        References
-        ----------
-        Kantorovich, *Functional analysis and applied mathematics*, 1948; Rump, *Verification
-        methods*, Acta Numerica 19, 2010.
-
-        Examples
-        --------
-        >>> import pmjac_pin as pj
-        >>> certificate = pj.load("three_rps").pose("lecture_a").certificate()
-        >>> bool(certificate), certificate.existence_radius < 1e-11
-        (True, True)
-        >>> certificate.uniqueness_radius > 0.001
-        True
-        """
-        try:
-            equations = self.mechanism._loop_equations
-        except ArgumentError as error:
-            return refused(str(error))
-        parts = self._parts
-        return certify(equations, self.q, parts.problem.partition, parts.kinematics.loops.row_names)
 
     def _jacobians(self, snapshot: Snapshot, frame: FrameName) -> tuple[Array, Array]:
         """Return the constraint and the tool Jacobian of a snapshot, the latter in a frame."""

@@ -4,7 +4,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from pmjac_pin.catalog import list_mechanisms
-from pmjac_pin.certificates.certificate import Certificate
+from pmjac_pin.certificates.certificate import Certificate, certify
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.diagnosis import Diagnosis
 from pmjac_pin.diagnosis_maker import check
@@ -43,9 +43,14 @@ from pmjac_pin.loop_spec import (
 )
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.modes.assembly_modes import AssemblyModes, Completeness
+from pmjac_pin.modes.branch_and_prune import Budget
+from pmjac_pin.modes.find import assembly_modes
+from pmjac_pin.modes.proof import Proof, prove
 from pmjac_pin.partition import Partition
 from pmjac_pin.singularity import Singularity
 from pmjac_pin.spec import MechanismSpec
+from pmjac_pin.studies.convert import convert
+from pmjac_pin.studies.recut import recut
 
 if TYPE_CHECKING:
     from pmjac_pin.viewer.viewer import Viewer, view
@@ -53,6 +58,7 @@ if TYPE_CHECKING:
 __all__ = [
     "ArgumentError",
     "AssemblyModes",
+    "Budget",
     "Certificate",
     "ClosureError",
     "Completeness",
@@ -82,6 +88,7 @@ __all__ = [
     "PmjacError",
     "PointLoop",
     "PrismaticLoop",
+    "Proof",
     "RevoluteLoop",
     "SingularError",
     "Singularity",
@@ -90,11 +97,16 @@ __all__ = [
     "UniversalLoop",
     "UnknownNameError",
     "Viewer",
+    "assembly_modes",
+    "certify",
     "check",
+    "convert",
     "equivalent_jacobian",
     "list_mechanisms",
     "load",
     "parameter_homotopy",
+    "prove",
+    "recut",
     "view",
 ]
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 import pinocchio as pin
@@ -14,27 +14,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from pmjac_pin.arms import arms_of, without_arms
 from pmjac_pin.assembly import build_parts
-from pmjac_pin.certificates.equations import LoopEquations
 from pmjac_pin.checks import as_numbers
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.direct_kinematics import Guess, close
 from pmjac_pin.errors import ArgumentError, unknown_name
 from pmjac_pin.loop_spec import Loop
 from pmjac_pin.mechanism_value import MechanismValue
-from pmjac_pin.modes.aim import Aim
-from pmjac_pin.modes.assembly_modes import AssemblyModes
-from pmjac_pin.modes.closed_pose import generator
-from pmjac_pin.modes.find import find_modes
 from pmjac_pin.motor_values import MotorValues
 from pmjac_pin.pinocchio_model import Constraint, RobotWrapper, own_model
 from pmjac_pin.pose_assembly import assemble_pose
 from pmjac_pin.read_only import read_only
-from pmjac_pin.recut import recut_parts
 from pmjac_pin.spec import JointValue
 from pmjac_pin.step_guard import StepGuard
-
-if TYPE_CHECKING:
-    from pmjac_pin.homotopy.parameter_homotopy import ParameterHomotopy
 
 Array = NDArray[np.float64]
 
@@ -252,44 +243,6 @@ class Mechanism(MechanismValue):
         """
         return close(self, actuated, guess, enforce_limits)
 
-    def recut(self, joint: str) -> Mechanism:
-        """Return the same mechanism with its loops cut at another joint.
-
-        The joint becomes a loop closure of its kind, and a loop that led to it a joint. A motor,
-        or a geared joint, keeps its value: it is cut behind its hub, which is welded again.
-        J_eq does not change; K, K* and their shapes do.
-
-        Parameters
-        ----------
-        joint : str
-            A joint of the tree that is part of a loop.
-
-        Returns
-        -------
-        Mechanism
-            With the same motors, tool and poses; parameters are fixed at their values.
-
-        Raises
-        ------
-        UnknownNameError
-            No such joint.
-        ArgumentError
-            The joint is in no loop, or cannot be taken apart.
-
-        Examples
-        --------
-        >>> import numpy as np, pmjac_pin as pj
-        >>> mechanism = pj.load("four_bar")
-        >>> recut = mechanism.recut("phi1")
-        >>> recut.rows[:5]
-        ('phi1_child-phi1_parent x', 'phi1_child-phi1_parent y', 'phi1_child-phi1_parent z',
-         'phi1_child-phi1_parent tilt 1', 'phi1_child-phi1_parent tilt 2')
-        >>> bool(np.allclose(recut.home.jacobian().J_eq, mechanism.home.jacobian().J_eq))
-        True
-        """
-        poses = {name: self.pose(name).q for name in self.poses}
-        return Mechanism(recut_parts(self._parts, joint, poses))
-
     def loop_equations(self, q: ArrayLike) -> tuple[Array, Array]:
         """Return the loop equations and their derivative at any q, closed or not.
 
@@ -321,72 +274,6 @@ class Mechanism(MechanismValue):
         residual, jacobian = self._parts.kinematics.loop_equations(self._checked(q))
         return read_only(residual), read_only(jacobian)
 
-    def assembly_modes(
-        self,
-        actuated: MotorValues,
-        *,
-        rng: np.random.Generator | int,
-        limits: bool = True,
-        unseen: float = 2e-3,
-        confidence: float = 0.99,
-        most_starts: int = 200_000,
-        proof: bool = True,
-        homotopy: ParameterHomotopy | None = None,
-    ) -> AssemblyModes:
-        """Find all closed poses at these motor values: the solutions of direct kinematics.
-
-        Damped Newton from random starts, hundreds at once; then, where that is affordable, a proof
-        by interval arithmetic that none is missing; where it is not, more starts, until the share
-        of the start space that leads to poses not seen yet is bounded as asked for. Poses that
-        differ by full turns, by the sign of a quaternion, by idle motions or by half a turn of a
-        leg's universal joint are one; so are those in which only bodies that look the same are
-        turned over, which `ways` counts.
-
-        Parameters
-        ----------
-        actuated : array_like, shape (n,), or mapping of str to float
-            Motor values, m or rad: in the order of `actuated`, or by name where they have names,
-            as those of a pandas Series do.
-        rng : numpy.random.Generator or int
-            For the starts; a seed makes a generator. The modes do not depend on it, nor does
-            their order, as long as all are found.
-        limits : bool
-            Keep within the joints' limits, passive ones too.
-        unseen : float
-            The share of the start space that may lead to modes not found.
-        confidence : float
-            Of this bound.
-        most_starts : int
-            Where the search gives up on the bound.
-        proof : bool
-            Try to prove by interval arithmetic that these are all: possible for up to about six
-            unknown joints, in a fraction of a second.
-        homotopy : ParameterHomotopy, optional
-            Of this mechanism: where there is no proof, count all complex solutions, too.
-
-        Returns
-        -------
-        AssemblyModes
-            A sequence of Configurations; `complete` says what its completeness rests on.
-
-        Raises
-        ------
-        ArgumentError, LimitError
-        IdleMotionError
-            The tool moves with all motors locked: there are no separate modes.
-
-        Examples
-        --------
-        >>> import pmjac_pin as pj
-        >>> modes = pj.load("four_bar").assembly_modes([0.9], rng=0)
-        >>> [round(float(mode.passive[0]), 4) for mode in modes]
-        [-2.4793, 2.0236]
-        >>> modes.complete.kind
-        'proof'
-        """
-        aim = Aim(unseen, confidence, most_starts, proof, homotopy)
-        return find_modes(self, actuated, generator(rng), limits, aim)
-
     def configuration(self, q: ArrayLike) -> Configuration:
         """Return the configuration at this q.
 
@@ -403,12 +290,6 @@ class Mechanism(MechanismValue):
             Not nq finite numbers, or a quaternion or (cos, sin) that is not of unit length.
         """
         return Configuration._of_q(self, self._checked(q))
-
-    @cached_property
-    def _loop_equations(self) -> LoopEquations:
-        parts = self._parts
-        passive = parts.problem.partition.passive.tolist()
-        return LoopEquations(parts.model, parts.spec.loops, parts.values, passive)
 
     @cached_property
     def _step_guard(self) -> StepGuard:

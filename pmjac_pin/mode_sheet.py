@@ -90,7 +90,7 @@ def plot_modes(modes: AssemblyModes) -> Figure:
     Examples
     --------
     >>> import pmjac_pin as pj
-    >>> figure = plot_modes(pj.load("four_bar").assembly_modes([0.9], rng=0))
+    >>> figure = plot_modes(pj.assembly_modes(pj.load("four_bar"), [0.9], rng=0))
     >>> [axes.get_title() for axes in figure.axes]
     ['1\nσ = 0.457, det K* < 0', '2 (home)\nσ = 0.392, det K* > 0']
     """

@@ -8,6 +8,7 @@ import msgspec
 import numpy as np
 from numpy.typing import ArrayLike
 
+from pmjac_pin.certificates.certificate import certify
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.homotopy.complex_modes import ComplexModes
 from pmjac_pin.homotopy.operation_modes import OperationModes
@@ -180,7 +181,7 @@ def make_modes_report(
     --------
     >>> import pmjac_pin as pj
     >>> mechanism = pj.load("four_bar")
-    >>> modes = mechanism.assembly_modes([0.9], rng=0)
+    >>> modes = pj.assembly_modes(mechanism, [0.9], rng=0)
     >>> [(m.number, m.poses, m.sign) for m in make_modes_report(mechanism, [0.9], modes).modes]
     [(1, (), -1), (2, ('home',), 1)]
     """
@@ -264,6 +265,6 @@ def _mode(
 
 
 def _certificate(mode: Configuration) -> CertificateReport:
-    found = mode.certificate()
+    found = certify(mode)
     radii = (found.existence_radius, found.uniqueness_radius)
     return CertificateReport(bool(found), *radii, found.statement)

@@ -47,7 +47,7 @@ def count(report: ModesReport) -> str:
     >>> import pmjac_pin as pj
     >>> from pmjac_pin.modes_report import make_modes_report
     >>> mechanism = pj.load("four_bar")
-    >>> modes = mechanism.assembly_modes([0.9], rng=0)
+    >>> modes = pj.assembly_modes(mechanism, [0.9], rng=0)
     >>> count(make_modes_report(mechanism, [0.9], modes))
     '2 assembly modes within the limits of the joints.'
     """

@@ -21,7 +21,7 @@ def problem():
 
 @pytest.fixture(scope="module")
 def modes(problem):
-    found = pj.load("three_rps_ss").assembly_modes(LENGTHS, rng=0, limits=False)
+    found = pj.assembly_modes(pj.load("three_rps_ss"), LENGTHS, rng=0, limits=False)
     return np.array([[mode.joint_values[name] for name in problem.names] for mode in found])
 
 

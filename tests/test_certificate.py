@@ -62,14 +62,14 @@ def distance(configuration, angles):
 
 def certified(name, seed, count):
     poses = mechanisms.random_poses(name, seed, count)
-    return [(pose, pose.certificate()) for pose in poses]
+    return [(pose, pj.certify(pose)) for pose in poses]
 
 
 @pytest.mark.parametrize("name", [*mechanisms.CATALOGUE, *OTHERS])
 def test_every_named_pose_is_certified(name):
     mechanism = OTHERS[name]() if name in OTHERS else pj.load(name)
     for pose in mechanism.poses:
-        certificate = mechanism.pose(pose).certificate()
+        certificate = pj.certify(mechanism.pose(pose))
         assert certificate, certificate.failed
         assert certificate.existence_radius < 1e-12
         assert certificate.uniqueness_radius > 0.01
@@ -91,11 +91,11 @@ def test_the_exact_root_is_within_the_existence_radius(name):
 def test_a_pose_moved_off_its_root_gets_a_larger_radius_that_reaches_it(rng):
     mechanism = pj.load("three_rps_ss")
     pose = mechanism.pose("lecture_a")
-    before, root = pose.certificate(), exact_angles(pose, pose.passive)
+    before, root = pj.certify(pose), exact_angles(pose, pose.passive)
     for size in (1.5, 0.3, 2.0):
         step = size * before.existence_radius * rng.choice([-1.0, 1.0], size=3)
         moved = mechanism.configuration(pose.q + with_passive(mechanism, step))
-        after, off = moved.certificate(), distance(moved, root)
+        after, off = pj.certify(moved), distance(moved, root)
         assert off <= after.existence_radius
         if size > 1.0:
             assert off > before.existence_radius
@@ -132,7 +132,7 @@ def test_no_two_assembly_modes_lie_in_one_uniqueness_ball(lengths):
             [*mechanism.actuated, *mechanism.passive], [*lengths, *angles], strict=True
         ):
             q[model.joints[model.getJointId(name)].idx_q] = value
-        certificate = mechanism.configuration(q).certificate()
+        certificate = pj.certify(mechanism.configuration(q))
         assert certificate
         roots.append(angles)
         radii.append(certificate.uniqueness_radius)
@@ -167,7 +167,7 @@ def test_nothing_is_certified_where_the_loops_cannot_close(offset):
     mechanism = tolerant(0.01)
     values = fold(mechanism, offset)
     q = mechanism._parts.coordinates.q(values, mechanism.home.q)
-    certificate = mechanism.configuration(q).certificate()
+    certificate = pj.certify(mechanism.configuration(q))
     assert not certificate
     assert certificate.existence_radius == math.inf
     assert certificate.uniqueness_radius == 0.0
@@ -180,7 +180,7 @@ def test_towards_a_singularity_the_radii_close_in_and_the_inequality_is_named():
     numbers, unique = [], []
     for offset in (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-14):
         q = mechanism._parts.coordinates.q(fold(mechanism, -offset), mechanism.home.q)
-        certificate = mechanism.configuration(q).certificate()
+        certificate = pj.certify(mechanism.configuration(q))
         if not certificate:
             break
         numbers.append(certificate.kantorovich)
@@ -205,11 +205,11 @@ def bend_of(mechanism, offset):
 
 def test_threads_agree_and_leave_the_precision_alone():
     poses = mechanisms.random_poses("three_rps_ss", 3, 8)
-    alone = [pose.certificate() for pose in poses]
+    alone = [pj.certify(pose) for pose in poses]
     flint.ctx.prec = 60
     try:
         with ThreadPoolExecutor(4) as threads:
-            together = list(threads.map(lambda pose: pose.certificate(), poses))
+            together = list(threads.map(pj.certify, poses))
         assert flint.ctx.prec == 60
     finally:
         flint.ctx.prec = 53
@@ -218,7 +218,7 @@ def test_threads_agree_and_leave_the_precision_alone():
 
 @pytest.mark.parametrize("joint", ["phi1", "theta1", "phi2"])
 def test_every_cut_is_certified(joint):
-    assert pj.load("four_bar").recut(joint).home.certificate()
+    assert pj.certify(pj.recut(pj.load("four_bar"), joint).home)
 
 
 def test_joints_of_other_kinds_are_refused():
@@ -229,17 +229,17 @@ def test_joints_of_other_kinds_are_refused():
     model.addFrame(pin.Frame("tip", motor, pin.SE3.Random(), pin.FrameType.OP_FRAME))
     loops = [pj.PointLoop(frames=("tool", "tip"))]
     mechanism = pj.Mechanism.from_pinocchio(model, loops, ["motor"], "tool", name="test")
-    certificate = mechanism.home.certificate()
+    certificate = pj.certify(mechanism.home)
     assert not certificate
     assert "cannot be taken apart" in certificate.failed
 
 
 def test_held_and_left_out_are_named():
-    spin = mechanisms.rssr().home.certificate()
+    spin = pj.certify(mechanisms.rssr().home)
     assert len(spin.held) == 1
     assert set(spin.held) <= {"rx", "ry", "rz"}
     assert f"with {spin.held[0]} held" in spin.statement
-    planar = pj.load("four_bar").home.certificate()
+    planar = pj.certify(pj.load("four_bar").home)
     assert planar.left_out == ("coupler_tip-rocker_tip z",)
     assert "1 dependent row" in planar.statement
 
@@ -251,7 +251,7 @@ def test_the_unit_of_length_changes_no_radius():
         pj.load("four_bar", {name: size * value for name, value in lengths.items()}).home
         for size in (1.0, 1000.0)
     )
-    radii = [pose.certificate().uniqueness_radius for pose in (one, other)]
+    radii = [pj.certify(pose).uniqueness_radius for pose in (one, other)]
     assert radii[0] == pytest.approx(radii[1], rel=1e-6)
 
 

@@ -35,7 +35,7 @@ def test_the_lectures_eight(run):
 
 def test_json_equals_the_python_interface(run):
     status, out, _ = run("four_bar", "--at", "0.9", "--seed", "4", "--json")
-    found, modes = json.loads(out), pj.load("four_bar").assembly_modes([0.9], rng=4)
+    found, modes = json.loads(out), pj.assembly_modes(pj.load("four_bar"), [0.9], rng=4)
     assert status == 0
     assert [mode["q"] for mode in found["modes"]] == [mode.q.tolist() for mode in modes]
     assert found["limits"] is True

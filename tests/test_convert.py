@@ -11,9 +11,8 @@ import pytest
 from peer_models import peer_model
 
 import pmjac_pin as pj
-from pmjac_pin import convert as convert_module
 from pmjac_pin.cli import main
-from pmjac_pin.convert import convert
+from pmjac_pin.studies import convert as convert_module
 
 LOOPED = {"actuated": ["theta1"], "tool": looped.TOOL}
 
@@ -40,7 +39,7 @@ def same(first, second):
 
 
 def test_looped_urdf(machine, tmp_path):
-    model_file, urdf = convert(machine, tmp_path / "mine.toml", **LOOPED)
+    model_file, urdf = pj.convert(machine, tmp_path / "mine.toml", **LOOPED)
     assert (model_file, urdf) == (tmp_path / "mine.toml", tmp_path / "mine.urdf")
     same(pj.load(model_file), pj.load(machine, **LOOPED))
     text = model_file.read_text()
@@ -52,7 +51,7 @@ def test_looped_urdf(machine, tmp_path):
 
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_the_catalogue(name, tmp_path):
-    mine = pj.load(convert(name, tmp_path / "mine.toml")[0])
+    mine = pj.load(pj.convert(name, tmp_path / "mine.toml")[0])
     theirs = pj.load(name)
     same(mine, theirs)
     assert mine.spec.parameters == theirs.spec.parameters
@@ -76,12 +75,12 @@ def test_the_catalogue(name, tmp_path):
 )
 def test_peer_models(path, tool, tmp_path):
     given = peer_model(path)
-    model_file, _ = convert(given, tmp_path / "mine.toml", tool=tool)
+    model_file, _ = pj.convert(given, tmp_path / "mine.toml", tool=tool)
     same(pj.load(model_file), pj.load(given, tool=tool))
 
 
 def test_motors_and_tool_are_written(tmp_path):
-    path, _ = convert("four_bar", tmp_path / "mine.toml", actuated=["phi1"], tool="crank")
+    path, _ = pj.convert("four_bar", tmp_path / "mine.toml", actuated=["phi1"], tool="crank")
     mechanism = pj.load(path)
     assert mechanism.actuated == ("phi1",)
     assert mechanism.spec.tool.frame == "crank"
@@ -101,7 +100,7 @@ def test_every_kind_of_loop(tmp_path):
         )
         path.write_text(looped.with_element(looped.loop_element(kind) + finger))
         out = tmp_path / f"{kind}.toml"
-        convert(path, out, **LOOPED)
+        pj.convert(path, out, **LOOPED)
         mine, theirs = pj.load(out), pj.load(path, **LOOPED)
         assert mine.spec.loops == theirs.spec.loops
         same(mine, theirs)
@@ -114,24 +113,24 @@ def test_what_exists_stays(machine, tmp_path):
     target = tmp_path / "mine.toml"
     target.write_text("precious")
     with pytest.raises(pj.OutputError, match=r"mine\.toml: exists already; --force replaces it"):
-        convert(machine, target, **LOOPED)
+        pj.convert(machine, target, **LOOPED)
     assert target.read_text() == "precious"
     target.rename(tmp_path / "mine.urdf")
     with pytest.raises(pj.OutputError, match=r"mine\.urdf: exists already"):
-        convert(machine, target, **LOOPED)
+        pj.convert(machine, target, **LOOPED)
     assert not target.exists()
-    convert(machine, target, force=True, **LOOPED)
+    pj.convert(machine, target, force=True, **LOOPED)
     same(pj.load(target), pj.load(machine, **LOOPED))
 
 
 def test_what_is_read_stays(machine):
     before = machine.read_text()
-    model_file, urdf = convert(machine, machine.with_suffix(".toml"), **LOOPED)
+    model_file, urdf = pj.convert(machine, machine.with_suffix(".toml"), **LOOPED)
     assert urdf.name == "machine_tree.urdf"
     assert machine.read_text() == before
     with pytest.raises(pj.OutputError, match="is what is read, and is not replaced"):
-        convert(model_file, model_file, force=True)
-    again = convert(model_file, model_file.with_name("machine_tree.toml"), force=True)
+        pj.convert(model_file, model_file, force=True)
+    again = pj.convert(model_file, model_file.with_name("machine_tree.toml"), force=True)
     assert again[1].name == "machine_tree_tree.urdf"
     assert urdf.exists()
 
@@ -139,7 +138,7 @@ def test_what_is_read_stays(machine):
 def test_a_folder_is_not_replaced(machine, tmp_path):
     (tmp_path / "mine.toml").mkdir()
     with pytest.raises(pj.OutputError, match=r"mine\.toml: is a folder"):
-        convert(machine, tmp_path / "mine.toml", force=True, **LOOPED)
+        pj.convert(machine, tmp_path / "mine.toml", force=True, **LOOPED)
 
 
 @pytest.mark.parametrize(
@@ -148,7 +147,7 @@ def test_a_folder_is_not_replaced(machine, tmp_path):
 )
 def test_where_nothing_can_be_written(machine, tmp_path, name, message):
     with pytest.raises(pj.OutputError, match=message):
-        convert(machine, tmp_path / name, **LOOPED)
+        pj.convert(machine, tmp_path / name, **LOOPED)
 
 
 def test_nothing_is_left_when_the_result_does_not_load(machine, tmp_path, monkeypatch):
@@ -157,7 +156,7 @@ def test_nothing_is_left_when_the_result_does_not_load(machine, tmp_path, monkey
 
     monkeypatch.setattr(convert_module, "parse_model_file", refuse)
     with pytest.raises(pj.ModelFileError, match="no"):
-        convert(machine, tmp_path / "mine.toml", **LOOPED)
+        pj.convert(machine, tmp_path / "mine.toml", **LOOPED)
     assert [path.name for path in tmp_path.iterdir()] == ["given"]
 
 
@@ -165,7 +164,7 @@ def test_a_home_that_does_not_close_is_not_written(tmp_path):
     far = tmp_path / "far.urdf"
     far.write_text(looped.with_element(looped.loop_element().replace('xyz="', 'xyz="9', 1)))
     with pytest.raises(pj.ClosureError):
-        convert(far, tmp_path / "mine.toml", **LOOPED)
+        pj.convert(far, tmp_path / "mine.toml", **LOOPED)
     assert [path.name for path in tmp_path.iterdir()] == ["far.urdf"]
 
 

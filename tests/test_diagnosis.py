@@ -100,7 +100,7 @@ def test_the_count_in_groups_does_not_depend_on_the_cut(joint):
     loop = pj.RevoluteLoop(frames=bar.spec.loops[0].frames)
     arguments = (bar.model, [loop], ["theta1"], "coupler_midpoint")
     mechanism = pj.Mechanism.from_pinocchio(*arguments, home=bar.home.q)
-    diagnosis = pj.check(mechanism.recut(joint) if joint else mechanism)
+    diagnosis = pj.check(pj.recut(mechanism, joint) if joint else mechanism)
     assert diagnosis.mobility.gruebler == -2
     assert diagnosis.mobility.gruebler_in_groups == diagnosis.mobility.mobility == 1
     assert [loop.group for loop in diagnosis.loops] == ["planar"]

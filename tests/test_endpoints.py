@@ -14,7 +14,7 @@ def four_bar(theta):
     """The equations, the motor's numbers, and both solutions."""
     machines = Machines(pj.load("four_bar"))
     _, form = machines.at([theta])
-    modes = machines.mechanism.assembly_modes([theta], rng=0)
+    modes = pj.assembly_modes(machines.mechanism, [theta], rng=0)
     x = machines.loops.unknowns(np.array([mode.q for mode in modes]))
     return machines.loops, form.driven, x
 

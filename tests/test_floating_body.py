@@ -11,7 +11,6 @@ import pytest
 import pmjac_pin as pj
 from pmjac_pin.modes.box_problem import box_problem, given_values, start
 from pmjac_pin.modes.intervals import Intervals
-from pmjac_pin.modes.proof import prove
 
 POSES = {
     "planar_3rpr": ("home", "mirrored", "shifted"),
@@ -60,8 +59,8 @@ def test_rows_are_off_where_the_loops_gape(name, rng):
 
 def test_a_platform_turned_over_is_no_pose_of_the_plane():
     """Its three distances alone would allow the mirror image, which the rows exclude."""
-    with_platform = prove(pj.load("planar_3rpr")._parts, [0.34, 0.3, 0.4], limits=False)
-    modes = pj.load("planar_3rpr").assembly_modes([0.34, 0.3, 0.4], rng=0)
+    with_platform = pj.prove(pj.load("planar_3rpr"), [0.34, 0.3, 0.4], limits=False)
+    modes = pj.assembly_modes(pj.load("planar_3rpr"), [0.34, 0.3, 0.4], rng=0)
     assert with_platform.complete
     assert len(with_platform.enclosures) == len(modes)
 

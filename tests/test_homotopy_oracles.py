@@ -55,7 +55,7 @@ def places(study):
 @pytest.mark.parametrize(("name", "motors"), SMALL)
 def test_real_solutions_are_the_assembly_modes(oracle, name, motors):
     found = oracle(SYSTEMS[name](motors))
-    modes = [by_hand(name, mode) for mode in pj.load(name).assembly_modes(motors, rng=0)]
+    modes = [by_hand(name, mode) for mode in pj.assembly_modes(pj.load(name), motors, rng=0)]
     if not found.lost:
         same_sets(found.real, modes, 1e-8)
     for point in found.real:
@@ -84,7 +84,7 @@ def test_dietmaiers_forty_are_all_there_are(oracle):
     """The 40 that the search finds are the 40 of all complex solutions."""
     lengths = hand_spatial.DIETMAIER_LENGTHS
     found = oracle(SYSTEMS["stewart_gough_dietmaier"](lengths))
-    modes = pj.load("stewart_gough_dietmaier").assembly_modes(lengths, rng=0, limits=False)
+    modes = pj.assembly_modes(pj.load("stewart_gough_dietmaier"), lengths, rng=0, limits=False)
     expected = np.array([mode.joint_values["platform"][:3] for mode in modes])
     assert len(found.points) <= 40 <= len(found.points) + found.lost
     if not found.lost:

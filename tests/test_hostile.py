@@ -12,7 +12,6 @@ import pytest
 import pmjac_pin as pj
 from pmjac_pin.catalog import find_model_file, find_urdf
 from pmjac_pin.cli import main
-from pmjac_pin.convert import convert
 from pmjac_pin.ellipsoid import force_ellipsoid, velocity_ellipsoid
 from pmjac_pin.errors import enumerated, quoted, shortened
 from pmjac_pin.plotting import save_figure
@@ -82,7 +81,7 @@ def from_pinocchio(**changes):
 
 
 def modes(**changes):
-    return FOUR_BAR.assembly_modes(**{"actuated": [1.0], "rng": 0, "proof": False, **changes})
+    return pj.assembly_modes(FOUR_BAR, **{"actuated": [1.0], "rng": 0, "proof": False, **changes})
 
 
 def partition(**changes):
@@ -161,8 +160,8 @@ CALLS = {
     "a tolerance": lambda value: from_pinocchio(tolerance=value),
     "view": lambda value: pj.view(value, open_browser=False, port=0),
     "port": lambda value: pj.view(HOME, open_browser=False, port=value).close(),
-    "convert": lambda value: convert(value, "x.toml", force=True),
-    "convert's output": lambda value: convert("serial_2r", value, force=True),
+    "convert": lambda value: pj.convert(value, "x.toml", force=True),
+    "convert's output": lambda value: pj.convert("serial_2r", value, force=True),
     "a path": user_path,
 }
 
@@ -245,9 +244,9 @@ def test_links_in_a_circle(tmp_path):
     with pytest.raises(pj.ModelFileError, match="Too many levels of symbolic links"):
         pj.load(one)
     with pytest.raises(pj.PmjacError):
-        convert(one, tmp_path / "x.toml")
+        pj.convert(one, tmp_path / "x.toml")
     with pytest.raises(pj.OutputError, match="a link in a circle"):
-        convert("serial_2r", one, force=True)
+        pj.convert("serial_2r", one, force=True)
 
 
 def test_links_in_a_circle_beside_a_file_and_in_it(tmp_path):
@@ -302,7 +301,7 @@ def test_a_name_that_is_no_text(tmp_path, capsys):
         assert main([command[0], str(path), *command[1:]]) == 0
     capsys.readouterr()
     with pytest.raises(pj.OutputError, match="UTF-8"):
-        convert("four_bar", tmp_path / os.fsdecode(b"y\xff.toml"))
+        pj.convert("four_bar", tmp_path / os.fsdecode(b"y\xff.toml"))
 
 
 @pytest.mark.parametrize("number", ["1e-320", "1e-160", "1e160", "1e308"])

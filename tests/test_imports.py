@@ -66,6 +66,15 @@ def test_only_the_command_line_knows_the_viewer():
     assert knowing("viewer") == {"pmjac_pin.interface", "pmjac_pin.cli.view"}
 
 
+@pytest.mark.parametrize("module", ["mechanism", "configuration"])
+def test_values_know_no_study(module):
+    studies = ("studies", "modes", "certificates", "homotopy", "diagnosis")
+    known = {
+        name.removeprefix("pmjac_pin.").partition(".")[0] for name in reached(f"pmjac_pin.{module}")
+    }
+    assert known.isdisjoint(studies)
+
+
 def test_nobody_knows_the_command_line():
     assert knowing("cli") == {"pmjac_pin.__main__"}
 

@@ -107,7 +107,7 @@ def test_reports_warn(bar, capsys):
 
 
 def test_modes_beyond_limits_are_marked(bar, capsys):
-    modes = bar.assembly_modes([0.9], rng=0, limits=False)
+    modes = pj.assembly_modes(bar, [0.9], rng=0, limits=False)
     text = shown(modes_blocks(make_modes_report(bar, [0.9], modes, limits=False)), capsys)
     assert text.count("phi1 beyond its limits") == len(modes) - 1
 

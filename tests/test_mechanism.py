@@ -341,7 +341,7 @@ class TestFromPinocchio:
 
     def test_a_frame_anchor(self):
         """The rocker's own joint as a weld: the four-bar cut behind a hub."""
-        recut = pj.load("four_bar").recut("theta1")
+        recut = pj.recut(pj.load("four_bar"), "theta1")
         model = recut.model
         ends = [model.frames[model.getFrameId(name)] for name in recut.spec.loops[-1].frames]
         places = [part for end in ends for part in (end.parentJoint, end.placement)]

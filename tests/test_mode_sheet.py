@@ -15,12 +15,12 @@ from pmjac_pin.plotting import save_figure
 
 @pytest.fixture(scope="module")
 def lecture():
-    return pj.load("three_rps_ss").assembly_modes([2 / 3, 3 / 5, 3 / 4], rng=0)
+    return pj.assembly_modes(pj.load("three_rps_ss"), [2 / 3, 3 / 5, 3 / 4], rng=0)
 
 
 @pytest.fixture(scope="module")
 def four_bar():
-    return pj.load("four_bar").assembly_modes([0.9], rng=0)
+    return pj.assembly_modes(pj.load("four_bar"), [0.9], rng=0)
 
 
 def test_every_mode_has_a_panel_and_its_title(lecture):
@@ -36,7 +36,7 @@ def test_every_mode_has_a_panel_and_its_title(lecture):
 
 def test_forty_still_have_room_for_their_titles():
     mechanism = pj.load("four_bar")
-    few = mechanism.assembly_modes([0.9], rng=0)
+    few = pj.assembly_modes(mechanism, [0.9], rng=0)
     many = pj.AssemblyModes(
         few.configurations * 20, few.shares * 20, few.starts, few.complete, (None,) * 40
     )
@@ -75,7 +75,7 @@ def test_a_planar_mechanism_is_drawn_in_its_plane(four_bar):
 
 def test_a_plane_is_looked_at_with_its_upright_axis_upwards():
     """The slider-crank lies in x and y: x points to the right, y upwards."""
-    modes = pj.load("slider_crank").assembly_modes([0.9], rng=0)
+    modes = pj.assembly_modes(pj.load("slider_crank"), [0.9], rng=0)
     panels = plot_modes(modes).axes
     for axes, mode in zip(panels, modes, strict=True):
         drawn = np.concatenate([line.get_xydata() for line in axes.lines])
@@ -99,7 +99,7 @@ def test_it_can_be_saved(four_bar, tmp_path, suffix):
 
 
 def test_no_modes_are_refused():
-    modes = mechanisms.rocker_rocker().assembly_modes([2.5], rng=0)
+    modes = pj.assembly_modes(mechanisms.rocker_rocker(), [2.5], rng=0)
     with pytest.raises(pj.ArgumentError, match="there are no assembly modes to draw"):
         plot_modes(modes)
 

@@ -36,14 +36,14 @@ def same_sets(found, expected, atol):
 @pytest.mark.parametrize("name", ["three_rps_ss", "three_rps"])
 def test_the_lectures_modes(name):
     mechanism = pj.load(name)
-    modes = mechanism.assembly_modes([2 / 3, 3 / 5, 3 / 4], rng=1)
+    modes = pj.assembly_modes(mechanism, [2 / 3, 3 / 5, 3 / 4], rng=1)
     same_sets(angles(modes), np.vstack([LECTURE_A, -LECTURE_A]), 1e-8)
-    modes = mechanism.assembly_modes([0.5, 1.0, 2.0], rng=1)
+    modes = pj.assembly_modes(mechanism, [0.5, 1.0, 2.0], rng=1)
     same_sets(angles(modes), np.vstack([LECTURE_B, -LECTURE_B]), 6e-5)
 
 
 def test_mirror_images_have_opposite_angles():
-    modes = pj.load("three_rps_ss").assembly_modes([2 / 3, 3 / 5, 3 / 4], rng=2)
+    modes = pj.assembly_modes(pj.load("three_rps_ss"), [2 / 3, 3 / 5, 3 / 4], rng=2)
     found = angles(modes)
     for index, image in enumerate(modes.mirror_images):
         np.testing.assert_allclose(found[image], -found[index], atol=1e-9)
@@ -52,7 +52,7 @@ def test_mirror_images_have_opposite_angles():
 
 @pytest.mark.parametrize("theta1", [0.9, -2.0, 3.0])
 def test_the_four_bars_two_modes(theta1):
-    modes = pj.load("four_bar").assembly_modes([theta1], rng=3)
+    modes = pj.assembly_modes(pj.load("four_bar"), [theta1], rng=3)
     expected = [
         hand.four_bar_closure(theta1, mechanisms.CRANK_ROCKER, branch)[:2] for branch in (1, -1)
     ]
@@ -65,7 +65,7 @@ def test_the_four_bars_two_modes(theta1):
 
 
 def test_out_of_reach_there_are_none():
-    modes = mechanisms.rocker_rocker().assembly_modes([2.5], rng=0)
+    modes = pj.assembly_modes(mechanisms.rocker_rocker(), [2.5], rng=0)
     assert (len(modes), modes.complete.kind) == (0, "proof")
     assert list(modes) == []
 
@@ -73,13 +73,13 @@ def test_out_of_reach_there_are_none():
 @pytest.mark.parametrize("name", ["serial_2r", "ur5"])
 def test_an_open_chain_has_one(name):
     home = pj.load(name).home
-    [mode] = home.mechanism.assembly_modes(home.actuated, rng=0)
+    [mode] = pj.assembly_modes(home.mechanism, home.actuated, rng=0)
     np.testing.assert_allclose(mode.tool_pose.homogeneous, home.tool_pose.homogeneous, atol=1e-12)
 
 
 def test_the_order_does_not_depend_on_the_seed():
     mechanism = pj.load("three_rps")
-    one, other = (mechanism.assembly_modes([0.9, 1.0, 1.1], rng=seed) for seed in (1, 2))
+    one, other = (pj.assembly_modes(mechanism, [0.9, 1.0, 1.1], rng=seed) for seed in (1, 2))
     assert len(one) == len(other)
     for a, b in zip(one, other, strict=True):
         np.testing.assert_allclose(a.tool_pose.homogeneous, b.tool_pose.homogeneous, atol=1e-9)
@@ -87,15 +87,15 @@ def test_the_order_does_not_depend_on_the_seed():
 
 def test_every_mode_is_closed_at_these_motors_and_certified():
     theta = np.array([0.9, 1.0, 1.1])
-    for mode in pj.load("three_rps").assembly_modes(theta, rng=0):
+    for mode in pj.assembly_modes(pj.load("three_rps"), theta, rng=0):
         np.testing.assert_array_equal(mode.actuated, theta)
         assert mode.residual_norm <= 1e-12
 
 
 def test_idle_motions_make_no_modes_of_their_own():
     """The S–S rod spins about itself: as many modes as with a distance in its place."""
-    with_body = mechanisms.rssr().assembly_modes([0.4], rng=0)
-    as_distance = mechanisms.rssr(rod=False).assembly_modes([0.4], rng=0)
+    with_body = pj.assembly_modes(mechanisms.rssr(), [0.4], rng=0)
+    as_distance = pj.assembly_modes(mechanisms.rssr(rod=False), [0.4], rng=0)
     assert len(with_body) == len(as_distance) == 2
     for one, other in zip(with_body, as_distance, strict=True):
         np.testing.assert_allclose(
@@ -106,8 +106,8 @@ def test_idle_motions_make_no_modes_of_their_own():
 def test_the_modes_do_not_depend_on_the_cut():
     mechanism = pj.load("three_rps")
     theta = [0.9, 1.0, 1.1]
-    expected = mechanism.assembly_modes(theta, rng=0)
-    found = mechanism.recut("theta1").assembly_modes(theta, rng=0)
+    expected = pj.assembly_modes(mechanism, theta, rng=0)
+    found = pj.assembly_modes(pj.recut(mechanism, "theta1"), theta, rng=0)
     assert len(found) == len(expected)
     for one, other in zip(found, expected, strict=True):
         np.testing.assert_allclose(
@@ -132,8 +132,8 @@ def test_limits_leave_modes_out():
         home={"l1": 1, "l2": 1, "l3": 1, "theta1": 1.0, "theta2": 1.0, "theta3": 1.0},
     )
     theta = [2 / 3, 3 / 5, 3 / 4]
-    assert len(limited.assembly_modes(theta, rng=0)) == 2
-    assert len(limited.assembly_modes(theta, rng=0, limits=False)) == 8
+    assert len(pj.assembly_modes(limited, theta, rng=0)) == 2
+    assert len(pj.assembly_modes(limited, theta, rng=0, limits=False)) == 8
 
 
 @pytest.mark.parametrize(
@@ -148,11 +148,11 @@ def test_limits_leave_modes_out():
 )
 def test_what_completeness_rests_on(name, count, kind):
     mechanism = pj.load(name)
-    modes = mechanism.assembly_modes(mechanism.home.actuated, rng=0)
+    modes = pj.assembly_modes(mechanism, mechanism.home.actuated, rng=0)
     assert len(modes) == count
     assert modes.complete.kind == kind
     assert str(modes.complete).startswith(f"{kind}: ")
-    bound = mechanism.assembly_modes(mechanism.home.actuated, rng=0, proof=False).complete
+    bound = pj.assembly_modes(mechanism, mechanism.home.actuated, rng=0, proof=False).complete
     assert (bound.kind, bound.confidence) == ("statistics", 0.99)
     assert 0.0 < bound.unseen <= 2e-3
 
@@ -161,17 +161,17 @@ def test_a_universal_joint_turned_over_makes_no_mode_of_its_own():
     """The proof counts joint values: sixteen of them are the ankle's four modes."""
     mechanism = pj.load("ankle")
     theta = mechanism.home.actuated
-    modes = mechanism.assembly_modes(theta, rng=0, limits=False)
+    modes = pj.assembly_modes(mechanism, theta, rng=0, limits=False)
     assert (len(modes), modes.complete.kind) == (4, "proof")
     assert "exactly 16, by" in str(modes.complete)
     assert str(modes.complete).endswith(": 4 modes, universal joints turned over or not")
-    within = mechanism.assembly_modes(theta, rng=0)
+    within = pj.assembly_modes(mechanism, theta, rng=0)
     assert (len(within), within.complete.kind) == (4, "proof")
     assert "exactly 4, by" in str(within.complete)
 
 
 def test_a_small_budget_is_admitted():
-    modes = pj.load("three_rps").assembly_modes([1, 1, 1.1], rng=0, most_starts=10, proof=False)
+    modes = pj.assembly_modes(pj.load("three_rps"), [1, 1, 1.1], rng=0, most_starts=10, proof=False)
     assert modes.complete.kind == "neither"
     assert "neither proof nor statistics" in str(modes.complete)
 
@@ -194,7 +194,7 @@ def test_a_machine_that_moves_by_itself_has_no_separate_modes():
     mechanism = pj.load("planar_3rrr")
     loose = mechanisms.with_motors(mechanism, mechanism.actuated[:1])
     with pytest.raises(pj.IdleMotionError, match="the tool is moved by a passive motion"):
-        loose.assembly_modes(mechanism.home.actuated[:1], rng=0, limits=False)
+        pj.assembly_modes(loose, mechanism.home.actuated[:1], rng=0, limits=False)
 
 
 @pytest.mark.parametrize(
@@ -211,14 +211,14 @@ def test_a_machine_that_moves_by_itself_has_no_separate_modes():
 def test_bad_arguments(arguments, message):
     arguments = {"actuated": [1.0, 1.0, 1.0], "rng": 0, **arguments}
     with pytest.raises(pj.ArgumentError, match=message):
-        pj.load("three_rps").assembly_modes(arguments.pop("actuated"), **arguments)
+        pj.assembly_modes(pj.load("three_rps"), arguments.pop("actuated"), **arguments)
 
 
 @pytest.mark.parametrize("limits", [True, False])
 def test_dietmaiers_forty(limits):
     """All forty are real, twenty with each sign of the determinant (Dietmaier 1998)."""
     mechanism = pj.load("stewart_gough_dietmaier")
-    modes = mechanism.assembly_modes(mechanism.home.actuated, rng=1, limits=limits)
+    modes = pj.assembly_modes(mechanism, mechanism.home.actuated, rng=1, limits=limits)
     assert len(modes) == 40
     signs = [np.sign(np.linalg.det(mode.split_jacobian().K_star)) for mode in modes]
     assert sum(signs) == 0
@@ -242,12 +242,12 @@ def test_a_leg_is_a_rod_only_where_it_can_point_everywhere():
 def test_poses_that_pinocchio_closes_to_one_are_one_mode(monkeypatch):
     """Beside a fold the search may keep two poses apart that are the same when closed exactly."""
     mechanism = pj.load("four_bar")
-    expected = mechanism.assembly_modes([0.9], rng=0, proof=False)
+    expected = pj.assembly_modes(mechanism, [0.9], rng=0, proof=False)
     one = closed_pose(mechanism, expected[0].q, limits=True)
     monkeypatch.setattr(find, "closed_pose", lambda *_: one)
-    [mode] = mechanism.assembly_modes([0.9], rng=0, proof=False)
+    [mode] = pj.assembly_modes(mechanism, [0.9], rng=0, proof=False)
     assert mode is one
-    [share] = mechanism.assembly_modes([0.9], rng=0, proof=False).shares
+    [share] = pj.assembly_modes(mechanism, [0.9], rng=0, proof=False).shares
     assert share == pytest.approx(sum(expected.shares))
 
 
@@ -264,13 +264,13 @@ def test_beside_a_singularity_there_are_two_modes_still(lengths, theta):
     """A kite's and a parallelogram's modes meet where all bars are in line."""
     names = ("l0", "l1", "l2", "l3")
     mechanism = pj.load("four_bar", dict(zip(names, lengths, strict=True)))
-    assert len(mechanism.assembly_modes([theta], rng=0, most_starts=20_000)) == 2
+    assert len(pj.assembly_modes(mechanism, [theta], rng=0, most_starts=20_000)) == 2
 
 
 @pytest.mark.slow
 def test_a_motion_with_locked_motors_is_told_and_left_out():
     """Sarrus' linkage folded flat: one panel spins; the two modes beside that are found."""
-    modes = pj.load("sarrus").assembly_modes([0.7], rng=0)
+    modes = pj.assembly_modes(pj.load("sarrus"), [0.7], rng=0)
     assert (len(modes), modes.complete.kind) == (2, "neither")
     assert "the loops also move with all motors locked" in str(modes.complete)
     assert all(not mode.singularity().is_singular for mode in modes)

@@ -12,7 +12,7 @@ from pmjac_pin.modes_tables import modes_blocks
 
 
 def blocks_of(mechanism, theta, **options):
-    modes = mechanism.assembly_modes(theta, rng=0, **options)
+    modes = pj.assembly_modes(mechanism, theta, rng=0, **options)
     report = make_modes_report(mechanism, theta, modes, limits=options.get("limits", True))
     return list(modes_blocks(report))
 

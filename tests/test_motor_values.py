@@ -11,7 +11,6 @@ import pytest
 
 import pmjac_pin as pj
 from pmjac_pin.cli import main
-from pmjac_pin.modes.proof import prove
 from pmjac_pin.modes_report import make_modes_report
 
 VALUES = {"l3": 0.9, "l1": 1.0, "l2": 1.1}
@@ -103,12 +102,12 @@ def test_everywhere(kind):
     mechanism = pj.load("five_bar")
     theta = mechanism.home.actuated
     named = KINDS[kind]({"theta2": float(theta[1]), "theta1": float(theta[0])})
-    modes = mechanism.assembly_modes(theta, rng=0)
-    same = mechanism.assembly_modes(named, rng=0)
+    modes = pj.assembly_modes(mechanism, theta, rng=0)
+    same = pj.assembly_modes(mechanism, named, rng=0)
     assert [mode.q.tolist() for mode in modes] == [mode.q.tolist() for mode in same]
     report = make_modes_report(mechanism, named, modes)
     assert [motor.value for motor in report.motors] == theta.tolist()
-    assert prove(mechanism._parts, named, True).complete
+    assert pj.prove(mechanism, named).complete
     assert mechanism.close(theta, guess=KINDS[kind](dict(mechanism.home.joint_values)))
 
 

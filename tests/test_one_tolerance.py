@@ -8,8 +8,6 @@ import pytest
 import transformed
 
 import pmjac_pin as pj
-from pmjac_pin.modes.branch_and_prune import Budget
-from pmjac_pin.modes.proof import prove
 
 TILT, TOLERANCE = 3e-5, 1e-4  # rad, m
 JOINTS = {
@@ -56,8 +54,8 @@ def same_place(one, other, room):
 def test_a_machine_with_a_tolerance_has_the_modes_of_the_exact_one(name):
     exact, mechanism = tilted(name)
     motors = exact.home.actuated
-    expected = exact.assembly_modes(motors, rng=0, limits=False)
-    modes = mechanism.assembly_modes(motors, rng=0, limits=False, proof=False)
+    expected = pj.assembly_modes(exact, motors, rng=0, limits=False)
+    modes = pj.assembly_modes(mechanism, motors, rng=0, limits=False, proof=False)
     assert len(modes) == len(expected)
     room = 100.0 * TOLERANCE
     for mode in expected:
@@ -74,8 +72,8 @@ def test_a_machine_with_a_tolerance_has_the_modes_of_the_exact_one(name):
 def test_a_proof_under_a_tolerance_never_counts_otherwise(name):
     exact, mechanism = tilted(name)
     motors = exact.home.actuated
-    proof = prove(mechanism._parts, motors, False, Budget(boxes=1500))
-    count = len(exact.assembly_modes(motors, rng=0, limits=False))
+    proof = pj.prove(mechanism, motors, limits=False, budget=pj.Budget(boxes=1500))
+    count = len(pj.assembly_modes(exact, motors, rng=0, limits=False))
     assert not proof.complete or len(proof.q) == count
 
 
@@ -84,7 +82,7 @@ def test_a_homotopy_under_a_tolerance_finds_what_close_reaches():
     homotopy = pj.parameter_homotopy(mechanism, rng=0)
     found = homotopy.at([0.9])
     assert len(found.real) == 2
-    modes = mechanism.assembly_modes([0.9], rng=0, proof=False, homotopy=homotopy)
+    modes = pj.assembly_modes(mechanism, [0.9], rng=0, proof=False, homotopy=homotopy)
     assert len(modes) == 2
     assert any(same_place(mechanism.close([0.9]), mode, 20.0 * TOLERANCE) for mode in modes)
 
@@ -121,7 +119,7 @@ def test_a_fold_that_is_missed_by_less_than_the_tolerance_is_no_crowd_of_modes(n
 
     def modes(beyond):
         motors = end + beyond * first
-        return mechanism.assembly_modes(motors, rng=0, limits=False, proof=False)
+        return pj.assembly_modes(mechanism, motors, rng=0, limits=False, proof=False)
 
     before = len(modes(-1e-3))
     assert before >= 2
@@ -139,7 +137,7 @@ COUNTED = ("four_bar", "five_bar", "three_rps", "planar_3rpr", "delta_rods")
 
 def count(mechanism):
     motors = mechanism.home.actuated
-    return len(mechanism.assembly_modes(motors, rng=0, limits=False, proof=False))
+    return len(pj.assembly_modes(mechanism, motors, rng=0, limits=False, proof=False))
 
 
 @pytest.mark.parametrize("way", [*PLACES, "in mm", "in km"])

@@ -118,7 +118,7 @@ def test_they_are_those_of_one_homotopy():
     one, other = (pj.parameter_homotopy(mechanism, rng=seed) for seed in (0, 1))
     found = one.operation_modes(rng=0)
     assert found.of(one.at([0.9])) == (0, 0)
-    for strange in (other.at([0.9]), mechanism.assembly_modes([0.9], rng=0), "x"):
+    for strange in (other.at([0.9]), pj.assembly_modes(mechanism, [0.9], rng=0), "x"):
         with pytest.raises(pj.ArgumentError, match="of the same homotopy"):
             found.of(strange)
 

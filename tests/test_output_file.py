@@ -17,7 +17,6 @@ import pytest
 import pmjac_pin as pj
 from pmjac_pin import output_file
 from pmjac_pin.cli import main
-from pmjac_pin.convert import convert
 from pmjac_pin.output_file import check_place, write_file, write_files
 
 NOBODY = 65534
@@ -47,7 +46,7 @@ WRITERS = {
     "write_file": (lambda path: write_file(path, b"new"), ".txt"),
     "save_html": (save_html, ".html"),
     "plot": (plot, ".png"),
-    "convert": (lambda path: convert("serial_2r", path, force=True), ".toml"),
+    "convert": (lambda path: pj.convert("serial_2r", path, force=True), ".toml"),
 }
 writers = pytest.mark.parametrize(("write", "suffix"), WRITERS.values(), ids=WRITERS)
 
@@ -209,7 +208,7 @@ def test_convert_loses_no_urdf_when_the_model_file_cannot_be_put_in_its_place(
     tmp_path, monkeypatch
 ):
     target, urdf = tmp_path / "mine.toml", tmp_path / "mine.urdf"
-    convert("serial_2r", target)
+    pj.convert("serial_2r", target)
     before = target.read_text(), urdf.read_text()
     move = type(tmp_path).replace
 
@@ -220,7 +219,7 @@ def test_convert_loses_no_urdf_when_the_model_file_cannot_be_put_in_its_place(
 
     monkeypatch.setattr(type(tmp_path), "replace", failing)
     with pytest.raises(pj.OutputError, match=r"mine\.toml: Input/output error"):
-        convert("four_bar", target, force=True)
+        pj.convert("four_bar", target, force=True)
     assert (target.read_text(), urdf.read_text()) == before
     assert names(tmp_path) == ["mine.toml", "mine.urdf"]
 

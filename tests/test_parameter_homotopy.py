@@ -32,7 +32,7 @@ def test_small_mechanisms(name, count):
     assert homotopy.count == count
     found = homotopy.at(mechanism.home.actuated)
     assert (found.count, found.certified, found.complete.kind) == (count, count, "tolerance")
-    modes = mechanism.assembly_modes(mechanism.home.actuated, rng=0, limits=False)
+    modes = pj.assembly_modes(mechanism, mechanism.home.actuated, rng=0, limits=False)
     same_sets([mode.q for mode in found.real], [mode.q for mode in modes], 1e-8)
 
 
@@ -92,8 +92,8 @@ def test_at_other_lengths_most_of_the_forty_are_complex(gough, rng):
     home = gough.mechanism.home.actuated
     found = gough.at(home * rng.uniform(0.9, 1.1, home.size))
     assert (found.count, found.certified) == (40, 40)
-    modes = gough.mechanism.assembly_modes(
-        found.real[0].actuated, rng=0, limits=False, homotopy=gough
+    modes = pj.assembly_modes(
+        gough.mechanism, found.real[0].actuated, rng=0, limits=False, homotopy=gough
     )
     assert modes.complete.kind == "tolerance"
     assert len(modes) == len(found.real) < 40
@@ -111,9 +111,9 @@ def test_it_settles_what_a_short_search_leaves_open(gough):
     """Modes that the random starts did not meet are added."""
     mechanism = gough.mechanism
     theta = mechanism.home.actuated
-    few = mechanism.assembly_modes(theta, rng=0, limits=False, most_starts=1)
+    few = pj.assembly_modes(mechanism, theta, rng=0, limits=False, most_starts=1)
     assert (few.complete.kind, len(few) < 40) == ("neither", True)
-    modes = mechanism.assembly_modes(theta, rng=0, limits=False, most_starts=1, homotopy=gough)
+    modes = pj.assembly_modes(mechanism, theta, rng=0, limits=False, most_starts=1, homotopy=gough)
     assert (modes.complete.kind, len(modes), modes.starts) == ("tolerance", 40, 512)
     heights = [mode.tool_pose.translation[2] for mode in modes]
     assert heights == sorted(heights, reverse=True)
@@ -135,15 +135,17 @@ def test_limits_leave_solutions_out():
     mechanism = limited_four_bar()
     homotopy = pj.parameter_homotopy(mechanism, rng=0)
     theta = [0.9]
-    within = mechanism.assembly_modes(theta, rng=0, homotopy=homotopy, proof=False)
-    beyond = mechanism.assembly_modes(theta, rng=0, homotopy=homotopy, proof=False, limits=False)
+    within = pj.assembly_modes(mechanism, theta, rng=0, homotopy=homotopy, proof=False)
+    beyond = pj.assembly_modes(
+        mechanism, theta, rng=0, homotopy=homotopy, proof=False, limits=False
+    )
     assert within.complete.kind == beyond.complete.kind == "tolerance"
     assert (len(within), len(beyond), len(homotopy.at(theta).real)) == (1, 2, 2)
 
 
 def test_a_homotopy_of_another_mechanism_is_refused(three_rps):
     with pytest.raises(pj.ArgumentError, match="another mechanism"):
-        pj.load("four_bar").assembly_modes([0.9], rng=0, homotopy=three_rps)
+        pj.assembly_modes(pj.load("four_bar"), [0.9], rng=0, homotopy=three_rps)
 
 
 @pytest.mark.parametrize("values", [[1.0], [1.0, np.nan, 1.0], "abc"])
@@ -183,7 +185,7 @@ def test_bad_arguments(arguments, message):
 
 def test_what_is_no_homotopy_is_refused():
     with pytest.raises(pj.ArgumentError, match="or none at all"):
-        pj.load("four_bar").assembly_modes([0.9], rng=0, homotopy=True)
+        pj.assembly_modes(pj.load("four_bar"), [0.9], rng=0, homotopy=True)
 
 
 def test_the_solutions_solve_the_equations(three_rps):

@@ -12,11 +12,10 @@ import pytest
 
 import pmjac_pin as pj
 from pmjac_pin.modes.branch_and_prune import Budget
-from pmjac_pin.modes.proof import prove
 
 
 def proof_of(mechanism, motors, limits=False, budget=None):
-    return prove(mechanism._parts, motors, limits, budget)
+    return pj.prove(mechanism, motors, limits=limits, budget=budget)
 
 
 def middles(proof):
@@ -81,7 +80,7 @@ def test_the_search_found_all_that_is_proven(name):
     proof = proof_of(mechanism, motors, limits=True)
     assert proof.complete
     assert len(proof.enclosures) == count
-    assert_one_to_one(proof, mechanism.assembly_modes(motors, rng=0))
+    assert_one_to_one(proof, pj.assembly_modes(mechanism, motors, rng=0))
 
 
 @pytest.mark.parametrize("name", NAMED)
@@ -127,16 +126,16 @@ def test_a_planar_three_rpr_has_six_modes():
     proof = proof_of(mechanism, SIX_LEGS)
     assert proof.complete
     assert len(proof.enclosures) == 6
-    assert_one_to_one(proof, mechanism.assembly_modes(SIX_LEGS, rng=0))
+    assert_one_to_one(proof, pj.assembly_modes(mechanism, SIX_LEGS, rng=0))
 
 
 @pytest.mark.parametrize(("name", "joint"), [("planar_3rpr", "platform"), ("slider_crank", "x")])
 def test_the_number_does_not_depend_on_the_cut(name, joint):
     motors, count = NAMED[name]
-    recut = pj.load(name).recut(joint)
+    recut = pj.recut(pj.load(name), joint)
     proof = proof_of(recut, motors)
     assert (proof.complete, len(proof.enclosures)) == (True, count)
-    assert_one_to_one(proof, recut.assembly_modes(motors, rng=0))
+    assert_one_to_one(proof, pj.assembly_modes(recut, motors, rng=0))
 
 
 # --- Random ones ---------------------------------------------------------------------------------
@@ -176,7 +175,7 @@ def test_random_three_rps_against_the_search(count, rng):
         lengths = rng.uniform(0.3, 2.0, 3)
         proof = proof_of(mechanism, lengths)
         assert proof.complete
-        assert_one_to_one(proof, mechanism.assembly_modes(lengths, rng=rng, proof=False))
+        assert_one_to_one(proof, pj.assembly_modes(mechanism, lengths, rng=rng, proof=False))
 
 
 # --- What is exact, and what holds to the tolerance ----------------------------------------------
@@ -193,7 +192,7 @@ def test_a_redundant_row_may_turn_with_the_mechanism():
     for yaw in (0.0, 0.7, np.pi / 2):
         proof = proof_of(mechanism, [yaw, 0.9])
         assert (proof.complete, len(proof.enclosures)) == (True, 2)
-        assert_one_to_one(proof, mechanism.assembly_modes([yaw, 0.9], rng=0))
+        assert_one_to_one(proof, pj.assembly_modes(mechanism, [yaw, 0.9], rng=0))
     kept = {enclosure.kept for enclosure in proof.enclosures}
     assert kept == {("C1-C2 y", "C1-C2 z")}
 
@@ -328,7 +327,7 @@ def test_a_double_root_of_the_three_rps_is_not_settled(rng):
         proof = proof_of(mechanism, lengths)
         assert not proof.complete
         assert any(box for box in proof.unsettled.widened(1e-5).holds(theta).all(axis=1))
-        modes = mechanism.assembly_modes(lengths, rng=0, limits=False)
+        modes = pj.assembly_modes(mechanism, lengths, rng=0, limits=False)
         assert len(proof.enclosures) < len(modes) + 2
 
 
@@ -373,7 +372,7 @@ def geared():
         (geared, [0.3], "joints 'one' and 'two' are geared"),
         (mechanisms.rssr, [0.4], "passive joints can move with all motors locked"),
         (
-            lambda: pj.load("five_bar").recut("phi1"),
+            lambda: pj.recut(pj.load("five_bar"), "phi1"),
             [2.1874829, 0.95410976],
             "passive joint 'tip-tip2' is spherical",
         ),

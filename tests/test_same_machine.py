@@ -59,7 +59,7 @@ def found_of(mechanism, theta, monkeypatch):
         return same_machines(parts, found)
 
     monkeypatch.setattr(find, "same_machines", kept)
-    return mechanism.assembly_modes(theta, rng=0, **QUICKLY), poses
+    return pj.assembly_modes(mechanism, theta, rng=0, **QUICKLY), poses
 
 
 def same_place(one, other):
@@ -110,8 +110,8 @@ def test_a_turned_cross_makes_no_mode_unless_the_tool_feels_it(tool, count, ways
 
 
 def test_they_are_the_modes_of_the_machine_with_a_distance_in_place_of_the_rod():
-    modes = rusr("rocker_tip").assembly_modes(THETA, rng=0, **QUICKLY)
-    expected = mechanisms.rssr(rod=False).assembly_modes(THETA, rng=0)
+    modes = pj.assembly_modes(rusr("rocker_tip"), THETA, rng=0, **QUICKLY)
+    expected = pj.assembly_modes(mechanisms.rssr(rod=False), THETA, rng=0)
     assert len(modes) == len(expected) == 2
     for one, other in zip(modes, expected, strict=True):
         assert same_place(one, other)
@@ -120,14 +120,14 @@ def test_they_are_the_modes_of_the_machine_with_a_distance_in_place_of_the_rod()
 
 def test_neither_seed_nor_rounding_chooses_the_pose_that_stands_for_a_mode():
     mechanism = rusr("rocker_tip")
-    one, other = (mechanism.assembly_modes(THETA, rng=seed, **QUICKLY) for seed in (1, 2))
+    one, other = (pj.assembly_modes(mechanism, THETA, rng=seed, **QUICKLY) for seed in (1, 2))
     for mode, again in zip(one, other, strict=True):
         turns = [np.exp(1j * pose.passive) for pose in (mode, again)]
         np.testing.assert_allclose(*turns, atol=1e-9)
 
 
 def test_every_way_is_known_as_its_mode():
-    modes = rusr("rocker_tip").assembly_modes(THETA, rng=0, **QUICKLY)
+    modes = pj.assembly_modes(rusr("rocker_tip"), THETA, rng=0, **QUICKLY)
     recognition = Recognition(modes)
     for index, poses in enumerate(modes.poses):
         assert {recognition.index(pose) for pose in poses} == {index}
@@ -135,7 +135,7 @@ def test_every_way_is_known_as_its_mode():
 
 def test_ways_are_shown_where_there_are_several():
     mechanism = rusr("rocker_tip")
-    modes = mechanism.assembly_modes(THETA, rng=0, **QUICKLY)
+    modes = pj.assembly_modes(mechanism, THETA, rng=0, **QUICKLY)
     report = make_modes_report(mechanism, THETA, modes)
     assert [mode["ways"] for mode in json.loads(to_json(report))["modes"]] == [4, 4]
     assert count(report).startswith("2 assembly modes within")
@@ -210,7 +210,7 @@ def test_where_nothing_turns_over_poses_are_modes(name, monkeypatch):
 @pytest.mark.slow
 def test_the_deltas_four_modes():
     mechanism = pj.load("delta")
-    modes = mechanism.assembly_modes(mechanism.home.actuated, rng=0)
+    modes = pj.assembly_modes(mechanism, mechanism.home.actuated, rng=0)
     assert modes.ways == (8, 8, 8, 8)
     assert str(modes.complete).endswith("; 32 poses are 4 modes, with bodies turned over unseen")
     assert Recognition(modes).index(mechanism.home) == 3
@@ -218,7 +218,7 @@ def test_the_deltas_four_modes():
 
 @pytest.mark.slow
 def test_a_proof_counts_the_poses():
-    modes = rusr("rocker_tip").assembly_modes(THETA, rng=0)
+    modes = pj.assembly_modes(rusr("rocker_tip"), THETA, rng=0)
     assert modes.complete.kind == "proof"
     assert "exactly 8, by" in str(modes.complete)
     assert "; 8 poses are 2 modes" in str(modes.complete)

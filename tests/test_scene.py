@@ -353,7 +353,7 @@ def test_the_gap_is_what_the_loop_leaves_open(loop, expected):
 def test_anchors_show_the_axis_of_their_loop(joint):
     """The joint of the tree, and the loop that it becomes where it is cut."""
     mechanism = pj.load("slider_crank")
-    recut = mechanism.recut(joint)
+    recut = pj.recut(mechanism, joint)
     for theta in (0.9, 2.0):
         data = mechanism.model.createData()
         pin.computeJointJacobians(mechanism.model, data, mechanism.close([theta]).q)

@@ -67,7 +67,7 @@ def rack(theta):
 
 @pytest.mark.parametrize("theta", [1.2, 0.2])
 def test_a_pinion_keeps_its_turns(theta):
-    modes = rack(theta).assembly_modes([theta], rng=0)
+    modes = pj.assembly_modes(rack(theta), [theta], rng=0)
     found = sorted(mode.tool_pose.translation[0] for mode in modes)
     root = np.sqrt(1.5**2 - (0.5 * np.sin(theta)) ** 2)
     np.testing.assert_allclose(found, 0.5 * np.cos(theta) + np.array([-root, root]), atol=1e-9)
@@ -97,7 +97,7 @@ def geared_cranks(ratio, turned=False, limits=WIDE):
 @pytest.mark.parametrize("ratio", [1.0, -2.0, 0.5, 1 / 3, -2 / 3])
 def test_as_many_turns_as_make_a_difference(ratio, turned):
     """The shaft tells which of its turns the rocker is in: the ratio's denominator of them."""
-    modes = geared_cranks(ratio, turned).assembly_modes([0.9], rng=0)
+    modes = pj.assembly_modes(geared_cranks(ratio, turned), [0.9], rng=0)
     assert len(modes) == 2 * Fraction(ratio).limit_denominator(9).denominator
     for mode in modes:
         error = mode.joint_values["shaft"] - ratio * mode.joint_values["rocker"] - 0.3
@@ -107,19 +107,19 @@ def test_as_many_turns_as_make_a_difference(ratio, turned):
 def test_limits_decide_which_turns_there_are():
     """Within ±2 turns, four of a third: two of the rocker's angles, each four times."""
     limited = geared_cranks(1 / 3, limits=np.full(1, 4 * pi))
-    assert len(limited.assembly_modes([0.9], rng=0)) == 6
+    assert len(pj.assembly_modes(limited, [0.9], rng=0)) == 6
     narrow = geared_cranks(1 / 3, limits=np.full(1, pi))
-    assert len(narrow.assembly_modes([0.9], rng=0)) == 2
+    assert len(pj.assembly_modes(narrow, [0.9], rng=0)) == 2
 
 
 def test_a_train_that_never_is_the_same_again_is_cut_off_and_says_so():
-    modes = geared_cranks(np.sqrt(0.5)).assembly_modes([0.9], rng=0, most_starts=5000)
+    modes = pj.assembly_modes(geared_cranks(np.sqrt(0.5)), [0.9], rng=0, most_starts=5000)
     assert len(modes) > 30
     bound = geared_cranks(np.sqrt(0.5))
     problem, _ = search_problem(bound._parts, bound.home.q)
     assert StartSpace.of(problem, True).cut_off.startswith("'rocker' between -60.")
     bounded = geared_cranks(np.sqrt(0.5), limits=np.full(1, 6.0))
-    assert len(bounded.assembly_modes([0.9], rng=0)) == 4
+    assert len(pj.assembly_modes(bounded, [0.9], rng=0)) == 4
 
 
 def far_slide(kind=None):
@@ -140,7 +140,7 @@ def far_slide(kind=None):
 @pytest.mark.parametrize("limits", [True, False])
 def test_a_mode_far_along_a_slide_is_met(limits):
     mechanism = far_slide()
-    modes = mechanism.assembly_modes([0.3], rng=0, limits=limits, proof=False)
+    modes = pj.assembly_modes(mechanism, [0.3], rng=0, limits=limits, proof=False)
     x = sorted(mode.joint_values["rail"] for mode in modes)
     root = np.sqrt(1e4 - (0.5 * np.sin(0.3)) ** 2)
     np.testing.assert_allclose(x, 0.5 * np.cos(0.3) + np.array([-root, root]), atol=1e-8)
@@ -168,7 +168,7 @@ def test_two_slides_at_an_angle_are_a_place():
         one = slide_ranges(problem, True)[name]
         assert one.cut_off is None
         assert middle - 2.5 - 1e-6 <= one.lower[0] <= one.upper[0] <= middle + 2.5 + 1e-6
-    assert len(mechanism.assembly_modes([1.0], rng=0)) == 2
+    assert len(pj.assembly_modes(mechanism, [1.0], rng=0)) == 2
 
 
 def test_parallel_slides_are_cut_off_and_say_so():
@@ -185,7 +185,7 @@ def test_parallel_slides_are_cut_off_and_say_so():
         "B",
         {"crank": 1.0, "x": -1.0, "y": 1.5, "coupler": 2.8},
     )
-    complete = mechanism.assembly_modes([1.0], rng=0, proof=False, unseen=0.02).complete
+    complete = pj.assembly_modes(mechanism, [1.0], rng=0, proof=False, unseen=0.02).complete
     assert "of the start space ('x' within" in str(complete)
     assert "m of home, 'y' within" in str(complete)
 

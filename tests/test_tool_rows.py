@@ -14,7 +14,6 @@ from test_tables import drawn
 
 import pmjac_pin as pj
 from pmjac_pin.cli import main
-from pmjac_pin.convert import convert
 from pmjac_pin.diagnosis_tables import diagnosis_blocks
 from pmjac_pin.report import to_json
 from pmjac_pin.report_maker import make_report
@@ -280,10 +279,10 @@ def test_they_survive_whatever_is_done_to_a_mechanism(name, tmp_path):
     tool = mechanism.spec.tool
     assert decode_spec(encode_spec(mechanism.spec)).tool == tool
     assert pickle.loads(pickle.dumps(mechanism)).spec.tool == tool
-    assert pj.load(convert(name, tmp_path / "mine.toml")[0]).spec.tool == tool
-    written = convert(name, tmp_path / "x.toml", tool_rows=["vx"], tool_axes="LOCAL")[0]
+    assert pj.load(pj.convert(name, tmp_path / "mine.toml")[0]).spec.tool == tool
+    written = pj.convert(name, tmp_path / "x.toml", tool_rows=["vx"], tool_axes="LOCAL")[0]
     assert pj.load(written).spec.tool.judged == ToolRows(("vx",), "LOCAL")
-    recut = mechanism.recut({"five_bar": "phi1", "delta": "elbow1"}[name])
+    recut = pj.recut(mechanism, {"five_bar": "phi1", "delta": "elbow1"}[name])
     assert recut.spec.tool == tool
     here, there = mechanism.home.singularity(), recut.home.singularity()
     assert (there.generic_tool_rank, there.tool_rank) == (here.generic_tool_rank, here.tool_rank)

@@ -9,7 +9,6 @@ import pytest
 from looped import TOOL
 
 import pmjac_pin as pj
-from pmjac_pin.convert import convert
 from pmjac_pin.formats.looped_urdf import read_looped_urdf
 
 RHOMBUS = """
@@ -190,7 +189,7 @@ def test_what_is_converted_is_the_same_machine(write, tmp_path, text):
     path = write(text)
     motors = None if text in (TIES["plugin"], TIES["control"]) else ["theta1"]
     before = pj.load(path, actuated=motors, tool=TOOL)
-    target, _ = convert(path, tmp_path / "out.toml", actuated=motors, tool=TOOL)
+    target, _ = pj.convert(path, tmp_path / "out.toml", actuated=motors, tool=TOOL)
     after = pj.load(target)
     assert after.unread == ()
     expected = before.home.jacobian().J_eq

@@ -17,6 +17,7 @@ from pmjac_pin.homotopy.parameter_homotopy import ParameterHomotopy, parameter_h
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.mode_sheet import modes_figure
 from pmjac_pin.modes.assembly_modes import AssemblyModes
+from pmjac_pin.modes.find import assembly_modes
 from pmjac_pin.modes_report import ModesReport, make_modes_report
 from pmjac_pin.modes_tables import modes_blocks
 from pmjac_pin.plotting import check_figure_file, save_figure
@@ -82,7 +83,8 @@ class Search:
         values: Given,
         homotopy: ParameterHomotopy | None,
     ) -> AssemblyModes:
-        return mechanism.assembly_modes(
+        return assembly_modes(
+            mechanism,
             values,
             rng=self.seed,
             limits=not self.no_limits,

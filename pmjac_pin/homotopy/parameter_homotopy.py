@@ -230,7 +230,7 @@ class ParameterHomotopy:
 
 
 def parameter_homotopy(
-    mechanism: Mechanism, *, rng: np.random.Generator | int = 0, most_rounds: int = 100
+    mechanism: Mechanism, *, rng: np.random.Generator | int | None = None, most_rounds: int = 100
 ) -> ParameterHomotopy:
     """Find all complex solutions of the loop equations at random complex motor values.
 

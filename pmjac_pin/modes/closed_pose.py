@@ -41,7 +41,7 @@ def order(configuration: Configuration, length: float) -> tuple[float, ...]:
     return (-z, x, y, *(np.round(pose.rotation.ravel(), 6) + 0.0))
 
 
-def generator(rng: np.random.Generator | int) -> np.random.Generator:
+def generator(rng: np.random.Generator | int | None) -> np.random.Generator:
     """Return the generator, or the one that a seed makes."""
     try:
         return np.random.default_rng(rng)

@@ -14,9 +14,10 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.direct_kinematics import check_limits
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.jacobian import refuse_felt_idle_motion
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.modes.aim import Aim
 from pmjac_pin.modes.assembly_modes import AssemblyModes, Completeness
-from pmjac_pin.modes.closed_pose import closed_pose, order
+from pmjac_pin.modes.closed_pose import closed_pose, generator, order
 from pmjac_pin.modes.mirror import mirror_images
 from pmjac_pin.modes.proof import prove
 from pmjac_pin.modes.random_search import RandomSearch
@@ -29,7 +30,7 @@ from pmjac_pin.motor_values import MotorValues, motor_values
 from pmjac_pin.parts import Parts
 
 if TYPE_CHECKING:
-    from pmjac_pin.mechanism import Mechanism
+    from pmjac_pin.homotopy.parameter_homotopy import ParameterHomotopy
 
 Array = NDArray[np.float64]
 
@@ -38,10 +39,80 @@ _FIRST_STARTS = 512  # before a proof is tried; most modes are met among them
 _Found = tuple[Configuration, float]
 
 
+def assembly_modes(
+    mechanism: Mechanism,
+    actuated: MotorValues,
+    *,
+    rng: np.random.Generator | int | None = None,
+    limits: bool = True,
+    unseen: float = 2e-3,
+    confidence: float = 0.99,
+    most_starts: int = 200_000,
+    proof: bool = True,
+    homotopy: ParameterHomotopy | None = None,
+) -> AssemblyModes:
+    """Find all closed poses at these motor values: the solutions of direct kinematics.
+
+    Damped Newton from random starts, hundreds at once; then, where that is affordable, a proof
+    by interval arithmetic that none is missing; where it is not, more starts, until the share
+    of the start space that leads to poses not seen yet is bounded as asked for. Poses that
+    differ by full turns, by the sign of a quaternion, by idle motions or by half a turn of a
+    leg's universal joint are one; so are those in which only bodies that look the same are
+    turned over, which `ways` counts.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    actuated : array_like, shape (n,), or mapping of str to float
+        Motor values, m or rad: in the order of `actuated`, or by name where they have names,
+        as those of a pandas Series do.
+    rng : numpy.random.Generator or int, optional
+        For the starts; a seed makes a generator, and none takes one that differs every time. The
+        modes do not depend on it, nor does their order, as long as all are found.
+    limits : bool
+        Keep within the joints' limits, passive ones too.
+    unseen : float
+        The share of the start space that may lead to modes not found.
+    confidence : float
+        Of this bound.
+    most_starts : int
+        Where the search gives up on the bound.
+    proof : bool
+        Try to prove by interval arithmetic that these are all: possible for up to about six
+        unknown joints, in a fraction of a second.
+    homotopy : ParameterHomotopy, optional
+        Of this mechanism: where there is no proof, count all complex solutions, too.
+
+    Returns
+    -------
+    AssemblyModes
+        A sequence of Configurations; `complete` says what its completeness rests on.
+
+    Raises
+    ------
+    ArgumentError, LimitError
+    IdleMotionError
+        The tool moves with all motors locked: there are no separate modes.
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> modes = pj.assembly_modes(pj.load("four_bar"), [0.9], rng=0)
+    >>> [round(float(mode.passive[0]), 4) for mode in modes]
+    [-2.4793, 2.0236]
+    >>> modes.complete.kind
+    'proof'
+    """
+    if not isinstance(mechanism, Mechanism):
+        raise ArgumentError(f"a Mechanism is wanted, got {type(mechanism).__name__}")
+    aim = Aim(unseen, confidence, most_starts, proof, homotopy)
+    return find_modes(mechanism, actuated, generator(rng), limits, aim)
+
+
 def find_modes(
     mechanism: Mechanism, actuated: MotorValues, rng: np.random.Generator, limits: bool, aim: Aim
 ) -> AssemblyModes:
-    """Find the assembly modes; see `Mechanism.assembly_modes`."""
+    """Find the assembly modes; see `assembly_modes`."""
     parts = mechanism._parts
     values = motor_values(parts, actuated)
     if limits:
@@ -89,7 +160,7 @@ def _modes(parts: Parts, found: list[_Found], starts: int, complete: Completenes
 def _censuses(mechanism: Mechanism, values: Array, limits: bool, aim: Aim) -> Iterator[Census]:
     """Yield what tells all modes, as far as it was asked for; the proof first."""
     if aim.proof:
-        yield ProofCensus(mechanism, prove(mechanism._parts, values, limits))
+        yield ProofCensus(mechanism, prove(mechanism, values, limits=limits))
     if aim.homotopy is not None:
         if getattr(aim.homotopy, "mechanism", None) != mechanism:
             raise ArgumentError("homotopy is that of another mechanism, or none at all")

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pmjac_pin.checks import as_numbers
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.modes.box_domain import NoBoxesError
 from pmjac_pin.modes.box_problem import BoxProblem, box_problem, given_values, start
 from pmjac_pin.modes.branch_and_prune import Budget, branch_and_prune
@@ -100,13 +101,18 @@ class Proof:
         return tuple(found)
 
 
-def prove(parts: Parts, actuated: MotorValues, limits: bool, budget: Budget | None = None) -> Proof:
+def prove(
+    mechanism: Mechanism,
+    actuated: MotorValues,
+    *,
+    limits: bool = True,
+    budget: Budget | None = None,
+) -> Proof:
     """Prove how many assembly modes there are at these motor values, or say what is not settled.
 
     Parameters
     ----------
-    parts : Parts
-        Of a mechanism.
+    mechanism : Mechanism
     actuated : array_like, shape (n,), or mapping of str to float
         Motor values, m or rad.
     limits : bool
@@ -117,13 +123,13 @@ def prove(parts: Parts, actuated: MotorValues, limits: bool, budget: Budget | No
     Examples
     --------
     >>> import pmjac_pin as pj
-    >>> proof = prove(pj.load("four_bar")._parts, [0.9], limits=True)
+    >>> proof = pj.prove(pj.load("four_bar"), [0.9])
     >>> proof.statement
     'complete: exactly 2, by interval arithmetic over all values of the passive joints (... boxes)'
     >>> [enclosure.mode.middle.round(4).tolist() for enclosure in proof.enclosures]
     [[-2.4793, -2.2632], [2.0236, 0.0075]]
     """
-    began = time.monotonic()
+    began, parts = time.monotonic(), mechanism._parts
     values = motor_values(parts, actuated)
     if not (parts.problem.partition.passive.size or parts.spec.loops):
         return _open_chain(parts, values)

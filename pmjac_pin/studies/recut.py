@@ -33,6 +33,7 @@ from pmjac_pin.loop_spec import (
     UniversalLoop,
 )
 from pmjac_pin.machine_size import shifted
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.parts import Parts
 from pmjac_pin.spec import JointValue, MechanismSpec
 
@@ -55,24 +56,49 @@ class _Cut:
     edges: tuple[Edge, ...]  # what stays of a joint that must keep its value
 
 
-def recut_parts(parts: Parts, joint: str, poses: Mapping[str, Array]) -> Parts:
-    """Return the parts of the mechanism cut at a joint.
+def recut(mechanism: Mechanism, joint: str) -> Mechanism:
+    """Return the same mechanism with its loops cut at another joint.
+
+    The joint becomes a loop closure of its kind, and a loop that led to it a joint. A motor,
+    or a geared joint, keeps its value: it is cut behind its hub, which is welded again.
+    J_eq does not change; K, K* and their shapes do.
 
     Parameters
     ----------
-    parts : Parts
+    mechanism : Mechanism
     joint : str
-    poses : mapping of str to ndarray, shape (nq,)
-        Closed configurations of the old tree by name, "home" among them.
+        A joint of the tree that is part of a loop.
+
+    Returns
+    -------
+    Mechanism
+        With the same motors, tool and poses; parameters are fixed at their values.
 
     Raises
     ------
     UnknownNameError
         No such joint.
     ArgumentError
-        The joint is in no loop, or only in loops of geared joints; or a kind of joint that
-        cannot be taken apart.
+        The joint is in no loop, or cannot be taken apart.
+
+    Examples
+    --------
+    >>> import numpy as np, pmjac_pin as pj
+    >>> mechanism = pj.load("four_bar")
+    >>> recut = pj.recut(mechanism, "phi1")
+    >>> recut.rows[:5]
+    ('phi1_child-phi1_parent x', 'phi1_child-phi1_parent y', 'phi1_child-phi1_parent z',
+     'phi1_child-phi1_parent tilt 1', 'phi1_child-phi1_parent tilt 2')
+    >>> bool(np.allclose(recut.home.jacobian().J_eq, mechanism.home.jacobian().J_eq))
+    True
     """
+    if not isinstance(mechanism, Mechanism):
+        raise ArgumentError(f"a Mechanism is wanted, got {type(mechanism).__name__}")
+    poses = {name: mechanism.pose(name).q for name in mechanism.poses}
+    return Mechanism(_recut(mechanism._parts, joint, poses))
+
+
+def _recut(parts: Parts, joint: str, poses: Mapping[str, Array]) -> Parts:
     model, spec = parts.model, parts.spec
     if not isinstance(joint, str) or joint not in parts.coordinates.names:
         raise unknown_name("joint", joint, parts.coordinates.names)
