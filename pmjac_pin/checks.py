@@ -37,6 +37,8 @@ def as_numbers(given: object, what: str, largest: float = LARGEST) -> Array:
             raise TypeError
     except (TypeError, ValueError):
         raise ArgumentError(f"{what} must be real numbers, got {quoted(given)}") from None
+    if np.ma.is_masked(given):
+        raise ArgumentError(f"{what} must have no masked entries, got {quoted(given)}")
     array = raw.astype(np.float64)
     if not np.isfinite(array).all():
         raise ArgumentError(f"{what} must be finite, got {quoted(given)}")

@@ -87,10 +87,12 @@ def follow(
     """
     partition = problem.partition
     distance = norm(displacement / partition.column_scale[partition.actuated])
+    if distance > MOST_STEPS * _LARGEST_STEP * partition.length:
+        return Followed(start, 0.0, 0, spent=True)
     point, share, step, iterations = start, 0.0, 1.0, 0
     regular = not _is_singular(start, partition)
     velocity = _path_velocity(start, displacement, partition) if regular else np.zeros(0)
-    tries, weakest = 0, np.inf
+    tries, weakest = 0, _weakest(start, partition) if regular else 0.0
     while regular and tries < MOST_STEPS:
         tries += 1
         pace = norm(velocity / partition.column_scale)

@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.checks import as_numbers
+from pmjac_pin.checks import LARGEST, as_numbers
 from pmjac_pin.errors import ArgumentError, unknown_name
 
 Array = NDArray[np.float64]
@@ -96,8 +96,11 @@ class JointCoordinates:
             self._entries_of[joint.idx_v] = joint.idx_q
             if joint.nq == 1:
                 self.angles[joint.idx_v] = joint.kind.startswith("JointModelR")
-                self.lower[joint.idx_v] = model.lowerPositionLimit[joint.idx_q]
-                self.upper[joint.idx_v] = model.upperPositionLimit[joint.idx_q]
+                lower = float(model.lowerPositionLimit[joint.idx_q])
+                upper = float(model.upperPositionLimit[joint.idx_q])
+                # Pinocchio writes the largest double where there is no limit.
+                self.lower[joint.idx_v] = lower if lower > -LARGEST else -np.inf
+                self.upper[joint.idx_v] = upper if upper < LARGEST else np.inf
 
     def columns(self, names: Iterable[str]) -> Index:
         """Return the velocity columns of these joints, in this order."""

@@ -30,6 +30,7 @@ Guess: TypeAlias = "str | Configuration | Mapping[str, float | Sequence[float]]"
 
 _ARRIVED = 1e-9  # m or rad
 _GO_ON = "go on from there, the error's `reached`, as guess"
+_IN_BETWEEN = "go there by motor values in between"
 _SMALL = 1e-4  # of the characteristic length: a gap of a target hardly missed, or of rounding
 _NEARLY_SINGULAR = 1e-3  # relative singular value of K* that explains why a path ended
 
@@ -123,7 +124,8 @@ def _stopped(
     if path.strayed is not None:
         message = _forbidden(mechanism, values, path.strayed)
     else:
-        advice = _GO_ON if path.spent else _advice(problem, best.gap)
+        going_on = _GO_ON if path.share else _IN_BETWEEN
+        advice = going_on if path.spent else _advice(problem, best.gap)
         message = f"the straight path to the target {_reason(reached, path)}; {advice}"
     return ClosureError(
         f"{mechanism.name}: {message}",
@@ -165,6 +167,8 @@ def _reason(reached: Configuration, path: Followed) -> str:
         for name, value in zip(reached.mechanism.actuated, reached.actuated, strict=True)
     )
     where = f"after {100.0 * path.share:.4g} % of the way, at {motors}"
+    if path.spent and not path.share:
+        return f"is too long for the {MOST_STEPS} steps that one call may take"
     if path.spent:
         return f"takes more than {MOST_STEPS} steps, which end {where}"
     if singularity.smallest < _NEARLY_SINGULAR:

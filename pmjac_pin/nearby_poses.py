@@ -18,6 +18,7 @@ from pmjac_pin.damped_closure import assemble
 from pmjac_pin.factorisation import norm
 
 Array = NDArray[np.float64]
+Index = NDArray[np.intp]
 
 _PROBES = 2  # times three poses along allowed rates or with displaced motors
 _DISTANCES = (0.05, 0.005, 0.0005)  # rad or share of the characteristic length
@@ -52,26 +53,29 @@ def nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
 
 
 def every_joint_moves(problem: ClosureProblem, q: Array) -> bool:
-    """Tell whether the joints that the loops allow to move at a closed pose can be moved.
+    """Tell whether all motions that the loops allow at a closed pose lead somewhere.
 
-    What they allow is to first order. A joint that can be displaced neither way is held by them
-    all the same: the pose is singular, or the joint part of a structure. As many joints are tried
-    as there are independent motions, those that determine the others best.
+    What they allow, in d independent ways, is to first order. At a regular pose the d joints that
+    determine the others best can be displaced one by one, the others of them held. Where one of
+    them can be displaced neither way so, the pose is singular, or part of the machine a structure.
     """
     rng = np.random.default_rng(0)
     allowed = _allowed(problem, q)
     leading = scipy.linalg.qr(allowed.T, mode="r", pivoting=True)[1][: allowed.shape[1]]
-    return all(_moves(problem, q, allowed, int(k), rng) for k in leading)
+    steps = allowed @ np.linalg.inv(allowed[leading])
+    return all(_moves(problem, q, step, leading, rng) for step in steps.T)
 
 
 def _moves(
-    problem: ClosureProblem, q: Array, allowed: Array, joint: int, rng: np.random.Generator
+    problem: ClosureProblem, q: Array, step: Array, leading: Index, rng: np.random.Generator
 ) -> bool:
-    tries = [_held(allowed, joint), *(_held(allowed, joint, rng) for _ in range(_SHAKEN))]
+    weights = np.ones(step.size)
+    weights[leading] = 0.0
+    tries = [step, *(step + weights * rng.normal(size=step.size) for _ in range(_SHAKEN))]
     return any(
-        _closed(problem, q, [(way * distance * step, weights)], distance)
+        _closed(problem, q, [(way * distance * one, weights)], distance)
         for distance in _DISTANCES
-        for step, weights in tries
+        for one in tries
         for way in (1.0, -1.0)
     )
 
@@ -103,15 +107,12 @@ def _directions(
         yield -_unit(motors), motors_kept
 
 
-def _held(
-    allowed: Array, joint: int, rng: np.random.Generator | None = None
-) -> tuple[Array, Array]:
-    """Return a step that displaces a joint by 1, the others as allowed with it, or around that."""
+def _held(allowed: Array, joint: int, rng: np.random.Generator) -> tuple[Array, Array]:
+    """Return a step that displaces a joint by 1, the others around what is allowed with it."""
     weights = np.ones(len(allowed))
     weights[joint] = 0.0
     step: Array = allowed @ allowed[joint] / (allowed[joint] @ allowed[joint])
-    if rng is not None:
-        step = step + rng.normal(size=step.size)
+    step = step + rng.normal(size=step.size)
     step[joint] = 1.0
     return step, weights
 

@@ -134,8 +134,9 @@ def _open(parts: Parts, q: Array, best: Assembled, pose: str) -> ClosureError:
     residual = np.abs(problem.evaluate(best.q)[0] * problem.partition.row_scale)
     row, loops = int(np.argmax(residual)), parts.kinematics.loops
     message = (
-        f"{what} does not assemble: the loops stay open by {best.gap:.3g} m at best, most at "
-        f"{loops.row_names[row]!r}; give joint values nearer to a closed pose, or other lengths"
+        f"{what} does not assemble: the loops stay open by {best.gap:.3g} m, the least "
+        f"from several starts, most at {loops.row_names[row]!r}; give joint values nearer to a "
+        "closed pose, or other lengths"
     )
     if is_rounding(problem, best.gap):
         message += f", or {wider_tolerance(best.gap, problem.largest_tolerance)}"

@@ -92,8 +92,11 @@ class Singularity(ReadOnlyArrays):
 
     @property
     def lost(self) -> int:
-        """Number of independent tool twists that are lost here, on the judged rows."""
-        return self.generic_tool_rank - self.tool_rank
+        """Number of independent tool twists that are lost here, on the judged rows.
+
+        Where branches meet, more of them may be possible than on any branch: none is lost then.
+        """
+        return max(0, self.generic_tool_rank - self.tool_rank)
 
     @property
     def smallest(self) -> float:

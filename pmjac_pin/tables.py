@@ -222,7 +222,9 @@ def _ranks(found: SingularityReport) -> Iterator[tuple[str, str]]:
     yield "kind", found.kind
     yield "rank of K*", f"{found.rank} of {found.generic_rank}"
     yield "rank of [K K*]", f"{found.constraint_rank} of {found.generic_constraint_rank}"
-    yield "tool motions", f"{found.tool_rank} of {found.generic_tool_rank}"
+    more = found.tool_rank > found.generic_tool_rank
+    rank = f"{found.tool_rank}, more than the" if more else f"{found.tool_rank} of"
+    yield "tool motions", f"{rank} {found.generic_tool_rank}"
     yield "judged on", str(found.judged)
     yield "idle passive motions", str(found.idle)
     yield "motions gained here", str(found.gained)

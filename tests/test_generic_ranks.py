@@ -62,6 +62,36 @@ def test_what_moves_beside_a_structure_does_not_make_it_a_mechanism(motor):
         mechanism.home.jacobian()
 
 
+def taut_bars_on_a_crank(motors):
+    """Between two points of a crank three bars in line, each free in the plane but for its ends."""
+    tree = Tree()
+    crank = tree.joint(0, "crank", at([0, 0, 0]))
+    for name, x in (("a0", 1.0), ("d0", 4.0)):
+        tree.frame(crank, name, at([x, 0, 0]))
+    along_x, along_y = pin.exp3(np.array([0, np.pi / 2, 0])), pin.exp3(np.array([-np.pi / 2, 0, 0]))
+    home = {"crank": 0.0}
+    for k in range(3):
+        x = tree.joint(0, f"x{k}", pin.SE3(along_x, np.zeros(3)), "prismatic")
+        y = tree.joint(x, f"y{k}", pin.SE3(along_y, np.zeros(3)), "prismatic")
+        body = tree.joint(y, f"r{k}", at([0, 0, 0]))
+        tree.frame(body, f"one{k}", at([-0.5, 0, 0]))
+        tree.frame(body, f"end{k}", at([0.5, 0, 0]))
+        home |= {f"x{k}": 1.5 + k, f"y{k}": 0.0, f"r{k}": 0.0}
+    pairs = [("a0", "one0"), ("end0", "one1"), ("end1", "one2"), ("end2", "d0")]
+    loops = [pj.PointLoop(frames=pair) for pair in pairs]
+    return pj.Mechanism.from_pinocchio(tree.model, loops, motors, "end1", home=home)
+
+
+@pytest.mark.parametrize("motors", [["crank"], ["crank", "y0", "y1"]])
+def test_a_structure_that_is_carried_along_is_told(motors):
+    """The crank moves all coordinates, but no bar moves against another, though rates allow it."""
+    mechanism = taut_bars_on_a_crank(motors)
+    assert mechanism.mobility is None
+    assert mechanism.home.singularity().kind == "isolated"
+    with pytest.raises(pj.SingularError, match="a structure"):
+        mechanism.home.jacobian()
+
+
 @pytest.mark.parametrize("wheels", [2, 3, 4, 5])
 @pytest.mark.parametrize("motor", ["first", "last", "all"])
 def test_a_flat_coupling_rod_moves_and_its_home_is_a_branch_point(wheels, motor, rng):

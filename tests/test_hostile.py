@@ -105,7 +105,7 @@ CALLS = {
     "pose": FOUR_BAR.pose,
     "moved": FOUR_BAR.moved,
     "limits": FOUR_BAR.limits,
-    "recut": FOUR_BAR.recut,
+    "recut": lambda value: pj.recut(FOUR_BAR, value),
     "close": FOUR_BAR.close,
     "a motor's value": lambda value: FOUR_BAR.close([value]),
     "guess": lambda value: FOUR_BAR.close([1.0], guess=value),

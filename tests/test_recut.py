@@ -153,3 +153,28 @@ def test_bad_joints():
         pj.recut(mechanism, "thet1")
     with pytest.raises(pj.ArgumentError, match="'elbow_joint' is in no loop"):
         pj.recut(pj.load("ur5"), "elbow_joint")
+
+
+def test_limits_of_a_joint_that_is_cut_are_said_to_be_lost():
+    mechanism = pj.load("five_bar")
+    model = mechanism.model.copy()
+    index = model.joints[model.getJointId("phi1")].idx_q
+    model.lowerPositionLimit[index], model.upperPositionLimit[index] = -2.5, 2.5
+    index = model.joints[model.getJointId("phi2")].idx_q
+    model.lowerPositionLimit[index], model.upperPositionLimit[index] = (
+        -np.finfo(float).max,
+        np.finfo(float).max,
+    )
+    limited = pj.Mechanism.from_pinocchio(
+        model,
+        mechanism.spec.loops,
+        mechanism.actuated,
+        mechanism.spec.tool.frame,
+        home=mechanism.home.joint_values,
+    )
+    assert limited.limits("phi1") == (-2.5, 2.5)
+    assert np.isinf(limited.limits("phi2")).all()
+    assert pj.recut(limited, "phi1").notes == (
+        "joint 'phi1' is cut: a loop closure has no limits, so its own are not kept",
+    )
+    assert pj.recut(limited, "phi2").notes == ()

@@ -72,7 +72,9 @@ def recut(mechanism: Mechanism, joint: str) -> Mechanism:
     Returns
     -------
     Mechanism
-        With the same motors, tool and poses; parameters are fixed at their values.
+        With the same motors, tool and poses; parameters are fixed at their values. A passive
+        joint that is cut has no limits any more; `notes` say so. Where a rod between two balls
+        becomes a link, its spin is a passive motion more, and counts in `mobility`.
 
     Raises
     ------
@@ -95,7 +97,19 @@ def recut(mechanism: Mechanism, joint: str) -> Mechanism:
     if not isinstance(mechanism, Mechanism):
         raise ArgumentError(f"a Mechanism is wanted, got {type(mechanism).__name__}")
     poses = {name: mechanism.pose(name).q for name in mechanism.poses}
-    return Mechanism(_recut(mechanism._parts, joint, poses))
+    notes = (*mechanism.notes, *_lost_limits(mechanism._parts, joint))
+    return Mechanism(_recut(mechanism._parts, joint, poses), notes=notes, unread=mechanism.unread)
+
+
+def _lost_limits(parts: Parts, joint: str) -> list[str]:
+    """Say that a joint which becomes a loop closure has no limits there; a motor keeps its own."""
+    coordinates = parts.coordinates
+    if joint not in coordinates.names or _keeps_its_value(parts.spec, joint):
+        return []
+    lost = coordinates.columns([joint])
+    if np.isinf([coordinates.lower[lost], coordinates.upper[lost]]).all():
+        return []
+    return [f"joint {joint!r} is cut: a loop closure has no limits, so its own are not kept"]
 
 
 def _recut(parts: Parts, joint: str, poses: Mapping[str, Array]) -> Parts:
