@@ -58,6 +58,7 @@ def largest_derivative(samples, order):
     return values.reshape(np.shape(samples)[1:])
 
 
+@pytest.mark.slow
 def test_no_derivative_along_a_cubic_curve_exceeds_its_bound(case, rng):
     """The fourth of η and the third of its rates; and a single joint nearly reaches them."""
     model, loops, values = case

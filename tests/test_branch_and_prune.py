@@ -38,6 +38,7 @@ def test_no_mode_is_lost_however_early_it_ends(problem, modes, boxes):
     assert (len(left.unfinished.lower) == 0) == (boxes == 10_000)
 
 
+@pytest.mark.slow
 def test_modes_at_faces_edges_and_corners_of_boxes_are_kept(problem, modes, rng):
     """Boxes that begin or end at a mode's own values, in one, two or three angles."""
     for mode in modes:

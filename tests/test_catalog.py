@@ -79,6 +79,7 @@ def test_a_package_urdf_that_does_not_exist(tmp_path):
         pj.load(path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("a", [0.2, 0.5, 0.8])
 @pytest.mark.parametrize("b", [0.45, 0.5, 0.7, 1.0, 1.3, 1.6])
 def test_home_follows_the_parameters_alike_in_both_cuts(a, b):
@@ -94,6 +95,7 @@ def test_home_follows_the_parameters_alike_in_both_cuts(a, b):
     assert legs.singularity().smallest > 0.01
 
 
+@pytest.mark.slow
 def test_home_refuses_to_leave_the_motors_limits():
     with pytest.raises(pj.ClosureError, match=r"closes where 'l1' = .* is outside its limits"):
         pj.load("three_rps", parameters={"a": 1000.0})

@@ -79,6 +79,7 @@ def test_every_named_pose_is_certified(name):
         assert len(mechanism.passive) - len(certificate.held) == partition.passive_rank
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["three_rps", "three_rps_ss"])
 def test_the_exact_root_is_within_the_existence_radius(name):
     """In 40 digits, by the lecture's formulas, which share nothing with the library."""

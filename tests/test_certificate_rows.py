@@ -154,6 +154,7 @@ def case(request):
     return model, loops, values, equations
 
 
+@pytest.mark.slow
 def test_residuals_and_jacobians_are_enclosed(case, rng):
     model, loops, values, equations = case
     edges = edges_of(model).values()
@@ -178,6 +179,7 @@ def test_residuals_and_jacobians_are_enclosed(case, rng):
                 )
 
 
+@pytest.mark.slow
 def test_bends_bound_sampled_second_derivatives(case, rng):
     """At random poses up to r away; and no bound is so loose that it would be of no use."""
     model, loops, values, equations = case

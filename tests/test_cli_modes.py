@@ -68,6 +68,7 @@ def test_all_complex_solutions(run):
     assert "operation" not in out.lower()
 
 
+@pytest.mark.slow
 def test_operation_modes(run):
     argv = ("four_bar", "--set", "l0=3,l1=1,l2=3,l3=1", "--operation-modes")
     status, out, _ = run(*argv)

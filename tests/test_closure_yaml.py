@@ -103,6 +103,7 @@ def test_a_large_file(read):
         read(" " * 300_000)
 
 
+@pytest.mark.slow
 @settings(
     max_examples=500,
     deadline=None,

@@ -27,6 +27,7 @@ def same_machine(configuration, other):
     return other.close(configuration.actuated, guess=guess)
 
 
+@pytest.mark.slow
 def test_contact_constraints_and_distance_loops_give_the_same_j_eq():
     other = pj.load("three_rps")
     for configuration in mechanisms.random_poses("three_rps_ss", 3, 120):

@@ -103,6 +103,7 @@ def test_a_four_bar_beside_its_fold(lengths, rng):
     assert np.median(relative / (1e-16 * conditions**2)) < 10.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sizes", [(1.3, 0.7, 0.1), (0.8, 0.5, 0.0), (1.0, 0.6, -0.2)])
 def test_a_slider_crank_beside_its_fold(sizes, rng):
     r, length, e = sizes

@@ -192,6 +192,7 @@ def test_a_urdf_that_is_wrong_is_named(write):
 FULL = f"{YAML}joint_name: [phi1, phi2]\njoint_type: [SPHERICAL, UJOINT_XY]\nfree_flyer: false\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(30))
 def test_fuzz(write, seed):
     rng = np.random.default_rng(seed)

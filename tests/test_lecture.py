@@ -50,6 +50,7 @@ def test_pose_b_by_direct_kinematics(name):
     assert np.abs(ellipsoid.radii - hand.POSE_B_PRINTED_VELOCITIES).min() > 0.09
 
 
+@pytest.mark.slow
 def test_three_rps_ss_against_the_closed_formulas_at_200_poses():
     for configuration in mechanisms.random_poses("three_rps_ss", 1, 210):
         lengths, theta = configuration.actuated, configuration.passive

@@ -351,6 +351,7 @@ def test_a_file_of_fifty_megabytes(tmp_path):
         read_looped_urdf(path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("name", LOOPED)
 def test_fuzz(write, name, seed):

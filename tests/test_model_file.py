@@ -317,6 +317,7 @@ def read_or_refuse(folder: Path, content: bytes):
         assert "\n" not in str(error).replace(str(path), "")
 
 
+@pytest.mark.slow
 @FUZZ
 @given(st.dictionaries(keys, values, max_size=6))
 def test_fuzz_tables(tmp_path, table):

@@ -103,6 +103,7 @@ def test_idle_motions_make_no_modes_of_their_own():
         )
 
 
+@pytest.mark.slow
 def test_the_modes_do_not_depend_on_the_cut():
     mechanism = pj.load("three_rps")
     theta = [0.9, 1.0, 1.1]
@@ -251,6 +252,7 @@ def test_poses_that_pinocchio_closes_to_one_are_one_mode(monkeypatch):
     assert share == pytest.approx(sum(expected.shares))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("lengths", "theta"),
     [

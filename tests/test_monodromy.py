@@ -72,6 +72,7 @@ def test_all_points_of_an_irreducible_cubic(rng):
     assert np.abs(on_plane).max() <= 1e-9
 
 
+@pytest.mark.slow
 def test_components_do_not_mix_and_each_has_a_straight_trace(rng):
     circle, parabola = np.array([2.0, 0.0], complex), np.array([0.0, 0.0], complex)
     section = grown(section_of(TWO, [circle, parabola], rng), rng, 8)
@@ -82,6 +83,7 @@ def test_components_do_not_mix_and_each_has_a_straight_trace(rng):
     assert len(set(labels[on_circle])) == len(set(labels[~on_circle])) == 1
 
 
+@pytest.mark.slow
 def test_the_trace_of_a_part_is_bent(rng):
     """Whatever is left out, or taken from another component, shows."""
     circle, parabola = np.array([2.0, 0.0], complex), np.array([0.0, 0.0], complex)

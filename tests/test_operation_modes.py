@@ -99,6 +99,7 @@ def test_dietmaiers_platform_has_one():
     assert homotopy.operation_modes(rng=0).sizes == (40,)
 
 
+@pytest.mark.slow
 def test_too_few_rounds_are_admitted():
     homotopy = pj.parameter_homotopy(pj.load("three_rps_ss"), rng=0)
     found = homotopy.operation_modes(rng=0, most_rounds=1)
@@ -106,6 +107,7 @@ def test_too_few_rounds_are_admitted():
     assert "is not whole" in str(found.complete)
 
 
+@pytest.mark.slow
 def test_an_incomplete_homotopy_knows_no_operation_modes():
     homotopy = pj.parameter_homotopy(pj.load("three_rps_ss"), rng=0, most_rounds=2)
     found = homotopy.operation_modes(rng=0, most_rounds=5)
@@ -145,6 +147,7 @@ def parallelogram(last):
     return pj.Mechanism.from_pinocchio(model, [loop], ["left"], "rocker_tip", home=home)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("last", ["ball", "distance"])
 def test_a_leg_without_a_motor_keeps_its_length(last):
     found = pj.parameter_homotopy(parallelogram(last), rng=0).operation_modes(rng=0)

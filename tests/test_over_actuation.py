@@ -25,6 +25,7 @@ def evaluations(monkeypatch):
     return count
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", mechanisms.CLOSED)
 def test_one_motor_too_many_is_told_soon_and_values_that_fit_close(name, evaluations):
     """With each passive joint of the catalogue as a further motor."""

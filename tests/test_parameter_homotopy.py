@@ -36,6 +36,7 @@ def test_small_mechanisms(name, count):
     same_sets([mode.q for mode in found.real], [mode.q for mode in modes], 1e-8)
 
 
+@pytest.mark.slow
 def test_similar_triangles_have_fewer_solutions():
     """Six for a 3-RRR or 3-RPR; four at most where platform and base are similar."""
     assert pj.parameter_homotopy(pj.load("planar_3rrr"), rng=0).count == 6
@@ -51,6 +52,7 @@ def test_out_of_reach_all_are_complex():
     assert (found.count, found.real, found.certified) == (2, (), 2)
 
 
+@pytest.mark.slow
 def test_where_two_modes_meet_it_says_so():
     """Coupler and rocker in line: one double solution, which no path reaches regularly."""
     mechanism = pj.load("four_bar", {"l0": 4.0, "l1": 1.0, "l2": 2.0, "l3": 3.0})
@@ -61,6 +63,7 @@ def test_where_two_modes_meet_it_says_so():
     assert found.complete.kind == "neither"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("lengths", "expected", "atol"),
     [([2 / 3, 3 / 5, 3 / 4], LECTURE_A, 1e-8), ([0.5, 1.0, 2.0], LECTURE_B, 6e-5)],
@@ -81,6 +84,7 @@ def test_the_count_does_not_depend_on_the_cut_nor_on_the_seed(three_rps):
         assert (homotopy.count, found.count, len(found.real)) == (16, 16, 8)
 
 
+@pytest.mark.slow
 def test_dietmaiers_forty_are_all_there_are(gough):
     found = gough.at(gough.mechanism.home.actuated)
     assert (gough.count, found.count, len(found.real), found.certified) == (40, 40, 40, 40)
@@ -99,6 +103,7 @@ def test_at_other_lengths_most_of_the_forty_are_complex(gough, rng):
     assert len(modes) == len(found.real) < 40
 
 
+@pytest.mark.slow
 def test_few_rounds_leave_a_bent_trace():
     homotopy = pj.parameter_homotopy(pj.load("three_rps_ss"), rng=0, most_rounds=2)
     found = homotopy.at([1.0, 1.0, 1.1])
@@ -107,6 +112,7 @@ def test_few_rounds_leave_a_bent_trace():
     assert "solutions are missing" in str(found.complete)
 
 
+@pytest.mark.slow
 def test_it_settles_what_a_short_search_leaves_open(gough):
     """Modes that the random starts did not meet are added."""
     mechanism = gough.mechanism

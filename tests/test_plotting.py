@@ -136,6 +136,7 @@ def test_flat_ellipsoids_are_not_seen_edge_on():
     assert abs(normal @ [*horizontal, np.sin(elevation)]) > 0.25
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SHAPES)
 def test_every_shape_is_drawn_without_a_display_or_pyplot(monkeypatch, tmp_path, name):
     monkeypatch.delenv("DISPLAY", raising=False)

@@ -146,6 +146,7 @@ def random_four_bars(count, rng):
         yield rng.uniform(0.3, 3.0, 4), rng.uniform(-np.pi, np.pi)
 
 
+@pytest.mark.slow
 def test_random_four_bars_against_the_closed_form(rng):
     counts = set()
     for lengths, theta1 in random_four_bars(40, rng):
@@ -321,6 +322,7 @@ def test_next_to_a_double_root_there_are_two_or_none(beyond):
         assert (proof.complete, len(proof.enclosures)) == (True, count)
 
 
+@pytest.mark.slow
 def test_a_double_root_of_the_three_rps_is_not_settled(rng):
     mechanism = pj.load("three_rps_ss")
     for lengths, theta in hand.rps_singular_poses(rng, 2):

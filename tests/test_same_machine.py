@@ -187,7 +187,10 @@ def test_what_is_drawn_tells_turned_bodies_apart(visual, groups):
 def test_the_axis_of_a_motor_or_a_geared_joint_has_a_sense(change):
     poses = deltas()
     parts = poses[0].mechanism._parts
-    sensed = replace(parts, spec=msgspec.structs.replace(parts.spec, **change(parts.spec)))
+    spec = msgspec.structs.replace(parts.spec, **change(parts.spec))
+    sizes = (parts.problem.partition.length,) * len(spec.loops)
+    partition = replace(parts.problem.partition, loop_sizes=sizes)
+    sensed = replace(parts, spec=spec, problem=replace(parts.problem, partition=partition))
     assert sorted(map(len, same_machines(sensed, poses))) == [4, 4]
 
 

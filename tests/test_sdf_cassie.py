@@ -187,6 +187,7 @@ def test_which_hinges_are_off_the_plane_of_their_linkage() -> None:
         assert np.arccos(abs(rod[1])) == pytest.approx(0.1, abs=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["cassie_reduced", "cassie_simple"])
 def test_a_file_that_closes_outside_its_limits_only_says_so(name: str) -> None:
     with pytest.raises(pj.ClosureError, match=r"'left-foot-op' = -0.0\d* is outside its limits"):

@@ -386,6 +386,7 @@ def _open_files():
     return len(list(Path("/proc/self/fd").iterdir())) if Path("/proc/self/fd").exists() else 0
 
 
+@pytest.mark.slow
 def test_fifty_cycles_leak_nothing(mechanism):
     async def use(viewer):
         async with connected(viewer) as page, connected(viewer, "scene") as scene:
@@ -528,6 +529,7 @@ def _url(child):
     return line.split()[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_the_command_within_a_second(number):
     times = []
@@ -554,6 +556,7 @@ print("url", viewer.url, flush=True)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("number", "rest", "status"),
     [

@@ -74,6 +74,7 @@ def test_close_reaches_four_bar_poses_near_the_limit(lengths, distance):
     np.testing.assert_allclose(jacobian.passive_rates, -by_hand, rtol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("distance", [1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-15, 0.0])
 def test_close_reaches_the_fold_itself(distance):
     """Whatever rounding makes of the last 1e-10 rad: reached, and singular where it is."""

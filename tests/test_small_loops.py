@@ -59,6 +59,7 @@ def one_drives_the_other(size):
     return mechanism(tree, ["smalla"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", SIZES)
 def test_a_small_loop_beside_a_large_one(size):
     alike, small = side_by_side(1.0), side_by_side(size)

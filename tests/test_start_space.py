@@ -190,6 +190,7 @@ def test_parallel_slides_are_cut_off_and_say_so():
     assert "m of home, 'y' within" in str(complete)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SLIDING)
 def test_every_mode_is_in_the_start_space(name, rng):
     """Of the machine, and of the machine moved, which changes no range."""

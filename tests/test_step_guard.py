@@ -197,6 +197,7 @@ def under_a_platform_trial(rng):
     return "closed"
 
 
+@pytest.mark.slow
 def test_what_is_alike_at_both_ends_of_a_step_does_not_pass_unseen(rng):
     outcomes = [under_a_platform_trial(rng) for _ in range(60)]
     assert outcomes.count("stopped") > 10

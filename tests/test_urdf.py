@@ -830,6 +830,7 @@ def mutate(draw, root):
             element.attrib[name], other.attrib[name] = other.attrib[name], element.attrib[name]
 
 
+@pytest.mark.slow
 @given(mutated_sample())
 @settings(FUZZ, max_examples=1000)
 def test_a_mutated_urdf_is_refused_or_builds(capfd, text):
