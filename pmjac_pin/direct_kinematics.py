@@ -17,7 +17,7 @@ from pmjac_pin.held_motors import assemble_held
 from pmjac_pin.limits import Violation, enforced, limit_error
 from pmjac_pin.motor_values import motor_values
 from pmjac_pin.named_values import named_values
-from pmjac_pin.over_actuation import walk
+from pmjac_pin.over_actuation import ties_in_words, walk
 from pmjac_pin.parts import Parts
 from pmjac_pin.pose_assembly import motor_weights
 from pmjac_pin.rounded_numbers import wider_tolerance
@@ -127,6 +127,9 @@ def _stopped(
         going_on = _GO_ON if path.share else _IN_BETWEEN
         advice = going_on if path.spent else _advice(problem, best.gap)
         message = f"the straight path to the target {_reason(reached, path)}; {advice}"
+    # What the motors can do at all comes first, before what became of this target.
+    if ties := ties_in_words(problem, start._point):
+        message = f"{ties}. {message[0].upper()}{message[1:]}"
     return ClosureError(
         f"{mechanism.name}: {message}",
         residual_norm=best.gap,
@@ -135,6 +138,7 @@ def _stopped(
         reached=reached,
         share=path.share,
         singular_value=reached.singularity().smallest,
+        ties=ties,
     )
 
 

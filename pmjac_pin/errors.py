@@ -119,6 +119,9 @@ class ClosureError(PmjacError, RuntimeError):
         The loop that stays open most, where a pose does not assemble.
     singular_value : float or None
         Of K* at `reached`, relative to the size of [K K*]: what stopped the path, when small.
+    ties : str
+        How the loops tie motors to each other where the path began, in words; "" where all of
+        them may move at will.
     """
 
     residual_norm: float
@@ -128,6 +131,7 @@ class ClosureError(PmjacError, RuntimeError):
     share: float = 0.0
     loop: str | None = None
     singular_value: float | None = None
+    ties: str = ""
 
 
 class NoJacobianError(PmjacError, ArithmeticError):

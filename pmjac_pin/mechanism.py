@@ -203,7 +203,7 @@ class Mechanism(MechanismValue):
         comes closer to singular than 1e-6 ends the path, and only the target itself may be
         singular. `docs/closing_loops.md` says what this rests on. With more motors than
         freedom, as many as may move at will walk straight, and the values of the others must
-        fit at the end.
+        fit at the end; an error says first how the loops tie them.
 
         Parameters
         ----------
@@ -229,9 +229,10 @@ class Mechanism(MechanismValue):
         ------
         ClosureError
             The path meets a singularity, the target is out of reach, the loops forbid the motors
-            to move so together, or the path is too long for one call. Attributes: the
-            smallest gap found at the target (`residual_norm`, `q`), the last closed pose on
-            the path (`reached`, a Configuration), the `share` of the path up to there.
+            to move so together (`ties` says how they tie them), or the path is too long for one
+            call. Attributes: the smallest gap found at the target (`residual_norm`, `q`), the
+            last closed pose on the path (`reached`, a Configuration), the `share` of the path
+            up to there.
         LimitError, ArgumentError, UnknownNameError
 
         Examples

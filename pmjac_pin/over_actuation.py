@@ -2,24 +2,28 @@
 
 The loops of a machine with more motors than freedom decide what the last of them do. A straight
 line in all motor values is left by the loops at once, even where the values at its end fit. So as
-many motors as may move at will walk straight, and the led ones must arrive by themselves.
+many motors as may move at will walk straight, and the led ones must arrive by themselves. Whether
+they do, the walk alone can say; how the motors are tied to each other is known before it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from pmjac_pin.closure import Closed, Followed, beside, closed_point, follow
 from pmjac_pin.closure_problem import ClosureProblem
 from pmjac_pin.parts import Parts
 from pmjac_pin.step_guard import StepGuard
+from pmjac_pin.ties import pivots
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
+
+_NOTHING = 1e-9  # of the largest ratio between rates of motors, or of one to one
 
 
 def walk(
@@ -66,11 +70,14 @@ class Lead:
     problem : ClosureProblem
     leading, led : ndarray of int
         Among the motors.
+    ratios : ndarray, shape (led, leading)
+        Rates of the led motors, m/s or rad/s, for each unit of a leading one's.
     """
 
     problem: ClosureProblem
     leading: Index
     led: Index
+    ratios: Array
 
 
 def lead(problem: ClosureProblem, point: Closed) -> Lead:
@@ -79,14 +86,13 @@ def lead(problem: ClosureProblem, point: Closed) -> Lead:
     count = partition.constraint_rank - partition.passive_rank
     motors = np.arange(partition.actuated.size)
     if count <= 0:
-        return Lead(problem, motors, motors[:0])
+        return Lead(problem, motors, motors[:0], np.zeros((0, motors.size)))
     # What K* cannot follow, motors that are led must: those that can do it best.
-    beyond = point.factors.left[:, partition.passive_rank :].T
-    *_, order = scipy.linalg.qr(
-        beyond @ point.scaled[:, partition.actuated], mode="economic", pivoting=True
-    )
-    led = np.sort(order[:count])
+    left = point.factors.left[:, partition.passive_rank :].T @ point.scaled[:, partition.actuated]
+    led = pivots(left, count)
     leading = np.setdiff1d(motors, led)
+    ratios = -np.linalg.lstsq(left[:, led], left[:, leading], rcond=None)[0]
+    scale = partition.column_scale[partition.actuated]
     names = partition.actuated_names
     parted = replace(
         partition,
@@ -96,4 +102,33 @@ def lead(problem: ClosureProblem, point: Closed) -> Lead:
         passive_names=partition.passive_names + tuple(names[k] for k in led),
         passive_rank=partition.constraint_rank,
     )
-    return Lead(replace(problem, partition=parted), leading, led)
+    by_motor = scale[led, None] * ratios / scale[leading]
+    return Lead(replace(problem, partition=parted), leading, led, by_motor)
+
+
+def ties_in_words(problem: ClosureProblem, point: Closed) -> str:
+    """Say how the loops tie motors to each other; "" where all may move at will.
+
+    Nothing is said of a singular pose either: what is tied beside it is not known there.
+    """
+    partition = problem.partition
+    driven = lead(problem, point)
+    if not driven.led.size or point.factors.rank < partition.passive_rank:
+        return ""
+    names = partition.actuated_names
+    leaders = [names[k] for k in driven.leading]
+    ties = [
+        _tie(names[k], dict(zip(leaders, ratios, strict=True)))
+        for k, ratios in zip(driven.led, driven.ratios.tolist(), strict=True)
+    ]
+    count = len(ties)
+    return f"over-actuated by {count}, the loops tie motors to each other: here {'; '.join(ties)}"
+
+
+def _tie(led: str, ratios: Mapping[str, float]) -> str:
+    """Say at what rate a motor is led, leaving out what rounding makes of nothing."""
+    least = _NOTHING * max(1.0, *map(abs, ratios.values()), 0.0)
+    parts = [
+        f"{ratio:+.3g} that of {name!r}" for name, ratio in ratios.items() if abs(ratio) > least
+    ]
+    return f"the rate of {led!r} is {' and '.join(parts)}" if parts else f"{led!r} cannot move"

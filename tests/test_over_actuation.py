@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
+from pmjac_pin.actuation import analyse_actuation
 from pmjac_pin.kinematics import Kinematics
+from pmjac_pin.over_actuation import lead, ties_in_words
 
 ENOUGH = 600  # evaluations of the loop equations: a closure takes some tens
 
@@ -36,6 +38,7 @@ def test_one_motor_too_many_is_told_soon_and_values_that_fit_close(name, evaluat
         if mechanism.model.joints[mechanism.model.getJointId(joint)].nv > 1:
             continue
         machine = pj.load(name, actuated=[*mechanism.actuated, joint])
+        rates_that_the_loops_allow_are_those_of_the_ties(machine)
         evaluations[0] = 0
         try:
             reached = machine.close([*fitting.actuated, machine.home.actuated[-1]])
@@ -44,6 +47,8 @@ def test_one_motor_too_many_is_told_soon_and_values_that_fit_close(name, evaluat
         except pj.ClosureError as error:
             assert error.reached is not None
             assert error.share < 1.0
+            assert error.ties in str(error)
+            assert bool(error.ties) == bool(machine.home.singularity().forbidden_rates.size)
         else:
             assert reached.residual_norm <= machine.tolerance
         assert evaluations[0] < ENOUGH
@@ -54,12 +59,51 @@ def test_one_motor_too_many_is_told_soon_and_values_that_fit_close(name, evaluat
         assert evaluations[0] < ENOUGH
 
 
+def rates_that_the_loops_allow_are_those_of_the_ties(machine):
+    split = machine.home.split_jacobian()
+    matrices = split.constraint_jacobian, split.tool_jacobian
+    allowed = analyse_actuation(*matrices, split.partition).allowed
+    found = lead(machine._parts.problem, machine.home._point)
+    followed = found.ratios @ allowed[found.leading]
+    np.testing.assert_allclose(allowed[found.led], followed, atol=1e-8 * np.abs(allowed).max())
+
+
+def test_the_first_thing_told_is_which_motors_are_tied_and_how():
+    machine = mechanisms.with_motors(pj.load("four_bar"), ["theta1", "phi2"])
+    with pytest.raises(pj.ClosureError) as caught:
+        machine.close(machine.home.actuated + np.array([0.3, 0.0]))
+    rate = pj.load("four_bar").home.jacobian().passive_rates[1, 0]
+    tie = f"the rate of 'theta1' is {1.0 / rate:+.3g} that of 'phi2'"
+    turned = f"the rate of 'phi2' is {rate:+.3g} that of 'theta1'"
+    told = "over-actuated by 1, the loops tie motors to each other: here "
+    assert caught.value.ties in (told + tie, told + turned)
+    assert str(caught.value).startswith(f"{machine.name}: {caught.value.ties}. The loops forbid")
+
+
+def test_a_motor_that_the_loops_hold_is_told_to_be_held():
+    joints = [
+        ("a", "revolute", "ground", "arm", (0, 0, 0), mechanisms.Z),
+        ("tip", "fixed", "arm", "end", (1, 0, 0)),
+        ("anchor", "fixed", "ground", "pin", (1, 0, 0)),
+    ]
+    machine = mechanisms.build(joints, [("end", "pin")], ["a"], "end", {})
+    with pytest.raises(pj.ClosureError, match=r"other: here 'a' cannot move\. The loops forbid"):
+        machine.close([0.1])
+
+
+def test_motors_that_are_free_are_not_called_tied():
+    home = pj.load("four_bar").home
+    assert ties_in_words(home.mechanism._parts.problem, home._point) == ""
+
+
 def test_it_says_where_the_loops_lead_the_motor_that_does_not_fit():
     machine = pj.load("five_bar", actuated=["theta1", "theta2", "phi1"])
     with pytest.raises(pj.ClosureError) as caught:
         machine.close(machine.home.actuated + np.array([0.01, 0.01, 0.0]))
     message = str(caught.value)
-    assert message.startswith("five_bar: the loops forbid these motors to move so together: with")
+    told = "five_bar: over-actuated by 1, the loops tie motors to each other: here the rate of"
+    assert message.startswith(told)
+    assert "The loops forbid these motors to move so together: with" in message
     assert "from its target; give values that fit, or make one of them passive" in message
     np.testing.assert_array_equal(caught.value.reached.q, machine.home.q)
     assert caught.value.share == 0.0

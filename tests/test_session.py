@@ -60,6 +60,37 @@ def test_the_end_of_the_range_stops_the_motion():
     assert session.configuration.residual_norm < 1e-9
 
 
+def test_motors_that_are_tied_are_told_and_not_called_the_end_of_a_range():
+    session = Session(
+        pj.load("five_bar", actuated=["theta1", "theta2", "phi1"]).home, SceneOptions()
+    )
+    before = session.configuration
+    texts = set()
+    for way in (0.2, 0.4):
+        session.obey(Move(values=[None, None, before.actuated[2] + way]))
+        np.testing.assert_array_equal(session.configuration.q, before.q)
+        assert session.notice.kind == "stop"
+        assert session.notice.stops == (0, 0, 1)
+        texts.add(session.notice.text)
+    (text,) = texts
+    tied = "Over-actuated by 1, the loops tie motors to each other: here the rate of 'theta1' is +"
+    assert text.startswith(tied)
+    assert "that of 'theta2' and -" in text
+    assert text.endswith("They do not move so together: phi1 stops at -1.5587 rad.")
+    assert "reachable range" not in text
+
+
+def test_tied_motors_move_together_on_the_page():
+    single = pj.load("five_bar")
+    there = single.close(single.home.actuated + 0.1)
+    session = Session(
+        pj.load("five_bar", actuated=["theta1", "theta2", "phi1"]).home, SceneOptions()
+    )
+    session.obey(Move(values=[*there.actuated.tolist(), there.joint_values["phi1"]]))
+    assert session.notice.kind == ""
+    np.testing.assert_allclose(session.configuration.q, there.q, atol=1e-9)
+
+
 def test_the_end_of_the_range_can_be_left_again():
     session = session_of()
     for _ in range(3):

@@ -121,7 +121,7 @@ class Session:
         except ClosureError as error:
             if error.reached is None:
                 raise
-            found, notice = error.reached, self._stop(target, error.reached)
+            found, notice = error.reached, self._stop(target, error)
         ended = bool(notice.kind) or found.singularity().is_singular
         self._set(found, shortly_before(self._start, found) if ended else found, notice)
 
@@ -225,11 +225,12 @@ class Session:
             legend=legend(self.mechanism),
         )
 
-    def _stop(self, values: list[float], reached: Configuration) -> Notice:
+    def _stop(self, values: list[float], error: ClosureError) -> Notice:
         """Say which motors have stopped on the way to these values, and why.
 
         The same words wherever beyond the end the values are.
         """
+        reached = error.reached
         ways = np.array(values) - reached.actuated
         stops = tuple(int(np.sign(way)) if abs(way) > 1e-9 else 0 for way in ways)
         stopped = ", ".join(
@@ -238,4 +239,7 @@ class Session:
             if stop
         )
         text = f"End of the reachable range: {stopped}. This assembly mode goes no further."
+        if error.ties:
+            ties = f"{error.ties[0].upper()}{error.ties[1:]}"
+            text = f"{ties}. {text if error.share else f'They do not move so together: {stopped}.'}"
         return Notice("stop", text, stops)
