@@ -13,6 +13,10 @@ import pytest
 
 import pmjac_pin as pj
 from pmjac_pin.linkage import edges_of
+from pmjac_pin.modes.assembly_modes import Completeness
+from pmjac_pin.modes.closed_pose import open_by
+from pmjac_pin.modes.find import _without_open
+from pmjac_pin.modes.random_search import RandomSearch
 from pmjac_pin.modes.search_problem import search_problem, without_legs
 from pmjac_pin.modes.slide_ranges import slide_ranges
 from pmjac_pin.modes.starts import StartSpace
@@ -233,3 +237,46 @@ def test_ranges_are_those_of_the_machine_not_of_its_place(name):
         width = (found.upper - found.lower).max(initial=0.0)
         np.testing.assert_allclose(other[key].lower, found.lower, atol=1e-6 * width)
         np.testing.assert_allclose(other[key].upper, found.upper, atol=1e-6 * width)
+
+
+def small_platform(ratio):
+    """A Gough platform whose base and plate are so much smaller, its legs as long as before."""
+    mechanism = pj.load("stewart_gough")
+    sizes = {name: one.default / ratio for name, one in mechanism.spec.parameters.items()}
+    return pj.load("stewart_gough", sizes)
+
+
+@pytest.mark.parametrize("ratio", [1, 100])
+def test_no_mode_hides_where_legs_are_much_longer_than_what_they_carry(ratio):
+    """Of a hundred starts some lead to each of four modes and their images below the base."""
+    mechanism = small_platform(ratio)
+    problem, _ = search_problem(mechanism._parts, mechanism.home.q)
+    search = RandomSearch(problem, StartSpace.of(problem, limits=True), np.random.default_rng(0))
+    search.run(512)
+    shares = [share for _, share in search.modes()]
+    assert len(shares) == 8
+    assert min(shares) > 0.01
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ratio", [30, 100, 300, 1000])
+def test_legs_driven_out_far_lead_to_eight_modes(ratio):
+    """Tolerance and lengths are those of the machine at home; beyond, rounding decides."""
+    mechanism = pj.load("stewart_gough")
+    values = ratio * mechanism.home.actuated
+    modes = pj.assembly_modes(mechanism, values, rng=0, limits=False)
+    assert len(modes) == 8
+    assert sorted(np.sign([mode.tool_pose.translation[2] for mode in modes])) == [-1] * 4 + [1] * 4
+
+
+def test_what_does_not_close_to_the_tolerance_is_told():
+    """Two poses, one of them where no pose of the rocker reaches the coupler."""
+    mechanism = mechanisms.rocker_rocker()
+    motors = mechanism._parts.problem.partition.actuated
+    beyond = mechanism._parts.coordinates.with_values(mechanism.home.q, motors, np.full(1, 3.0))
+    assert open_by(mechanism, mechanism.home.q) == 0.0
+    complete = Completeness("statistics", "all", 0.001, 0.99)
+    assert _without_open(mechanism, [mechanism.home.q], complete) is complete
+    told = _without_open(mechanism, [mechanism.home.q, beyond], complete).statement
+    assert told.startswith("all; 1 more, open by ")
+    assert told.endswith(f"miss the tolerance of {mechanism.tolerance:.2g} m and are left out")

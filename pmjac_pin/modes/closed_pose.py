@@ -23,7 +23,8 @@ def closed_pose(mechanism: Mechanism, q: Array, limits: bool) -> Configuration |
     """Return the closed pose by Pinocchio's measure, None where it is none or beyond limits."""
     parts = mechanism._parts
     problem, coordinates = parts.problem, parts.coordinates
-    closed = assemble(problem, q, motor_weights(problem, 0.0))
+    weights = motor_weights(problem, 0.0)
+    closed = assemble(problem, q, weights)
     if closed.gap > problem.tolerance:
         return None
     columns = problem.partition.passive
@@ -31,7 +32,18 @@ def closed_pose(mechanism: Mechanism, q: Array, limits: bool) -> Configuration |
     q = unwound(coordinates, trains, closed.q, columns, limits)
     if limits and coordinates.outside(coordinates.values(q)[columns], columns):
         return None
+    # Full turns taken off an angle change its last digits, and far away by more than the tolerance.
+    if problem.gap(problem.evaluate(q)[0]) > problem.tolerance:
+        again = assemble(problem, q, weights)
+        q = again.q if again.gap <= problem.tolerance else closed.q
     return Configuration._of_q(mechanism, q)
+
+
+def open_by(mechanism: Mechanism, q: Array) -> float:
+    """Return the least gap near what a search took for closed, m; 0 within the tolerance."""
+    problem = mechanism._parts.problem
+    gap = assemble(problem, q, motor_weights(problem, 0.0)).gap
+    return gap if gap > problem.tolerance else 0.0
 
 
 def order(configuration: Configuration, length: float) -> tuple[float, ...]:

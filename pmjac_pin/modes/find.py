@@ -17,7 +17,7 @@ from pmjac_pin.jacobian import refuse_felt_idle_motion
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.modes.aim import Aim
 from pmjac_pin.modes.assembly_modes import AssemblyModes, Completeness
-from pmjac_pin.modes.closed_pose import closed_pose, generator, order
+from pmjac_pin.modes.closed_pose import closed_pose, generator, open_by, order
 from pmjac_pin.modes.mirror import mirror_images
 from pmjac_pin.modes.proof import prove
 from pmjac_pin.modes.random_search import RandomSearch
@@ -124,17 +124,30 @@ def find_modes(
     search.run(_FIRST_STARTS)
     censuses = [one for one in _censuses(mechanism, values, limits, aim) if one.whole]
 
+    def rows() -> list[Array]:
+        return [with_legs(parts, legs, problem, base, q) for q, _ in search.modes()]
+
     def judged() -> tuple[list[_Found], Completeness | None]:
-        met = search.modes()
-        rows = [with_legs(parts, legs, problem, base, q) for q, _ in met]
-        found = _closed(mechanism, rows, [share for _, share in met], limits)
-        return _settled(mechanism, found, censuses, limits)
+        shares = [share for _, share in search.modes()]
+        return _settled(mechanism, _closed(mechanism, rows(), shares, limits), censuses, limits)
 
     found, complete = judged() if censuses else ([], None)
     if complete is None:
         search.until(aim)
         found, complete = judged()
-    return _modes(parts, found, search.starts, complete or search.completeness(aim))
+    if complete is None:
+        complete = _without_open(mechanism, rows(), search.completeness(aim))
+    return _modes(parts, found, search.starts, complete)
+
+
+def _without_open(mechanism: Mechanism, rows: list[Array], complete: Completeness) -> Completeness:
+    """Say what a search met that does not close to the tolerance and is left out."""
+    gaps = list(filter(None, (open_by(mechanism, q) for q in rows)))
+    if not gaps:
+        return complete
+    least = f"the tolerance of {mechanism.tolerance:.2g} m"
+    left_out = f"{len(gaps)} more, open by {max(gaps):.2g} m at most, miss {least} and are left out"
+    return replace(complete, statement=f"{complete.statement}; {left_out}")
 
 
 def _modes(parts: Parts, found: list[_Found], starts: int, complete: Completeness) -> AssemblyModes:

@@ -19,8 +19,10 @@ from pmjac_pin.modes.search_problem import SearchProblem
 Array = NDArray[np.float64]
 
 _STEPS = 60  # of one start
-_CLOSED = 1e-9  # of the characteristic length: Pinocchio's Newton does the rest
+_CLOSED = 1e-9  # of the characteristic length: two steps of Newton's do the rest
+_LAST_STEPS = 2
 _FALLING = 1e-8  # of itself: a gap within the tolerance that falls less is the least there is
+_IDLE = 1e-6  # of the largest column of K*: one that is smaller moves the loops by nothing
 _STUCK = 1e8  # damping at which a start is given up
 
 
@@ -46,6 +48,7 @@ class ManyClosures:
         rows a gap that stays is none of rounding, but of a fold that is not reached.
         """
         problem, length = self.problem, self.problem.length
+        farthest = float(self.strides.max(initial=length))
         redundant = problem.row_scale.size > problem.columns.size - problem.idle
         tolerance = problem.tolerance if redundant else 0.0
         q, found = starts, []
@@ -61,7 +64,7 @@ class ManyClosures:
                 break
             q, error, rows = q[going], error[going], rows[going]
             gap, damping = gap[going], damping[going]
-            trial = self.problem.tree.moved(q, self._step(error, rows, damping * gap / length))
+            trial = self.problem.tree.moved(q, self._step(error, rows, damping * gap / farthest))
             trial_error, trial_rows = self._scaled(trial)
             trial_gap = np.linalg.norm(trial_error, axis=1)
             better = trial_gap < gap
@@ -71,7 +74,19 @@ class ManyClosures:
             rows = np.where(better[:, None, None], trial_rows, rows)
             gap = np.where(better, trial_gap, gap)
             damping = np.where(better, np.maximum(damping / 5.0, 1e-9), damping * 5.0)
-        return np.concatenate(found)
+        return self._polished(np.concatenate(found))
+
+    def _polished(self, q: Array) -> Array:
+        """Return closed rows after Newton's last steps, where these close them further.
+
+        Beside a singularity poses that are closed to little are far from each other, though one.
+        """
+        for _ in range(_LAST_STEPS if len(q) else 0):
+            error, rows = self._scaled(q)
+            trial = self.problem.tree.moved(q, self._step(error, rows, np.zeros(len(q))))
+            better = np.linalg.norm(self._scaled(trial)[0], axis=1) < np.linalg.norm(error, axis=1)
+            q = np.where(better[:, None], trial, q)
+        return q
 
     def _scaled(self, q: Array) -> tuple[Array, Array]:
         """Return η in m and K* on the scaled columns."""
@@ -81,14 +96,21 @@ class ManyClosures:
         return residual * problem.row_scale, K_star * problem.row_scale[:, None]
 
     def _step(self, error: Array, rows: Array, damping: Array) -> Array:
-        """Return v (b, nv): −(KᵀK + λ)⁻¹ Kᵀη on the passive columns, not too long."""
+        """Return v (b, nv): −D⁻¹(JᵀJ + λ)⁻¹ Jᵀη on the passive columns, J = K D⁻¹, not too long.
+
+        D are the sizes of K's columns (Marquardt's scaling), so that λ holds back no joint for
+        moving the loops little: a platform's turn moves them by its own size only, however long
+        its legs are.
+        """
         problem = self.problem
+        sizes = np.sqrt(np.einsum("bij,bij->bj", rows, rows))
+        sizes = np.maximum(sizes, _IDLE * sizes.max(axis=1, initial=0.0, keepdims=True))
+        rows = rows / sizes[:, None, :]
         across = rows.transpose(0, 2, 1)
         square = across @ rows
         diagonal = np.einsum("bii->bi", square)
-        largest = diagonal.max(axis=1)
-        diagonal += ((damping + 1e-12) * largest)[:, None]
-        step = -np.linalg.solve(square, across @ error[:, :, None])[:, :, 0]
+        diagonal += (damping + 1e-12)[:, None]
+        step = -np.linalg.solve(square, across @ error[:, :, None])[:, :, 0] / sizes
         stride = np.linalg.norm(step / self.strides, axis=1)
         step /= np.maximum(stride, 1.0)[:, None]
         velocity = np.zeros((len(error), problem.column_scale.size))
