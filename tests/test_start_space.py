@@ -10,15 +10,18 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+import transformed
 
 import pmjac_pin as pj
+from pmjac_pin.frames import find_frame
 from pmjac_pin.linkage import edges_of
 from pmjac_pin.modes.assembly_modes import Completeness
+from pmjac_pin.modes.box_problem import box_problem, given_values
 from pmjac_pin.modes.closed_pose import open_by
 from pmjac_pin.modes.find import _without_open
 from pmjac_pin.modes.random_search import RandomSearch
 from pmjac_pin.modes.search_problem import search_problem, without_legs
-from pmjac_pin.modes.slide_ranges import slide_ranges
+from pmjac_pin.modes.slide_ranges import Polygons, slide_ranges
 from pmjac_pin.modes.starts import StartSpace
 
 WIDE = np.full(1, 1e9)
@@ -280,3 +283,37 @@ def test_what_does_not_close_to_the_tolerance_is_told():
     told = _without_open(mechanism, [mechanism.home.q, beyond], complete).statement
     assert told.startswith("all; 1 more, open by ")
     assert told.endswith(f"miss the tolerance of {mechanism.tolerance:.2g} m and are left out")
+
+
+def domain_of_slides(mechanism):
+    """The boxes' ends of a proof, for what slides."""
+    parts = mechanism._parts
+    problem = box_problem(parts, given_values(parts, mechanism.home.actuated), limits=False)
+    edges = edges_of(parts.model)
+    sliding = [edges[name].kind == "prismatic" for name in problem.names]
+    assert any(sliding)
+    return np.array([problem.domain.lower[sliding], problem.domain.upper[sliding]])
+
+
+@pytest.mark.parametrize("machine", [far_slide(), pj.load("slider_crank")], ids=["far", "crank"])
+def test_a_proof_bounds_slides_as_a_search_does_wherever_the_machine_stands(machine):
+    ends = domain_of_slides(machine)
+    problem, _ = search_problem(machine._parts, machine.home.q)
+    for lower, upper, found in zip(*ends, slide_ranges(problem, False).values(), strict=True):
+        width = upper - lower
+        assert lower <= found.lower[0] <= found.upper[0] <= upper
+        assert width <= (1.0 + 1e-8) * (found.upper[0] - found.lower[0])
+    away = pin.SE3(pin.rpy.rpyToMatrix(0.3, -0.8, 2.0), np.array([300.0, -200.0, 100.0]))
+    moved = domain_of_slides(transformed.moved(machine, away))
+    np.testing.assert_allclose(moved, ends, atol=1e-9 * np.ptp(ends))
+
+
+def test_limits_out_of_reach_leave_no_box_inside_out():
+    """No pose has the block between 200 and 201 m: what is left lies between them."""
+    machine = far_slide()
+    problem, _ = search_problem(machine._parts, machine.home.q)
+    spans = [(find_frame(problem.model, "A"), find_frame(problem.model, "B"), 100.0)]
+    edges = [edge for _, edge in problem.passive]
+    polygons = Polygons(problem.model, problem.base, edges, spans)
+    lower, upper = polygons.bounds({"rail": (np.full(1, 200.0), np.full(1, 201.0))})["rail"]
+    assert 100.0 < lower <= upper <= 200.0

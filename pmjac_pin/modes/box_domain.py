@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.coordinates import JointCoordinates
 from pmjac_pin.errors import ArgumentError
-from pmjac_pin.frames import Frame
 from pmjac_pin.linkage import Edge
 from pmjac_pin.modes.interval_loops import BoxRows
-from pmjac_pin.modes.interval_tree import IntervalTree
 from pmjac_pin.modes.intervals import Intervals
+from pmjac_pin.modes.slide_ranges import Polygons
+from pmjac_pin.parts import Parts
 
 Array = NDArray[np.float64]
 Truth = NDArray[np.bool_]
@@ -23,7 +21,6 @@ Truth = NDArray[np.bool_]
 FULL_TURN = Intervals.exact(2.0 * np.pi).widened(1e-15)
 _CUT = -3.0  # rad: where a full turn begins, away from the angles of symmetric poses
 _SLACK = 1e-9  # m or rad: what a pose may be beyond a limit
-_ROUNDING = 1.0 + 1e-9  # for lengths that are added up
 
 
 class NoBoxesError(ArgumentError):
@@ -31,8 +28,8 @@ class NoBoxesError(ArgumentError):
 
 
 def box_domain(
-    coordinates: JointCoordinates,
-    tree: IntervalTree,
+    parts: Parts,
+    motors: Mapping[str, float],
     unknowns: Sequence[Edge],
     rows: Sequence[BoxRows],
     limits: bool,
@@ -41,8 +38,9 @@ def box_domain(
 
     Parameters
     ----------
-    coordinates : JointCoordinates
-    tree : IntervalTree
+    parts : Parts
+    motors : mapping of str to float
+        Their values.
     unknowns : sequence of Edge
     rows : sequence of BoxRows
     limits : bool
@@ -53,7 +51,7 @@ def box_domain(
     NoBoxesError
         Nothing bounds a slide.
     """
-    names = [edge.name for edge in unknowns]
+    coordinates, names = parts.coordinates, [edge.name for edge in unknowns]
     slides = np.array([edge.kind == "prismatic" for edge in unknowns], dtype=bool)
     lower, upper = np.full(len(names), -np.inf), np.full(len(names), np.inf)
     if limits:
@@ -62,37 +60,18 @@ def box_domain(
     endless = ~slides & ~(upper - lower < FULL_TURN.lower)
     lower = np.where(endless, _CUT, lower)
     upper = np.where(endless, _CUT + FULL_TURN.upper + 1e-14, upper)
+    columns, values = coordinates.columns(list(motors)), np.array([*motors.values()])
+    polygons = Polygons(
+        parts.model,
+        coordinates.with_values(parts.home_q, columns, values),
+        [edge for edge, slide in zip(unknowns, slides, strict=True) if slide],
+        [span for row in rows for span in row.spans],
+    )
     sliding = {names[k]: k for k in np.flatnonzero(slides).tolist()}
-    for row in rows:
-        for first, second, span in row.spans:
-            _bound_slide(tree, sliding, (first, second), span, (lower, upper))
+    bounds = polygons.bounds({name: (lower[[k]], upper[[k]]) for name, k in sliding.items()})
+    for name, k in sliding.items():
+        lower[k], upper[k] = (float(end[0]) for end in bounds[name])
     if not np.isfinite(upper - lower).all():
         unbounded = names[int(np.flatnonzero(~np.isfinite(upper - lower))[0])]
         raise NoBoxesError(f"nothing bounds the passive slide {unbounded!r}")
     return Intervals(lower, upper), endless
-
-
-def _bound_slide(
-    tree: IntervalTree,
-    slides: Mapping[str, int],
-    frames: tuple[Frame, Frame],
-    span: float,
-    bounds: tuple[Array, Array],
-) -> None:
-    """Bound the only slide without bounds of a loop, in place.
-
-    It is one side of a polygon, no longer than all the others together.
-    """
-    lower, upper = bounds
-    one, other = (set(tree.path(frame.joint)) for frame in frames)
-    sizes = {
-        name: max(abs(float(lower[k])), abs(float(upper[k])))
-        for name, k in slides.items()
-        if name in one | other
-    }
-    free = [name for name, size in sizes.items() if not math.isfinite(size)]
-    if len(free) == 1 and free[0] in one ^ other:
-        bounded = [size for size in sizes.values() if math.isfinite(size)]
-        far = _ROUNDING * (span + sum(map(tree.reach, frames)) + sum(bounded))
-        k = slides[free[0]]
-        lower[k], upper[k] = max(lower[k], -far), min(upper[k], far)

@@ -96,9 +96,7 @@ def box_problem(parts: Parts, motors: Mapping[str, float], limits: bool) -> BoxP
         name for name, edge in edges.items() if name not in motors and edge not in several
     )
     tree = IntervalTree(parts.model, names, motors)
-    domain, endless = box_domain(
-        parts.coordinates, tree, [edges[name] for name in names], rows, limits
-    )
+    domain, endless = box_domain(parts, motors, [edges[name] for name in names], rows, limits)
     slides = np.array([edges[name].kind == "prismatic" for name in names], dtype=bool)
     return BoxProblem(
         names=names,

@@ -42,27 +42,6 @@ class IntervalTree:
         self._unknowns = {name: column for column, name in enumerate(unknowns)}
         self._given = {name: Intervals.exact([value]) for name, value in given.items()}
 
-    def path(self, body: int) -> list[str]:
-        """Return the joints between the world and a body, the nearest to the body first."""
-        names = []
-        while body:
-            names.append(self._edges[body].name)
-            body = self._edges[body].parent
-        return names
-
-    def reach(self, frame: Frame) -> float:
-        """Return how far a frame can be from the world's origin with unknown slides at 0, m."""
-        far = float(np.linalg.norm(frame.placement.translation))
-        body = frame.joint
-        while body:
-            edge = self._edges[body]
-            far += float(np.linalg.norm(edge.before.translation))
-            far += float(np.linalg.norm(edge.after.translation))
-            if edge.kind == "prismatic" and edge.name in self._given:
-                far += float(self._given[edge.name].magnitude[0])
-            body = edge.parent
-        return far
-
     def frames(self, frames: Iterable[Frame], box: Intervals, by: Sequence[int]) -> Poses:
         """Return where frames are.
 

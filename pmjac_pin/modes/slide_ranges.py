@@ -10,8 +10,9 @@ origin nor where a slide counts from matters.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 import pinocchio as pin
@@ -25,8 +26,10 @@ from pmjac_pin.loops import loop_blocks
 from pmjac_pin.modes.search_problem import SearchProblem
 
 Array = NDArray[np.float64]
+Span: TypeAlias = tuple[Frame, Frame, float]
 
 _ROUNDING = 1.0 + 1e-9  # for lengths that are added up
+_DIGITS = 1e-14  # of values that are added up
 _ROUNDS = 10  # in which one loop's bounds help in others
 _FAR = 5.0  # times the loop's own sides: how far is looked where nothing bounds a slide
 _PARALLEL = 1e-6  # axes whose directions differ by less do not tell how far each one slid
@@ -92,53 +95,99 @@ def slide_ranges(problem: SearchProblem, limits: bool) -> dict[str, SlideRange]:
     limits : bool
         Keep within the joints' limits.
     """
-    data = problem.model.createData()
-    pin.forwardKinematics(problem.model, data, problem.base)
-    slides = {edge.name: _slide(data, edge, problem.base[q]) for q, edge in _sliding(problem)}
-    ranges = {edge.name: _limits(edge, limits) for _, edge in _sliding(problem)}
-    polygons = list(_polygons(problem, data, slides)) if slides else []
-    for _ in range(_ROUNDS):
-        before = {name: (lower.copy(), upper.copy()) for name, (lower, upper) in ranges.items()}
-        for polygon in polygons:
-            _tighten(polygon, slides, ranges)
-        if all(np.array_equal(ranges[name], before[name]) for name in ranges):
-            break
+    edges = [edge for _, edge in problem.passive if edge.kind in _AXES]
+    polygons = Polygons(problem.model, problem.base, edges, _spans(problem))
+    bounds = polygons.bounds({edge.name: _limits(edge, limits) for edge in edges})
     return {
-        name: _cut_off(slides[name], ranges[name], _own_length(problem, polygons, name))
-        for name in slides
+        name: _cut_off(slide, bounds[name], max(problem.length, polygons.length_with(name)))
+        for name, slide in polygons.slides.items()
     }
 
 
-def _sliding(problem: SearchProblem) -> list[tuple[slice, Edge]]:
-    return [(entries, edge) for entries, edge in problem.passive if edge.kind in _AXES]
+class Polygons:
+    """The polygons that bound what slides, measured at one pose, closed or not.
+
+    Parameters
+    ----------
+    model : pin.Model
+    q : ndarray, shape (nq,)
+        The pose. What is no slide and not turned by a joint of it is there at every pose.
+    edges : sequence of Edge
+        The joints that slide, their values unknown.
+    spans : iterable of (Frame, Frame, float)
+        How far apart, m, the origins of two frames are at most at all poses in question.
+
+    Attributes
+    ----------
+    slides : dict of str to _Slide
+    """
+
+    def __init__(
+        self, model: pin.Model, q: Array, edges: Sequence[Edge], spans: Iterable[Span]
+    ) -> None:
+        data = model.createData()
+        pin.forwardKinematics(model, data, q)
+        self.slides = {edge.name: _slide(data, edge, _values(model, edge, q)) for edge in edges}
+        joints = {edge.child: edge for edge in edges_of(model).values()}
+        self._polygons = [
+            _Polygon(tuple(_sides(joints, data, self.slides, (first, second))), span)
+            for first, second, span in (spans if edges else ())
+        ]
+
+    def bounds(self, limits: Mapping[str, tuple[Array, Array]]) -> dict[str, tuple[Array, Array]]:
+        """Return between which values joints can slide, shapes (k,); infinite where nothing tells.
+
+        Rounded outwards: sums of lengths have 1e-9 of themselves to spare, ends their last digits.
+
+        Parameters
+        ----------
+        limits : mapping of str to (lower, upper)
+            Values that are allowed.
+        """
+        ranges = {name: (low.copy(), high.copy()) for name, (low, high) in limits.items()}
+        for _ in range(_ROUNDS):
+            before = dict(ranges)
+            for polygon in self._polygons:
+                _tighten(polygon, self.slides, ranges)
+            if all(np.array_equal(ranges[name], before[name]) for name in ranges):
+                break
+        return ranges
+
+    def length_with(self, name: str) -> float:
+        """Return the length of the longest polygon that a joint slides in, 0 for none."""
+        own = [
+            polygon.length
+            for polygon in self._polygons
+            if any(name == other for side in polygon.sides for other, _ in side.slides)
+        ]
+        return max(own, default=0.0)
 
 
-def _slide(data: pin.Data, edge: Edge, entries: Array) -> _Slide:
+def _values(model: pin.Model, edge: Edge, q: Array) -> Array:
+    first = model.joints[edge.child].idx_q
+    return q[first : first + len(_AXES[edge.kind])]
+
+
+def _slide(data: pin.Data, edge: Edge, values: Array) -> _Slide:
     parent: Array = (data.oMi[edge.parent] * edge.before).rotation
-    axes = _AXES[edge.kind]
-    return _Slide(parent[:, axes], entries[: len(axes)])
+    return _Slide(parent[:, _AXES[edge.kind]], values)
 
 
 def _limits(edge: Edge, limits: bool) -> tuple[Array, Array]:
     count = len(_AXES[edge.kind])
     if not limits or edge.limits is None or edge.kind != "prismatic":
         return np.full(count, -np.inf), np.full(count, np.inf)
-    lower, upper = edge.limits
-    return lower.copy(), upper.copy()
+    return edge.limits
 
 
-def _polygons(
-    problem: SearchProblem, data: pin.Data, slides: Mapping[str, _Slide]
-) -> Iterator[_Polygon]:
-    joints = {edge.child: edge for edge in edges_of(problem.model).values()}
+def _spans(problem: SearchProblem) -> Iterator[Span]:
     for loop in problem.closures:
         if isinstance(loop, JointLoop):
             continue
-        ends = [find_frame(problem.model, name) for name in loop.frames]
+        first, second = (find_frame(problem.model, name) for name in loop.frames)
         for block in loop_blocks(loop, problem.values):
             if isinstance(block, Gap | Distance):
-                span = block.length if isinstance(block, Distance) else 0.0
-                yield _Polygon(tuple(_sides(joints, data, slides, ends)), span)
+                yield first, second, block.length if isinstance(block, Distance) else 0.0
 
 
 def _sides(
@@ -217,20 +266,10 @@ def _bound(
         slide, (lower, upper) = slides[name], ranges[name]
         own = slice(first, first + slide.values.size)
         centre, first = slide.values + middle[own], own.stop
-        ranges[name] = (
-            np.maximum(lower, centre - reach[own]),
-            np.minimum(upper, centre + reach[own]),
-        )
-
-
-def _own_length(problem: SearchProblem, polygons: Sequence[_Polygon], name: str) -> float:
-    """Return the length of the longest polygon that a joint slides in."""
-    own = [
-        polygon.length
-        for polygon in polygons
-        if any(name == other for side in polygon.sides for other, _ in side.slides)
-    ]
-    return max([problem.length, *own])
+        far = reach[own] + _DIGITS * (np.abs(slide.values) + np.abs(middle[own]))
+        low, high = np.maximum(lower, centre - far), np.minimum(upper, centre + far)
+        # Where limits and loops exclude each other nothing closes: what is between holds it all.
+        ranges[name] = np.minimum(low, high), np.maximum(low, high)
 
 
 def _cut_off(slide: _Slide, bounds: tuple[Array, Array], length: float) -> SlideRange:
@@ -238,6 +277,6 @@ def _cut_off(slide: _Slide, bounds: tuple[Array, Array], length: float) -> Slide
     lower, upper = bounds
     far = _FAR * length
     if (upper - lower <= 2.0 * far).all():
-        return SlideRange(np.minimum(lower, upper), np.maximum(lower, upper))
+        return SlideRange(lower, upper)
     nearest = np.clip(slide.values, lower, upper)
     return SlideRange(np.maximum(lower, nearest - far), np.minimum(upper, nearest + far), far)
