@@ -121,14 +121,15 @@ def _stopped(
     reached = Configuration._of_point(mechanism, path.point, path.iterations)
     at_target = parts.coordinates.with_values(path.point.q, problem.partition.actuated, values)
     best = assemble(problem, at_target, motor_weights(problem, 0.0))
+    ties = ties_in_words(problem, start._point)
     if path.strayed is not None:
-        message = _forbidden(mechanism, values, path.strayed)
+        message = _forbidden(mechanism, values, path.strayed, best.gap <= problem.tolerance)
     else:
         going_on = _GO_ON if path.share else _IN_BETWEEN
-        advice = going_on if path.spent else _advice(problem, best.gap)
+        advice = going_on if path.spent else _advice(problem, best.gap, bool(ties))
         message = f"the straight path to the target {_reason(reached, path)}; {advice}"
     # What the motors can do at all comes first, before what became of this target.
-    if ties := ties_in_words(problem, start._point):
+    if ties:
         message = f"{ties}. {message[0].upper()}{message[1:]}"
     return ClosureError(
         f"{mechanism.name}: {message}",
@@ -142,7 +143,7 @@ def _stopped(
     )
 
 
-def _forbidden(mechanism: Mechanism, values: Array, strayed: Array) -> str:
+def _forbidden(mechanism: Mechanism, values: Array, strayed: Array, closes: bool) -> str:
     """Say which motors the loops lead elsewhere than they were told to go."""
     parts = mechanism._parts
     motors = parts.problem.partition.actuated
@@ -156,6 +157,11 @@ def _forbidden(mechanism: Mechanism, values: Array, strayed: Array) -> str:
         for name, value, miss in zip(mechanism.actuated, there.tolist(), misses, strict=True)
         if abs(miss) > least
     ]
+    if closes:
+        return (
+            "the loops close at these values, but no straight path of the other motors leads "
+            f"there: on it {' and '.join(led)}; {_IN_BETWEEN}"
+        )
     passive = f"{len(led)} of them" if len(led) > 1 else "one of them"
     return (
         "the loops forbid these motors to move so together: with the other motors at their "
@@ -183,9 +189,11 @@ def _reason(reached: Configuration, path: Followed) -> str:
     return f"cannot be followed further than {where}"
 
 
-def _advice(problem: ClosureProblem, gap: float) -> str:
+def _advice(problem: ClosureProblem, gap: float, tied: bool) -> str:
     """Say what to do about it: whether the loops close at the target at all."""
     if gap <= problem.tolerance:
+        if tied:
+            return f"the loops do close at the target: {_IN_BETWEEN}, or start from another pose"
         where = "the loops do close at the target, on another assembly mode"
         return f"{where}: start from a pose of that mode"
     open_by = f"at the target the loops stay open by {gap:.3g} m at best: "

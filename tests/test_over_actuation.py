@@ -109,8 +109,28 @@ def test_it_says_where_the_loops_lead_the_motor_that_does_not_fit():
     assert caught.value.share == 0.0
 
 
+def test_a_target_that_no_path_of_so_many_steps_reaches_is_refused_at_once():
+    mechanism = pj.load("four_bar")
+    with pytest.raises(pj.ClosureError, match=r"is too long for the 20000 steps .*; go there by m"):
+        mechanism.close([1e9], enforce_limits=False)
+
+
+def test_values_that_fit_but_on_no_straight_path_of_some_motors_are_told_so():
+    """theta1 and phi2 lead, straight, past where the five-bar of two motors goes: theta2 strays."""
+    five_bar, machine = (
+        pj.load("five_bar"),
+        pj.load("five_bar", actuated=["theta1", "theta2", "phi2"]),
+    )
+    far = five_bar.close([0.7683, 1.6913], enforce_limits=False)
+    with pytest.raises(pj.ClosureError) as caught:
+        machine.close([far.joint_values[name] for name in machine.actuated], enforce_limits=False)
+    message = str(caught.value)
+    assert "The loops close at these values, but no straight path of the other motors" in message
+    assert message.endswith("from its target; go there by motor values in between")
+
+
 def test_a_path_that_is_too_long_for_one_call_goes_on_from_where_it_ended(monkeypatch):
-    monkeypatch.setattr("pmjac_pin.closure.MOST_STEPS", 300)
+    monkeypatch.setattr("pmjac_pin.closure.MOST_STEPS", 600)
     mechanism = pj.load("four_bar")
     target = mechanism.home.actuated + 2 * np.pi * 20
     calls, guess = 0, mechanism.home
