@@ -62,8 +62,7 @@ def knowing(package):
 
 
 def test_only_the_command_line_knows_the_viewer():
-    """And the package's face, which imports it when somebody asks for `view`."""
-    assert knowing("viewer") == {"pmjac_pin.interface", "pmjac_pin.cli.view"}
+    assert knowing("viewer") == {"pmjac_pin.cli.view"}
 
 
 @pytest.mark.parametrize("module", ["mechanism", "configuration"])
@@ -81,14 +80,27 @@ def test_nobody_knows_the_command_line():
 
 def test_the_package_shows_its_interface():
     code = (
-        "import pmjac_pin as pj, pmjac_pin.interface as interface;"
-        "assert set(interface.__all__) <= set(dir(pj));"
-        "assert all(getattr(pj, name) is getattr(interface, name) for name in interface.__all__);"
-        "assert pj.loading.load is pj.load;"
+        "import pmjac_pin as pj, sys;"
+        "assert not [name for name in sys.modules if name.startswith('pmjac_pin.')];"
+        "assert set(pj.__all__) <= set(dir(pj));"
+        "assert all(hasattr(pj, name) for name in pj.__all__);"
         "from pmjac_pin import *; assert Mechanism is pj.Mechanism"
     )
     subprocess.run([sys.executable, "-c", code], check=True, cwd=PACKAGE.parent)
     assert not hasattr(pmjac_pin, "nope")
+
+
+def test_what_is_not_asked_for_is_not_imported():
+    """A load, a pose and a Jacobian need no proof, search, picture or page."""
+    code = (
+        "import pmjac_pin as pj, sys; pj.load('four_bar').close([1.0]).jacobian();"
+        "found = {'flint', 'matplotlib', 'meshcat', 'tornado'} & set(sys.modules);"
+        "assert not found, found;"
+        "found = [name for name in sys.modules if name.startswith(('pmjac_pin.modes',"
+        " 'pmjac_pin.homotopy', 'pmjac_pin.certificates', 'pmjac_pin.viewer', 'pmjac_pin.cli'))];"
+        "assert not found, found"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=PACKAGE.parent)
 
 
 @pytest.mark.slow
