@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.frames import Frame, find_frame
+from pmjac_pin.kinematics.loops import loop_blocks
+from pmjac_pin.kinematics.rows import Along, Distance, Gap, Rows
 from pmjac_pin.linkage import known_kind
-from pmjac_pin.loop_rows import Along, Distance, Gap, Rows
 from pmjac_pin.loop_spec import JointLoop, Loop
-from pmjac_pin.loops import loop_blocks
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]

@@ -17,8 +17,8 @@ from pmjac_pin.damped_closure import assemble
 from pmjac_pin.errors import ArgumentError, ClosureError, PmjacError, unknown_name
 from pmjac_pin.factorisation import RANK_TOLERANCE
 from pmjac_pin.frames import carrying_columns
-from pmjac_pin.kinematics import Kinematics
-from pmjac_pin.loops import LoopSystem
+from pmjac_pin.kinematics.loop_system import LoopSystem
+from pmjac_pin.kinematics.pinocchio import Kinematics
 from pmjac_pin.machine_size import Size, shifted
 from pmjac_pin.nearby_poses import every_joint_moves, nearby
 from pmjac_pin.partition import Partition

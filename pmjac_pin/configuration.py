@@ -23,7 +23,7 @@ from pmjac_pin.jacobian import (
     change_frame,
     equivalent_jacobian,
 )
-from pmjac_pin.kinematics import Snapshot
+from pmjac_pin.kinematics.pinocchio import Snapshot
 from pmjac_pin.limits import Violation, violations
 from pmjac_pin.parts import Parts
 from pmjac_pin.pose_rounding import PoseRounding

@@ -58,6 +58,8 @@ class Edge:
     before, after : pin.SE3
     limits : tuple of ndarray, shapes (nq,), or None
         The lower and the upper ones, as Pinocchio has them.
+    pitch : float
+        How far a screw slides, m/rad.
     """
 
     name: str
@@ -67,6 +69,7 @@ class Edge:
     before: pin.SE3
     after: pin.SE3
     limits: tuple[Array, Array] | None = None
+    pitch: float = 0.0
 
     def entries(self, parent: pin.SE3, child: pin.SE3) -> tuple[float, ...]:
         """Return Pinocchio's nq entries for this joint where its two bodies are at these poses."""

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from pmjac_pin.coordinates import JointCoordinates
 from pmjac_pin.frames import Frame, find_frame, moving_columns
+from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.loop_spec import JointLoop
-from pmjac_pin.loops import LoopSystem
 from pmjac_pin.spec import MechanismSpec
 from pmjac_pin.tool import ToolKinematics, frame_jacobian
 

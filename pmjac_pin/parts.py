@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.closure_problem import ClosureProblem
 from pmjac_pin.coordinates import JointCoordinates
-from pmjac_pin.kinematics import Kinematics
+from pmjac_pin.kinematics.pinocchio import Kinematics
 from pmjac_pin.spec import MechanismSpec
 from pmjac_pin.urdf import Urdf
 

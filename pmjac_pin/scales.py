@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.coupling import Coupling
-from pmjac_pin.loops import LoopSystem
+from pmjac_pin.kinematics.loop_system import LoopSystem
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

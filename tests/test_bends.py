@@ -13,8 +13,8 @@ from test_certificate_rows import CASES, random_q, residuals
 import pmjac_pin as pj
 from pmjac_pin.arms import arms_of
 from pmjac_pin.bends import Bends
-from pmjac_pin.kinematics import Kinematics
-from pmjac_pin.loops import LoopSystem
+from pmjac_pin.kinematics.loop_system import LoopSystem
+from pmjac_pin.kinematics.pinocchio import Kinematics
 
 STEP = 3e-4  # of central differences
 NODES = 0.5 - 0.5 * np.cos(np.pi * (np.arange(15) + 0.5) / 15)

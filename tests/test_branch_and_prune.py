@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
+from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.modes.box_problem import box_problem, given_values
 from pmjac_pin.modes.branch_and_prune import Budget, branch_and_prune
-from pmjac_pin.modes.intervals import Intervals
 
 LENGTHS = np.array([2 / 3, 3 / 5, 3 / 4])
 

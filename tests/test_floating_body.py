@@ -9,8 +9,8 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
+from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.modes.box_problem import box_problem, given_values, start
-from pmjac_pin.modes.intervals import Intervals
 
 POSES = {
     "planar_3rpr": ("home", "mirrored", "shifted"),

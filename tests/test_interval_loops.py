@@ -10,11 +10,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import pmjac_pin as pj
+from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.frames import find_frame
-from pmjac_pin.loops import LoopSystem, loop_blocks
+from pmjac_pin.kinematics.loop_system import LoopSystem
+from pmjac_pin.kinematics.loops import loop_blocks
 from pmjac_pin.modes.interval_loops import IntervalLoops, PairRows, tolerances
 from pmjac_pin.modes.interval_tree import IntervalTree
-from pmjac_pin.modes.intervals import Intervals
 from pmjac_pin.scales import row_scale
 
 CLOSED = 1e-12

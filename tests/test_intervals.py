@@ -8,7 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from pmjac_pin.modes.intervals import Intervals, hull
+from pmjac_pin.algebra.intervals import Intervals, hull
 
 mpmath.mp.dps = 60
 

@@ -11,8 +11,8 @@ import pytest
 
 import pmjac_pin as pj
 from pmjac_pin.coordinates import JointCoordinates
-from pmjac_pin.kinematics import Kinematics
-from pmjac_pin.loops import LoopSystem
+from pmjac_pin.kinematics.loop_system import LoopSystem
+from pmjac_pin.kinematics.pinocchio import Kinematics
 from pmjac_pin.scales import column_scale, row_scale
 from pmjac_pin.spec import Tool
 from pmjac_pin.tool import tool_kinematics

@@ -10,9 +10,8 @@ from test_linkage import BALL
 from test_loops import LOOPS
 
 import pmjac_pin as pj
-from pmjac_pin.loops import LoopSystem
-from pmjac_pin.modes.many_loops import ManyLoops
-from pmjac_pin.modes.many_poses import ManyPoses
+from pmjac_pin.kinematics.loop_system import LoopSystem
+from pmjac_pin.kinematics.many import ManyLoops, ManyPoses
 
 
 def random_rows(model, rng, count=7):

@@ -15,9 +15,9 @@ from peer_models import peer_model
 
 from pmjac_pin.formats.mjcf import read_mjcf
 from pmjac_pin.formats.mjcf_vocabulary import MJCF_WORDS
-from pmjac_pin.kinematics import Kinematics
+from pmjac_pin.kinematics.loop_system import LoopSystem
+from pmjac_pin.kinematics.pinocchio import Kinematics
 from pmjac_pin.loop_spec import FrameLoop, JointLoop
-from pmjac_pin.loops import LoopSystem
 from pmjac_pin.spec import Tool
 from pmjac_pin.tool import tool_kinematics
 

@@ -8,7 +8,7 @@ import pytest
 
 import pmjac_pin as pj
 from pmjac_pin.actuation import analyse_actuation
-from pmjac_pin.kinematics import Kinematics
+from pmjac_pin.kinematics.pinocchio import Kinematics
 from pmjac_pin.over_actuation import lead, ties_in_words
 
 ENOUGH = 600  # evaluations of the loop equations: a closure takes some tens

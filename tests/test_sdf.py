@@ -12,8 +12,8 @@ import pmjac_pin as pj
 from pmjac_pin.assembly import build_parts
 from pmjac_pin.formats.foreign_model import ForeignModel
 from pmjac_pin.formats.sdf import read_sdf
+from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.linkage import with_spherical
-from pmjac_pin.loops import LoopSystem
 from pmjac_pin.mechanism import Mechanism
 
 AXIS = "<axis><xyz>0 0 1</xyz></axis>"

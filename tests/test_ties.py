@@ -10,8 +10,8 @@ import scipy.linalg
 import pmjac_pin as pj
 from pmjac_pin.actuation import analyse_actuation
 from pmjac_pin.ellipsoid import velocity_ellipsoid
+from pmjac_pin.kinematics.rows import across
 from pmjac_pin.linkage import aligned
-from pmjac_pin.loop_rows import across
 from pmjac_pin.partition import independent_rows
 from pmjac_pin.singularity import analyse_singularity
 from pmjac_pin.ties import first_largest, first_smallest, pivots

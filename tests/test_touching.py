@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pmjac_pin.modes.intervals import Intervals
+from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.modes.touching import moved_near, together
 
 ANGLE_AND_SLIDE = np.array([True, False])

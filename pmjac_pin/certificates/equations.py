@@ -17,10 +17,10 @@ from pmjac_pin.certificates.rows import Bend, Enclosed, enclosed_rows
 from pmjac_pin.certificates.unknowns import Unknowns
 from pmjac_pin.coupling import Coupling, couple
 from pmjac_pin.frames import find_frame
+from pmjac_pin.kinematics.loops import loop_blocks
+from pmjac_pin.kinematics.rows import Rows
 from pmjac_pin.linkage import edges_of
-from pmjac_pin.loop_rows import Rows
 from pmjac_pin.loop_spec import JointLoop, Loop
-from pmjac_pin.loops import loop_blocks
 
 Array = NDArray[np.float64]
 

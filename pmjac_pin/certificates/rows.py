@@ -27,7 +27,7 @@ from pmjac_pin.certificates.intervals import (
     upper,
 )
 from pmjac_pin.certificates.paths import Path
-from pmjac_pin.loop_rows import Along, Distance, Gap, RightAngle, Rows, Tilt, Turn
+from pmjac_pin.kinematics.rows import Along, Distance, Gap, RightAngle, Rows, Tilt, Turn
 
 Array = NDArray[np.float64]
 

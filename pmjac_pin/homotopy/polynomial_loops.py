@@ -32,10 +32,10 @@ from pmjac_pin.homotopy.polynomial_rows import (
     turned_over_rows,
 )
 from pmjac_pin.homotopy.polynomial_table import PolynomialTable
+from pmjac_pin.kinematics.loops import loop_blocks
+from pmjac_pin.kinematics.rows import Distance
 from pmjac_pin.linkage import edges_of
-from pmjac_pin.loop_rows import Distance
 from pmjac_pin.loop_spec import JointLoop
-from pmjac_pin.loops import loop_blocks
 from pmjac_pin.modes.distinct import scaled_passive
 from pmjac_pin.modes.search_problem import SearchProblem
 from pmjac_pin.partition import independent_rows

@@ -15,7 +15,7 @@ from flint import fmpq
 from numpy.typing import NDArray
 
 from pmjac_pin.homotopy.joint_unknowns import Symbols, quaternion_of_gap
-from pmjac_pin.loop_rows import Along, Distance, Gap, RightAngle, Rows, Tilt
+from pmjac_pin.kinematics.rows import Along, Distance, Gap, RightAngle, Rows, Tilt
 
 Array = NDArray[np.float64]
 

@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.linkage import Edge
 from pmjac_pin.modes.interval_loops import BoxRows
-from pmjac_pin.modes.intervals import Intervals
 from pmjac_pin.modes.slide_ranges import Polygons
 from pmjac_pin.parts import Parts
 

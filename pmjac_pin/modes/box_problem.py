@@ -9,11 +9,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.frames import Frame, find_frame
+from pmjac_pin.kinematics.loops import loop_blocks
+from pmjac_pin.kinematics.rows import Rows
 from pmjac_pin.linkage import Edge, edges_of
-from pmjac_pin.loop_rows import Rows
 from pmjac_pin.loop_spec import JointLoop, Loop
-from pmjac_pin.loops import loop_blocks
 from pmjac_pin.modes.box_domain import NoBoxesError, box_domain
 from pmjac_pin.modes.floating_body import (
     FloatingInPlane,
@@ -24,7 +25,6 @@ from pmjac_pin.modes.floating_body import (
 )
 from pmjac_pin.modes.interval_loops import BoxRows, IntervalLoops, PairRows, tolerances
 from pmjac_pin.modes.interval_tree import IntervalTree
-from pmjac_pin.modes.intervals import Intervals
 from pmjac_pin.parts import Parts
 
 Array = NDArray[np.float64]

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.modes.interval_loops import Enclosed, IntervalLoops
-from pmjac_pin.modes.intervals import Intervals
 
 Array = NDArray[np.float64]
 Truth = NDArray[np.bool_]

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.modes.many_poses import ManyPoses
+from pmjac_pin.kinematics.many import ManyPoses
 from pmjac_pin.modes.search_problem import SearchProblem
 
 Array = NDArray[np.float64]

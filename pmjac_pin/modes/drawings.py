@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.errors import UnknownNameError
 from pmjac_pin.frames import Frame, find_frame
-from pmjac_pin.modes.many_poses import Poses
+from pmjac_pin.kinematics.many import WorldPoses
 from pmjac_pin.parts import Parts
 from pmjac_pin.shapes import Box, Cylinder, Shape
 from pmjac_pin.visuals import read_visuals
@@ -50,7 +50,7 @@ class Drawings:
                 sort = sorts.setdefault((visual.link, visual.name), len(sorts))
                 self._pieces.append((frame.joint, sort, None, place))
 
-    def __call__(self, poses: Poses) -> Array:
+    def __call__(self, poses: WorldPoses) -> Array:
         """Return what each piece looks like in each pose, shape (b, pieces, entries)."""
         looks = np.zeros((poses.positions.shape[1], len(self._pieces), _ENTRIES))
         for index, (body, sort, shape, place) in enumerate(self._pieces):

@@ -21,9 +21,10 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.frames import Frame
+from pmjac_pin.kinematics.rows import Gap, Rows, Tilt
 from pmjac_pin.linkage import Edge
-from pmjac_pin.loop_rows import Gap, Rows, Tilt
 from pmjac_pin.modes.interval_loops import (
     Truth,
     axis,
@@ -34,7 +35,6 @@ from pmjac_pin.modes.interval_loops import (
     squared,
 )
 from pmjac_pin.modes.interval_tree import Poses
-from pmjac_pin.modes.intervals import Intervals
 
 Array = NDArray[np.float64]
 

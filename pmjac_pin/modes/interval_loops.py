@@ -15,10 +15,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.frames import Frame
-from pmjac_pin.loop_rows import Along, Distance, Gap, RightAngle, Rows, Tilt, Turn
+from pmjac_pin.kinematics.rows import Along, Distance, Gap, RightAngle, Rows, Tilt, Turn
 from pmjac_pin.modes.interval_tree import IntervalTree, Poses
-from pmjac_pin.modes.intervals import Intervals
 
 Array = NDArray[np.float64]
 Truth = NDArray[np.bool_]

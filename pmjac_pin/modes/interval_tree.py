@@ -14,9 +14,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.frames import Frame
 from pmjac_pin.linkage import edges_of
-from pmjac_pin.modes.intervals import Intervals
 
 Array = NDArray[np.float64]
 

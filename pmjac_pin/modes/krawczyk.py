@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.modes.interval_loops import IntervalLoops
-from pmjac_pin.modes.intervals import Intervals
 from pmjac_pin.partition import independent_rows
 
 Array = NDArray[np.float64]

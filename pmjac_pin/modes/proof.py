@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.checks import as_numbers
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.modes.box_domain import NoBoxesError
 from pmjac_pin.modes.box_problem import BoxProblem, box_problem, given_values, start
 from pmjac_pin.modes.branch_and_prune import Budget, branch_and_prune
-from pmjac_pin.modes.intervals import Intervals
 from pmjac_pin.modes.krawczyk import Enclosure, enclose
 from pmjac_pin.modes.touching import moved_near, together
 from pmjac_pin.motor_values import MotorValues, motor_values

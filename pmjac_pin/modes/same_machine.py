@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.frames import Frame, find_frame
+from pmjac_pin.kinematics.many import WorldPoses
 from pmjac_pin.loop_spec import JointLoop
 from pmjac_pin.modes.distinct import idle_motions
 from pmjac_pin.modes.drawings import Drawings
-from pmjac_pin.modes.many_poses import Poses
 from pmjac_pin.modes.search_problem import SearchProblem, search_problem, without_legs
 from pmjac_pin.parts import Parts
 
@@ -142,7 +142,7 @@ def _at_rest(
     return np.array([moves(place).max() <= limit for place in places]), *at_rest
 
 
-def _tool(parts: Parts, problem: SearchProblem, poses: Poses) -> Iterator[Array]:
+def _tool(parts: Parts, problem: SearchProblem, poses: WorldPoses) -> Iterator[Array]:
     tool = parts.spec.tool
     for name in tool.names:
         frame = find_frame(problem.model, name)
@@ -151,7 +151,7 @@ def _tool(parts: Parts, problem: SearchProblem, poses: Poses) -> Iterator[Array]
             yield (poses.rotations[frame.joint] @ frame.placement.rotation).reshape(-1, 9)
 
 
-def _loops(problem: SearchProblem, poses: Poses) -> Iterator[Array]:
+def _loops(problem: SearchProblem, poses: WorldPoses) -> Iterator[Array]:
     """Yield the points that loops join, and their axes as lines."""
     for loop in problem.closures:
         if isinstance(loop, JointLoop):
@@ -165,7 +165,7 @@ def _loops(problem: SearchProblem, poses: Poses) -> Iterator[Array]:
                 yield (line[:, :, None] * line[:, None, :]).reshape(-1, 9)
 
 
-def _motions(parts: Parts, problem: SearchProblem, poses: Poses) -> Iterator[Array]:
+def _motions(parts: Parts, problem: SearchProblem, poses: WorldPoses) -> Iterator[Array]:
     """Yield what motions each joint allows, as a projector: seen from either side it is one.
 
     Motors and geared joints have a sense, which counts.
@@ -183,6 +183,6 @@ def _motions(parts: Parts, problem: SearchProblem, poses: Poses) -> Iterator[Arr
         yield columns.reshape(len(columns), columns.shape[1] * columns.shape[2])
 
 
-def _point(problem: SearchProblem, poses: Poses, frame: Frame) -> Array:
+def _point(problem: SearchProblem, poses: WorldPoses, frame: Frame) -> Array:
     place = poses.rotations[frame.joint] @ frame.placement.translation
     return np.asarray((poses.positions[frame.joint] + place) / problem.length)

@@ -13,13 +13,12 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.coordinates import JointCoordinates
+from pmjac_pin.kinematics.loop_system import LoopSystem
+from pmjac_pin.kinematics.many import ManyLoops, ManyPoses
 from pmjac_pin.linkage import Edge, build, edges_of
 from pmjac_pin.loop_spec import DistanceLoop, Loop
-from pmjac_pin.loops import LoopSystem
 from pmjac_pin.modes.leg_reach import reached
 from pmjac_pin.modes.legs import Leg, find_legs, names_of
-from pmjac_pin.modes.many_loops import ManyLoops
-from pmjac_pin.modes.many_poses import ManyPoses
 from pmjac_pin.parts import Parts
 from pmjac_pin.scales import column_scale, row_scale
 

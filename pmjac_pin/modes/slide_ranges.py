@@ -19,10 +19,10 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.frames import Frame, find_frame
+from pmjac_pin.kinematics.loops import loop_blocks
+from pmjac_pin.kinematics.rows import Distance, Gap
 from pmjac_pin.linkage import Edge, edges_of
-from pmjac_pin.loop_rows import Distance, Gap
 from pmjac_pin.loop_spec import JointLoop
-from pmjac_pin.loops import loop_blocks
 from pmjac_pin.modes.search_problem import SearchProblem
 
 Array = NDArray[np.float64]

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
+from pmjac_pin.algebra.intervals import Intervals, hull
 from pmjac_pin.modes.box_domain import FULL_TURN
-from pmjac_pin.modes.intervals import Intervals, hull
 
 Array = NDArray[np.float64]
 Truth = NDArray[np.bool_]

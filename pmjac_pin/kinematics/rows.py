@@ -1,24 +1,30 @@
-"""Rows: what each kind of loop asks of the pose of its first frame, seen from its second.
+"""Rows: the elementary equations that loops consist of, each said over any number type.
 
-The pose (R, p) changes with the joint rates by ṗ = P v and Ṙ = [W v]ₓ R, both in the second
-frame's axes. A kind of loop is a few blocks of rows, each a residual and its derivative, exact
-on and off closure.
+`rows` takes the two frames of a loop, seen from a body that carries both, and returns η with its
+derivative; p₁ − p₂ and log R₁R₂ᵀ are in that body's axes. Where a number type has no roots, tilts
+and turns are polynomials that vanish at half a turn as well; `cosine` is what tells the two apart.
+
+Called with one pose that Pinocchio has computed, the same rows are evaluated fast. There the first
+frame is seen from the second: its pose (R, p) changes with the joint rates by ṗ = P v and
+Ṙ = [W v]ₓ R, in the second frame's axes.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from pmjac_pin.algebra.jets import Jet, Jets, half_skew
 from pmjac_pin.ties import first_smallest
 
 Array = NDArray[np.float64]
 
+HALF = np.array([[0.5]])
 HALF_A_TURN = 1e-12  # 1 + cos(angle) below which the direction of a tilt is lost
 
 
@@ -45,6 +51,33 @@ class Relative:
         return axis, -pin.skew(axis) @ np.asarray(self.turning)
 
 
+class Seen(Protocol):
+    """A frame seen from a body, with derivatives."""
+
+    def origin(self) -> Jet:
+        """Return p, components (3,)."""
+        ...
+
+    def carried(self, directions: Array) -> Jet:
+        """Return R d for each row d, components (3, m)."""
+        ...
+
+
+class Equations(NamedTuple):
+    """A block of rows over a number type.
+
+    Attributes
+    ----------
+    rows : Jet, components (m,)
+    cosine : Jet or None
+        Of the angle between what the rows want to coincide, without derivatives: 1 where they
+        vanish, −1 where they vanish by mistake. None where nothing can be mistaken.
+    """
+
+    rows: Jet
+    cosine: Jet | None = None
+
+
 class Rows(Protocol):
     """A block of rows of a loop's equations.
 
@@ -69,6 +102,10 @@ class Rows(Protocol):
         """Return the residual (rows,) and its derivative by the joint rates (rows, nv)."""
         ...
 
+    def equations(self, jets: Jets, one: Seen, other: Seen) -> Equations:
+        """Return the rows between two frames."""
+        ...
+
 
 @dataclass(frozen=True, slots=True)
 class Gap:
@@ -81,6 +118,10 @@ class Gap:
     def __call__(self, pose: Relative) -> tuple[Array, Array]:
         """Return p and P."""
         return pose.gap, pose.gap_rates
+
+    def equations(self, jets: Jets, one: Seen, other: Seen) -> Equations:
+        """Return p₁ − p₂."""
+        return Equations(one.origin() - other.origin())
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +136,11 @@ class Along:
     def __call__(self, pose: Relative) -> tuple[Array, Array]:
         """Return D p and D P."""
         return self.directions @ pose.gap, self.directions @ pose.gap_rates
+
+    def equations(self, jets: Jets, one: Seen, other: Seen) -> Equations:
+        """Return (R₂ d)·(p₁ − p₂) for each direction d."""
+        gap, carried = one.origin() - other.origin(), other.carried(self.directions)
+        return Equations(jets.dot(carried, gap[:, None]))
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +157,11 @@ class Distance:
         square = pose.gap @ pose.gap - self.length * self.length
         return np.array([square]), (2.0 * pose.gap @ pose.gap_rates)[None]
 
+    def equations(self, jets: Jets, one: Seen, other: Seen) -> Equations:
+        """Return |p₁ − p₂|² − length²."""
+        square = jets.squared(one.origin() - other.origin())
+        return Equations((square - jets.squared(jets.measured([self.length])))[None])
+
 
 @dataclass(frozen=True, slots=True)
 class Turn:
@@ -124,6 +175,16 @@ class Turn:
         """Return log R and J_log(R) Rᵀ W: Pinocchio's J_log takes the rate in R's own axes."""
         rotation = np.asarray(pose.rotation)
         return pin.log3(rotation), pin.Jlog3(rotation) @ rotation.T @ pose.turning
+
+    def equations(self, jets: Jets, one: Seen, other: Seen) -> Equations:
+        """Return log R₁R₂ᵀ, or ½ vee(R₁R₂ᵀ − R₂R₁ᵀ) of length sin α."""
+        axes, others = (jets.swapped(frame.carried(np.eye(3))) for frame in (one, other))
+        between = jets.dot(axes[:, :, None], others[:, None])
+        if jets.rooted:
+            return Equations(jets.rotation_vector(between))
+        still = between.still
+        twice = still[0, 0] + still[1, 1] + still[2, 2] - jets.constant(1.0)
+        return Equations(half_skew(jets, between), jets.times(HALF, twice[None])[0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,6 +211,33 @@ class Tilt:
         along = np.outer(aside, self.axis @ rates)
         return factor * aside, factor * (self.across @ rates) + slope * along
 
+    def equations(self, jets: Jets, one: Seen, other: Seen) -> Equations:
+        """Return tₖ·a / cos(α/2), or tₖ·a of length sin α."""
+        axis, carried = one.carried(self.axis[None]), other.carried(self._frame())
+        if not jets.rooted:
+            aside = jets.dot(carried[:, :2], axis)
+            return Equations(aside, jets.dot(carried.still[:, 2], axis.still[:, 0]))
+        whole = jets.dot(carried, axis)
+        aside, above = whole[:2], jets.constant(1.0) + whole[2]
+        chord = jets.of(_PerHalfCosine(), above) * aside
+        lost = above.value[0] < HALF_A_TURN
+        return Equations(jets.replaced(lost, chord, [2.0, 0.0]))
+
+    def _frame(self) -> Array:
+        return np.vstack([self.across, self.axis])
+
+
+class _PerHalfCosine:
+    """1 / cos(α/2) as a function of 1 + cos α, bounded at half a turn."""
+
+    def value(self, x: Array) -> Array:
+        """Return √(2/x)."""
+        return np.sqrt(2.0 / np.maximum(x, HALF_A_TURN))
+
+    def slope(self, x: Array) -> Array:
+        """Return −½ √(2/x) / x."""
+        return np.where(x < HALF_A_TURN, 0.0, -0.5 * self.value(x) / np.maximum(x, HALF_A_TURN))
+
 
 @dataclass(frozen=True, slots=True)
 class RightAngle:
@@ -165,6 +253,11 @@ class RightAngle:
         """Return b·R a and its derivative."""
         turned, rates = pose.axis(self.first)
         return np.array([self.second @ turned]), (self.second @ rates)[None]
+
+    def equations(self, jets: Jets, one: Seen, other: Seen) -> Equations:
+        """Return R₁a·R₂b."""
+        axis, normal = one.carried(self.first[None]), other.carried(self.second[None])
+        return Equations(jets.dot(axis, normal))
 
 
 def across(axis: Array) -> Array:

@@ -14,7 +14,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.jacobian import change_frame
-from pmjac_pin.loops import LoopSystem
+from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.tool import ToolKinematics
 from pmjac_pin.tool_rows import ToolRows
 

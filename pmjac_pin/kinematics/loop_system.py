@@ -20,29 +20,9 @@ from numpy.typing import NDArray
 from pmjac_pin.coupling import Coupling, couple
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.frames import find_frame, moving_columns
-from pmjac_pin.loop_rows import (
-    Along,
-    Distance,
-    Gap,
-    Relative,
-    RightAngle,
-    Rows,
-    Tilt,
-    Turn,
-    across,
-)
-from pmjac_pin.loop_spec import (
-    CylindricalLoop,
-    DistanceLoop,
-    FrameLoop,
-    JointLoop,
-    Loop,
-    LoopBetweenFrames,
-    PlanarLoop,
-    PrismaticLoop,
-    RevoluteLoop,
-    UniversalLoop,
-)
+from pmjac_pin.kinematics.loops import loop_blocks
+from pmjac_pin.kinematics.rows import Distance, Gap, Relative, Rows
+from pmjac_pin.loop_spec import JointLoop, Loop, LoopBetweenFrames
 
 Array = NDArray[np.float64]
 
@@ -231,33 +211,6 @@ class LoopSystem:
             turning = turning.reshape(6, -1)[3:]
             for rows in closure.vectors():
                 jacobian[rows] -= pin.skew(residual[rows]) @ turning
-
-
-def loop_blocks(loop: LoopBetweenFrames, values: Mapping[str, float]) -> list[Rows]:
-    """Return the blocks of rows that a loop between frames consists of."""
-    if isinstance(loop, DistanceLoop):
-        return [Distance(loop.resolved_length(values))]
-    return [_position(loop), *_orientation(loop)]
-
-
-def _position(loop: LoopBetweenFrames) -> Rows:
-    match loop:
-        case PrismaticLoop() | CylindricalLoop():
-            return Along(across(np.array(loop.axis)), ("across 1", "across 2"))
-        case PlanarLoop():
-            return Along(np.array([loop.axis]), ("height",))
-    return Gap()
-
-
-def _orientation(loop: LoopBetweenFrames) -> list[Rows]:
-    match loop:
-        case FrameLoop() | PrismaticLoop():
-            return [Turn()]
-        case RevoluteLoop() | CylindricalLoop() | PlanarLoop():
-            return [Tilt(np.array(loop.axis), across(np.array(loop.axis)))]
-        case UniversalLoop():
-            return [RightAngle(np.array(loop.axes[0]), np.array(loop.axes[1]))]
-    return []
 
 
 def _closure(

@@ -1,0 +1,58 @@
+"""Floats: NumPy's doubles, real or complex, over any number of poses at once."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
+
+from pmjac_pin.algebra import Function
+from pmjac_pin.algebra.arrays import Array, Arrays, Numbers
+
+
+class Floats(Arrays):
+    """Doubles.
+
+    Parameters
+    ----------
+    rooted : bool
+        Measure tilts and turns by their chords and angles, as Pinocchio does; only for real ones.
+
+    Examples
+    --------
+    >>> floats = Floats()
+    >>> x, y = floats.constant([1.0, 0.0, 0.0]), floats.constant([0.0, 1.0, 0.0])
+    >>> floats.cross(x, y).ravel().tolist()
+    [0.0, 0.0, 1.0]
+    """
+
+    __slots__ = ("rooted",)
+
+    def __init__(self, rooted: bool = True) -> None:
+        self.rooted = rooted
+
+    def of(self, function: Function, x: Numbers) -> Numbers:
+        """Return f(x)."""
+        return function.value(x)
+
+    def replaced(self, where: NDArray[np.bool_], x: Numbers, by: ArrayLike) -> Numbers:
+        """Return x, constant where poses are told."""
+        return np.where(where, self.constant(by), x)
+
+    def rotation_vector(self, rotation: Numbers) -> Numbers:
+        """Return log R."""
+        matrices = np.moveaxis(rotation, (0, 1), (-2, -1)).reshape(-1, 3, 3)
+        vectors: Array = Rotation.from_matrix(matrices).as_rotvec()
+        return vectors.T.reshape(3, *rotation.shape[2:])
+
+    def cos(self, x: Numbers) -> Numbers:
+        """Return cos x."""
+        return np.asarray(np.cos(x))
+
+    def sin(self, x: Numbers) -> Numbers:
+        """Return sin x."""
+        return np.asarray(np.sin(x))
+
+    def unit(self, x: Numbers) -> Numbers:
+        """Return x by its length, over the first components."""
+        return np.asarray(x / np.sqrt(self.squared(x)))

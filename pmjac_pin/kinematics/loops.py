@@ -1,0 +1,156 @@
+"""Loops: which rows each kind of loop has, and all rows of a mechanism over any number type."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import assert_never
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from pmjac_pin.algebra.jets import Jets
+from pmjac_pin.coupling import Coupling, couple
+from pmjac_pin.frames import Frame, find_frame
+from pmjac_pin.kinematics.places import Place
+from pmjac_pin.kinematics.rows import (
+    Along,
+    Distance,
+    Equations,
+    Gap,
+    RightAngle,
+    Rows,
+    Tilt,
+    Turn,
+    across,
+)
+from pmjac_pin.kinematics.tree import Poses, Tree
+from pmjac_pin.loop_spec import (
+    CylindricalLoop,
+    DistanceLoop,
+    FrameLoop,
+    JointLoop,
+    Loop,
+    LoopBetweenFrames,
+    PlanarLoop,
+    PointLoop,
+    PrismaticLoop,
+    RevoluteLoop,
+    SphericalLoop,
+    UniversalLoop,
+)
+
+Array = NDArray[np.float64]
+
+
+def loop_blocks(loop: LoopBetweenFrames, values: Mapping[str, float]) -> list[Rows]:
+    """Return the blocks of rows that a loop between frames consists of."""
+    return [*_position(loop, values), *_orientation(loop)]
+
+
+def _position(loop: LoopBetweenFrames, values: Mapping[str, float]) -> list[Rows]:
+    match loop:
+        case DistanceLoop():
+            return [Distance(loop.resolved_length(values))]
+        case PointLoop() | SphericalLoop() | FrameLoop() | RevoluteLoop() | UniversalLoop():
+            return [Gap()]
+        case PrismaticLoop() | CylindricalLoop():
+            return [Along(across(np.array(loop.axis)), ("across 1", "across 2"))]
+        case PlanarLoop():
+            return [Along(np.array([loop.axis]), ("height",))]
+    assert_never(loop)
+
+
+def _orientation(loop: LoopBetweenFrames) -> list[Rows]:
+    match loop:
+        case PointLoop() | SphericalLoop() | DistanceLoop():
+            return []
+        case FrameLoop() | PrismaticLoop():
+            return [Turn()]
+        case RevoluteLoop() | CylindricalLoop() | PlanarLoop():
+            return [Tilt(np.array(loop.axis), across(np.array(loop.axis)))]
+        case UniversalLoop():
+            return [RightAngle(np.array(loop.axes[0]), np.array(loop.axes[1]))]
+    assert_never(loop)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pair:
+    """Two frames of the tree and the rows between them.
+
+    Attributes
+    ----------
+    first, second : Frame
+    base : int
+        The last body that carries both: the rows are seen from it.
+    ways : tuple of two tuples of Place
+        What leads to each frame.
+    blocks : tuple of (slice, Rows)
+        And which of all rows they are.
+    """
+
+    first: Frame
+    second: Frame
+    base: int
+    ways: tuple[tuple[Place, ...], tuple[Place, ...]]
+    blocks: tuple[tuple[slice, Rows], ...]
+
+
+class Loops:
+    """The loops of a model as functions of numbers, their rows in the order of the loops.
+
+    Attributes
+    ----------
+    tree : Tree
+    count : int
+        Of all rows.
+    pairs : tuple of Pair
+    couplings : mapping of int to Coupling
+        The geared joints, by their row.
+    """
+
+    __slots__ = ("count", "couplings", "pairs", "tree")
+
+    def __init__(
+        self, model: pin.Model, tree: Tree, loops: Sequence[Loop], values: Mapping[str, float]
+    ) -> None:
+        self.tree, self.count = tree, 0
+        self.couplings: dict[int, Coupling] = {}
+        pairs = []
+        for loop in loops:
+            if isinstance(loop, JointLoop):
+                self.couplings[self.count] = couple(model, loop)
+                self.count += 1
+            else:
+                pairs.append(self._pair(model, loop, values))
+        self.pairs = tuple(pairs)
+
+    def _pair(self, model: pin.Model, loop: LoopBetweenFrames, values: Mapping[str, float]) -> Pair:
+        first, second = (find_frame(model, name) for name in loop.frames)
+        base, blocks = self.tree.base(first, second), []
+        for block in loop_blocks(loop, values):
+            blocks.append((slice(self.count, self.count + len(block.names)), block))
+            self.count += len(block.names)
+        ways = (self.tree.way(base, first), self.tree.way(base, second))
+        return Pair(first, second, base, ways, tuple(blocks))
+
+
+def by_twists(pair: Pair, poses: Poses) -> list[Equations]:
+    """Return a pair's blocks with derivatives by all freedoms that move its frames apart."""
+    one, other = (
+        poses.twisted(pair.base, frame.joint, way)
+        for frame, way in zip((pair.first, pair.second), pair.ways, strict=True)
+    )
+    jets = Jets(poses.algebra)
+    return [block.equations(jets, one, other) for _, block in pair.blocks]
+
+
+def riding(pair: Pair, poses: Poses) -> list[Equations]:
+    """Return a pair's blocks with derivatives by the freedoms that ride on the poses."""
+    one, other = (
+        poses.riding(pair.base, frame.joint, way)
+        for frame, way in zip((pair.first, pair.second), pair.ways, strict=True)
+    )
+    jets = Jets(poses.algebra)
+    return [block.equations(jets, one, other) for _, block in pair.blocks]

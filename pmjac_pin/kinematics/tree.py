@@ -1,0 +1,311 @@
+"""Tree: poses of bodies and motions of freedoms, over any number type.
+
+Everything is seen from a base, a body that carries what is asked for or the world: what moves
+the base moves nothing here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from pmjac_pin.algebra import Algebra, Number
+from pmjac_pin.algebra.jets import Columns, Jet
+from pmjac_pin.frames import Frame
+from pmjac_pin.kinematics.joints import JOINT_KINDS, JointKind, Motion, rotation_of
+from pmjac_pin.kinematics.places import Place, Pose, standing, steps, through
+from pmjac_pin.linkage import Edge, edges_of
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Link:
+    """A joint and the body behind it.
+
+    Attributes
+    ----------
+    edge : Edge
+    kind : JointKind
+    entries : slice
+        Of q.
+    column : int
+        Of its first freedom in v.
+    from_base, from_parent : tuple of Place
+        What leads to its motion: from its parent's frame, and from that body's own moved one.
+    after : tuple of Place
+        What leads from its moved frame to its body's.
+    """
+
+    edge: Edge
+    kind: JointKind
+    entries: slice
+    column: int
+    from_base: tuple[Place, ...]
+    from_parent: tuple[Place, ...]
+    after: tuple[Place, ...]
+
+
+class Freedom(NamedTuple):
+    """How one freedom moves what it carries: it turns about `axis` at `origin`, or slides along it.
+
+    Attributes
+    ----------
+    column : int
+    axis : number, (3, 1, b)
+    origin : number, or None
+        None where it slides.
+    pitch : float
+        Of a screw, m/rad.
+    """
+
+    column: int
+    axis: Number
+    origin: Number
+    pitch: float
+
+
+class Tree:
+    """The joints of a model.
+
+    Attributes
+    ----------
+    links : mapping of int to Link
+        By Pinocchio's index of the joint, which is that of its body.
+    """
+
+    __slots__ = ("_supports", "links")
+
+    def __init__(self, model: pin.Model) -> None:
+        edges = {edge.child: edge for edge in edges_of(model).values()}
+        self._supports: list[tuple[int, ...]] = [tuple(support) for support in model.supports]
+        self.links: dict[int, Link] = {}
+        for joint in list(model.joints)[1:]:
+            edge = edges[joint.id]
+            parent = edges.get(edge.parent)
+            self.links[joint.id] = Link(
+                edge=edge,
+                kind=JOINT_KINDS[edge.kind],
+                entries=slice(joint.idx_q, joint.idx_q + joint.nq),
+                column=joint.idx_v,
+                from_base=steps(edge.before),
+                from_parent=steps(parent.after, edge.before) if parent else (),
+                after=steps(edge.after),
+            )
+
+    def base(self, *frames: Frame) -> int:
+        """Return the last body that carries all of these frames; 0 for the world."""
+        first, *others = (self._supports[frame.joint] for frame in frames)
+        return max(body for body in first if all(body in other for other in others))
+
+    def chain(self, base: int, body: int) -> list[Link]:
+        """Return the joints between a base and a body, the nearest to the base first."""
+        support = self._supports[body]
+        return [self.links[joint] for joint in support[support.index(base) + 1 :]]
+
+    def way(self, base: int, frame: Frame) -> tuple[Place, ...]:
+        """Return what leads to a frame from its body's moved frame, or from the base."""
+        if frame.joint == base:
+            return steps(frame.placement)
+        return steps(self.links[frame.joint].edge.after, frame.placement)
+
+
+class Poses:
+    """Where bodies are at some numbers.
+
+    Parameters
+    ----------
+    tree : Tree
+    algebra : Algebra
+    motion : callable
+        Link ↦ how it moves.
+    riding : collection of int
+        Columns whose derivatives go through the same products as the poses.
+    """
+
+    __slots__ = ("_bodies", "_freedoms", "_motion", "_motions", "_riding", "algebra", "tree")
+
+    def __init__(
+        self,
+        tree: Tree,
+        algebra: Algebra,
+        motion: Callable[[Link], Motion],
+        riding: Collection[int] = (),
+    ) -> None:
+        self.tree, self.algebra = tree, algebra
+        self._motion, self._riding = motion, frozenset(riding)
+        self._motions: dict[int, Motion] = {}
+        self._bodies: dict[tuple[int, int], tuple[Pose, Columns]] = {}
+        self._freedoms: dict[tuple[int, int], list[Freedom]] = {}
+
+    def body(self, base: int, body: int) -> tuple[Pose, Columns]:
+        """Return a body's frame behind its joint's motion, and the freedoms whose rates ride."""
+        key = (base, body)
+        if key not in self._bodies:
+            self._bodies[key] = self._body(base, body)
+        return self._bodies[key]
+
+    def riding(self, base: int, body: int, way: Sequence[Place]) -> Riding:
+        """Return a frame of a body, `Tree.way` leading to it, with derivatives that ride along."""
+        pose, columns = self.body(base, body)
+        return Riding(self.algebra, through(self.algebra, pose, way), columns)
+
+    def twisted(self, base: int, body: int, way: Sequence[Place]) -> Twisted:
+        """Return a frame of a body with its derivatives by all freedoms between it and the base."""
+        pose, _ = self.body(base, body)
+        pose = through(self.algebra, pose, way)
+        return Twisted(self.algebra, pose, self.freedoms(base, body))
+
+    def freedoms(self, base: int, body: int) -> list[Freedom]:
+        """Return what the freedoms between a base and a body move it by."""
+        if body == base:
+            return []
+        key = (base, body)
+        if key not in self._freedoms:
+            above = self.freedoms(base, self.tree.links[body].edge.parent)
+            self._freedoms[key] = above + self.own_freedoms(base, body)
+        return self._freedoms[key]
+
+    def own_freedoms(self, base: int, body: int) -> list[Freedom]:
+        """Return what the freedoms of a body's own joint move it by."""
+        (pose, _), link = self.body(base, body), self.tree.links[body]
+        kind, slides, column = link.kind, link.kind.slides, link.column
+        return [
+            *(
+                Freedom(column + k, pose[axis], None, 0.0)
+                for k, axis in enumerate(kind.along[:slides])
+            ),
+            *(
+                Freedom(column + slides + k, pose[axis], pose.p, link.edge.pitch)
+                for k, axis in enumerate(kind.about)
+            ),
+        ]
+
+    def _body(self, base: int, body: int) -> tuple[Pose, Columns]:
+        if body == base:
+            return standing(self.algebra), ()
+        link = self.tree.links[body]
+        parent = link.edge.parent
+        pose, columns = self.body(base, parent)
+        places = link.from_base if parent == base else link.from_parent
+        if body not in self._motions:
+            self._motions[body] = self._motion(link)
+        pose = through(self.algebra, pose, places)
+        pose = moved(self.algebra, pose, link.kind, self._motions[body])
+        own = [k for k in range(link.kind.nv) if link.column + k in self._riding]
+        if not own:
+            return pose, columns
+        return (
+            _with_rates(self.algebra, pose, link, own),
+            (*columns, *(link.column + k for k in own)),
+        )
+
+
+def moved(algebra: Algebra, pose: Pose, kind: JointKind, motion: Motion) -> Pose:
+    """Return pose · M, M the motion of a joint."""
+    x, y, z, p = pose
+    for axis, slide in zip(kind.along, motion.slides, strict=True):
+        p = p + pose[axis] * slide
+    if len(motion.turn) == 2:
+        c, s = motion.turn
+        x, y = x * c + y * s, y * c - x * s
+    elif motion.turn:
+        columns = zip(*rotation_of(algebra, motion.turn), strict=True)
+        x, y, z = (x * a + y * b + z * c for a, b, c in columns)
+    return Pose(x, y, z, p)
+
+
+def _with_rates(algebra: Algebra, pose: Pose, link: Link, own: Sequence[int]) -> Pose:
+    """Return a pose with the derivatives X ξ^ by some of its joint's own freedoms."""
+    here = Pose(*(column[..., :1, :] for column in pose))
+    nothing = algebra.constant(np.zeros(3))
+    rates = [_own_rates(algebra, here, link, k) for k in own]
+    columns = (
+        algebra.join([column, *(rate.get(k, nothing) for rate in rates)])
+        for k, column in enumerate(pose)
+    )
+    return Pose(*columns)
+
+
+def _own_rates(algebra: Algebra, pose: Pose, link: Link, freedom: int) -> Mapping[int, Number]:
+    """Return the columns of X ξ^ that are not zero."""
+    kind = link.kind
+    if freedom < kind.slides:
+        return {3: pose[kind.along[freedom]]}
+    axis = kind.about[freedom - kind.slides]
+    j, k = (axis + 1) % 3, (axis + 2) % 3
+    rates = {j: pose[k], k: -pose[j]}
+    if kind.screw:
+        rates[3] = algebra.times(link.edge.pitch * np.eye(3), pose[axis])
+    return rates
+
+
+class Riding:
+    """A frame whose derivatives ride along: its axes and origin as jets."""
+
+    __slots__ = ("_algebra", "_columns", "_pose")
+
+    def __init__(self, algebra: Algebra, pose: Pose, columns: Columns) -> None:
+        self._algebra, self._pose, self._columns = algebra, pose, columns
+
+    def origin(self) -> Jet:
+        """Return p."""
+        return self._split(self._pose.p)
+
+    def carried(self, directions: Array) -> Jet:
+        """Return R d for each row d, components (3, m)."""
+        algebra = self._algebra
+        whole = algebra.times(directions, algebra.stack(self._pose[:3]))
+        return self._split(algebra.swapped(whole))
+
+    def _split(self, whole: Number) -> Jet:
+        if not self._columns:
+            return Jet(self._algebra, whole, None, ())
+        return Jet(self._algebra, whole[..., :1, :], whole[..., 1:, :], self._columns)
+
+
+class Twisted:
+    """A frame that freedoms move by twists: its axes and origin as jets."""
+
+    __slots__ = ("_algebra", "_pose", "_sliding", "_turning", "_turns")
+
+    def __init__(self, algebra: Algebra, pose: Pose, freedoms: Sequence[Freedom]) -> None:
+        self._algebra, self._pose = algebra, pose
+        self._turns = [one for one in freedoms if one.origin is not None]
+        self._sliding = [one for one in freedoms if one.origin is None]
+        self._turning: Number = None
+        if self._turns:
+            self._turning = algebra.join([one.axis for one in self._turns])
+
+    def origin(self) -> Jet:
+        """Return p, moved by v = ω × (p − o)."""
+        parts = [one.axis for one in self._sliding]
+        if self._turns:
+            parts.insert(0, self._velocity())
+        columns = tuple(one.column for one in (*self._turns, *self._sliding))
+        return Jet(
+            self._algebra, self._pose.p, self._algebra.join(parts) if parts else None, columns
+        )
+
+    def carried(self, directions: Array) -> Jet:
+        """Return R d for each row d, components (3, m), moved by ω × R d."""
+        algebra = self._algebra
+        axes = algebra.swapped(algebra.times(directions, algebra.stack(self._pose[:3])))
+        if not self._turns:
+            return Jet(algebra, axes, None, ())
+        rates = algebra.cross(self._turning[:, None], axes)
+        return Jet(algebra, axes, rates, tuple(one.column for one in self._turns))
+
+    def _velocity(self) -> Number:
+        algebra = self._algebra
+        arms = algebra.join([self._pose.p - one.origin for one in self._turns])
+        velocity = algebra.cross(self._turning, arms)
+        if not any(one.pitch for one in self._turns):
+            return velocity
+        screws = [algebra.times(one.pitch * np.eye(3), one.axis) for one in self._turns]
+        return velocity + algebra.join(screws)
