@@ -194,7 +194,7 @@ class Jets:
         """Return a jet's rates by more freedoms than it depends on."""
         if jet.columns == columns:
             return jet.rates
-        nothing = jet.value - jet.value
+        nothing = self.base.constant(np.zeros(jet.value.shape[:-2]))
         parts = [
             jet.rates[..., [jet.columns.index(column)], :] if column in jet.columns else nothing
             for column in columns

@@ -38,10 +38,15 @@ class Motion(NamedTuple):
 
 
 class Waves(Algebra, Protocol):
-    """An algebra with the functions that q needs."""
+    """An algebra that knows the motion of an angle."""
 
     def cos(self, x: Number) -> Number: ...  # noqa: D102
     def sin(self, x: Number) -> Number: ...  # noqa: D102
+
+
+class Entries(Waves, Protocol):
+    """An algebra that knows the motion of all that q may hold."""
+
     def unit(self, x: Number) -> Number: ...  # noqa: D102
 
 
@@ -86,7 +91,7 @@ class JointKind:
         """The number of entries in q."""
         return self.slides + {0: 0, 1: 1 if self.angle else 2, 3: 4}[self.turns]
 
-    def motion(self, algebra: Waves, entries: Number, pitch: float = 0.0) -> Motion:
+    def motion(self, algebra: Entries, entries: Number, pitch: float = 0.0) -> Motion:
         """Return the motion at entries of q, their components."""
         slides = tuple(entries[k] for k in range(self.slides))
         if not self.turns:

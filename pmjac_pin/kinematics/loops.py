@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from pmjac_pin.algebra.jets import Jets
 from pmjac_pin.coupling import Coupling, couple
 from pmjac_pin.frames import Frame, find_frame
-from pmjac_pin.kinematics.places import Place
 from pmjac_pin.kinematics.rows import (
     Along,
     Distance,
@@ -84,8 +83,6 @@ class Pair:
     first, second : Frame
     base : int
         The last body that carries both: the rows are seen from it.
-    ways : tuple of two tuples of Place
-        What leads to each frame.
     blocks : tuple of (slice, Rows)
         And which of all rows they are.
     """
@@ -93,7 +90,6 @@ class Pair:
     first: Frame
     second: Frame
     base: int
-    ways: tuple[tuple[Place, ...], tuple[Place, ...]]
     blocks: tuple[tuple[slice, Rows], ...]
 
 
@@ -117,40 +113,43 @@ class Loops:
     ) -> None:
         self.tree, self.count = tree, 0
         self.couplings: dict[int, Coupling] = {}
-        pairs = []
+        pairs: list[Pair] = []
         for loop in loops:
             if isinstance(loop, JointLoop):
                 self.couplings[self.count] = couple(model, loop)
                 self.count += 1
             else:
-                pairs.append(self._pair(model, loop, values))
+                pairs.append(pair_of(model, tree, loop, values, self.count))
+                self.count = pairs[-1].blocks[-1][0].stop
         self.pairs = tuple(pairs)
 
-    def _pair(self, model: pin.Model, loop: LoopBetweenFrames, values: Mapping[str, float]) -> Pair:
-        first, second = (find_frame(model, name) for name in loop.frames)
-        base, blocks = self.tree.base(first, second), []
-        for block in loop_blocks(loop, values):
-            blocks.append((slice(self.count, self.count + len(block.names)), block))
-            self.count += len(block.names)
-        ways = (self.tree.way(base, first), self.tree.way(base, second))
-        return Pair(first, second, base, ways, tuple(blocks))
+
+def pair_of(
+    model: pin.Model,
+    tree: Tree,
+    loop: LoopBetweenFrames,
+    values: Mapping[str, float],
+    start: int = 0,
+) -> Pair:
+    """Return a loop's frames and rows, numbered from `start`."""
+    first, second = (find_frame(model, name) for name in loop.frames)
+    blocks = []
+    for block in loop_blocks(loop, values):
+        rows = slice(start, start + len(block.names))
+        blocks.append((rows, block))
+        start = rows.stop
+    return Pair(first, second, tree.base(first, second), tuple(blocks))
 
 
 def by_twists(pair: Pair, poses: Poses) -> list[Equations]:
     """Return a pair's blocks with derivatives by all freedoms that move its frames apart."""
-    one, other = (
-        poses.twisted(pair.base, frame.joint, way)
-        for frame, way in zip((pair.first, pair.second), pair.ways, strict=True)
-    )
+    one, other = (poses.twisted(pair.base, frame) for frame in (pair.first, pair.second))
     jets = Jets(poses.algebra)
     return [block.equations(jets, one, other) for _, block in pair.blocks]
 
 
 def riding(pair: Pair, poses: Poses) -> list[Equations]:
     """Return a pair's blocks with derivatives by the freedoms that ride on the poses."""
-    one, other = (
-        poses.riding(pair.base, frame.joint, way)
-        for frame, way in zip((pair.first, pair.second), pair.ways, strict=True)
-    )
+    one, other = (poses.riding(pair.base, frame) for frame in (pair.first, pair.second))
     jets = Jets(poses.algebra)
     return [block.equations(jets, one, other) for _, block in pair.blocks]

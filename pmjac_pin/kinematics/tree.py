@@ -79,12 +79,13 @@ class Tree:
         By Pinocchio's index of the joint, which is that of its body.
     """
 
-    __slots__ = ("_supports", "links")
+    __slots__ = ("_supports", "_ways", "links")
 
     def __init__(self, model: pin.Model) -> None:
         edges = {edge.child: edge for edge in edges_of(model).values()}
         self._supports: list[tuple[int, ...]] = [tuple(support) for support in model.supports]
         self.links: dict[int, Link] = {}
+        self._ways: dict[tuple[bool, int], tuple[Place, ...]] = {}
         for joint in list(model.joints)[1:]:
             edge = edges[joint.id]
             parent = edges.get(edge.parent)
@@ -110,9 +111,11 @@ class Tree:
 
     def way(self, base: int, frame: Frame) -> tuple[Place, ...]:
         """Return what leads to a frame from its body's moved frame, or from the base."""
-        if frame.joint == base:
-            return steps(frame.placement)
-        return steps(self.links[frame.joint].edge.after, frame.placement)
+        key = (frame.joint == base, frame.index)
+        if key not in self._ways:
+            after = () if frame.joint == base else (self.links[frame.joint].edge.after,)
+            self._ways[key] = steps(*after, frame.placement)
+        return self._ways[key]
 
 
 class Poses:
@@ -150,16 +153,17 @@ class Poses:
             self._bodies[key] = self._body(base, body)
         return self._bodies[key]
 
-    def riding(self, base: int, body: int, way: Sequence[Place]) -> Riding:
-        """Return a frame of a body, `Tree.way` leading to it, with derivatives that ride along."""
-        pose, columns = self.body(base, body)
+    def riding(self, base: int, frame: Frame) -> Riding:
+        """Return a frame, with derivatives that ride along."""
+        pose, columns = self.body(base, frame.joint)
+        way = self.tree.way(base, frame)
         return Riding(self.algebra, through(self.algebra, pose, way), columns)
 
-    def twisted(self, base: int, body: int, way: Sequence[Place]) -> Twisted:
-        """Return a frame of a body with its derivatives by all freedoms between it and the base."""
-        pose, _ = self.body(base, body)
-        pose = through(self.algebra, pose, way)
-        return Twisted(self.algebra, pose, self.freedoms(base, body))
+    def twisted(self, base: int, frame: Frame) -> Twisted:
+        """Return a frame, with derivatives by all freedoms between it and the base."""
+        pose, _ = self.body(base, frame.joint)
+        pose = through(self.algebra, pose, self.tree.way(base, frame))
+        return Twisted(self.algebra, pose, self.freedoms(base, frame.joint))
 
     def freedoms(self, base: int, body: int) -> list[Freedom]:
         """Return what the freedoms between a base and a body move it by."""

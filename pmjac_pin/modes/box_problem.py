@@ -10,11 +10,11 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.algebra.intervals import Intervals
-from pmjac_pin.frames import Frame, find_frame
-from pmjac_pin.kinematics.loops import loop_blocks
-from pmjac_pin.kinematics.rows import Rows
+from pmjac_pin.frames import Frame
+from pmjac_pin.kinematics.loops import pair_of
+from pmjac_pin.kinematics.tree import Tree
 from pmjac_pin.linkage import Edge, edges_of
-from pmjac_pin.loop_spec import JointLoop, Loop
+from pmjac_pin.loop_spec import JointLoop
 from pmjac_pin.modes.box_domain import NoBoxesError, box_domain
 from pmjac_pin.modes.floating_body import (
     FloatingInPlane,
@@ -91,16 +91,16 @@ def box_problem(parts: Parts, motors: Mapping[str, float], limits: bool) -> BoxP
     if not partition.passive.size:
         raise NoBoxesError("no joint is passive: the motors alone have to close the loops")
     several = [edge for edge in edges.values() if edge.kind not in _ONE]
-    rows, floating = _rows(parts, edges, several)
     names = tuple(
         name for name, edge in edges.items() if name not in motors and edge not in several
     )
     tree = IntervalTree(parts.model, names, motors)
+    rows, floating = _rows(parts, tree.tree, edges, several)
     domain, endless = box_domain(parts, motors, [edges[name] for name in names], rows, limits)
     slides = np.array([edges[name].kind == "prismatic" for name in names], dtype=bool)
     return BoxProblem(
         names=names,
-        loops=IntervalLoops(tree, rows, len(names)),
+        loops=IntervalLoops(tree, rows),
         domain=domain,
         endless=endless,
         scale=np.where(slides, partition.length, 1.0),
@@ -109,7 +109,7 @@ def box_problem(parts: Parts, motors: Mapping[str, float], limits: bool) -> BoxP
 
 
 def _rows(
-    parts: Parts, edges: Mapping[str, Edge], several: Sequence[Edge]
+    parts: Parts, tree: Tree, edges: Mapping[str, Edge], several: Sequence[Edge]
 ) -> tuple[list[BoxRows], tuple[Floating, ...]]:
     """Return all rows, and the floating joints that are no longer in them."""
     closed, length = parts.problem.tolerance, parts.problem.partition.length
@@ -117,7 +117,11 @@ def _rows(
     bodies = {edge.child: edge for edge in several}
     holds: dict[int, list[Held]] = {body: [] for body in bodies}
     for loop in parts.spec.loops:
-        first, second, blocks = _loop(parts, loop)
+        if isinstance(loop, JointLoop):
+            raise NoBoxesError(f"joints {loop.joints[0]!r} and {loop.joints[1]!r} are geared")
+        pair = pair_of(parts.model, tree, loop, parts.values)
+        blocks = [block for _, block in pair.blocks]
+        first, second = pair.first, pair.second
         if first.joint in bodies or second.joint in bodies:
             turned = second.joint in bodies
             own, other = (second, first) if turned else (first, second)
@@ -126,10 +130,10 @@ def _rows(
                 raise NoBoxesError(_not_at_points(bodies[own.joint]))
             holds[own.joint].append(hold)
             continue
-        for block in blocks:
-            label = "-".join(loop.ends)
-            names = tuple(f"{label} {row}" for row in block.names)
-            rows.append(PairRows(first, second, block, names, tolerances(block, closed, length)))
+        label = "-".join(loop.ends)
+        names = tuple(f"{label} {row}" for block in blocks for row in block.names)
+        sizes = tuple(size for block in blocks for size in tolerances(block, closed, length))
+        rows.append(PairRows(pair, names, sizes))
     floating = []
     for body, edge in bodies.items():
         plane = Frame(-1 - body, edge.parent, edge.before) if edge.kind == "planar" else None
@@ -149,13 +153,6 @@ def _held_rows(
     if plane is not None:
         return FloatingInPlane.of(edge, plane, holds, closed, tilted)
     return FloatingTriangle.of(edge, holds, closed) if edge.kind == "free" else None
-
-
-def _loop(parts: Parts, loop: Loop) -> tuple[Frame, Frame, list[Rows]]:
-    if isinstance(loop, JointLoop):
-        raise NoBoxesError(f"joints {loop.joints[0]!r} and {loop.joints[1]!r} are geared")
-    first, second = (find_frame(parts.model, name) for name in loop.frames)
-    return first, second, loop_blocks(loop, parts.values)
 
 
 def _not_at_points(edge: Edge) -> str:

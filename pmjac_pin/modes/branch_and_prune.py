@@ -85,7 +85,7 @@ def branch_and_prune(
         small.append(box[done])
         old, box, slope, widths = old[~done], box[~done], slope[~done], widths[~done]
         moved = widths.max(axis=1) <= _PROGRESS * (old.width / scale).max(axis=1)
-        waiting = Intervals.join([waiting, box[moved], _halves(box[~moved], slope[~moved])])
+        waiting = Intervals.join([waiting, box[moved], _halves(box[~moved], slope[~moved], scale)])
     return Pruned(Intervals.join(small), waiting, boxes)
 
 
@@ -135,10 +135,16 @@ def _narrowed(box: Intervals, middle: Array, rows: Intervals, at_middle: Interva
     return (Intervals.exact(middle) + Intervals(lower, upper)).meet(box)
 
 
-def _halves(box: Intervals, slope: Array) -> Intervals:
-    """Return each box cut in two across the unknown that the rows feel most."""
+def _halves(box: Intervals, slope: Array, scale: Array) -> Intervals:
+    """Return each box cut in two across the unknown that the rows feel most.
+
+    A row that cannot change by as much as its tolerance feels, by half, how wide each unknown is.
+    """
+    width = box.width / scale
+    width *= 0.5 / (width.sum(axis=1, keepdims=True) + 1e-300)
     felt = slope * box.width[:, None, :]
-    share = (felt / (felt.sum(axis=2, keepdims=True) + 1e-300)).sum(axis=1)
+    whole = felt.sum(axis=2, keepdims=True) + 1.0
+    share = ((felt + width[:, None, :]) / whole).sum(axis=1)
     share = np.where(box.width > 0.0, share, -1.0)
     rows, column = np.arange(len(box.lower)), share.argmax(axis=1)
     cut = box.middle[rows, column]

@@ -21,25 +21,21 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from pmjac_pin.algebra.boxes import Boxes
 from pmjac_pin.algebra.intervals import Intervals
+from pmjac_pin.algebra.jets import Jet, Jets
 from pmjac_pin.frames import Frame
 from pmjac_pin.kinematics.rows import Gap, Rows, Tilt
+from pmjac_pin.kinematics.tree import Poses
 from pmjac_pin.linkage import Edge
-from pmjac_pin.modes.interval_loops import (
-    Truth,
-    axis,
-    constant,
-    dot,
-    point,
-    side_by_side,
-    squared,
-)
-from pmjac_pin.modes.interval_tree import Poses
+from pmjac_pin.modes.interval_loops import Truth, ahead
 
 Array = NDArray[np.float64]
 
 _FLAT = 1e-6  # of the longest side: three points less apart than this are in line
 _SLACK = 1.01  # for the rounding of tolerances
+_BOXES = Boxes()
+_JETS = Jets(_BOXES)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,11 +88,6 @@ class FloatingTriangle:
         return cls(tuple(holds), tuple(side.square().sum(0) for side in sides), closed)
 
     @property
-    def frames(self) -> tuple[Frame, ...]:
-        """What holds the body."""
-        return tuple(hold.other for hold in self.holds)
-
-    @property
     def names(self) -> tuple[str, ...]:
         """One for each pair of points."""
         return tuple(f"{self.holds[i].name}-{self.holds[j].name} distance²" for i, j in _PAIRS)
@@ -114,14 +105,14 @@ class FloatingTriangle:
             for (i, j), square in zip(_PAIRS, self.squares, strict=True)
         )
 
-    def __call__(self, poses: Poses) -> tuple[Intervals, Truth | None]:
+    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Truth]]:
         """Return |Pᵢ − Pⱼ|² − Lᵢⱼ²."""
-        points = [point(poses[hold.other.index]) for hold in self.holds]
-        rows = []
-        for (i, j), square in zip(_PAIRS, self.squares, strict=True):
-            apart = points[j] - points[i]
-            rows.append(squared(apart) - constant(square, apart))
-        return side_by_side(rows), None
+        points = [poses.riding(0, hold.other).origin() for hold in self.holds]
+        rows = [
+            _JETS.squared(points[j] - points[i]) - _held(square)
+            for (i, j), square in zip(_PAIRS, self.squares, strict=True)
+        ]
+        return [_JETS.stack(rows)], []
 
 
 _PAIRS = ((0, 1), (1, 2), (2, 0))
@@ -186,11 +177,6 @@ class FloatingInPlane:
         )
 
     @property
-    def frames(self) -> tuple[Frame, ...]:
-        """The plane's, and what holds the body."""
-        return (self.plane, *(hold.other for hold in self.holds))
-
-    @property
     def names(self) -> tuple[str, ...]:
         """One for each row."""
         labels = [hold.name for hold in self.holds]
@@ -217,28 +203,33 @@ class FloatingInPlane:
         rise = float((self.heights[1] - self.heights[0]).magnitude)
         return ((first.other, second.other, _longest(self.square) + rise),)
 
-    def __call__(self, poses: Poses) -> tuple[Intervals, Truth | None]:
+    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Truth]]:
         """Return the rows."""
-        plane = poses[self.plane.index]
-        x, y, z = (plane[..., k] for k in range(3))
-        others = [poses[hold.other.index] for hold in self.holds]
-        away = [point(other) - point(others[0]) for other in others]
-        flat = [(dot(x, vector), dot(y, vector)) for vector in away]
-        side_x, side_y = flat[1]
-        rows = [squared(side_by_side(flat[1])) - constant(self.square, away[1])]
-        for (along, across), (there_x, there_y) in zip(self.shares, flat[2:], strict=True):
-            rows.append(there_x - side_x * along + side_y * across)
-            rows.append(there_y - side_y * along - side_x * across)
-        for other, height in zip(others, self.heights, strict=True):
-            above = point(other) - point(plane)
-            rows.append(dot(z, above) - constant(height, above))
+        plane = poses.riding(0, self.plane)
+        axes, middle = plane.carried(np.eye(3)), plane.origin()
+        others = [poses.riding(0, hold.other) for hold in self.holds]
+        points = [other.origin() for other in others]
+        flat = [_JETS.dot(axes[:, :2], (point - points[0])[:, None]) for point in points]
+        side_x, side_y = flat[1][0], flat[1][1]
+        rows = [_JETS.squared(flat[1]) - _held(self.square)]
+        for (along, across), there in zip(self.shares, flat[2:], strict=True):
+            share, part = _held(along), _held(across)
+            rows.append(there[0] - side_x * share + side_y * part)
+            rows.append(there[1] - side_y * share - side_x * part)
+        for point, height in zip(points, self.heights, strict=True):
+            rows.append(_JETS.dot(axes[:, 2], point - middle) - _held(height))
         up: list[Truth] = []
         for hold, direction in self.hinges:
-            hinge = axis(poses[hold.other.index], direction)
-            rows += [dot(x, hinge), dot(y, hinge)]
-            up.append(dot(z, hinge).upper[:, 0, 0] > 0.0)
-        possible = np.logical_and.reduce(up) if up else None
-        return side_by_side(rows), possible
+            hinge = others[self.holds.index(hold)].carried(direction[None])
+            seen = _JETS.dot(axes, hinge)
+            rows += [seen[0], seen[1]]
+            up.append(ahead(seen[2]))
+        return [_JETS.stack(rows)], up
+
+
+def _held(number: Intervals) -> Jet:
+    """Return an interval as a scalar that does not change."""
+    return Jet(_BOXES, number[..., None, None], None, ())
 
 
 def placed(edge: Edge, holds: Sequence[Held], frames: Sequence[pin.SE3]) -> pin.SE3:

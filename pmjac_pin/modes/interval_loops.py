@@ -1,9 +1,7 @@
 """The loop equations over boxes of joint values: rows and their derivatives, enclosed.
 
-The rows vanish where those of `loop_rows` do and nowhere else, but are polynomials in sines,
-cosines and slides: a tilt is tₖ·a (of length sin α instead of 2 sin α/2), a turn is the rotation
-vector's sin(α)/α times. Both vanish at half a turn as well, which a separate condition excludes.
-Neither is larger than the row that it stands for, so a closed pose keeps its tolerance.
+Tilts and turns are polynomials, which vanish at half a turn as well; a separate condition excludes
+that. No row is larger than the one with roots, so a closed pose keeps its tolerance.
 """
 
 from __future__ import annotations
@@ -16,9 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.algebra.intervals import Intervals
+from pmjac_pin.algebra.jets import Jet
 from pmjac_pin.frames import Frame
-from pmjac_pin.kinematics.rows import Along, Distance, Gap, RightAngle, Rows, Tilt, Turn
-from pmjac_pin.modes.interval_tree import IntervalTree, Poses
+from pmjac_pin.kinematics.loops import Pair, riding
+from pmjac_pin.kinematics.rows import Distance, Gap, Rows
+from pmjac_pin.kinematics.tree import Poses
+from pmjac_pin.modes.interval_tree import IntervalTree
 
 Array = NDArray[np.float64]
 Truth = NDArray[np.bool_]
@@ -47,8 +48,6 @@ class BoxRows(Protocol):
 
     Attributes
     ----------
-    frames : tuple of Frame
-        Whose poses the rows need.
     names : tuple of str
     tolerance : tuple of float
         How far each row can be from 0 at a pose that counts as closed.
@@ -57,16 +56,14 @@ class BoxRows(Protocol):
     """
 
     @property
-    def frames(self) -> tuple[Frame, ...]: ...  # noqa: D102
-    @property
     def names(self) -> tuple[str, ...]: ...  # noqa: D102
     @property
     def tolerance(self) -> tuple[float, ...]: ...  # noqa: D102
     @property
     def spans(self) -> tuple[tuple[Frame, Frame, float], ...]: ...  # noqa: D102
 
-    def __call__(self, poses: Poses) -> tuple[Intervals, Truth | None]:
-        """Return the rows with their derivatives, (b, 1 + rates, rows), and what is possible."""
+    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Truth]]:
+        """Return the rows, in blocks, and in which boxes (b,) they can be meant."""
         ...
 
 
@@ -81,136 +78,85 @@ class IntervalLoops:
         How far each row can be from 0 at a pose that counts as closed.
     """
 
-    __slots__ = ("_frames", "_rows", "_tree", "_unknowns", "names", "tolerance")
+    __slots__ = ("_places", "_rows", "_tree", "names", "tolerance")
 
-    def __init__(self, tree: IntervalTree, rows: Sequence[BoxRows], unknowns: int) -> None:
-        self._tree, self._rows, self._unknowns = tree, rows, unknowns
-        frames = {frame.index: frame for block in rows for frame in block.frames}
-        self._frames = tuple(frames.values())
+    def __init__(self, tree: IntervalTree, rows: Sequence[BoxRows]) -> None:
+        self._tree, self._rows = tree, rows
+        self._places = {column: place for place, column in enumerate(tree.columns)}
         self.names = tuple(name for block in rows for name in block.names)
         self.tolerance = np.array([size for block in rows for size in block.tolerance])
 
     def evaluate(self, box: Intervals) -> Enclosed:
         """Return all rows and their derivatives by all unknowns."""
-        return self._evaluate(box, range(self._unknowns))
+        return self._evaluate(box, True)
 
     def residual(self, box: Intervals) -> Intervals:
         """Return all rows, shape (b, p)."""
-        return self._evaluate(box, ()).residual
+        return self._evaluate(box, False).residual
 
-    def _evaluate(self, box: Intervals, by: Sequence[int]) -> Enclosed:
-        poses = self._tree.frames(self._frames, box, by)
-        count, possible = len(box.lower), np.ones(len(box.lower), dtype=bool)
-        blocks = []
-        for rows in self._rows:
-            block, allowed = rows(poses)
-            blocks.append(_broadcast(block, count))
-            if allowed is not None:
-                possible = possible & allowed
-        whole = Intervals.join(blocks, axis=2)
-        jacobian = whole[:, 1:]
-        across = Intervals(
-            jacobian.lower.transpose(0, 2, 1).copy(), jacobian.upper.transpose(0, 2, 1).copy()
+    def _evaluate(self, box: Intervals, rates: bool) -> Enclosed:
+        poses = self._tree.poses(box, rates)
+        count, unknowns = len(box.lower), len(self._places) if rates else 0
+        ends = [
+            (np.empty((n, count)), np.zeros((n, unknowns, count))) for n in 2 * [len(self.names)]
+        ]
+        possible, start = np.ones(count, dtype=bool), 0
+        for part in self._rows:
+            blocks, allowed = part(poses)
+            for block in blocks:
+                where = slice(start, start + block.value.shape[0])
+                start = where.stop
+                self._put(block, where, ends)
+            for truth in allowed:
+                possible = possible & truth
+        (lower, low), (upper, high) = ends
+        return Enclosed(
+            Intervals(lower.T.copy(), upper.T.copy()),
+            Intervals(low.transpose(2, 0, 1).copy(), high.transpose(2, 0, 1).copy()),
+            possible,
         )
-        return Enclosed(whole[:, 0], across, possible)
+
+    def _put(self, block: Jet, rows: slice, ends: Sequence[tuple[Array, Array]]) -> None:
+        """Write a block of rows into the lower and the upper ends of all."""
+        places = [self._places[column] for column in block.columns]
+        for (residual, jacobian), side in zip(ends, ("lower", "upper"), strict=True):
+            residual[rows] = getattr(block.value, side)[:, 0]
+            if places:
+                jacobian[rows, places] = getattr(block.rates, side)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PairRows:
-    """One block of rows of a loop between two frames."""
+    """The rows of a loop between two frames."""
 
-    first: Frame
-    second: Frame
-    block: Rows
+    pair: Pair
     names: tuple[str, ...]
     tolerance: tuple[float, ...]
 
     @property
-    def frames(self) -> tuple[Frame, ...]:
-        """The loop's frames."""
-        return (self.first, self.second)
-
-    @property
     def spans(self) -> tuple[tuple[Frame, Frame, float], ...]:
         """A coincident pair is no further apart than its tolerance, a rod's ends than the rod."""
-        match self.block:
-            case Gap():
-                return ((self.first, self.second, 2.0 * sum(self.tolerance)),)
-            case Distance(length):
-                return ((self.first, self.second, length + sum(self.tolerance) / length),)
-        return ()
+        found = []
+        for rows, block in self.pair.blocks:
+            size = sum(self.tolerance[rows])
+            if isinstance(block, Gap):
+                found.append((self.pair.first, self.pair.second, 2.0 * size))
+            elif isinstance(block, Distance):
+                apart = block.length + size / block.length
+                found.append((self.pair.first, self.pair.second, apart))
+        return tuple(found)
 
-    def __call__(self, poses: Poses) -> tuple[Intervals, Truth | None]:
-        """Return the block's rows."""
-        one, other = poses[self.first.index], poses[self.second.index]
-        gap = point(one) - point(other)
-        match self.block:
-            case Gap():
-                return gap, None
-            case Distance(length):
-                return squared(gap) - constant(Intervals.exact(length).square(), gap), None
-            case Along(directions):
-                return side_by_side([dot(axis(other, d), gap) for d in directions]), None
-            case Tilt(given, across):
-                turned = axis(one, given)
-                rows = side_by_side([dot(axis(other, t), turned) for t in across])
-                return rows, dot(axis(other, given), turned).upper[:, 0, 0] > 0.0
-            case RightAngle(given, normal):
-                return dot(axis(one, given), axis(other, normal)), None
-            case Turn():
-                return _turn(one, other)
-        raise NotImplementedError(type(self.block).__name__)
+    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Truth]]:
+        """Return the loop's rows."""
+        blocks = riding(self.pair, poses)
+        cosines = [block.cosine for block in blocks if block.cosine is not None]
+        return [block.rows for block in blocks], [ahead(cosine) for cosine in cosines]
 
 
-def point(pose: Intervals) -> Intervals:
-    """Return a pose's p and its derivatives, shape (b, 1 + rates, 3)."""
-    return pose[..., 3]
-
-
-def axis(pose: Intervals, given: Array) -> Intervals:
-    """Return R·given and its derivatives, shape (b, 1 + rates, 3)."""
-    return pose[..., :3].before(np.asarray(given, dtype=float)[:, None])[..., 0]
-
-
-def dot(u: Intervals, v: Intervals) -> Intervals:
-    """Return u·v and its derivatives, shape (b, 1 + rates, 1)."""
-    value = (u[:, :1] * v[:, :1]).sum(axis=2)
-    rates = Intervals.join([u[:, 1:] * v[:, :1], u[:, :1] * v[:, 1:]], axis=2).sum(axis=2)
-    return Intervals.join([value, rates], axis=1)[:, :, None]
-
-
-def squared(u: Intervals) -> Intervals:
-    """Return u·u and its derivatives, shape (b, 1 + rates, 1)."""
-    value = u[:, :1].square().sum(axis=2)
-    rates = (u[:, 1:] * u[:, :1]).sum(axis=2)
-    return Intervals.join([value, rates + rates], axis=1)[:, :, None]
-
-
-def constant(value: Intervals, like: Intervals) -> Intervals:
-    """Return a number as a row that does not change, with as many derivatives as `like`."""
-    lower, upper = np.zeros((1, like.shape[1], 1)), np.zeros((1, like.shape[1], 1))
-    lower[0, 0, 0], upper[0, 0, 0] = value.lower, value.upper
-    return Intervals(lower, upper)
-
-
-def side_by_side(rows: Sequence[Intervals]) -> Intervals:
-    """Return rows (b, 1 + rates, 1) as one block (b, 1 + rates, rows)."""
-    count = max(row.shape[0] for row in rows)
-    return Intervals.join([_broadcast(row, count) for row in rows], axis=2)
-
-
-def _turn(one: Intervals, other: Intervals) -> tuple[Intervals, Truth]:
-    """Return ½ (R − Rᵀ)'s vector for R = R₁R₂ᵀ seen from the second, and trace R > 1."""
-    a, b = ([pose[..., k] for k in range(3)] for pose in (one, other))
-    rows = [dot(a[j], b[k]) - dot(a[k], b[j]) for j, k in ((1, 2), (2, 0), (0, 1))]
-    half = side_by_side(rows) * Intervals.exact(0.5)
-    trace = dot(a[0], b[0]) + dot(a[1], b[1]) + dot(a[2], b[2])
-    return half, trace.upper[:, 0, 0] > 1.0
-
-
-def _broadcast(block: Intervals, count: int) -> Intervals:
-    shape = (count, *block.shape[1:])
-    return Intervals(np.broadcast_to(block.lower, shape), np.broadcast_to(block.upper, shape))
+def ahead(cosine: Jet) -> Truth:
+    """Tell in which boxes (b,) a cosine can be positive."""
+    possible: Truth = cosine.value.upper[0] > 0.0
+    return possible
 
 
 def tolerances(block: Rows, closed: float, length: float) -> tuple[float, ...]:

@@ -1,0 +1,273 @@
+"""Value and derivative of all rows are Pinocchio's: over every number type, kind of loop and joint.
+
+Where a number type has no roots, a tilt is Pinocchio's by cos(α/2), and a turn by sin(α)/α.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from flint import Ordering, fmpq_mpoly_ctx
+
+import pmjac_pin as pj
+from pmjac_pin.algebra.balls import Balls, middles, precise, uppers
+from pmjac_pin.algebra.boxes import Boxes
+from pmjac_pin.algebra.floats import Floats
+from pmjac_pin.algebra.intervals import Intervals
+from pmjac_pin.algebra.polynomials import Polynomials, symbols
+from pmjac_pin.frames import find_frame
+from pmjac_pin.kinematics.joints import JOINT_KINDS, Motion
+from pmjac_pin.kinematics.loop_system import LoopSystem
+from pmjac_pin.kinematics.loops import Loops, by_twists, riding
+from pmjac_pin.kinematics.tree import Poses, Tree
+
+SLANTED = (0.6, 0.0, 0.8)
+LOOPS = {
+    "point": lambda pair: pj.PointLoop(frames=pair),
+    "spherical": lambda pair: pj.SphericalLoop(frames=pair),
+    "distance": lambda pair: pj.DistanceLoop(frames=pair, length=0.7),
+    "frame": lambda pair: pj.FrameLoop(frames=pair),
+    "revolute": lambda pair: pj.RevoluteLoop(frames=pair, axis=SLANTED),
+    "prismatic": lambda pair: pj.PrismaticLoop(frames=pair, axis=(0, 1, 0)),
+    "cylindrical": lambda pair: pj.CylindricalLoop(frames=pair, axis=(1, -2, 0.5)),
+    "planar": lambda pair: pj.PlanarLoop(frames=pair),
+    "universal": lambda pair: pj.UniversalLoop(frames=pair, axes=((1, 1, 0), (0, 0, 1))),
+}
+JOINTS = {
+    "revolute": pin.JointModelRevoluteUnaligned(np.array(SLANTED)),
+    "revolute x": pin.JointModelRX(),
+    "continuous": pin.JointModelRUBY(),
+    "prismatic": pin.JointModelPrismaticUnaligned(np.array(SLANTED)),
+    "prismatic y": pin.JointModelPY(),
+    "spherical": pin.JointModelSpherical(),
+    "planar": pin.JointModelPlanar(),
+    "free": pin.JointModelFreeFlyer(),
+}
+COUNT = 2  # poses of each case
+
+
+def random_place(rng):
+    return pin.SE3(pin.exp3(rng.normal(size=3)), rng.uniform(-1, 1, 3))
+
+
+def machine(kind, rng):
+    """Two chains on a body that turns: a joint of the kind in one, and one of it in the other."""
+    model = pin.Model()
+
+    def add(parent, name, joint, place):
+        return model.addJoint(parent, joint, place, name)
+
+    base = add(0, "base", pin.JointModelRZ(), random_place(rng))
+    body = add(base, "turn", pin.JointModelRY(), pin.SE3(np.eye(3), np.array([0.3, 0, 0])))
+    body = add(body, "first", JOINTS[kind], random_place(rng))
+    one = add(body, "slide", pin.JointModelPX(), random_place(rng))
+    body = add(base, "endless", pin.JointModelRUBX(), random_place(rng))
+    two = add(body, "second", JOINTS[kind], pin.SE3.Identity())
+    for name, joint in (("one", one), ("two", two), ("on base", base)):
+        frame = pin.Frame(name, joint, random_place(rng), pin.FrameType.OP_FRAME)
+        model.addFrame(frame, False)
+    return model
+
+
+def closed_frame(model, q):
+    """Add a frame on the body of "two" that is where "one" is at q; return its name."""
+    data, name = model.createData(), f"shut {model.nframes}"
+    pin.framesForwardKinematics(model, data, q)
+    two = find_frame(model, "two").joint
+    place = data.oMi[two].actInv(data.oMf[model.getFrameId("one")])
+    model.addFrame(pin.Frame(name, two, place, pin.FrameType.OP_FRAME), False)
+    return name
+
+
+def pinocchios(model, loop, q):
+    """η, ∂η/∂v and the units, seen from the last body that carries both frames."""
+    system, data = LoopSystem(model, [loop], {}), model.createData()
+    scratch = system.create_data()
+    pin.computeJointJacobians(model, data, q)
+    residual, jacobian = system.evaluate(model, data, scratch, q)
+    one, two = (find_frame(model, name) for name in loop.frames)
+    base = Tree(model).base(one, two)
+    turning = [
+        pin.getJointJacobian(model, data, joint, pin.LOCAL_WORLD_ALIGNED)[3:]
+        if joint
+        else np.zeros((3, model.nv))
+        for joint in (two.joint, base)
+    ]
+    second = data.oMi[two.joint].rotation @ two.placement.rotation
+    for start in range(len(residual) - 2):
+        if system.row_names[start].endswith(" x"):
+            rows = slice(start, start + 3)
+            in_base = data.oMi[base].rotation.T if base else np.eye(3)
+            world = second @ residual[rows]
+            rates = second @ jacobian[rows] - pin.skew(world) @ (turning[0] - turning[1])
+            residual[rows], jacobian[rows] = in_base @ world, in_base @ rates
+    return residual, jacobian, [name.split()[-2] for name in system.row_names]
+
+
+def without_roots(residual, jacobian, words):
+    """Tilts by cos(α/2), turns by sin(α)/α, and what the cosine of the angle is then."""
+    residual, jacobian, cosine = residual.copy(), jacobian.copy(), None
+    for word in ("tilt", "turn"):
+        rows = [k for k, other in enumerate(words) if other == word]
+        if not rows:
+            continue
+        eta, rates = residual[rows], jacobian[rows]
+        size = np.linalg.norm(eta)
+        along = eta @ rates
+        if word == "tilt":
+            half = np.sqrt(1.0 - size**2 / 4.0)
+            residual[rows] = half * eta
+            jacobian[rows] = half * rates - np.outer(eta, along) / (4.0 * half)
+            cosine = 1.0 - size**2 / 2.0
+        else:
+            factor = np.sinc(size / np.pi)
+            slope = (np.cos(size) - factor) / size**2 if size > 1e-3 else -1.0 / 3.0
+            residual[rows] = factor * eta
+            jacobian[rows] = factor * rates + slope * np.outer(eta, along)
+            cosine = np.cos(size)
+    return residual, jacobian, cosine
+
+
+def motions(model, q):
+    """The numbers by which each link moves at q, as floats."""
+    floats = Floats()
+
+    def motion(link):
+        return link.kind.motion(floats, q[link.entries][:, None, None], link.edge.pitch)
+
+    return motion
+
+
+def as_numbers(motion, of):
+    """The same motion in another number type."""
+
+    def mapped(link):
+        floats = motion(link)
+        return Motion(tuple(map(of, floats.slides)), tuple(map(of, floats.turn)))
+
+    return mapped
+
+
+def assembled(loops, blocks, nv, middle):
+    """All rows, their derivatives and the cosine as arrays, each number by its `middle`."""
+    residual, jacobian = np.zeros(loops.count), np.zeros((loops.count, nv))
+    cosine = None
+    for (rows, _), block in zip(loops.pairs[0].blocks, blocks, strict=True):
+        residual[rows] = middle(block.rows.value)[:, 0, 0]
+        if block.rows.columns:
+            jacobian[rows, block.rows.columns] = middle(block.rows.rates)[:, :, 0]
+        if block.cosine is not None:
+            cosine = float(middle(block.cosine.value)[0, 0])
+    return residual, jacobian, cosine
+
+
+def by_floats(loops, model, q, rooted, way):
+    poses = Poses(
+        loops.tree, Floats(rooted), motions(model, q), range(model.nv) if way is riding else ()
+    )
+    return assembled(loops, way(loops.pairs[0], poses), model.nv, lambda x: x)
+
+
+def by_boxes(loops, model, q, way):
+    motion = as_numbers(motions(model, q), Intervals.exact)
+    poses = Poses(loops.tree, Boxes(), motion, range(model.nv) if way is riding else ())
+    blocks = way(loops.pairs[0], poses)
+    for block in blocks:
+        for part in (block.rows.value, block.rows.rates):
+            assert part is None or (part.width <= 1e-12 * (1.0 + part.magnitude)).all()
+    return assembled(loops, blocks, model.nv, lambda x: x.middle)
+
+
+def by_balls(loops, model, q, way):
+    balls = Balls()
+    with precise():
+        motion = as_numbers(motions(model, q), lambda x: balls.constant(x[0, 0]))
+        poses = Poses(loops.tree, balls, motion, range(model.nv) if way is riding else ())
+        blocks = way(loops.pairs[0], poses)
+        for block in blocks:
+            assert uppers(block.rows.value - middles(block.rows.value)).max() < 1e-12
+        return assembled(loops, blocks, model.nv, middles)
+
+
+def by_polynomials(loops, model, q):
+    """The numbers of one joint are variables, the others' are rational."""
+    motion, rational, point = motions(model, q), Polynomials(), []
+    first = model.getJointId("first")
+    context = fmpq_mpoly_ctx.get([f"n{k}" for k in range(7)], Ordering.degrevlex)
+    variables = context.gens()
+
+    def mapped(link):
+        floats = motion(link)
+        exact = [rational.constant(x[0, 0]) for x in (*floats.slides, *floats.turn)]
+        if link.edge.child == first:
+            point.extend(float(x[0, 0]) for x in (*floats.slides, *floats.turn))
+            exact = [symbols([variables[k]])[None] for k in range(len(exact))]
+        return Motion(tuple(exact[: len(floats.slides)]), tuple(exact[len(floats.slides) :]))
+
+    poses = Poses(loops.tree, rational, mapped, range(model.nv))
+    blocks = riding(loops.pairs[0], poses)
+
+    def at_point(array):
+        values = np.empty(array.shape)
+        at = [*point, *[0.0] * (7 - len(point))]
+        values.ravel()[:] = [_evaluated(one, at) for one in array.ravel()]
+        return values
+
+    return assembled(loops, blocks, model.nv, at_point)
+
+
+def _evaluated(polynomial, point):
+    if not hasattr(polynomial, "to_dict"):
+        return float(polynomial)
+    return sum(
+        float(coefficient) * np.prod([x ** int(k) for x, k in zip(point, powers, strict=True)])
+        for powers, coefficient in polynomial.to_dict().items()
+    )
+
+
+NUMBERS = {
+    "floats, twists": lambda *case: by_floats(*case, True, by_twists),
+    "floats, riding": lambda *case: by_floats(*case, True, riding),
+    "floats without roots, twists": lambda *case: by_floats(*case, False, by_twists),
+    "floats without roots, riding": lambda *case: by_floats(*case, False, riding),
+    "boxes, twists": lambda *case: by_boxes(*case, by_twists),
+    "boxes, riding": lambda *case: by_boxes(*case, riding),
+    "balls, twists": lambda *case: by_balls(*case, by_twists),
+    "balls, riding": lambda *case: by_balls(*case, riding),
+    "polynomials, riding": by_polynomials,
+}
+
+
+def cases(model, kind, rng):
+    """A loop of the kind and a pose: off closure, on closure, with a frame on the common body."""
+    for _ in range(COUNT):
+        q = pin.integrate(model, pin.neutral(model), rng.normal(size=model.nv))
+        yield LOOPS[kind](("one", "two")), q
+    yield LOOPS[kind](("on base", "one")), q
+    shut = closed_frame(model, q)
+    yield LOOPS[kind]((shut, "one")), q
+
+
+@pytest.mark.parametrize("joint", JOINTS)
+@pytest.mark.parametrize("kind", LOOPS)
+@pytest.mark.parametrize("number", NUMBERS)
+def test_value_and_derivative_are_pinocchios(number, kind, joint, rng):
+    model = machine(joint, rng)
+    for loop, q in cases(model, kind, rng):
+        loops = Loops(model, Tree(model), [loop], {})
+        expected = (*(exact := pinocchios(model, loop, q)), None)
+        residual, jacobian, cosine = NUMBERS[number](loops, model, q)
+        if not (number.startswith("floats,")):
+            expected = without_roots(*exact)
+            assert (cosine is None) == (expected[2] is None)
+            assert cosine is None or cosine == pytest.approx(expected[2], abs=1e-12)
+        np.testing.assert_allclose(residual, expected[0], atol=1e-12)
+        # Near half a turn Pinocchio's own derivative of the logarithm loses digits.
+        near = np.pi - np.linalg.norm(exact[0][[w == "turn" for w in exact[2]]])
+        np.testing.assert_allclose(jacobian, expected[1], atol=1e-11 / min(near, 1.0) ** 2)
+
+
+def test_every_kind_of_joint_is_tried():
+    tried = {name.split()[0] for name in JOINTS}
+    assert tried >= {*JOINT_KINDS} - {"helical"}
