@@ -1,22 +1,32 @@
 """Urdf: a URDF that was read and checked, and that parameters may move.
 
-It knows nothing of Pinocchio, and holds no more than text and names: it can be shared, compared
-and pickled. What Pinocchio gets is `Urdf.kinematic_xml`, never the text itself.
+It knows nothing of Pinocchio, and is a value: it can be shared, compared and pickled. A file is
+parsed and checked once; what moves or locks joints copies the elements and checks those that it
+changed. What Pinocchio gets is `Urdf.kinematic_xml`, never the file itself.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+import copy
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
+from typing import Self
 from xml.etree.ElementTree import Element, tostring
 
 from pmjac_pin.errors import ModelFileError, unknown_name
 from pmjac_pin.gazebo_plugins import unread_harmless
 from pmjac_pin.parameter import Move
 from pmjac_pin.text_file import at_file, read_text
-from pmjac_pin.urdf_checks import UrdfJoint, checked_robot, joints_of
+from pmjac_pin.urdf_checks import (
+    UrdfJoint,
+    checked_joint,
+    checked_origin,
+    checked_robot,
+    joints_of,
+)
 from pmjac_pin.urdf_vocabulary import URDF_WORDS
 from pmjac_pin.urdf_xml import label, numbers, only, parse_xml, written
 
@@ -34,16 +44,16 @@ _SIZES: Mapping[str, tuple[str, ...]] = MappingProxyType(
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Urdf:
     """A URDF whose links and joints form one tree that Pinocchio can build.
+
+    Two are equal where path, text and `unread` are.
 
     Attributes
     ----------
     path : str
         Where it came from; only for messages.
-    text : str
-        The whole XML, visuals included, without comments.
     joints : tuple of UrdfJoint
         In file order.
     links : tuple of str
@@ -55,11 +65,54 @@ class Urdf:
     """
 
     path: str
-    text: str
     joints: tuple[UrdfJoint, ...]
     links: tuple[str, ...]
     visuals: tuple[str, ...]
-    unread: tuple[str, ...] = ()
+    unread: tuple[str, ...]
+    # Never changed, since copies of this value share them.
+    _robot: Element = field(repr=False)
+    _kinematic: Element = field(repr=False)
+
+    @classmethod
+    def of(cls, robot: Element, path: str, unread: tuple[str, ...] = ()) -> Self:
+        """Check a <robot>, which nobody may change any more.
+
+        Raises
+        ------
+        ModelFileError
+            Not a URDF, not one tree, or something that Pinocchio would crash on, misread or
+            ignore in silence.
+        """
+        with at_file(path):
+            kinematic = checked_robot(robot)
+        names = (visual.get("name") for visual in robot.iterfind("link/visual"))
+        return cls(
+            path=path,
+            joints=joints_of(kinematic),
+            links=tuple(link.get("name", "") for link in kinematic.iterfind("link")),
+            visuals=tuple(name for name in names if name),
+            unread=unread,
+            _robot=robot,
+            _kinematic=kinematic,
+        )
+
+    @cached_property
+    def text(self) -> str:
+        """The whole XML, visuals included, without comments."""
+        return tostring(self._robot, encoding="unicode")
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Urdf):
+            return NotImplemented
+        mine, theirs = ((urdf.path, urdf.unread, urdf.text) for urdf in (self, other))
+        return mine == theirs
+
+    def __hash__(self) -> int:
+        return hash((self.path, self.text))
+
+    def robot(self) -> Element:
+        """Return the whole XML as elements: a copy, to change as you like."""
+        return copy.deepcopy(self._robot)
 
     def kinematic_xml(self) -> str:
         """Return the least URDF that gives Pinocchio the same model.
@@ -73,8 +126,34 @@ class Urdf:
         >>> urdf.kinematic_xml()
         '<robot name="r"><link name="a" /></robot>'
         """
+        return tostring(self._kinematic, encoding="unicode")
+
+    def changed(self, robot: Element, joints: Collection[str]) -> Self:
+        """Return the URDF with a changed copy of its <robot>.
+
+        Parameters
+        ----------
+        robot : Element
+            Nobody may change it any more.
+        joints : collection of str
+            The joints that were changed, which still join the same links; only they are checked.
+
+        Raises
+        ------
+        ModelFileError
+            As `Urdf.of`.
+        """
         with at_file(self.path):
-            return tostring(checked_robot(parse_xml(self.text)), encoding="unicode")
+            checked = {
+                joint.get("name", ""): checked_joint(joint, self.links)
+                for joint in robot.iterfind("joint")
+                if joint.get("name") in joints
+            }
+        kinematic = Element(self._kinematic.tag, self._kinematic.attrib)
+        for element in self._kinematic:
+            new = checked.get(element.get("name", "")) if element.tag == "joint" else None
+            kinematic.append(element if new is None else new)
+        return replace(self, joints=joints_of(kinematic), _robot=robot, _kinematic=kinematic)
 
     def moved(self, moves: Iterable[tuple[Move, float]]) -> Urdf:
         """Return the URDF with ``coefficient * delta`` added to the numbers that each move names.
@@ -94,15 +173,17 @@ class Urdf:
             would not be positive.
         """
         with at_file(self.path):
-            robot = parse_xml(self.text)
+            robot = self.robot()
             steps = [(self._target(robot, move), move, delta) for move, delta in moves]
             steps = [step for step in steps if step[-1] != 0.0]
             for element, move, delta in steps:
                 _move_origin(element, move, delta)
                 _move_shape(element, move, delta)
             for element, move, _ in steps:
+                checked_origin(label(element), element)
                 _check_positive(element, move)
-        return parse_urdf(tostring(robot, encoding="unicode"), self.path) if steps else self
+        joints = {move.joint for _, move, _ in steps if move.joint is not None}
+        return self.changed(robot, joints) if steps else self
 
     def _target(self, robot: Element, move: Move) -> Element:
         """Return the element that a move names, once it is certain that it can be moved so."""
@@ -156,17 +237,7 @@ def parse_urdf(text: str, path: str) -> Urdf:
     with at_file(path):
         robot = parse_xml(text)
         unread = URDF_WORDS.unread(robot, *unread_harmless(robot))
-        kinematic = checked_robot(robot)
-    return Urdf(
-        path=path,
-        text=tostring(robot, encoding="unicode"),
-        joints=joints_of(kinematic),
-        links=tuple(link.get("name", "") for link in kinematic.iterfind("link")),
-        visuals=tuple(
-            name for visual in robot.iterfind("link/visual") if (name := visual.get("name"))
-        ),
-        unread=unread,
-    )
+    return Urdf.of(robot, path, unread)
 
 
 def _add(

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from xml.etree.ElementTree import Element, SubElement, tostring
+from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.errors import ArgumentError, LimitError, unknown_name
 from pmjac_pin.spec import JointValue
-from pmjac_pin.urdf import Urdf, parse_urdf
-from pmjac_pin.urdf_xml import numbers, parse_xml, written
+from pmjac_pin.urdf import Urdf
+from pmjac_pin.urdf_xml import numbers, written
 
 _UNIT = 1e-6
 _AXIS = "1 0 0"  # URDF's, where a joint gives none
@@ -41,19 +41,20 @@ def lock_joints(urdf: Urdf, values: Mapping[str, JointValue]) -> Urdf:
     --------
     >>> text = '<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="continuous">'
     >>> text += '<parent link="a"/><child link="b"/></joint></robot>'
+    >>> from pmjac_pin.urdf import parse_urdf
     >>> lock_joints(parse_urdf(text, "r.urdf"), {"j": 0.5}).joints[0].type
     'fixed'
     """
     if not values:
         return urdf
-    robot = parse_xml(urdf.text)
+    robot = urdf.robot()
     joints = {joint.get("name", ""): joint for joint in robot.iterfind("joint")}
     for name, value in values.items():
         if name not in joints:
             moving = tuple(joint.name for joint in urdf.joints if joint.type != "fixed")
             raise unknown_name("joint", name, moving)
         _lock(joints[name], value)
-    return parse_urdf(tostring(robot, encoding="unicode"), urdf.path)
+    return urdf.changed(robot, values.keys())
 
 
 def _lock(joint: Element, value: JointValue) -> None:

@@ -13,7 +13,7 @@ import pinocchio as pin
 from pmjac_pin.errors import ModelFileError
 from pmjac_pin.shapes import Array, Box, Colour, Cylinder, Shape, Sphere, scaled
 from pmjac_pin.urdf import Urdf
-from pmjac_pin.urdf_xml import label, numbers, parse_xml
+from pmjac_pin.urdf_xml import label, numbers
 
 _logger = logging.getLogger(__name__)
 
@@ -45,7 +45,7 @@ class Visual:
 
 def read_visuals(urdf: Urdf) -> list[Visual]:
     """Return the visuals of all links in file order."""
-    robot = parse_xml(urdf.text)
+    robot = urdf.robot()
     colours = _named_colours(robot)
     return [
         Visual(

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from xml.etree.ElementTree import Element, tostring
+from xml.etree.ElementTree import Element
 
 from pmjac_pin.formats.anchors import Anchors
 from pmjac_pin.formats.cut_joints import CutJoints
@@ -35,7 +35,7 @@ from pmjac_pin.formats.urdf_ties import (
 from pmjac_pin.gazebo_plugins import is_mimic, misread_mimics, unread_harmless
 from pmjac_pin.loop_spec import JointLoop
 from pmjac_pin.text_file import at_file, read_text
-from pmjac_pin.urdf import MAXIMAL_SIZE, parse_urdf
+from pmjac_pin.urdf import MAXIMAL_SIZE, Urdf
 from pmjac_pin.urdf_checks import VELOCITIES, UrdfJoint, check_size, checked_names
 from pmjac_pin.urdf_vocabulary import URDF_WORDS
 from pmjac_pin.urdf_xml import parse_xml
@@ -119,7 +119,7 @@ def read_robot(
     loops = (*cut_loops, *(closing.loop for closing in closings), *gears)
     home, home_notes = home_within_limits(cut.checked, cut.kept)
     closing_notes = _closing_notes(closings, cut.kept)
-    urdf = parse_urdf(tostring(robot, encoding="unicode"), str(path))
+    urdf = Urdf.of(robot, str(path))
     massless = without_mass(massless_bodies(urdf, set(names) - set(added)))
     return ForeignModel(
         name=path.stem,

@@ -6,7 +6,6 @@ from collections.abc import Collection, Sequence
 
 from pmjac_pin.formats.joint_dialects import listed
 from pmjac_pin.urdf import Urdf
-from pmjac_pin.urdf_xml import parse_xml
 
 
 def without_mass(names: Sequence[str]) -> list[str]:
@@ -21,7 +20,7 @@ def massless_bodies(urdf: Urdf, names: Collection[str]) -> list[str]:
     """
     heavy = {
         link.get("name", "")
-        for link in parse_xml(urdf.text).iterfind("link")
+        for link in urdf.robot().iterfind("link")
         if (mass := link.find("inertial/mass")) is not None and float(mass.get("value", "0")) > 0.0
     }
     below: dict[str, list[str]] = {}

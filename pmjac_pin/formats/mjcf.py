@@ -24,7 +24,7 @@ from pmjac_pin.formats.mjcf_names import WORLD, Names
 from pmjac_pin.formats.mjcf_tree import MjcfTree
 from pmjac_pin.formats.mjcf_vocabulary import MJCF_WORDS
 from pmjac_pin.text_file import at_file
-from pmjac_pin.urdf import parse_urdf
+from pmjac_pin.urdf import Urdf
 from pmjac_pin.urdf_locking import lock_joints
 
 
@@ -71,7 +71,7 @@ def _foreign_model(root: Element, path: Path) -> ForeignModel:
     notes += [*left_out, *(f"joint {joint!r} is held at {held[joint]:g}" for joint in held)]
     return ForeignModel(
         name=name,
-        urdf=lock_joints(parse_urdf(tree.urdf.text(), str(path)), held),
+        urdf=lock_joints(Urdf.of(tree.urdf.robot, str(path)), held),
         loops=(*closures, *couplings),
         spherical=tuple(joint.name for joint in joints.values() if joint.kind == "ball"),
         home=home,

@@ -20,7 +20,7 @@ from pmjac_pin.formats.sdf_tree import SdfTree
 from pmjac_pin.formats.spanning_tree import SpanningTree, spanning_tree
 from pmjac_pin.loop_spec import JointLoop
 from pmjac_pin.text_file import at_file, read_text
-from pmjac_pin.urdf import parse_urdf
+from pmjac_pin.urdf import Urdf
 from pmjac_pin.urdf_xml import parse_xml
 
 MAXIMAL_SIZE = 20_000_000  # bytes
@@ -79,7 +79,7 @@ def _foreign_model(model: SdfModel, path: Path, motors: Collection[str]) -> Fore
             tree.add_frame(name)
     return ForeignModel(
         name=model.name or path.stem,
-        urdf=parse_urdf(tree.urdf.text(), str(path)),
+        urdf=Urdf.of(tree.urdf.robot, str(path)),
         loops=(*tree.loops, *couplings, *_within(mimics, kept)),
         spherical=tuple(tree.spherical),
         home=tree.home,

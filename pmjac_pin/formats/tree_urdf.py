@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from xml.etree.ElementTree import Element, SubElement, tostring
+from xml.etree.ElementTree import Element, SubElement
 
 import pinocchio as pin
 
@@ -39,18 +39,22 @@ class TreeUrdf:
     taken : iterable of str, optional
         Names that `unused` leaves alone, for what is still to come.
 
+    Attributes
+    ----------
+    robot : Element
+
     Examples
     --------
     >>> tree = TreeUrdf("pendulum", "ground", pin.SE3.Identity())
     >>> hinge = pin.XYZQUATToSE3([0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
     >>> ends = ("ground", tree.link("rod", hinge))
     >>> tree.joint("swing", "continuous", ends, Motion(axis=(0.0, 1.0, 0.0)))
-    >>> "<origin xyz=" in tree.text()
-    True
+    >>> tree.robot.find("joint/origin").get("xyz")
+    '0.0 0.0 1.0'
     """
 
     def __init__(self, name: str, root: str, placement: pin.SE3, taken: Iterable[str] = ()) -> None:
-        self._robot = Element("robot", name=name)
+        self.robot = Element("robot", name=name)
         self._placements: dict[str, pin.SE3] = {}
         self._links: dict[str, Element] = {}
         self._taken = set(taken)
@@ -62,14 +66,14 @@ class TreeUrdf:
 
     def link(self, name: str, placement: pin.SE3) -> str:
         """Add a link and return its name."""
-        self._links[name] = SubElement(self._robot, "link", name=name)
+        self._links[name] = SubElement(self.robot, "link", name=name)
         self._placements[name] = placement
         self._taken.add(name)
         return name
 
     def joint(self, name: str, kind: str, ends: tuple[str, str], motion: Motion = STILL) -> None:
         """Add a joint from a link that is there to another; its frame is the second's."""
-        joint = SubElement(self._robot, "joint", name=name, type=kind)
+        joint = SubElement(self.robot, "joint", name=name, type=kind)
         self._taken.add(name)
         parent, child = ends
         SubElement(joint, "parent", link=parent)
@@ -107,10 +111,6 @@ class TreeUrdf:
         moments = inertia.inertia
         keys = {f"i{'xyz'[k]}{'xyz'[m]}": moments[k, m] for k in range(3) for m in range(k, 3)}
         SubElement(inertial, "inertia", {key: written([value]) for key, value in keys.items()})
-
-    def text(self) -> str:
-        """Return the URDF."""
-        return tostring(self._robot, encoding="unicode")
 
 
 def origin(placement: pin.SE3) -> dict[str, str]:

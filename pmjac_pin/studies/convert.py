@@ -17,8 +17,7 @@ from pmjac_pin.model_file import parse_model_file
 from pmjac_pin.output_file import check_place, write_files
 from pmjac_pin.source import Source, read_source
 from pmjac_pin.spec import JointValue, MechanismSpec, encode_spec
-from pmjac_pin.urdf import parse_urdf
-from pmjac_pin.urdf_xml import parse_xml
+from pmjac_pin.urdf import Urdf, parse_urdf
 from pmjac_pin.user_path import is_file, readable, real, told, user_path
 
 
@@ -79,7 +78,7 @@ def convert(
     spec = msgspec.structs.replace(
         source.spec, name="", urdf=tree.name, poses=_closed_poses(mechanism)
     )
-    urdf, model_file = _indented(source.urdf.text), _toml(spec, _comments(path, source))
+    urdf, model_file = _indented(source.urdf), _toml(spec, _comments(path, source))
     build(Source(target, parse_model_file(model_file, target), parse_urdf(urdf, str(tree))))
     write_files({tree: urdf.encode(), target: model_file.encode()}, replace=force)
     return target, tree
@@ -119,8 +118,8 @@ def _closed_poses(mechanism: Mechanism) -> dict[str, Mapping[str, JointValue]]:
     return {name: mechanism.pose(name).joint_values for name in mechanism.poses}
 
 
-def _indented(urdf: str) -> str:
-    robot = parse_xml(urdf)
+def _indented(urdf: Urdf) -> str:
+    robot = urdf.robot()
     indent(robot)
     return tostring(robot, encoding="unicode") + "\n"
 
