@@ -106,6 +106,27 @@ class Vocabulary:
         notes = [f"not read: {_said(*kind)}" for kind in list(kinds.items())[:_MOST_TOLD]]
         return (*notes, f"not read: {more} more kinds of things") if more > 0 else tuple(notes)
 
+    def known(self, root: Element) -> Element:
+        """Return a copy of a file that holds what its reader looks for, and nothing else.
+
+        Examples
+        --------
+        >>> from xml.etree.ElementTree import fromstring, tostring
+        >>> words = Vocabulary("robot name : link camera*")
+        >>> tostring(words.known(fromstring('<robot name="r" k="1"><camera/><link/></robot>')))
+        b'<robot name="r"><link /></robot>'
+        """
+        return self._known(root, root.tag)
+
+    def _known(self, element: Element, path: str) -> Element:
+        word = self._word(path)
+        given = {key: value for key, value in element.attrib.items() if key in word.attributes}
+        copy = Element(element.tag, given)
+        for child in element:
+            if child.tag in word.children:
+                copy.append(self._known(child, f"{element.tag}/{child.tag}"))
+        return copy
+
     def _strange(self, element: Element, path: str, passed: set[int]) -> Iterator[tuple[str, str]]:
         """Yield what an element and its children hold that nobody reads: its kind and its name."""
         word = self._word(path)

@@ -164,9 +164,8 @@ def test_what_is_not_known_of_masses_is_said(tmp_path):
             f'<body name="e">{joint.format("m")}<inertial pos="0 0 0" mass="1"/></body>'
         )
     )
-    what = "the mass of geoms that are no solid sphere, capsule, cylinder, box or ellipsoid"
     assert read_mjcf(path).notes == (
-        f"{what} is left out of 'a', 'd'",
+        "the mass of meshes, which are not opened, is left out of 'a'",
         "no moments of inertia are given for 'e': they are 0 in `model`",
         "no mass is given for 'b': it is 0 in `model`",
     )
@@ -177,9 +176,9 @@ def test_what_is_not_known_of_masses_is_said(tmp_path):
     [
         ('<inertial mass="-1" pos="0 0 0" diaginertia="1 1 1"/>', "the mass is -1; it must not"),
         ('<inertial mass="1" pos="0 0 0" diaginertia="1 -1 1"/>', "a moment of inertia is -1, be"),
-        ('<inertial pos="0 0 0" diaginertia="1 1 1"/>', "has no `mass`"),
-        ('<geom size=".1" density="-1"/>', "the mass is -"),
-        ('<inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/>' * 2, "there is another; give one"),
+        ('<inertial pos="0 0 0" diaginertia="1 1 1"/>', "required attribute missing: 'mass'"),
+        ('<geom size=".1" density="-1"/>', "mass, inertia or density are negative"),
+        ('<inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/>' * 2, "unique element 'inertial' found 2 times"),
     ],
 )
 def test_masses_that_no_body_has(tmp_path, inside, message):

@@ -1,48 +1,127 @@
-"""Geared and held joints of MJCF: <joint> of <equality>.
+"""Geared and held joints of MJCF: <joint> and <tendon> of <equality>.
 
-MuJoCo's equation is y − y₀ = a₀ + a₁ (x − x₀) + a₂ (x − x₀)² + ..., with y the value of the first
-joint, x that of the second, and y₀, x₀ their `ref` (MuJoCo, XML reference, equality/joint).
+MuJoCo's equation is y − y₀ = a₀ + a₁ (x − x₀) + a₂ (x − x₀)² + ..., with y the first joint's value
+or the first tendon's length, x the second's, and y₀, x₀ those at qpos0. The length of a fixed
+tendon is a weighted sum of joint values (MuJoCo, XML reference, equality/joint, equality/tendon
+and tendon/fixed).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from xml.etree.ElementTree import Element
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 from pmjac_pin.errors import ModelFileError
-from pmjac_pin.formats.mjcf_equality import called
 from pmjac_pin.formats.mjcf_joints import SCALAR, MjcfJoint
-from pmjac_pin.formats.mjcf_names import find_name
 from pmjac_pin.loop_spec import JointLoop
-from pmjac_pin.urdf_xml import numbers, shown
+from pmjac_pin.urdf_xml import shown
 
-_IDENTITY = (0.0, 1.0, 0.0, 0.0, 0.0)
+_ON_A_JOINT = 1  # of mujoco.mjtWrap
+_COEFFICIENTS = 5
+
+
+@dataclass(frozen=True)
+class Equation:
+    """A weighted sum of how far joints are from their `ref`, and what it is held at.
+
+    Attributes
+    ----------
+    where : str
+    weights : mapping of str to float
+        By the joints' names; none of them zero.
+    value : float
+    """
+
+    where: str
+    weights: Mapping[str, float]
+    value: float
+
+
+def equations(
+    model: Any, labels: Sequence[str], numbers: Sequence[int], joints: Sequence[str], kind: str
+) -> list[Equation]:
+    """Return the equations of constraints of one kind, "joint" or "tendon".
+
+    Parameters
+    ----------
+    model : mujoco.MjModel
+    labels : sequence of str
+        How messages call all of its constraints.
+    numbers : sequence of int
+        Those that are wanted.
+    joints : sequence of str
+        The joints' names.
+    kind : {"joint", "tendon"}
+
+    Raises
+    ------
+    ModelFileError
+        One that is not linear, or of tendons along other things than joints.
+    """
+    sides: Mapping[str, Callable[[str, int], dict[str, float]]] = {
+        "joint": lambda _, joint: {joints[joint]: 1.0},
+        "tendon": lambda where, tendon: _weights(where, model, tendon, joints),
+    }
+    return [_equation(labels[number], model, number, sides[kind]) for number in numbers]
+
+
+def _equation(
+    where: str, model: Any, number: int, side: Callable[[str, int], dict[str, float]]
+) -> Equation:
+    constant, factor, *higher = polynomial = model.eq_data[number, :_COEFFICIENTS].tolist()
+    first, second = int(model.eq_obj1id[number]), int(model.eq_obj2id[number])
+    weights = side(where, first)
+    if second >= 0 and any(polynomial[1:]):
+        if any(higher):
+            terms = " ".join(f"{value:g}" for value in polynomial)
+            todo = "only a linear one is read (the last three 0)"
+            raise ModelFileError(f"{where}: `polycoef` is '{terms}'; {todo}")
+        if first == second:
+            raise ModelFileError(f"{where} joins one thing to itself")
+        for name, weight in side(where, second).items():
+            weights[name] = weights.get(name, 0.0) - factor * weight
+    return Equation(where, {name: weight for name, weight in weights.items() if weight}, constant)
+
+
+def _weights(where: str, model: Any, tendon: int, joints: Sequence[str]) -> dict[str, float]:
+    start, count = int(model.tendon_adr[tendon]), int(model.tendon_num[tendon])
+    weights: dict[str, float] = {}
+    for wrap in reversed(range(start, start + count)):  # the last joint follows the others
+        if model.wrap_type[wrap] != _ON_A_JOINT:
+            todo = 'set active="false" to leave it out'
+            raise ModelFileError(f"{where}: only a <fixed> tendon of joints is read; {todo}")
+        name = joints[model.wrap_objid[wrap]]
+        weights[name] = weights.get(name, 0.0) + float(model.wrap_prm[wrap])
+    return weights
 
 
 def read_couplings(
-    equalities: Sequence[Element], joints: Mapping[str, MjcfJoint]
+    equations: Sequence[Equation], joints: Mapping[str, MjcfJoint]
 ) -> tuple[list[JointLoop], dict[str, float]]:
     """Return the loops that gear two joints, and the values at which single joints are held.
 
     Raises
     ------
     ModelFileError
-        A joint that does not exist or has several degrees of freedom, or an equation that is
-        not linear.
+        An equation of no joint, of more than two, or of joints with several degrees of freedom;
+        or a joint that is held and geared.
     """
     loops: list[JointLoop] = []
     held: dict[str, float] = {}
-    for element in equalities:
-        if element.tag != "joint":
-            continue
-        where, follower = called(element), _joint(element, "joint1", joints)
-        polynomial = _polynomial(where, element)
-        if element.get("joint2") is None or not any(polynomial[1:]):
-            if follower.name in held:
-                raise ModelFileError(f"{where}: the joint is held by another constraint already")
-            held[follower.name] = follower.reference + polynomial[0]
-            continue
-        loops.append(_geared(where, (_joint(element, "joint2", joints), follower), polynomial))
+    for equation in equations:
+        for name in equation.weights:
+            if joints[name].kind not in SCALAR:
+                what = f"joint {shown(name)} is of type {joints[name].kind}"
+                raise ModelFileError(f"{equation.where}: {what}; hinges and slides can be geared")
+        match len(equation.weights):
+            case 1:
+                _hold(equation, joints, held)
+            case 2:
+                loops.append(_geared(equation, joints))
+            case count:
+                what = f"ties {count} joints; one or two can be tied"
+                raise ModelFileError(f'{equation.where} {what}; set active="false" to leave it out')
     for loop in loops:
         for name in loop.joints:
             if name in held:
@@ -51,37 +130,19 @@ def read_couplings(
     return loops, held
 
 
-def _geared(
-    where: str, joints: tuple[MjcfJoint, MjcfJoint], polynomial: Sequence[float]
-) -> JointLoop:
-    driver, follower = joints
-    if driver.name == follower.name:
-        raise ModelFileError(f"{where} joins joint {shown(driver.name)} to itself")
-    offset, ratio, *higher = polynomial
-    if any(higher):
-        terms = " ".join(f"{value:g}" for value in polynomial)
-        todo = "only a linear one is read (the last three 0)"
-        raise ModelFileError(f"{where}: `polycoef` is '{terms}'; {todo}")
-    constant = follower.reference + offset - ratio * driver.reference
-    return JointLoop(joints=(driver.name, follower.name), ratio=ratio, offset=constant)
+def _hold(equation: Equation, joints: Mapping[str, MjcfJoint], held: dict[str, float]) -> None:
+    ((name, weight),) = equation.weights.items()
+    if name in held:
+        what = "the joint is held by another constraint already"
+        raise ModelFileError(f"{equation.where}: {what}")
+    held[name] = joints[name].reference + equation.value / weight
 
 
-def _joint(element: Element, key: str, joints: Mapping[str, MjcfJoint]) -> MjcfJoint:
-    where = called(element)
-    if not (name := element.get(key)):
-        raise ModelFileError(f"{where} has no `{key}`")
-    joint = joints[find_name(f"{where}: the joint", name, {known: known for known in joints})]
-    if joint.kind not in SCALAR:
-        what = f"joint {shown(name)} is of type {joint.kind}"
-        raise ModelFileError(f"{where}: {what}; hinges and slides can be geared")
-    return joint
-
-
-def _polynomial(where: str, element: Element) -> list[float]:
-    """Return the five coefficients; those that are not given are 0 1 0 0 0."""
-    given = len(element.get("polycoef", "").split())
-    if not 0 < given <= len(_IDENTITY):
-        if given == 0:
-            return list(_IDENTITY)
-        raise ModelFileError(f"{where}: `polycoef` has {given} numbers; at most 5 are read")
-    return [*numbers(where, element, "polycoef", count=given), *_IDENTITY[given:]]
+def _geared(equation: Equation, joints: Mapping[str, MjcfJoint]) -> JointLoop:
+    """Return the loop in which the joint that was named first follows the other."""
+    (follower, weight), (driver, other) = equation.weights.items()
+    ratio = -other / weight
+    offset = equation.value / weight - ratio * joints[driver].reference
+    return JointLoop(
+        joints=(driver, follower), ratio=ratio, offset=joints[follower].reference + offset
+    )

@@ -1,8 +1,9 @@
-"""The XML of an MJCF model: one tree of known elements, with its <include> files put in."""
+"""The XML of an MJCF model: trees of known elements, with their <include> files put in."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from xml.etree.ElementTree import Element
 
@@ -22,10 +23,26 @@ _SECTIONS = (
 )
 
 
-def read_mujoco(path: Path) -> Element:
-    """Read an MJCF file and the files that it includes; attributes that are blank are dropped.
+@dataclass(frozen=True, eq=False)
+class MjcfFile:
+    """A model as a tree of elements.
 
-    A file is looked for in the model's folder, then in that of the file that includes it. It
+    Attributes
+    ----------
+    root : Element
+        <mujoco>, without attributes that are blank.
+    attached : mapping of str to MjcfFile
+        The models that it attaches, by what `file` of their <model> says in `root`.
+    """
+
+    root: Element
+    attached: Mapping[str, MjcfFile]
+
+
+def read_mujoco(path: Path) -> MjcfFile:
+    """Read an MJCF file, and the files that it includes or attaches.
+
+    A file is looked for in the model's folder, then in that of the file that names it. It
     must be below the model's folder.
 
     Raises
@@ -33,32 +50,49 @@ def read_mujoco(path: Path) -> Element:
     ModelFileError
         The message starts with the path of the file at fault.
     """
-    return _Reader(path).root()
+    return _Reader(path.parent).model(path, ())
 
 
 class _Reader:
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        self._files: list[Path] = []
-        self._read = 0
+    """Reads the files of a folder; all together are bounded."""
 
-    def root(self) -> Element:
-        root = self._parsed(self._path)
-        with at_file(str(self._path)):
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._files = self._read = 0
+
+    def model(self, path: Path, above: Sequence[Path]) -> MjcfFile:
+        """Return a model that those `above` attach, one by one."""
+        included: list[Path] = []
+        root = self._parsed(path, included)
+        with at_file(str(path)):
             if root.tag != "mujoco":
                 got = f"the root element is <{shown(root.tag)[1:-1]}>"
                 raise ModelFileError(f"{got}; an MJCF file's is <mujoco>")
-            expanded = self._expanded(root, self._path, 0)
+            expanded = self._expanded(root, path, included, 0)
             for section in expanded:
                 if section.tag not in _SECTIONS:
                     known = did_you_mean(section.tag, _SECTIONS)
                     raise ModelFileError(
                         f"<{shown(section.tag)[1:-1]}> is no section of MJCF{known}"
                     )
-        return expanded
+            return MjcfFile(expanded, self._attached(expanded, path, (*above, real(path))))
 
-    def _parsed(self, path: Path) -> Element:
-        self._files.append(real(path))
+    def _attached(self, root: Element, path: Path, above: Sequence[Path]) -> Mapping[str, MjcfFile]:
+        """Return the models that a model names, whose elements get names like no other's."""
+        found = {}
+        for element in root.iterfind("asset/model"):
+            file = self._found(element, path)
+            if real(file) in above:
+                raise ModelFileError(f"{_called(element)}: the model attaches itself")
+            element.set("file", f"{self._files}.xml")
+            found[element.get("file", "")] = self.model(file, above)
+        return found
+
+    def _parsed(self, path: Path, included: list[Path]) -> Element:
+        if self._files > MAXIMAL_INCLUDES:
+            raise ModelFileError(f"more than {MAXIMAL_INCLUDES} files are included")
+        self._files += 1
+        included.append(real(path))
         text = read_text(path, MAXIMAL_SIZE)
         self._read += len(text)
         if self._read > MAXIMAL_SIZE:
@@ -67,39 +101,44 @@ class _Reader:
         with at_file(str(path)):
             return parse_xml(text)
 
-    def _expanded(self, element: Element, path: Path, depth: int) -> Element:
+    def _expanded(self, element: Element, path: Path, included: list[Path], depth: int) -> Element:
         """Return a copy with the contents of included files in the place of each <include>."""
         if depth > MAXIMAL_NESTING:
             raise ModelFileError(f"elements are nested more than {MAXIMAL_NESTING} deep")
         given = {key: value for key, value in element.attrib.items() if value.strip()}
         copy = Element(element.tag, given)
-        copy.text = element.text
-        copy.extend(list(self._children(element, path, depth)))
+        copy.extend(list(self._children(element, path, included, depth)))
         return copy
 
-    def _children(self, element: Element, path: Path, depth: int) -> Iterator[Element]:
+    def _children(
+        self, element: Element, path: Path, included: list[Path], depth: int
+    ) -> Iterator[Element]:
         for child in element:
             if child.tag != "include":
-                yield self._expanded(child, path, depth + 1)
+                yield self._expanded(child, path, included, depth + 1)
                 continue
-            included = self._included(child, path)
+            file = self._found(child, path)
+            if real(file) in included:
+                raise ModelFileError(f"{_called(child)}: a file is included only once")
             # Its root counts as nesting, so that files that include each other come to an end.
-            yield from self._expanded(self._parsed(included), included, depth + 1)
+            root = self._parsed(file, included)
+            yield from self._expanded(root, file, included, depth + 1)
 
-    def _included(self, include: Element, path: Path) -> Path:
-        name = include.get("file", "")
+    def _found(self, element: Element, path: Path) -> Path:
+        """Return the file that an element names, once it is certain that it may be read."""
+        name = element.get("file", "")
         parts = {*PurePosixPath(name).parts, *PureWindowsPath(name).parts}
         absolute = PurePosixPath(name).is_absolute() or bool(PureWindowsPath(name).anchor)
-        folder = self._path.parent
-        found = folder / name if is_file(folder / name) else path.parent / name
-        inside = real(found).is_relative_to(real(folder))
+        found = self._folder / name if is_file(self._folder / name) else path.parent / name
+        inside = real(found).is_relative_to(real(self._folder))
         if absolute or ".." in parts or not inside:
             why = "only files in or below the model's own folder are read"
-            raise ModelFileError(f"<include file={shown(name)}>: {why}")
+            todo = "put it there, or save the whole model as one file (MuJoCo's mj_saveLastXML)"
+            raise ModelFileError(f"{_called(element)}: {why}; {todo}")
         if not is_file(found):
-            raise ModelFileError(f"<include file={shown(name)}>: there is no such file")
-        if real(found) in self._files:
-            raise ModelFileError(f"<include file={shown(name)}>: a file is included only once")
-        if len(self._files) > MAXIMAL_INCLUDES:
-            raise ModelFileError(f"more than {MAXIMAL_INCLUDES} files are included")
+            raise ModelFileError(f"{_called(element)}: there is no such file")
         return found
+
+
+def _called(element: Element) -> str:
+    return f"<{element.tag} file={shown(element.get('file', ''))}>"

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from xml.etree.ElementTree import Element
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
-from pmjac_pin.formats.mjcf_frames import Compiler, truth, unit_vector
-from pmjac_pin.urdf_xml import numbers, shown
+from pmjac_pin.formats.mjcf_names import KINDS
 
 Array = NDArray[np.float64]
 
-# How many numbers of qpos each kind takes.
-KINDS: Mapping[str, int] = {"hinge": 1, "slide": 1, "ball": 4, "free": 7}
 SCALAR = ("hinge", "slide")
 
 
@@ -33,9 +28,11 @@ class MjcfJoint:
     axis : ndarray, shape (3,)
         A unit vector.
     limits : tuple of float, or None
-        Of a hinge or a slide, rad or m.
-    reference : float
-        MuJoCo's `ref`: the joint's value at qpos0, rad or m.
+        Rad or m.
+    qpos : slice
+        Its numbers in MuJoCo's qpos.
+    qpos0 : ndarray
+        Those of the pose that the file shows: of a hinge or a slide its `ref`, rad or m.
     """
 
     name: str
@@ -43,7 +40,13 @@ class MjcfJoint:
     anchor: Array
     axis: Array
     limits: tuple[float, float] | None
-    reference: float
+    qpos: slice
+    qpos0: Array
+
+    @property
+    def reference(self) -> float:
+        """The value of a hinge or slide at qpos0."""
+        return float(self.qpos0[0])
 
     def motion(self, value: float) -> pin.SE3:
         """Return how far a hinge or slide moves the body to that side of its anchor, at a value."""
@@ -53,44 +56,18 @@ class MjcfJoint:
         return pin.SE3(pin.exp3(step), np.zeros(3))
 
 
-def read_joint(
-    where: str, element: Element, called: tuple[str, str], frame: pin.SE3, compiler: Compiler
-) -> MjcfJoint:
-    """Read a joint of this name and kind that stands in a frame of its body.
-
-    Raises
-    ------
-    ModelFileError
-        An unknown kind, or a number that is none.
-    """
-    name, kind = called
-    if kind not in KINDS:
-        known = did_you_mean(kind, KINDS)
-        raise ModelFileError(f"{where} has the unknown type {shown(kind)}{known}")
-    unit = compiler.angle if kind == "hinge" else 1.0
-    anchor, axis, reference, limits = np.zeros(3), np.array([0.0, 0.0, 1.0]), 0.0, None
-    if kind in ("hinge", "ball"):
-        anchor = frame.act(np.array(numbers(where, element, "pos", default="0 0 0", count=3)))
-    if kind in SCALAR:
-        given = np.array(numbers(where, element, "axis", default="0 0 1", count=3))
-        axis = frame.rotation @ unit_vector(f"{where}: `axis`", given)
-        reference = unit * numbers(where, element, "ref", default="0")[0]
-        limits = _limits(where, element, unit, compiler.autolimits)
-    return MjcfJoint(name, kind, anchor, axis, limits, reference)
-
-
-def _limits(
-    where: str, element: Element, unit: float, autolimits: bool
-) -> tuple[float, float] | None:
-    lower, upper = numbers(where, element, "range", default="0 0", count=2)
-    limited = element.get("limited", "auto")
-    if limited == "auto":
-        if element.get("range") is not None and not autolimits:
-            todo = '`limited` must be "true" or "false", since <compiler autolimits="false"/>'
-            raise ModelFileError(f"{where} has a `range`; {todo}")
-        limited = "false" if lower == upper == 0.0 else "true"
-    if not truth(where, "limited", limited):
-        return None
-    if not lower < upper:
-        raise ModelFileError(f"{where}: `range` is {lower:g} to {upper:g}; the second is greater")
-    return unit * lower, unit * upper
+def joint_of(model: Any, number: int, name: str) -> MjcfJoint:
+    """Return the joint of this number of a mujoco.MjModel."""
+    kind = KINDS[model.jnt_type[number]]
+    start = int(model.jnt_qposadr[number])
+    qpos = slice(start, start + {"free": 7, "ball": 4}.get(kind, 1))
+    lower, upper = model.jnt_range[number].tolist()
+    return MjcfJoint(
+        name=name,
+        kind=kind,
+        anchor=model.jnt_pos[number].copy() if kind in ("hinge", "ball") else np.zeros(3),
+        axis=model.jnt_axis[number].copy(),
+        limits=(lower, upper) if model.jnt_limited[number] else None,
+        qpos=qpos,
+        qpos0=model.qpos0[qpos].copy(),
+    )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Sequence
+from typing import Any
 from xml.etree.ElementTree import Element
 
 from pmjac_pin.errors import ModelFileError, did_you_mean
@@ -10,68 +11,85 @@ from pmjac_pin.formats.unused_name import unused_name
 from pmjac_pin.urdf_xml import shown
 
 WORLD = "world"
-_JOINTS = ["joint", "freejoint"]
+KINDS = ("free", "ball", "slide", "hinge")  # in the order of mujoco.mjtJoint
+
+_ENDS = [f"{kind}{number}" for kind in ("body", "site", "joint", "tendon") for number in (1, 2)]
 
 
 class Names:
     """The names of links and joints: the file's own, and new ones that are like no other.
 
     MJCF's bodies and sites may share names, which become links: then the site's name gets
-    "_site" at its end.
+    "_site" at its end. What has no name is called after the nearest body that has one.
 
     Parameters
     ----------
-    root : Element
-        <mujoco>.
+    model : mujoco.MjModel
 
     Attributes
     ----------
+    bodies, joints, sites : tuple of str
+        By MuJoCo's numbers.
     taken : set of str
-        All names so far.
-
-    Raises
-    ------
-    ModelFileError
-        Two bodies, sites or joints of the same name.
+        All names.
     """
+
+    def __init__(self, model: Any) -> None:
+        given = [model.body(number).name for number in range(model.nbody)]
+        joints = [model.joint(number).name for number in range(model.njnt)]
+        sites = [model.site(number).name for number in range(model.nsite)]
+        self.taken = {*given, *joints, *sites} - {""}
+        self.bodies = tuple(self._of_bodies(given, model.body_parentid.tolist()))
+        on = [self.bodies[body] for body in model.jnt_bodyid]
+        wishes = [f"{body}_{KINDS[kind]}" for body, kind in zip(on, model.jnt_type, strict=True)]
+        self.joints = tuple(
+            name or unused_name(wish, self.taken) for name, wish in zip(joints, wishes, strict=True)
+        )
+        self.sites = tuple(
+            self._of_sites(sites, [self.bodies[k] for k in model.site_bodyid], given)
+        )
+
+    def _of_bodies(self, given: Sequence[str], parents: Sequence[int]) -> Iterable[str]:
+        stems: list[str] = []
+        for name, parent in zip(given, parents, strict=True):
+            stems.append(name or stems[parent])
+            yield name or unused_name(f"{stems[parent]}_body", self.taken)
+
+    def _of_sites(
+        self, sites: Sequence[str], on: Sequence[str], bodies: Sequence[str]
+    ) -> Iterable[str]:
+        for name, body in zip(sites, on, strict=True):
+            if name and name not in bodies:
+                yield name
+            else:
+                yield unused_name(f"{name or body}_site", self.taken)
+
+
+def check_name(what: str, name: str, known: Iterable[str]) -> None:
+    """Refuse a name that does not exist; `what` says who gives it."""
+    if name not in (names := list(known)):
+        raise ModelFileError(f"{what} {shown(name)} does not exist{did_you_mean(name, names)}")
+
+
+class Places:
+    """How messages call the elements of a model: by their names, or the body that they are on."""
 
     def __init__(self, root: Element) -> None:
-        bodies, sites, joints = (_given(root, tags) for tags in (["body"], ["site"], _JOINTS))
-        if WORLD in bodies:
-            raise ModelFileError("a body is named 'world'; that name is the ground's")
-        self.taken = {WORLD, *bodies, *sites, *joints}
-        self._bodies = {WORLD, *bodies}
+        self._above = {child: parent for parent in root.iter() for child in parent}
 
-    def new(self, wish: str) -> str:
-        """Return a new name for a link or a joint."""
-        return unused_name(wish, self.taken)
-
-    def site(self, name: str) -> str:
-        """Return the link that a named site becomes."""
-        return self.new(f"{name}_site") if name in self._bodies else name
+    def of(self, element: Element) -> str:
+        """Return how messages call an element."""
+        above = self._above.get(element)
+        while above is not None and not element.get("name"):
+            if above.tag == "body" and (name := above.get("name")):
+                return f"<{element.tag}> on body {shown(name)}"
+            above = self._above.get(above)
+        return called(element)
 
 
-def find_name(what: str, name: str, known: Mapping[str, str]) -> str:
-    """Return what a name stands for.
-
-    Raises
-    ------
-    ModelFileError
-        The name does not exist; `what` says who gives it.
-    """
-    if name not in known:
-        raise ModelFileError(f"{what} {shown(name)} does not exist{did_you_mean(name, known)}")
-    return known[name]
-
-
-def _given(root: Element, tags: list[str]) -> set[str]:
-    seen: set[str] = set()
-    for section in root.iterfind("worldbody"):
-        for element in section.iter():
-            name = element.get("name", "")
-            if element.tag not in tags or not name:
-                continue
-            if name in seen:
-                raise ModelFileError(f"two of <{tags[0]}> are named {shown(name)}")
-            seen.add(name)
-    return seen
+def called(element: Element) -> str:
+    """Return how messages call an element: by its name, or by what it joins."""
+    if name := element.get("name"):
+        return f"{element.tag} {shown(name)}"
+    ends = [f"{key}={shown(element.get(key, ''))}" for key in _ENDS if element.get(key)]
+    return f"<{' '.join([element.tag, *ends])}>"

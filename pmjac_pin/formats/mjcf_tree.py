@@ -16,7 +16,6 @@ import pinocchio as pin
 from pmjac_pin.formats.mjcf_bodies import Body
 from pmjac_pin.formats.mjcf_joints import SCALAR, MjcfJoint
 from pmjac_pin.formats.mjcf_names import WORLD, Names
-from pmjac_pin.formats.mjcf_shapes import shape
 from pmjac_pin.formats.tree_urdf import WITHOUT_LIMIT, Motion, TreeUrdf
 
 _TYPES = {"hinge": "revolute", "slide": "prismatic", "ball": "floating", "free": "floating"}
@@ -38,26 +37,21 @@ class MjcfTree:
     Attributes
     ----------
     urdf : TreeUrdf
-    qpos0 : dict of str to pin.SE3
-        Where MuJoCo has each body at qpos0.
     """
 
     def __init__(
         self, name: str, bodies: Sequence[Body], names: Names, counted: Container[str]
     ) -> None:
         self.urdf = TreeUrdf(name, WORLD, pin.SE3.Identity(), names.taken)
-        self.qpos0 = {WORLD: pin.SE3.Identity()}
         self._zero = {WORLD: pin.SE3.Identity()}
         self._counted = counted
         for body in bodies:
             if body.name != WORLD:
                 self._add(body)
-            for site in body.sites:
-                self.urdf.fixed(body.name, site.link, self._zero[body.name] * site.placement)
-            for geom in body.geoms:
-                if (geometry := shape(geom.element)) is not None:
-                    colour = geom.element.get("rgba")
-                    self.urdf.visual(body.name, geom.placement, geometry, colour)
+            for link, placement in body.sites:
+                self.urdf.fixed(body.name, link, self._zero[body.name] * placement)
+            for shape, placement, colour in body.shapes:
+                self.urdf.visual(body.name, placement, shape, colour)
 
     def anchor(self, body: str, wish: str, placement: pin.SE3) -> str:
         """Return a frame at this place of a body: its own, where it is that."""
@@ -66,7 +60,6 @@ class MjcfTree:
         return self.urdf.fixed(body, self.urdf.unused(wish), self._zero[body] * placement)
 
     def _add(self, body: Body) -> None:
-        self.qpos0[body.name] = self.qpos0[body.parent] * body.placement
         above, placement = body.parent, self._zero[body.parent] * body.placement
         for joint in body.joints:
             anchor = pin.SE3(np.eye(3), joint.anchor)

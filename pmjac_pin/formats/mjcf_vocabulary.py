@@ -9,7 +9,7 @@ _ACTUATORS = (
     *("cylinder", "muscle", "adhesion", "dcmotor", "plugin"),
 )
 _ACTUATOR = """
-name class joint jointinparent actdim* actearly* actlimited* actrange* area* armature* bias*
+name joint jointinparent class* actdim* actearly* actlimited* actrange* area* armature* bias*
   biasprm* biastype* body* cogging* controller* cranklength* cranksite* ctrllimited* ctrlrange*
   damping* dampratio* delay* diameter* dynprm* dyntype* ffrange* force* forcelimited* forcerange*
   fpmax* fvmax* gain* gainprm* gaintype* gear* group* imax* inductance* inheritrange* input*
@@ -20,14 +20,31 @@ name class joint jointinparent actdim* actearly* actlimited* actrange* area* arm
 
 MJCF_WORDS = Vocabulary(
     """
-mujoco model : compiler option default worldbody equality actuator keyframe asset* contact* custom*
-  deformable* extension* sensor* size* statistic* tendon* visual*
+mujoco model : compiler option default worldbody equality actuator keyframe asset tendon contact*
+  custom* deformable* extension* sensor* size* statistic* visual*
+asset : model mesh* hfield* skin* texture* material*
+model name file content_type*
 worldbody : body frame geom site joint freejoint inertial camera* light* plugin! attach composite
   flexcomp replicate
 frame name pos quat axisangle euler xyaxes zaxis childclass :
   body frame geom site joint freejoint inertial camera* light* plugin! attach composite
   flexcomp replicate
-equality : connect weld joint tendon* flex* flexstrain* flexvert* distance*
+replicate count offset euler sep childclass :
+  body frame geom site joint freejoint inertial camera* light* plugin! attach composite
+  flexcomp replicate
+attach model body frame prefix
+tendon : fixed spatial
+fixed name class* actuatorfrclimited* actuatorfrcrange* armature* damping* frictionloss* group*
+  limited* margin* range* solimpfriction* solimplimit* solreffriction* solreflimit* springlength*
+  springyield* stiffness* user* : joint
+fixed/joint joint coef
+spatial name class* actuatorfrclimited* actuatorfrcrange* armature* damping* frictionloss* group*
+  limited* margin* material* range* rgba* solimpfriction* solimplimit* solreffriction* solreflimit*
+  springlength* springyield* stiffness* user* width* : site geom pulley
+spatial/site site
+spatial/geom geom sidesite
+pulley divisor
+equality : connect weld joint tendon flex* flexstrain* flexvert* distance*
 keyframe : key
 compiler angle eulerseq autolimits coordinate alignfree inertiafromgeom inertiagrouprange
   boundmass boundinertia balanceinertia settotalmass assetdir* conflict* discardvisual* fitaabb*
@@ -54,8 +71,8 @@ geom name class pos quat axisangle euler xyaxes zaxis type size fromto mesh mass
   rgba shellinertia adhesion* castshadow* conaffinity* condim* contype* fitscale* fluidcoef*
   fluidshape* friction* gap* hfield* margin* material* priority* solimp* solmix* solref*
   surfacevel* user* : plugin*
-site name class pos quat axisangle euler xyaxes zaxis fromto group* material* mesh* rgba* size*
-  type* user*
+site name class pos quat axisangle euler xyaxes zaxis fromto type size group* material* mesh* rgba*
+  user*
 default class : default joint geom site equality mesh* texture* material* camera* light* pair*
   tendon* general* motor* position* velocity* intvelocity* orientation* pid* damper* cylinder*
   muscle* adhesion* dcmotor*
@@ -63,6 +80,7 @@ default/equality active solimp* solref*
 connect name class active body1 body2 site1 site2 anchor solimp* solref*
 weld name class active body1 body2 site1 site2 anchor relpose torquescale solimp* solref*
 equality/joint name class active joint1 joint2 polycoef solimp* solref*
+equality/tendon name class active tendon1 tendon2 polycoef solimp* solref*
 key name qpos act* ctrl* mpos* mquat* plastic* qvel* time*
 actuator : """
     + " ".join(_ACTUATORS)
