@@ -33,6 +33,7 @@ TESTS = (
     "test_intervals.py",
     "test_lecture.py",
     "test_limits.py",
+    "test_mjcf.py",
     "test_model_file.py",
     "test_modes_report.py",
     "test_output_file.py",
@@ -49,9 +50,10 @@ TESTS = (
 
 
 def lowest() -> list[str]:
-    """Return each requirement at its lowest version, with those of plotting."""
+    """Return each requirement at its lowest version, with those of MJCF and of plotting."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    requirements = project["dependencies"] + project["optional-dependencies"]["plot"]
+    extras = project["optional-dependencies"]
+    requirements = project["dependencies"] + extras["mjcf"] + extras["plot"]
     return [re.sub(">=", "==", requirement) for requirement in requirements]
 
 

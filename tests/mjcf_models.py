@@ -169,6 +169,25 @@ BALL_ROD = mjcf(
     after=motor("l", "turn"),
 )
 
+# Three legs, each closed onto a disc that MuJoCo sets down on its own inertia.
+REPLICATED = mjcf(
+    '<replicate count="3" euler="0 0 120" sep="-">'
+    + body(
+        "leg",
+        '<joint name="hip" axis="0 1 0" ref="20"/><geom size=".1" pos="0 0 .3" mass="2"/>'
+        + body("shin", '<joint name="knee" axis="0 1 0"/><site name="toe" pos="0 0 .6"/>'),
+        'pos="1 0 0" euler="0 -30 0"',
+    )
+    + "</replicate>"
+    + '<body name="disc" pos="0 0 1" euler="10 0 0"><freejoint name="floats" align="true"/>'
+    '<geom type="box" size=".3 .2 .1" pos=".1 .2 .3" euler="30 0 20"/>'
+    '<replicate count="3" euler="0 0 120"><site name="rim" pos=".4 0 0"/></replicate></body>',
+    "".join(f'<connect site1="toe-{k}" site2="rim{k}"/>' for k in range(3))
+    + '<weld body1="leg-0" body2="disc" active="false"/>'
+    '<joint joint1="hip-1" joint2="hip-0" polycoef=".1 2"/>',
+    after=motor("hip-0", "knee-2"),
+)
+
 
 MODELS = {
     "four-bar": FOUR_BAR,
@@ -178,5 +197,6 @@ MODELS = {
     "welds": WELDS,
     "gears": GEARS,
     "ball rod": BALL_ROD,
+    "replicated": REPLICATED,
     **{f"classes {order}": classes(order) for order in ("xyz", "zyx", "XYZ", "xZy", "YxX")},
 }

@@ -18,7 +18,7 @@ from pmjac_pin.urdf_locking import lock_joints
 
 mujoco: Any = pytest.importorskip("mujoco", reason="the oracle is MuJoCo")
 
-JOINT = int(mujoco.mjtEq.mjEQ_JOINT)
+JOINT, TENDON = int(mujoco.mjtEq.mjEQ_JOINT), int(mujoco.mjtEq.mjEQ_TENDON)
 FREE, BALL = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL)
 
 

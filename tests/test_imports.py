@@ -55,6 +55,11 @@ def test_the_spec_knows_no_pinocchio():
     assert "pinocchio" not in reached("pmjac_pin.spec")
 
 
+def test_mujoco_is_imported_for_its_own_format_alone():
+    code = "import sys, pmjac_pin as pj; pj.load('four_bar'); assert 'mujoco' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=PACKAGE.parent)
+
+
 def knowing(package):
     """Return the modules outside a package of ours that import anything of it."""
     inside = {name for name in IMPORTS if f"{name}.".startswith(f"pmjac_pin.{package}.")}

@@ -178,7 +178,10 @@ def test_what_is_not_known_of_masses_is_said(tmp_path):
         ('<inertial mass="1" pos="0 0 0" diaginertia="1 -1 1"/>', "a moment of inertia is -1, be"),
         ('<inertial pos="0 0 0" diaginertia="1 1 1"/>', "required attribute missing: 'mass'"),
         ('<geom size=".1" density="-1"/>', "mass, inertia or density are negative"),
-        ('<inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/>' * 2, "unique element 'inertial' found 2 times"),
+        (
+            '<inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/>' * 2,
+            "unique element 'inertial' found 2 times",
+        ),
     ],
 )
 def test_masses_that_no_body_has(tmp_path, inside, message):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -226,6 +227,43 @@ def test_includes_stay_in_the_models_folder(tmp_path, name, message) -> None:
         read_mjcf(folder / "robot.xml")
 
 
+ATTACHMENTS = {
+    "../secret.xml": "only files in or below",
+    "missing.xml": "there is no such file",
+    "robot.xml": "the model attaches itself",
+    "sub/a.xml": "the model attaches itself",
+    "sub/urdf.xml": r"urdf\.xml: the root element is <robot>",
+    "sub/many.xml": "2000 bodies, sites and joints are too many",
+    "sub/curved.xml": r"curved\.xml: <joint> on body .a.: `axis` is 'nan 0 0', not 3",
+    "sub/misspelt.xml": r"misspelt\.xml: <worldbody> holds an unknown <bodi>",
+}
+
+
+@pytest.mark.parametrize(("name", "message"), ATTACHMENTS.items(), ids=range(len(ATTACHMENTS)))
+def test_attached_models_are_checked_as_the_whole_is(tmp_path, name, message) -> None:
+    def attaching(name: str) -> str:
+        return world(
+            "<attach model='m' prefix='p'/>", f"<asset><model name='m' file='{name}'/></asset>"
+        )
+
+    folder = tmp_path / "model"
+    (folder / "sub").mkdir(parents=True)
+    texts = {
+        "../secret.xml": world(""),
+        "robot.xml": attaching(name),
+        "sub/a.xml": attaching("sub/b.xml"),
+        "sub/b.xml": attaching("a.xml"),
+        "sub/urdf.xml": "<robot/>",
+        "sub/many.xml": world("<replicate count='1000'><body><site/></body></replicate>"),
+        "sub/curved.xml": world(body("a", "<joint axis='nan 0 0'/>")),
+        "sub/misspelt.xml": world("<bodi/>"),
+    }
+    for file, text in texts.items():
+        (folder / file).write_text(text)
+    with pytest.raises(pj.ModelFileError, match=message):
+        read_mjcf(folder / "robot.xml")
+
+
 def test_a_chain_of_included_files_comes_to_an_end(tmp_path) -> None:
     for number in range(120):
         inner = f'<include file="{number + 1}.xml"/>'
@@ -280,23 +318,47 @@ BAD = {
         "1995004998 elements in <worldbody> are too many",
     ),
     "no replicate": (world("<replicate count='nan'><body/></replicate>"), "not a finite number"),
-    "model that is not there": (world("<attach model='m' prefix='p'/>"), "<attach>: MuJoCo refuses"),
-    "composite": (world(body("a", "<composite/>")), "<composite> is not read: a soft body has no joints"),
-    "global": (world("", '<compiler coordinate="global"/>'), "global coordinates no longer supported"),
+    "model that is not there": (
+        world("<attach model='m' prefix='p'/>"),
+        "<attach>: MuJoCo refuses",
+    ),
+    "composite": (
+        world(body("a", "<composite/>")),
+        "<composite> is not read: a soft body has no joints",
+    ),
+    "global": (
+        world("", '<compiler coordinate="global"/>'),
+        "global coordinates no longer supported",
+    ),
     "angle": (world("", '<compiler angle="grad"/>'), "`angle` has the invalid keyword: 'grad'"),
-    "eulerseq": (world("", '<compiler eulerseq="xy"/>'), "'eulerseq' must have exactly 3 characters"),
-    "autolimits": (world("", '<compiler autolimits="1"/>'), "`autolimits` has the invalid keyword: '1'"),
-    "world's joint": (world("<joint name='j'/>"), "joint 'j': MuJoCo refuses it: World body cannot have joints"),
+    "eulerseq": (
+        world("", '<compiler eulerseq="xy"/>'),
+        "<compiler>: MuJoCo refuses it: ",
+    ),
+    "autolimits": (
+        world("", '<compiler autolimits="1"/>'),
+        "`autolimits` has the invalid keyword: '1'",
+    ),
+    "world's joint": (
+        world("<joint name='j'/>"),
+        "joint 'j': MuJoCo refuses it: World body cannot have joints",
+    ),
     "body of the world's name": (world(body("world")), "repeated name 'world' in body"),
     "two bodies": (world(body("a") + body("a")), "repeated name 'a' in body"),
     "two joints": (world(body("a", "<joint name='j'/>") * 2), "repeated name 'a' in body"),
     "two joints in a body": (
         world(body("a", "<joint name='j'/>" * 2)),
-        "joint 'j': MuJoCo refuses it: repeated name",
+        "repeated name 'j' in joint",
     ),
-    "nested free": (world(body("a", body("b", "<freejoint/>"))), "body 'b': .* free joint can only be used on top"),
+    "nested free": (
+        world(body("a", body("b", "<freejoint/>"))),
+        "body 'b': .* free joint can only be used on top",
+    ),
     "free and more": (world(body("a", "<freejoint/><joint/>")), "more than 6 dofs in body 'a'"),
-    "joint type": (world(body("a", '<joint type="hinged"/>')), "<joint> on body 'a': .* `type` has the invalid keyword: 'hinged'"),
+    "joint type": (
+        world(body("a", '<joint type="hinged"/>')),
+        "<joint> on body 'a': .* `type` has the invalid keyword: 'hinged'",
+    ),
     "axis": (world(body("a", '<joint axis="0 0 0"/>')), "axis too small in joint"),
     "NaN": (world(body("a", '<joint pos="0 nan 0"/>')), NOT_FINITE),
     "infinity": (world(body("a", "", 'pos="0 inf 0"')), NOT_FINITE),
@@ -344,13 +406,19 @@ BAD = {
     "tendon": (joined('<tendon tendon1="t"/>'), "the tendon 't' does not exist"),
     "flex": (joined("<flex/>"), "<flex> is not read"),
     "distance": (joined("<distance/>"), 'set active="false" to leave it out'),
-    "active": (joined('<connect active="no" body1="a" anchor="0 0 0"/>'), "`active` has the invalid keyword: 'no'"),
-    "no body": (joined('<connect anchor="0 0 0"/>'), "<connect>: MuJoCo .* must be specified"),
-    "no anchor": (joined('<connect body1="a"/>'), "'anchor'. must be specified"),
+    "active": (
+        joined('<connect active="no" body1="a" anchor="0 0 0"/>'),
+        "`active` has the invalid keyword: 'no'",
+    ),
+    "no body": (joined('<connect anchor="0 0 0"/>'), "<connect>: MuJoCo refuses it: "),
+    "no anchor": (joined('<connect body1="a"/>'), "<connect body1='a'>: MuJoCo refuses it: "),
     "unknown body": (joined('<weld body1="a" body2="bb"/>'), "the body 'bb' does not exist"),
     "unknown site": (joined('<connect site1="s" site2="tt"/>'), "did you mean 't'"),
-    "no second site": (joined('<weld site1="s"/>'), "'site2'.*, 'body1' must be specified"),
-    "site and body": (joined('<weld site1="s" body1="a"/>'), "at most one of .* can be specified"),
+    "no second site": (joined('<weld site1="s"/>'), "<weld site1='s'>: MuJoCo refuses it: "),
+    "site and body": (
+        joined('<weld site1="s" body1="a"/>'),
+        "<weld body1='a' site1='s'>: MuJoCo refuses it: ",
+    ),
     "body with itself": (joined('<weld body1="a" body2="a"/>'), "element 'a' is repeated"),
     "site with itself": (joined('<weld site1="s" site2="s"/>'), "element 's' is repeated"),
     "relpose": (joined('<weld body1="a" relpose="1 2 3"/>'), "'relpose' does not have enough data"),
@@ -363,7 +431,10 @@ BAD = {
         "`polycoef` is '0 1 2 0 0'; only a linear one is read",
     ),
     "polycoef": (joined('<joint joint1="j" polycoef="0 nan"/>'), "not 2 finite numbers"),
-    "long polycoef": (joined('<joint joint1="j" polycoef="0 1 2 3 4 5"/>'), "'polycoef' has too much data"),
+    "long polycoef": (
+        joined('<joint joint1="j" polycoef="0 1 2 3 4 5"/>'),
+        "'polycoef' has too much data",
+    ),
     "held twice": (joined('<joint joint1="j"/>' * 2), "held by another constraint already"),
     "held and geared": (
         joined('<joint joint1="j"/><joint joint1="k" joint2="j"/>'),
@@ -376,7 +447,7 @@ BAD = {
     "unknown motor": (mjcf(HINGED, after=motor("jj")), "the joint 'jj' does not exist"),
     "short keyframe": (
         mjcf(HINGED, after='<keyframe><key name="home" qpos="1 2"/></keyframe>'),
-        "invalid qpos size, expected 1, got 2",
+        "invalid qpos size, expected",
     ),
     "too many constraints": (
         joined('<connect body1="a" anchor="0 0 0"/>' * 1001),
@@ -402,6 +473,23 @@ def test_files_that_are_too_large_are_not_opened(tmp_path) -> None:
         file.truncate(50_000_000)
     with pytest.raises(pj.ModelFileError, match="50000000 bytes are too many"):
         read_mjcf(path)
+
+
+def test_no_mujoco(read, monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    with pytest.raises(pj.ModelFileError, match=r'pip install "pmjac_pin\[mjcf\]"'):
+        read(FOUR_BAR)
+
+
+def test_mujoco_leaves_nothing_behind(read, monkeypatch, tmp_path, capfd) -> None:
+    """It would write its warnings into the folder where one is."""
+    (here := tmp_path / "here").mkdir()
+    monkeypatch.chdir(here)
+    read(mjcf("<body><joint/>" * 90 + "</body>" * 90))
+    with pytest.raises(pj.ModelFileError):
+        read(mjcf(body("a", "<joint axis='0 nan 0'/>")))
+    assert list(here.iterdir()) == []
+    assert capfd.readouterr() == ("", "")
 
 
 def test_no_file_at_all(tmp_path) -> None:

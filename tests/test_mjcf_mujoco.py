@@ -9,7 +9,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 import pinocchio as pin
 import pytest
-from mjcf_models import MODELS
+from mjcf_models import MODELS, body, mjcf, motor
 from mujoco_oracle import Pair, mujoco
 from peer_models import peer_model
 
@@ -50,6 +50,73 @@ def test_bodies_and_sites_are_where_mujoco_has_them(pair, rng) -> None:
                 theirs = pair.placement(name, kind)
                 ours = data.oMf[pair.frame(name, kind)]
                 np.testing.assert_allclose(ours.homogeneous, theirs.homogeneous, atol=2e-14)
+
+
+ATTACHED = """
+<mujoco model="arm"><compiler angle="radian"/>
+  <include file="{}more.xml"/>
+  <worldbody><body name="arm" pos="1 0 0" euler="0 0 1"><joint name="j" axis="1 1 0" ref=".3"/>
+    <geom size=".1"/><site name="tip" pos="1 0 0"/>
+    <body name="fore" pos="0 1 0"><joint name="k"/><geom size=".1"/></body></body></worldbody>
+  <equality><connect body1="fore" body2="arm" anchor=".1 .2 0"/></equality>
+  <actuator><position name="drive" joint="j"/></actuator>
+</mujoco>"""
+ATTACHING = mjcf(
+    body(
+        "base",
+        '<joint name="turn"/><attach model="arm" body="arm" prefix="L-"/>'
+        '<frame pos="0 0 1" euler="0 90 0"><attach model="arm" body="arm" prefix="R-"/></frame>',
+    ),
+    '<weld site1="L-tip" site2="R-tip"/>',
+    '<asset><model name="arm" file="parts/arm.xml"/></asset>',
+    motor("turn", "L-k"),
+)
+
+
+def attaching(folder: Path) -> Path:
+    (folder / "parts").mkdir()
+    (folder / "parts" / "arm.xml").write_text(ATTACHED.format(""))
+    (folder / "parts" / "more.xml").write_text('<m><default><geom density="70"/></default></m>')
+    return written(folder, ATTACHING)
+
+
+def test_attached_models_are_mujocos(tmp_path, monkeypatch, rng) -> None:
+    monkeypatch.chdir(tmp_path)
+    pair = Pair(attaching(tmp_path))
+    assert pair.found.actuated == ("turn", "L-k", "L-j", "R-j")
+    assert len(pair.found.loops) == 3
+    test_bodies_and_sites_are_where_mujoco_has_them(pair, rng)
+    test_loop_equations_are_the_rows_of_efc_J(pair, rng)
+
+
+TENDONS = mjcf(
+    body("a", '<joint name="x" ref="30"/>' + body("b", '<joint name="y" ref="-20"/>'))
+    + body("c", '<joint name="s" type="slide" ref=".4"/><joint name="h" axis="0 1 0" ref="10"/>'),
+    '<tendon tendon1="xy" polycoef=".2"/><tendon tendon1="s" tendon2="y" polycoef=".3 -.5"/>'
+    '<tendon tendon1="h" polycoef=".6"/><tendon tendon1="path" active="false"/>'
+    '<tendon tendon1="h" tendon2="xy" polycoef=".1 0" active="false"/>',
+    after='<tendon><fixed name="xy"><joint joint="x" coef="2"/><joint joint="y" coef="-4"/></fixed>'
+    '<fixed name="s"><joint joint="s" coef="3"/></fixed>'
+    '<fixed name="y"><joint joint="y" coef="1"/></fixed>'
+    '<fixed name="h"><joint joint="h" coef="2"/></fixed>'
+    '<spatial name="path"><site site="p"/><site site="o"/></spatial></tendon>',
+).replace("<worldbody>", '<worldbody><site name="p"/><site name="o" pos="1 0 0"/>')
+
+
+def test_fixed_tendons_tie_joints_as_in_efc_J(tmp_path, monkeypatch, rng) -> None:
+    """MuJoCo's rows are ours, times the weight of the joint that follows."""
+    monkeypatch.chdir(tmp_path)
+    pair = Pair(written(tmp_path, TENDONS))
+    assert [loop.joints for loop in pair.found.loops] == [("x", "y"), ("y", "s")]
+    assert "joint 'h' is held at 0.474533" in pair.found.notes
+    ours = equations(pair)
+    for _ in range(3):
+        qpos = pair.random(rng)
+        eta, jacobian = ours.loop_equations(pair.q(qpos))
+        for row, weight in enumerate((-4.0, 3.0)):
+            residual, rates = pair.equations(qpos, row)
+            np.testing.assert_allclose(weight * eta[row], residual[0], atol=1e-12)
+            np.testing.assert_allclose(weight * jacobian[row], rates[0], atol=1e-12)
 
 
 def equations(pair: Pair) -> Kinematics:

@@ -29,12 +29,14 @@ class MjcfFile:
 
     Attributes
     ----------
+    path : Path
     root : Element
         <mujoco>, without attributes that are blank.
     attached : mapping of str to MjcfFile
         The models that it attaches, by what `file` of their <model> says in `root`.
     """
 
+    path: Path
     root: Element
     attached: Mapping[str, MjcfFile]
 
@@ -75,7 +77,7 @@ class _Reader:
                     raise ModelFileError(
                         f"<{shown(section.tag)[1:-1]}> is no section of MJCF{known}"
                     )
-            return MjcfFile(expanded, self._attached(expanded, path, (*above, real(path))))
+            return MjcfFile(path, expanded, self._attached(expanded, path, (*above, real(path))))
 
     def _attached(self, root: Element, path: Path, above: Sequence[Path]) -> Mapping[str, MjcfFile]:
         """Return the models that a model names, whose elements get names like no other's."""

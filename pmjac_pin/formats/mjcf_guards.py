@@ -13,6 +13,7 @@ from xml.etree.ElementTree import Element
 from pmjac_pin.errors import ModelFileError
 from pmjac_pin.formats.mjcf_file import MjcfFile
 from pmjac_pin.formats.mjcf_names import Places, called, check_name
+from pmjac_pin.text_file import at_file
 from pmjac_pin.urdf_checks import MAXIMAL_LINKS
 from pmjac_pin.urdf_xml import numbers, numbers_in
 
@@ -67,12 +68,13 @@ def _check_words(file: MjcfFile) -> None:
     """
     places = Places(file.root)
     classes = {"main", *(given.get("class", "") for given in file.root.iterfind(".//default"))}
-    for element in file.root.iter():
-        for key, text in element.attrib.items():
-            if key not in _WORDS:
-                numbers_in(f"{places.of(element)}: `{key}`", text, count=len(text.split()))
-            elif key in ("class", "childclass") and text not in classes:
-                check_name(f"{places.of(element)}: the default class", text, classes)
+    with at_file(str(file.path)):
+        for element in file.root.iter():
+            for key, text in element.attrib.items():
+                if key not in _WORDS:
+                    numbers_in(f"{places.of(element)}: `{key}`", text, count=len(text.split()))
+                elif key in ("class", "childclass"):
+                    check_name(f"{places.of(element)}: the default class", text, classes)
     for attached in file.attached.values():
         _check_words(attached)
 

@@ -14,6 +14,7 @@ from pmjac_pin.errors import ModelFileError, did_you_mean
 from pmjac_pin.formats.mjcf_file import MjcfFile
 from pmjac_pin.formats.mjcf_names import called
 from pmjac_pin.formats.mjcf_vocabulary import MJCF_WORDS
+from pmjac_pin.text_file import at_file
 from pmjac_pin.urdf_xml import numbers, shown, written
 
 _READ = ("connect", "weld", "joint", "tendon")
@@ -53,11 +54,12 @@ def kept(file: MjcfFile) -> Kept:
         A word that looks misspelt, or a constraint that holds and is not read.
     """
     others = {name: kept(attached) for name, attached in file.attached.items()}
-    unread, equalities = MJCF_WORDS.unread(file.root), list(_equalities(file.root))
-    root = MJCF_WORDS.known(file.root)
-    notes, total = (*equalities, *_motors(root)), _bounded_masses(root)
+    with at_file(str(file.path)):
+        unread, equalities = MJCF_WORDS.unread(file.root), list(_equalities(file.root))
+        root = MJCF_WORDS.known(file.root)
+        notes, total = (*equalities, *_motors(root)), _bounded_masses(root)
     return Kept(
-        MjcfFile(root, {name: other.file for name, other in others.items()}),
+        MjcfFile(file.path, root, {name: other.file for name, other in others.items()}),
         total if total > 0.0 else None,
         sum((other.notes for other in others.values()), notes),
         sum((other.unread for other in others.values()), unread),

@@ -5,7 +5,6 @@ It gets what `mjcf_kept` leaves, so that it opens no file; meshes become points 
 
 from __future__ import annotations
 
-import importlib
 import math
 import re
 from collections.abc import Iterator, Sequence
@@ -73,10 +72,11 @@ def compiled(file: MjcfFile) -> Compiled:
 
 def _mujoco() -> Any:
     try:
-        return importlib.import_module("mujoco")
+        import mujoco  # noqa: PLC0415
     except ImportError:
         todo = 'pip install "pmjac_pin[mjcf]"'
         raise ModelFileError(f"MJCF is read by MuJoCo, which is not installed: {todo}") from None
+    return mujoco
 
 
 class _Refusals:
