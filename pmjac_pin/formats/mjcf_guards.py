@@ -1,6 +1,7 @@
 """What an MJCF model must be before MuJoCo may see it: finite numbers, and not too many.
 
-MuJoCo multiplies out what a file asks for, and takes time that grows with the square of it.
+MuJoCo multiplies out what a file asks for, names and all, and takes time that grows with the
+square of it.
 """
 
 from __future__ import annotations
@@ -14,13 +15,15 @@ from pmjac_pin.errors import ModelFileError
 from pmjac_pin.formats.mjcf_file import MjcfFile
 from pmjac_pin.formats.mjcf_names import Places, called, check_name
 from pmjac_pin.text_file import at_file
-from pmjac_pin.urdf_checks import MAXIMAL_LINKS
+from pmjac_pin.urdf_checks import MAXIMAL_LINKS, MAXIMAL_NAME
 from pmjac_pin.urdf_xml import numbers, numbers_in
 
-MAXIMAL_ELEMENTS = 10_000  # of the bodies, with what <replicate> and <attach> make of them
+MAXIMAL_ELEMENTS = 10_000  # that are read, with what <replicate> and <attach> make of them
+MAXIMAL_CLASSES = 1000
 
 _SOFT = ("composite", "flexcomp")
 _LINKS = ("body", "site", "joint", "freejoint")
+_CARRIERS = ("worldbody", "body", "frame", "replicate")
 _WORDS = frozenset(
     {
         *("active", "align", "alignfree", "angle", "autolimits", "balanceinertia", "body", "body1"),
@@ -45,7 +48,7 @@ class _Count:
 
 
 def check(file: MjcfFile) -> None:
-    """Refuse a model with numbers that are none, or with too many bodies.
+    """Refuse a model with numbers or names that are none, or with too much in it.
 
     Raises
     ------
@@ -57,22 +60,28 @@ def check(file: MjcfFile) -> None:
         what = f"{count.links} bodies, sites and joints are too many"
         raise ModelFileError(f"{what}; at most {MAXIMAL_LINKS} links are read")
     if count.elements > MAXIMAL_ELEMENTS:
-        what = f"{count.elements} elements in <worldbody> are too many"
+        what = f"{count.elements} elements are too many"
         raise ModelFileError(f"{what}; at most {MAXIMAL_ELEMENTS} are read")
 
 
 def _check_words(file: MjcfFile) -> None:
-    """Refuse numbers that are not finite or too large, and default classes that do not exist.
+    """Refuse numbers that are not finite or too large, long names, and classes that do not exist.
 
     How many numbers there must be MuJoCo knows, and which words mean something.
     """
     places = Places(file.root)
     classes = {"main", *(given.get("class", "") for given in file.root.iterfind(".//default"))}
     with at_file(str(file.path)):
+        if len(classes) > MAXIMAL_CLASSES:
+            got = f"{len(classes)} default classes are too many"
+            raise ModelFileError(f"{got}; at most {MAXIMAL_CLASSES} are read")
         for element in file.root.iter():
             for key, text in element.attrib.items():
                 if key not in _WORDS:
                     numbers_in(f"{places.of(element)}: `{key}`", text, count=len(text.split()))
+                elif len(text) > MAXIMAL_NAME:
+                    got = f"`{key}` is a name of {len(text)} characters"
+                    raise ModelFileError(f"<{element.tag}>: {got}; at most {MAXIMAL_NAME} are read")
                 elif key in ("class", "childclass"):
                     check_name(f"{places.of(element)}: the default class", text, classes)
     for attached in file.attached.values():
@@ -84,8 +93,7 @@ def _in_model(file: MjcfFile) -> _Count:
     for element in file.root.iterfind("asset/model"):
         count = _in_model(file.attached[element.get("file", "")])
         models[element.get("name", "")] = count
-    sections = [_in_element(section, models) for section in file.root.iterfind("worldbody")]
-    return sum(sections, _Count())
+    return _in_element(file.root, models)
 
 
 def _in_element(element: Element, models: Mapping[str, _Count]) -> _Count:
@@ -100,7 +108,8 @@ def _in_element(element: Element, models: Mapping[str, _Count]) -> _Count:
             known = models.get(child.get("model", ""))
             total += known or sum(models.values(), _Count())
             continue
-        count = _Count(int(child.tag in _LINKS), 1) + _in_element(child, models)
+        link = child.tag in _LINKS and element.tag in _CARRIERS
+        count = _Count(int(link), 1) + _in_element(child, models)
         total += count.times(_copies(child) if child.tag == "replicate" else 1)
     return total
 

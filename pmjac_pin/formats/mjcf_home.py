@@ -6,9 +6,8 @@ from collections.abc import Container, Iterable
 from typing import Any
 
 from pmjac_pin.formats.mjcf_joints import SCALAR, MjcfJoint
+from pmjac_pin.formats.mjcf_kept import KEYFRAME
 from pmjac_pin.spec import JointValue
-
-_KEYFRAME = "home"
 
 
 def read_home(
@@ -17,9 +16,9 @@ def read_home(
     """Return each joint's value, those that are not zero, and notes."""
     qpos, notes = model.qpos0, []
     for number in range(model.nkey):
-        if model.key(number).name == _KEYFRAME:
+        if model.key(number).name == KEYFRAME:
             qpos = model.key_qpos[number]
-            notes.append(f"the home pose is the keyframe {_KEYFRAME!r}")
+            notes.append(f"the home pose is the keyframe {KEYFRAME!r}")
     home: dict[str, JointValue] = {}
     for joint in joints:
         given = qpos[joint.qpos].tolist()

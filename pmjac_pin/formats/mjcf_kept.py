@@ -17,9 +17,11 @@ from pmjac_pin.formats.mjcf_vocabulary import MJCF_WORDS
 from pmjac_pin.text_file import at_file
 from pmjac_pin.urdf_xml import numbers, shown, written
 
+KEYFRAME = "home"
+NO_MASS = 1e-14  # kg and kg m², for bodies without: MuJoCo wants more than 1e-15
+
 _READ = ("connect", "weld", "joint", "tendon")
 _NOT_READ = ("distance", "flex", "flexstrain", "flexvert")
-NO_MASS = 1e-14  # kg and kg m², for bodies without: MuJoCo wants more than 1e-15
 _BRAKES = ("adhesion", "damper")
 
 
@@ -58,6 +60,7 @@ def kept(file: MjcfFile) -> Kept:
         unread, equalities = MJCF_WORDS.unread(file.root), list(_equalities(file.root))
         root = MJCF_WORDS.known(file.root)
         notes, total = (*equalities, *_motors(root)), _bounded_masses(root)
+        _keep_keyframe(root)
     return Kept(
         MjcfFile(file.path, root, {name: other.file for name, other in others.items()}),
         total if total > 0.0 else None,
@@ -99,6 +102,14 @@ def _bounded_masses(root: Element) -> float:
     }
     SubElement(root, "compiler", {key: written([value]) for key, value in least.items()})
     return numbers("<compiler>", given, "settotalmass", default="-1")[0]
+
+
+def _keep_keyframe(root: Element) -> None:
+    """Take out all keyframes but the one that is read."""
+    for section in root.iterfind("keyframe"):
+        for key in section.findall("key"):
+            if key.get("name") != KEYFRAME:
+                section.remove(key)
 
 
 def _motors(root: Element) -> Iterator[str]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 from xml.etree.ElementTree import Element, tostring
@@ -52,7 +53,7 @@ def compiled(file: MjcfFile) -> Compiled:
     """
     mujoco = _mujoco()
     root = file.root
-    with _Refusals(root):
+    with _refusals(root):
         spec = mujoco.MjSpec.from_string(_lines(root), include=dict(_attached(file)))
     labels = tuple(_label(mujoco, equality) for equality in spec.equalities)
     _check_names(mujoco, spec, labels)
@@ -60,7 +61,7 @@ def compiled(file: MjcfFile) -> Compiled:
     meshes = _without_meshes(mujoco, spec)
     for joint in spec.joints:
         joint.armature = 1.0  # the mass matrix, which nobody reads, must not be singular
-    with _Refusals(root):
+    with _refusals(root):
         model = spec.compile()
     return Compiled(
         model=model,
@@ -79,33 +80,26 @@ def _mujoco() -> Any:
     return mujoco
 
 
-class _Refusals:
-    """Turns MuJoCo's errors into ours, with the element at fault instead of its line."""
-
-    def __init__(self, root: Element) -> None:
-        self._root = root
-
-    def __enter__(self) -> None:
-        return None
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, _: Any
-    ) -> None:
-        if not isinstance(error, Exception):
-            return
+@contextmanager
+def _refusals(root: Element) -> Iterator[None]:
+    """Turn MuJoCo's errors into ours, with the element at fault instead of its line."""
+    try:
+        yield
+    except Exception as error:  # MuJoCo has several kinds
         said = re.sub(r"^(XML )?(Error: )+", "", str(error)).strip()
         said, *rest = said.split("\nElement ")
         where = ""
-        if rest and (element := self._element(rest[-1])) is not None:
-            where = f"{Places(self._root).of(element)}: "
+        if rest and (element := _on_line(root, rest[-1])) is not None:
+            where = f"{Places(root).of(element)}: "
             said = _with_attribute(said, element)
         raise ModelFileError(f"{where}MuJoCo refuses it: {shortened(said, _LONGEST)}") from None
 
-    def _element(self, place: str) -> Element | None:
-        """Return what stands on the line that a message names; `_lines` writes one on each."""
-        line = int(found[1]) if (found := re.search(r"line (\d+)", place)) else 0
-        elements = list(self._root.iter())
-        return elements[line - 1] if 0 < line <= len(elements) else None
+
+def _on_line(root: Element, place: str) -> Element | None:
+    """Return what stands on the line that a message names; `_lines` writes one on each."""
+    line = int(found[1]) if (found := re.search(r"line (\d+)", place)) else 0
+    elements = list(root.iter())
+    return elements[line - 1] if 0 < line <= len(elements) else None
 
 
 def _with_attribute(said: str, element: Element) -> str:
@@ -152,10 +146,10 @@ def _ends(mujoco: Any, equality: Any) -> list[tuple[str, int, str]]:
 def _check_names(mujoco: Any, spec: Any, labels: Sequence[str]) -> None:
     """Refuse names that do not exist, with what may be meant, which MuJoCo does not say."""
     known = {
-        "body": [body.name for body in spec.bodies],
-        "site": [site.name for site in spec.sites],
-        "joint": [joint.name for joint in spec.joints],
-        "tendon": [tendon.name for tendon in spec.tendons],
+        "body": {body.name for body in spec.bodies},
+        "site": {site.name for site in spec.sites},
+        "joint": {joint.name for joint in spec.joints},
+        "tendon": {tendon.name for tendon in spec.tendons},
     }
     for label, equality in zip(labels, spec.equalities, strict=True):
         for kind, _, name in _ends(mujoco, equality):
@@ -193,10 +187,15 @@ def _without_meshes(mujoco: Any, spec: Any) -> list[tuple[Any, bool]]:
     for geom in spec.geoms:
         if geom.type in known and not geom.meshname and geom.type != height:
             continue
-        given = not math.isnan(geom.mass)
-        low, high = spec.compiler.inertiagrouprange
-        light = (geom.mass if given else geom.density) == 0.0 or not low <= geom.group <= high
-        found.append((geom, not light and geom.type != height))
+        found.append((geom, geom.type != height and _counts(spec.compiler, geom)))
         geom.type, geom.meshname, geom.hfieldname = mujoco.mjtGeom.mjGEOM_SPHERE, "", ""
-        geom.size, geom.mass = [1.0, 1.0, 1.0], 0.0
+        geom.size, geom.mass, geom.fromto = [1.0] * 3, 0.0, [math.nan] * 6
     return found
+
+
+def _counts(compiler: Any, geom: Any) -> bool:
+    """Whether MuJoCo would add a geom to the mass of its body."""
+    given, (low, high) = geom.parent.explicitinertial, compiler.inertiagrouprange
+    from_geoms = {0: False, 1: True, 2: not given}[int(compiler.inertiafromgeom)]
+    own = geom.density if math.isnan(geom.mass) else geom.mass
+    return bool(from_geoms and low <= geom.group <= high and own != 0.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 from xml.etree.ElementTree import Element
 
@@ -65,10 +65,10 @@ class Names:
                 yield unused_name(f"{name or body}_site", self.taken)
 
 
-def check_name(what: str, name: str, known: Iterable[str]) -> None:
+def check_name(what: str, name: str, known: Collection[str]) -> None:
     """Refuse a name that does not exist; `what` says who gives it."""
-    if name not in (names := list(known)):
-        raise ModelFileError(f"{what} {shown(name)} does not exist{did_you_mean(name, names)}")
+    if name not in known:
+        raise ModelFileError(f"{what} {shown(name)} does not exist{did_you_mean(name, known)}")
 
 
 class Places:
