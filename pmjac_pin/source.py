@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import msgspec
 
-from pmjac_pin.catalog import SUFFIXES, find_urdf
+from pmjac_pin.catalog import find_urdf
 from pmjac_pin.checks import as_names
 from pmjac_pin.formats.extended_urdf import closure_yaml_beside, read_extended_urdf
 from pmjac_pin.formats.foreign_model import ForeignModel, check_frame, check_motors
@@ -58,7 +58,7 @@ def read_source(
     Parameters
     ----------
     path : Path
-        Anything without one of `SUFFIXES` is taken for a model file of ours.
+        Anything without a suffix of `READERS` is taken for a model file of ours.
     actuated : iterable of str, optional
         The motors, instead of those that the file tells.
     tool : str, optional
@@ -69,8 +69,8 @@ def read_source(
     ModelFileError, UnknownNameError, ArgumentError
     """
     motors = None if actuated is None else as_names(actuated, "actuated is a list of joint names")
-    if path.suffix.lower() in SUFFIXES[1:]:
-        model = _foreign(path, motors or ())
+    if (reader := READERS.get(path.suffix.lower())) is not None:
+        model = reader(path, motors or ())
         return Source(path, model.spec(motors, tool), model.urdf, model.notes, model.unread)
     spec = read_model_file(path)
     urdf = read_urdf(find_urdf(spec.urdf, path))
@@ -90,12 +90,19 @@ def _open_frames(urdf: Urdf, spec: MechanismSpec) -> list[str]:
     return [f"not read: the frames {pair} are in no [[loop]]" for pair in pairs]
 
 
-def _foreign(path: Path, motors: tuple[str, ...]) -> ForeignModel:
-    match path.suffix.lower():
-        case ".urdf" if closure_yaml_beside(path) is None:
-            return read_looped_urdf(path, motors)
-        case ".urdf":
-            return read_extended_urdf(path, motors)
-        case ".sdf":
-            return read_sdf(path, motors)
-    return read_mjcf(path)
+def _read_urdf(path: Path, motors: Collection[str]) -> ForeignModel:
+    extended = closure_yaml_beside(path) is not None
+    return (read_extended_urdf if extended else read_looped_urdf)(path, motors)
+
+
+def _read_mjcf(path: Path, _: Collection[str]) -> ForeignModel:
+    return read_mjcf(path)  # its loops are cut already
+
+
+# The readers of other formats, by the suffix of the file; each is told which joints stay uncut.
+READERS: Mapping[str, Callable[[Path, Collection[str]], ForeignModel]] = {
+    ".urdf": _read_urdf,
+    ".sdf": read_sdf,
+    ".xml": _read_mjcf,
+    ".mjcf": _read_mjcf,
+}

@@ -315,7 +315,7 @@ BAD = {
     ),
     "nested replicate": (
         world("<replicate count='999'>" * 3 + "<geom/>" + "</replicate>" * 3),
-        "1995004998 elements are too many",
+        r"\d{10} elements are too many",
     ),
     "no replicate": (world("<replicate count='nan'><body/></replicate>"), "not a finite number"),
     "model that is not there": (
@@ -385,6 +385,17 @@ BAD = {
     "class": (world(body("a", '<joint class="no"/>')), "the default class 'no' does not exist"),
     "childclass": (world(body("a", "", 'childclass="mian"')), "did you mean 'main'"),
     "default without a name": (world("", "<default><default/></default>"), "empty class name"),
+    "too many classes": (
+        world(
+            "",
+            "<default>" + "".join(f"<default class='c{k}'/>" for k in range(1500)) + "</default>",
+        ),
+        "1502 default classes are too many",
+    ),
+    "long names multiplied": (
+        world(f"<replicate count='900' sep='{'x' * 10**6}'><body/></replicate>"),
+        "`sep` is a name of 1000000 characters; at most 200",
+    ),
     "default twice": (
         world("", '<default><default class="a"/><default class="a"/></default>'),
         "repeated default class name",

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
+from pmjac_pin.catalog import SUFFIXES
 from pmjac_pin.formats.looped_urdf import read_looped_urdf
-from pmjac_pin.source import read_source
+from pmjac_pin.source import READERS, read_source
 
 
 @pytest.fixture
@@ -19,6 +20,10 @@ def path(tmp_path):
     path = tmp_path / "machine.urdf"
     path.write_text(looped.two_parents())
     return path
+
+
+def test_every_suffix_has_a_reader():
+    assert (".toml", *READERS) == SUFFIXES
 
 
 def test_a_model_file_takes_other_motors_and_another_tool():

@@ -29,7 +29,8 @@ _ALONG: Mapping[str, type] = {
     "cylindrical": CylindricalLoop,
     "planar": PlanarLoop,
 }
-WITHOUT_AXIS = ("spherical", "fixed", "floating")
+_WHOLE: Mapping[str, type] = {"spherical": SphericalLoop, "fixed": FrameLoop}
+WITHOUT_AXIS = (*_WHOLE, "floating")
 KINDS = (*_ALONG, *WITHOUT_AXIS)
 
 
@@ -99,9 +100,10 @@ def placement_of(origin: Element) -> pin.SE3:
 
 def loop_of_kind(kind: str, frames: tuple[str, str], axis: Vector) -> Loop | None:
     """Return the loop that does what a joint of one of `KINDS` does; None for a floating one."""
-    if kind in _ALONG:
-        loop: Loop = _ALONG[kind](frames=frames, axis=axis)
-        return loop
     if kind == "floating":
         return None
-    return SphericalLoop(frames=frames) if kind == "spherical" else FrameLoop(frames=frames)
+    if kind in _ALONG:
+        along: Loop = _ALONG[kind](frames=frames, axis=axis)
+        return along
+    whole: Loop = _WHOLE[kind](frames=frames)
+    return whole

@@ -29,6 +29,7 @@ from pmjac_pin.urdf_xml import parse_xml, written
 from pmjac_pin.user_path import is_file
 
 _AXES: Mapping[str, str] = {"X": "1 0 0", "Y": "0 1 0", "Z": "0 0 1"}
+_KINDS: Mapping[str, type[PointLoop | FrameLoop]] = {"point": PointLoop, "frame": FrameLoop}
 _DEFAULT_STEM = "robot"
 
 
@@ -123,8 +124,7 @@ def _loops(closures: ClosureFile, carriers: Mapping[str, str]) -> list[Loop]:
         if first == second:
             both = f"the frames {pair[0]!r} and {pair[1]!r}"
             raise ModelFileError(f"`closed_loop`: {both} are one, of link {first!r}")
-        loop = PointLoop if kind == "point" else FrameLoop
-        loops.append(loop(frames=(first, second)))
+        loops.append(_KINDS[kind](frames=(first, second)))
     return loops
 
 

@@ -151,8 +151,14 @@ def _loop(joint: SdfJoint, frames: tuple[str, str]) -> Loop:
             return PrismaticLoop(frames=frames, axis=directions[0])
         case "revolute" | "continuous":
             return RevoluteLoop(frames=frames, axis=directions[0])
+        case "universal" | "revolute2":
+            _check_perpendicular(joint)
+            return UniversalLoop(frames=frames, axes=(directions[0], directions[1]))
+    raise ModelFileError(f"joint {joint.name!r} of type {joint.kind} cannot be cut")
+
+
+def _check_perpendicular(joint: SdfJoint) -> None:
     if abs(float(joint.axes[0].direction @ joint.axes[1].direction)) > _PERPENDICULAR:
         todo = "list it before the other joint that has its child, which is then cut instead"
         wrong = "its axes are not perpendicular, so that it cannot be cut"
         raise ModelFileError(f"joint {joint.name!r} closes a loop and {wrong}; {todo}")
-    return UniversalLoop(frames=frames, axes=(directions[0], directions[1]))
