@@ -162,8 +162,9 @@ def test_what_is_not_known_of_masses_is_said(tmp_path):
             f'<body name="b">{joint.format("k")}<body name="c"/></body>'
             f'<body name="d">{joint.format("l")}<geom size=".1" shellinertia="true"/></body>'
             f'<body name="e">{joint.format("m")}<inertial pos="0 0 0" mass="1"/></body>'
-            f'<body name="f">{joint.format("n")}<geom type="capsule" mesh="m" fromto="0 0 0 1 1 1"/>'
-            '<geom type="mesh" mesh="m"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body>'
+            f'<body name="f">{joint.format("n")}<geom type="mesh" mesh="m"/>'
+            '<geom type="capsule" mesh="m" fromto="0 0 0 1 1 1"/>'
+            '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body>'
             '<geom type="hfield" hfield="land"/>'
         )
     )

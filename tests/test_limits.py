@@ -19,7 +19,7 @@ from pmjac_pin.bounded_toml import MAXIMAL_PARTS, bounded_table
 from pmjac_pin.bounded_xml import MAXIMAL_ATTRIBUTES, MAXIMAL_ELEMENTS, MAXIMAL_NESTING
 from pmjac_pin.catalog import find_model_file, find_urdf
 from pmjac_pin.checks import LARGEST, SMALLEST
-from pmjac_pin.formats import closure_yaml, mjcf_file, sdf
+from pmjac_pin.formats import closure_yaml, mjcf_file, mjcf_guards, sdf
 from pmjac_pin.loop_spec import MAXIMAL_LOOPS
 from pmjac_pin.spec import MAXIMAL_ENTRIES
 from pmjac_pin.table import LONGEST_NAME
@@ -250,7 +250,11 @@ def test_the_page_states_each_limit():
         "size of a URDF or SDF": f"{urdf.MAXIMAL_SIZE:,} bytes",
         "size of an MJCF, with all that it includes": f"{mjcf_file.MAXIMAL_SIZE:,} bytes",
         "size of the YAML of an extended URDF": f"{closure_yaml.MAXIMAL_SIZE:,} bytes",
-        "files included in an MJCF": f"{mjcf_file.MAXIMAL_INCLUDES}",
+        "files included in an MJCF, or attached": f"{mjcf_file.MAXIMAL_INCLUDES}",
+        "elements of an MJCF that are read, copies by `replicate` and `attach` counted": (
+            f"{mjcf_guards.MAXIMAL_ELEMENTS:,}"
+        ),
+        "default classes of an MJCF": f"{mjcf_guards.MAXIMAL_CLASSES:,}",
         "parts of a dotted TOML key": f"{MAXIMAL_PARTS}",
         "nesting of XML elements": f"{MAXIMAL_NESTING}",
         "elements of an XML file": f"{MAXIMAL_ELEMENTS:,}",
