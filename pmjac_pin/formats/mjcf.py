@@ -53,17 +53,11 @@ def read_mjcf(path: Path) -> ForeignModel:
 
 def _foreign_model(kept: Kept, path: Path) -> ForeignModel:
     found = compiled(kept.file)
-    model, name = found.model, kept.file.root.get("model") or path.stem
-    names = Names(model)
+    name, names = kept.file.root.get("model") or path.stem, Names(found.model)
     bodies = read_bodies(found, names)
     joints = {joint.name: joint for body in bodies for joint in body.joints}
     active, left_out = active_equalities(found)
-    equality = [
-        equation
-        for kind in ("joint", "tendon")
-        for equation in equations(model, found.equalities, active[kind], names.joints, kind)
-    ]
-    couplings, held = read_couplings(equality, joints)
+    couplings, held = read_couplings(equations(found, active, names.joints), joints)
     counted = {joint for loop in couplings for joint in loop.joints} | set(held)
     tree = MjcfTree(name, bodies, names, counted)
     closing = sorted([*active["connect"], *active["weld"]])
@@ -72,9 +66,10 @@ def _foreign_model(kept: Kept, path: Path) -> ForeignModel:
     masses, mass_notes = inertias(found, names, moving, kept.total_mass)
     for body, inertia in masses.items():
         tree.urdf.inertial(body, inertia)
-    motors, idle = read_motors(model, names.joints, joints, held)
-    home, moved = read_home(model, joints.values(), held)
+    motors, idle = read_motors(found.model, names.joints, joints, held)
+    home, moved = read_home(found.model, joints.values(), held)
     fixed = [f"joint {joint!r} is held at {held[joint]:g}" for joint in held]
+    left_out = [*body_notes(found.model, names), *kept.notes, *left_out]
     return ForeignModel(
         name=name,
         urdf=lock_joints(Urdf.of(tree.urdf.robot, str(path)), held),
@@ -82,9 +77,6 @@ def _foreign_model(kept: Kept, path: Path) -> ForeignModel:
         spherical=tuple(joint.name for joint in joints.values() if joint.kind == "ball"),
         home=home,
         actuated=motors,
-        notes=(
-            *(*body_notes(model, names), *kept.notes, *left_out, *fixed),
-            *(*idle, *moved, *mass_notes),
-        ),
+        notes=(*left_out, *fixed, *idle, *moved, *mass_notes),
         unread=kept.unread,
     )

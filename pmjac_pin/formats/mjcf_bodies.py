@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.formats.mjcf_joints import MjcfJoint, joint_of
 from pmjac_pin.formats.mjcf_mujoco import Compiled
-from pmjac_pin.formats.mjcf_names import Names
+from pmjac_pin.formats.mjcf_names import KINDS, Names
 from pmjac_pin.formats.mjcf_shapes import shape
 from pmjac_pin.urdf_xml import written
 
@@ -75,7 +75,7 @@ def body_notes(model: Any, names: Names) -> Iterator[str]:
         if model.body_mocapid[number] >= 0:
             yield f"mocap body {name!r} stands still"
     for number, name in enumerate(names.joints):
-        if model.jnt_qposadr.size and model.jnt_limited[number] and model.jnt_type[number] == 1:
+        if model.jnt_limited[number] and KINDS[model.jnt_type[number]] == "ball":
             yield f"the range of ball joint {name!r} is left out"
     if model.ngeom > MAXIMAL_GEOMS:
         yield f"only the first {MAXIMAL_GEOMS} geoms are kept for the picture"

@@ -14,6 +14,7 @@ from typing import Any
 
 from pmjac_pin.errors import ModelFileError
 from pmjac_pin.formats.mjcf_joints import SCALAR, MjcfJoint
+from pmjac_pin.formats.mjcf_mujoco import Compiled
 from pmjac_pin.loop_spec import JointLoop
 from pmjac_pin.urdf_xml import shown
 
@@ -39,36 +40,41 @@ class Equation:
 
 
 def equations(
-    model: Any, labels: Sequence[str], numbers: Sequence[int], joints: Sequence[str], kind: str
+    compiled: Compiled, active: Mapping[str, Sequence[int]], joints: Sequence[str]
 ) -> list[Equation]:
-    """Return the equations of constraints of one kind, "joint" or "tendon".
+    """Return the equations of <joint> and <tendon> constraints.
 
     Parameters
     ----------
-    model : mujoco.MjModel
-    labels : sequence of str
-        How messages call all of its constraints.
-    numbers : sequence of int
-        Those that are wanted.
+    compiled : Compiled
+    active : mapping of str to sequence of int
+        The numbers of those that hold, under "joint" and "tendon".
     joints : sequence of str
-        The joints' names.
-    kind : {"joint", "tendon"}
+        The joints' names by MuJoCo's numbers.
 
     Raises
     ------
     ModelFileError
         One that is not linear, or of tendons along other things than joints.
     """
-    sides: Mapping[str, Callable[[str, int], dict[str, float]]] = {
-        "joint": lambda _, joint: {joints[joint]: 1.0},
-        "tendon": lambda where, tendon: _weights(where, model, tendon, joints),
-    }
-    return [_equation(labels[number], model, number, sides[kind]) for number in numbers]
+
+    def joint(_: str, number: int) -> dict[str, float]:
+        return {joints[number]: 1.0}
+
+    def tendon(where: str, number: int) -> dict[str, float]:
+        return _weights(where, compiled.model, number, joints)
+
+    return [
+        _equation(compiled, number, side)
+        for kind, side in (("joint", joint), ("tendon", tendon))
+        for number in active[kind]
+    ]
 
 
 def _equation(
-    where: str, model: Any, number: int, side: Callable[[str, int], dict[str, float]]
+    compiled: Compiled, number: int, side: Callable[[str, int], dict[str, float]]
 ) -> Equation:
+    model, where = compiled.model, compiled.equalities[number]
     constant, factor, *higher = polynomial = model.eq_data[number, :_COEFFICIENTS].tolist()
     first, second = int(model.eq_obj1id[number]), int(model.eq_obj2id[number])
     weights = side(where, first)
