@@ -17,6 +17,7 @@ from types import MappingProxyType
 from xml.etree.ElementTree import Element, SubElement
 
 from pmjac_pin.checks import LARGEST
+from pmjac_pin.control_mimics import called, control_joints, mimic_params
 from pmjac_pin.errors import ModelFileError, did_you_mean
 from pmjac_pin.urdf_xml import label, numbers, only, shown, written
 from pmjac_pin.vocabulary import spelt
@@ -90,12 +91,14 @@ def _check_root(robot: Element) -> None:
     if unexpanded := [tag for child in robot if (tag := spelt(child.tag)).startswith("xacro:")]:
         todo = "expand it first: xacro robot.urdf.xacro > robot.urdf"
         raise ModelFileError(f"<{shown(unexpanded[0])[1:-1]}> is xacro, which is not read; {todo}")
-    ties = [tag for child in robot if (tag := spelt(child.tag)) in _TIES]
-    if ties or robot.find("gazebo/joint") is not None:
-        what = f"<{ties[0]}>" if ties else "<joint> in <gazebo>"
+    ties = [f"<{tag}>" for child in robot if (tag := spelt(child.tag)) in _TIES]
+    ties += ["<joint> in <gazebo>"] * (robot.find("gazebo/joint") is not None)
+    followers = filter(mimic_params, control_joints(robot))
+    ties += [f'<param name="mimic"> in {called(joint)}' for joint in followers]
+    if ties:
         why = "Pinocchio would ignore it in silence"
         todo = "declare the loop as [[loop]] in the model file and remove it here"
-        raise ModelFileError(f"{what} is not read, since {why}; {todo}")
+        raise ModelFileError(f"{ties[0]} is not read, since {why}; {todo}")
 
 
 def check_size(links: Sequence[Element], joints: Sequence[Element]) -> None:

@@ -196,6 +196,11 @@ def test_what_is_converted_is_the_same_machine(write, tmp_path, text):
     np.testing.assert_allclose(after.home.jacobian().J_eq, expected, atol=1e-12)
 
 
+def control(params, attributes=""):
+    joint = f'<joint name="phi1" {attributes}>{params}</joint>'
+    return f'<ros2_control name="c" type="system">{joint}</ros2_control>'
+
+
 BAD = {
     "weld": ("<drake:weld_constraint/>", "<drake:weld_constraint> is not read, and left out it"),
     "coupling": ("<coupling/>", "<coupling> is not read, and left out it would free a motion"),
@@ -219,6 +224,26 @@ BAD = {
         "</gazebo>",
         "joint 'g' of <gazebo> joins link 'ground' to itself",
     ),
+    "a leader misspelt": (
+        control('<param name="mimc">theta1</param>'),
+        "joint 'phi1' of <ros2_control> has the unknown param 'mimc'; did you mean 'mimic'?",
+    ),
+    "a factor misspelt": (
+        control('<param name="mimic">theta1</param><param name="multplier">2</param>'),
+        "joint 'phi1' of <ros2_control> has the unknown param 'multplier'; did you mean 'mul",
+    ),
+    "an offset misspelt": (
+        control('<param name="Offset">1</param>', 'mimic="true"'),
+        "joint 'phi1' of <ros2_control> has the unknown param 'Offset'; did you mean 'offset'?",
+    ),
+    "two leaders": (
+        control('<param name="mimic">a</param><param name="mimic">b</param>'),
+        "joint 'phi1' of <ros2_control> has 2 params 'mimic'",
+    ),
+    "neither true nor false": (
+        control("", 'mimic="yes"'),
+        "joint 'phi1' of <ros2_control>: `mimic` is 'yes'; it is true or false",
+    ),
 }
 
 
@@ -226,3 +251,18 @@ BAD = {
 def test_what_is_refused(refusal, tie, message):
     text = RHOMBUS.format(tie).replace("<robot", '<robot xmlns:drake="http://drake.mit.edu"')
     assert refusal(text).startswith(message)
+
+
+def test_a_follower_without_a_leader_is_told(write):
+    """What a hardware has of its own is not."""
+    own = '<param name="id">7</param><param name="ofset">1</param>'
+    assert read_looped_urdf(write(follower(control(own)))).unread == ()
+    said = "joint 'phi1' of <ros2_control> has mimic="
+    alone = read_looped_urdf(write(follower(control("", 'mimic="true"'))))
+    assert alone.unread == (f'{said}"true", and nothing says which joint it follows',)
+    leader = '<param name="mimic">theta1</param>'
+    assert read_looped_urdf(write(follower(control(leader, 'mimic="true"')))).unread == ()
+    other = read_looped_urdf(write(follower(control(leader, 'mimic="false"'))))
+    assert other.unread == (f'{said}"false", and follows another all the same',)
+    near = read_looped_urdf(write(follower(control('<param name="mimic_joint">theta1</param>'))))
+    assert near.unread == ("not read: <param> 'mimic_joint' in joint 'phi1' of <ros2_control>",)

@@ -12,6 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
+from pmjac_pin.control_mimics import doubtful
 from pmjac_pin.formats.anchors import Anchors
 from pmjac_pin.formats.cut_joints import CutJoints
 from pmjac_pin.formats.foreign_model import ForeignModel
@@ -105,6 +106,7 @@ def read_robot(
     unread = _unread(robot)
     refuse_unreadable(robot)
     take_mimics(robot, elements)
+    followers = [joint.get("name", "") for joint in elements if joint.find("mimic") is not None]
     limit_notes, balls = opened_limits(elements), floating_balls(elements)
     limit_notes += idle_mimics(elements)
     independent, gears = independence(elements), read_gears(elements)
@@ -129,7 +131,7 @@ def read_robot(
         home=home,
         actuated=_actuated(cut.kept, independent, gears),
         notes=(*limit_notes, *home_notes, *cut.notes(), *tie_notes, *closing_notes, *massless),
-        unread=unread,
+        unread=(*unread, *doubtful(robot, followers)),
     )
 
 

@@ -15,6 +15,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import pinocchio as pin
 
+from pmjac_pin.control_mimics import called, control_joints, mimic_params
 from pmjac_pin.errors import ModelFileError, did_you_mean
 from pmjac_pin.formats.loop_elements import TAGS
 from pmjac_pin.formats.sdf_frames import MODEL, WORLD, Frame, Frames
@@ -211,15 +212,10 @@ def _of_plugins(robot: Element) -> Iterator[tuple[str, str, Element]]:
 
 
 def _of_control(robot: Element) -> Iterator[tuple[str, str, Element]]:
-    for joint in robot.iterfind("ros2_control/joint"):
-        params = {param.get("name", ""): param for param in joint.findall("param")}
-        if (leader := params.get("mimic")) is not None:
-            joint.remove(leader)
-            yield (
-                f"{label(joint)} of <ros2_control>",
-                joint.get("name", ""),
-                _mimic(_text(leader), params),
-            )
+    for joint in control_joints(robot):
+        if params := mimic_params(joint):
+            joint.remove(leader := params["mimic"])
+            yield called(joint), joint.get("name", ""), _mimic(_text(leader), params)
 
 
 def _mimic(leader: str, given: Mapping[str, Element | None]) -> Element:
