@@ -11,15 +11,52 @@ from xml.etree.ElementTree import Element
 
 from pmjac_pin.vocabulary import Vocabulary
 
-# Sensors, controllers, publishers and forces, by a part of the file's name.
-_HARMLESS = re.compile(
-    r"ros2?_control|controller|camera|kinect|realsense|depth|laser|lidar|ray_sensor|imu|gps|navsat"
-    r"|p3d|odometry|bumper|contact|ft_sensor|force_?torque|(ros_|apply_?)force|power_?monitor"
-    r"|battery|joint_?state|model_?state|publisher|diff_?drive|skid_?steer|ackermann|planar_move"
-    r"|sensors|magnetometer|altimeter|air_?pressure|motor_?model|lift_?drag|buoyancy|hydrodynamics"
-    r"|wind|user-?_?commands|scene-?_?broadcaster|physics|video",
-    re.IGNORECASE,
-)
+# Sensors, controllers, publishers and forces, by their whole names as `_bare` gives them: what a
+# name merely contains says nothing.
+_NAMES = """
+    ackermanndrive ackermannodometry ackermannsteering acousticcomms actuator advancedliftdrag
+    airpressure airspeed altimeter applyforce applyjointforce applylinkwrench attachlight barometer
+    battery blocklaser breadcrumbs bumper buoyancy buoyancyengine camera cameravideorecorder
+    commsendpoint contact control controlselectjoints controller cpulidar depthcamera diffdrive
+    drivetoposecontroller dvl environmentalsensor environmentpreload f3d flashlight followactor
+    force forcetorque ftsensor gps gpssensor gpulaser gpuray groundtruth hydrodynamics imu imusensor
+    jointcontrol jointcontroller jointeffort jointposetrajectory jointpositioncontroller
+    jointstatepublisher jointtrajcontrol jointtrajectory jointtrajectorycontroller keystojoints
+    kineticenergymonitor kinect label laser led lensflare lidar liftdrag lightcontroller
+    lighterthanairdynamics linearbattery linearbatteryconsumer linkplot3d logicalaudiosensor
+    logicalcamera logvideorecorder magnetic magnetometer magnetometersensor mecanumdrive
+    modelphotoshoot modelpropshop modelstate motormodel multicamera multicoptercontrol
+    multicoptermotormodel navsat odometry odometrypublisher omni3wddrive openkinect opennikinect
+    opticalflow opticaltactile p3d particleemitter perfectcomms performerdetector physics
+    planarmove pose posepublisher powermonitor pressure projector prosilica range ray raysensor
+    realsense rfcomms scenebroadcaster sensors shaderparam skidsteerdrive sonar
+    spacecraftthrustermodel thermal thermalsensor thruster touch trackcontroller trackedvehicle
+    trajectoryfollower tricycledrive triggeredcamera triggeredmulticamera triggeredpublisher
+    usercommands velocitycontrol velodynegpulaser velodynelaser video wheelslip wind windeffects
+    worldodometry
+"""
+_HARMLESS = frozenset(_NAMES.split())
+_PACKAGING = re.compile(r"(gazebo|gz|ign|ignition|sim)\d*|ros2?|hector|rotors|plugins?|system")
+
+
+def is_harmless(filename: str) -> bool:
+    """Whether a plugin's file is known to have no bearing on the machine.
+
+    Examples
+    --------
+    >>> is_harmless("libgazebo_ros_ft_sensor.so"), is_harmless("gz-sim8-contact-system")
+    (True, True)
+    >>> is_harmless("libforce_weld_contact.so"), is_harmless("")
+    (False, False)
+    """
+    return _bare(filename) in _HARMLESS
+
+
+def _bare(filename: str) -> str:
+    """Return a file's name without what says where it is from, in small letters."""
+    name = re.sub(r"^lib|\.(so|dylib|dll)(\.\d+)*$", "", re.split(r"[/\\]", filename)[-1].lower())
+    words = re.split(r"[-_]", name)
+    return "".join(word for word in words if not _PACKAGING.fullmatch(word)).removesuffix("plugin")
 
 
 _MIMIC_WORDS = Vocabulary("""
@@ -31,7 +68,7 @@ plugin name filename : joint mimicJoint multiplier offset sensitiveness* maxEffo
 def unread_harmless(root: Element) -> Iterator[Element]:
     """Yield the plugins of a file that have no bearing on the machine."""
     for plugin in root.iter("plugin"):
-        if _HARMLESS.search(plugin.get("filename", "")) and not is_mimic(plugin):
+        if is_harmless(plugin.get("filename", "")) and not is_mimic(plugin):
             yield plugin
 
 

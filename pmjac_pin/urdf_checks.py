@@ -36,7 +36,7 @@ _VERSIONS = (None, "1.0", "1.1", "1.2")
 _RESERVED = "universe"
 _TIES = (
     *("loop", "constraint", "loop_joint", "coupling"),
-    *("drake:ball_constraint", "drake:weld_constraint"),
+    *("drake:ball_constraint", "drake:weld_constraint", "drake:coupler_constraint"),
 )
 _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _CUT = "cut the loop: remove one of them and declare it as [[loop]] in the model file"

@@ -6,7 +6,8 @@ from pmjac_pin.vocabulary import Vocabulary
 
 URDF_WORDS = Vocabulary("""
 robot name version : link joint material transmission ros2_control gazebo loop constraint coupling
-  loop_joint drake:ball_constraint drake:weld_constraint drake:collision_filter_group* frame*
+  loop_joint drake:ball_constraint drake:weld_constraint drake:coupler_constraint
+  drake:collision_filter_group* frame*
   drake:linear_bushing_rpy! drake:linear_spring_damper! drake:tendon_constraint! drake:joint!
   sensor* group* disable_collisions* mujoco*
 link name type* : inertial visual collision* contact* self_filter* collision_checking* gravity*

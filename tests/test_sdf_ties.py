@@ -68,6 +68,13 @@ def test_a_tie_closes_the_rhombus(write, tie):
     assert mechanism.unread == ()
 
 
+def test_a_gripper_is_told(write):
+    """Gazebo makes a joint of it as soon as it holds something."""
+    gripper = '<gripper name="g"><palm_link>rocker</palm_link></gripper>'
+    found = read_sdf(write(sdf(RHOMBUS + gripper)))
+    assert found.unread == ("not read: <gripper> 'g' in model 'm'",)
+
+
 def test_what_is_tied_to_another_model_is_told(write):
     found = read_sdf(write(sdf(RHOMBUS + DETACHABLE.format("other"))))
     assert found.unread == ("not read: <plugin> 'gz-sim-detachable-joint-system' in model 'm'",)
@@ -144,6 +151,7 @@ def test_what_is_wrong_with_a_mimic(write, mimic, message):
 
 
 TIE_ERRORS = {
+    "coupler": ("<drake:coupler_constraint/>", "is not read; gear the joints by <mimic> in an"),
     "weld": ("<drake:weld_constraint/>", "<drake:weld_constraint> is not read; write it as a"),
     "link": (BALL.replace(">coupler<", ">copler<"), "the link 'copler' does not exist; did you"),
     "itself": (BALL.replace(">coupler<", ">rocker<"), "joins link 'rocker' to itself"),

@@ -61,6 +61,35 @@ def test_a_looped_urdf_does_not_make_motors_of_its_passive_joints(write):
         pj.load(path, tool="coupler")
 
 
+DETACHABLE = (
+    '<link name="pin"/><joint name="c" type="continuous"><parent link="coupler"/>'
+    '<child link="pin"/><origin xyz="3 1 0"/><axis xyz="0 0 1"/></joint>'
+    '<gazebo><plugin name="hold" filename="gz-sim-detachable-joint-system">'
+    "<parent_link>rocker</parent_link><child_model>{}</child_model><child_link>pin</child_link>"
+    "</plugin></gazebo>"
+)
+
+
+@pytest.mark.parametrize("model", ["rhombus", "__model__"])
+def test_a_detachable_joint_closes_it_too(write, tmp_path, model):
+    """As SDFormat's does: a joint of the same two bodies that is cut."""
+    path = write(RHOMBUS.format(DETACHABLE.format(model)))
+    mechanism = pj.load(path, actuated=["a"], tool="coupler")
+    expected = [-1, 0, 0, 0, 0, -1 / 7]
+    np.testing.assert_allclose(mechanism.home.jacobian().J_eq[:, 0], expected, atol=1e-12)
+    assert mechanism.unread == ()
+    ends = "between links 'rocker' and 'pin'"
+    assert f"plugin 'hold' of <gazebo> is closed as fixed, {ends}" in mechanism.notes
+    target, _ = pj.convert(path, tmp_path / "out.toml", actuated=["a"], tool="coupler")
+    after = pj.load(target)
+    assert (after.unread, after.spec.loops) == ((), mechanism.spec.loops)
+
+
+def test_what_is_tied_to_another_robot_is_told(write):
+    found = read_looped_urdf(write(RHOMBUS.format(DETACHABLE.format("other"))))
+    assert found.unread == ("not read: <plugin> 'gz-sim-detachable-joint-system' in <gazebo>",)
+
+
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("kind", ["revolute", "prismatic", "universal", "fixed", "ball"])
 def test_a_joint_of_gazebo_is_where_both_links_see_it_at_zero(write, kind, seed):
@@ -203,6 +232,10 @@ def control(params, attributes=""):
 
 BAD = {
     "weld": ("<drake:weld_constraint/>", "<drake:weld_constraint> is not read, and left out it"),
+    "coupler": (
+        "<drake:coupler_constraint/>",
+        "<drake:coupler_constraint> is not read, and left out it would free a motion; gear the",
+    ),
     "coupling": ("<coupling/>", "<coupling> is not read, and left out it would free a motion"),
     "half a ball": (
         '<drake:ball_constraint><drake:ball_constraint_body_A name="crank"/>'

@@ -24,6 +24,7 @@ from pmjac_pin.formats.joint_dialects import (
 )
 from pmjac_pin.formats.loop_elements import Closing, idle_mimics, read_closings, read_gears
 from pmjac_pin.formats.massless import massless_bodies, without_mass
+from pmjac_pin.formats.sdf_plugins import is_detachable
 from pmjac_pin.formats.sdf_vocabulary import SDF_WORDS
 from pmjac_pin.formats.urdf_ties import (
     closing_frames,
@@ -138,9 +139,13 @@ def read_robot(
 def _unread(robot: Element) -> tuple[str, ...]:
     """Return what of a robot nobody reads, once no word in it looks misspelt."""
     joints = joints_of_gazebo(robot)
-    mimics = filter(is_mimic, robot.iterfind("gazebo/plugin"))
+    plugins = [
+        plugin
+        for plugin in robot.iterfind("gazebo/plugin")
+        if is_mimic(plugin) or is_detachable(plugin, robot)
+    ]
     inside = [note for joint in joints for note in SDF_WORDS.unread(joint)]
-    skipped = (*joints, *mimics, *unread_harmless(robot))
+    skipped = (*joints, *plugins, *unread_harmless(robot))
     return (*URDF_WORDS.unread(robot, *skipped), *inside, *misread_mimics(robot))
 
 

@@ -81,7 +81,7 @@ def read_model(sdf: Element) -> SdfModel:
     named = {element.get("name", "") for element in (*links, *joints, *extra)}
     read = (
         *(read_joint(joint, frames, version) for joint in joints),
-        *detachable_joints(model, frames, named),
+        *detachable_joints(model, "plugin", frames, named),
     )
     inertias, mass_notes = read_inertias(links, frames)
     held = any(joint.parent == WORLD for joint in read)

@@ -18,10 +18,14 @@ from pmjac_pin.urdf_xml import label, numbers_in, shown
 from pmjac_pin.vocabulary import spelt
 
 BALL = "drake:ball_constraint"
+_NOT_READ = {
+    "drake:coupler_constraint": "gear the joints by <mimic> in an <axis>",
+    "drake:weld_constraint": 'write it as a <joint type="fixed">',
+}
 
 
 def is_detachable(plugin: Element, model: Element) -> bool:
-    """Whether a plugin holds two links of this model to each other."""
+    """Whether a plugin holds two links of this model, or robot, to each other."""
     child = text_of("<plugin>", plugin, "child_model")
     own = child in (MODEL, model.get("name"))
     return own and all(plugin.find(tag) is not None for tag in ("parent_link", "child_link"))
@@ -48,10 +52,28 @@ class PointTie:
     points: tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
-def detachable_joints(model: Element, frames: Frames, taken: Collection[str]) -> Iterator[SdfJoint]:
-    """Yield a fixed joint for each plugin that holds two links of the model to each other."""
+def detachable_joints(
+    model: Element, within: str, frames: Frames, taken: Collection[str]
+) -> Iterator[SdfJoint]:
+    """Yield a fixed joint for each plugin that holds two links of a model to each other.
+
+    Parameters
+    ----------
+    model : Element
+        Or a URDF's <robot>.
+    within : str
+        Where the plugins are in it, as a path.
+    frames : Frames
+    taken : collection of str
+        The names of other things.
+
+    Raises
+    ------
+    ModelFileError
+        A link that does not exist, or that is joined to itself.
+    """
     names = set(taken)
-    for plugin in model.findall("plugin"):
+    for plugin in model.iterfind(within):
         if not is_detachable(plugin, model):
             continue
         where = label(plugin)
@@ -76,10 +98,9 @@ def point_ties(model: Element, links: Collection[str]) -> tuple[PointTie, ...]:
     """
     ties = []
     for element in model:
-        if spelt(element.tag) == "drake:weld_constraint":
-            todo = 'write it as a <joint type="fixed">'
-            raise ModelFileError(f"<drake:weld_constraint> is not read; {todo}")
-        if spelt(element.tag) == BALL:
+        if (todo := _NOT_READ.get(tag := spelt(element.tag))) is not None:
+            raise ModelFileError(f"<{tag}> is not read; {todo}")
+        if tag == BALL:
             ties.append(_point_tie(element, links))
     return tuple(ties)
 

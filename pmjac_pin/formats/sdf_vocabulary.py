@@ -9,8 +9,9 @@ sdf version : model world actor* light*
 world name : model include frame* light* gravity* magnetic_field* atmosphere* audio* wind*
   gui* physics* scene* road* spherical_coordinates* state* population* actor* plugin! joint!
 include : uri name* pose* static* placement_frame* plugin*
-model name canonical_link placement_frame : static pose frame link joint include model gripper*
+model name canonical_link placement_frame : static pose frame link joint include model gripper!
   self_collide* allow_auto_disable* enable_wind* drake:ball_constraint drake:weld_constraint
+  drake:coupler_constraint
   drake:collision_filter_group* drake:linear_bushing_rpy! drake:linear_spring_damper!
   drake:tendon_constraint! drake:joint! plugin!
 pose relative_to frame rotation_format degrees

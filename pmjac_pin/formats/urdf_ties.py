@@ -20,16 +20,19 @@ from pmjac_pin.errors import ModelFileError, did_you_mean
 from pmjac_pin.formats.loop_elements import TAGS
 from pmjac_pin.formats.sdf_frames import MODEL, WORLD, Frame, Frames
 from pmjac_pin.formats.sdf_joints import SdfJoint, read_joint
+from pmjac_pin.formats.sdf_plugins import detachable_joints, is_detachable
 from pmjac_pin.formats.tree_urdf import origin
 from pmjac_pin.gazebo_plugins import is_mimic
 from pmjac_pin.urdf_xml import label, numbers_in, only, shown, written
 from pmjac_pin.vocabulary import spelt
 
 BALL = "drake:ball_constraint"
+PLUGINS = "gazebo/plugin"
 _AXES_OF_THE_JOINT = (1, 12)  # the version of SDFormat, whose axes are in the joint's frame
 _KINDS = {"ball": "spherical"}
 _NOT_READ = {
     "coupling": "gear the joints by <mimic>",
+    "drake:coupler_constraint": "gear the joints by <mimic>",
     "drake:weld_constraint": 'write it as <loop type="fixed">',
 }
 
@@ -96,6 +99,8 @@ def take_gazebo_joints(
 ) -> tuple[list[Element], list[str]]:
     """Take the joints within <gazebo> out of a robot; return them as elements, and notes.
 
+    Those of Gazebo's detachable joints are among them.
+
     Parameters
     ----------
     robot : Element
@@ -119,6 +124,14 @@ def take_gazebo_joints(
             loops.append(_closed(joint, placements, base))
             done = f"is closed as {loops[-1].get('type')}, without its limits"
             notes.append(f"{label(element)} of <gazebo> {done}")
+    for joint in detachable_joints(robot, PLUGINS, frames, ()):
+        loops.append(_closed(joint, placements, base))
+        ends = f"links {joint.parent!r} and {joint.child!r}"
+        notes.append(f"{label(joint.element)} of <gazebo> is closed as fixed, between {ends}")
+    for gazebo in robot.iterfind("gazebo"):
+        for plugin in gazebo.findall("plugin"):
+            if is_detachable(plugin, robot):
+                gazebo.remove(plugin)
     return loops, notes
 
 
