@@ -15,6 +15,7 @@ from pmjac_pin.formats.sdf import read_sdf
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.linkage import with_spherical
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.visuals import read_visuals
 
 AXIS = "<axis><xyz>0 0 1</xyz></axis>"
 
@@ -499,3 +500,53 @@ def test_words_swapped_for_others_give_a_model_or_one_of_our_errors(read, seed: 
         built(read(text))
     except pj.PmjacError as error:
         assert "\n" not in str(error)
+
+
+VISUALS = {
+    "box": ("<box><size>1 0.1 0.2</size></box>", [(1.0, 0.1, 0.2)]),
+    "sphere": ("<sphere><radius>0.3</radius></sphere>", [(0.3, 0.3, 0.3)]),
+    "cylinder": (
+        "<cylinder><radius>0.1</radius><length>2</length></cylinder>",
+        [(0.1, 0.1, 2.0)],
+    ),
+    "capsule": (
+        "<capsule><radius>0.1</radius><length>2</length></capsule>",
+        [(0.1, 0.1, 2.0), (0.1, 0.1, 0.1), (0.1, 0.1, 0.1)],
+    ),
+    "mesh": ("<mesh><uri>model://arm.stl</uri></mesh>", []),
+    "not to be drawn": ("<ellipsoid><radii>1 2 3</radii></ellipsoid>", []),
+    "broken": ("<sphere><radius>none</radius></sphere>", []),
+}
+
+
+@pytest.mark.parametrize(("geometry", "sizes"), VISUALS.values(), ids=VISUALS)
+def test_visuals_are_where_the_file_has_them(tmp_path, geometry, sizes):
+    """Those that are not drawn are there all the same: their bodies do not look turned over."""
+    material = "<material><diffuse>1 0 0</diffuse></material>"
+    visual = '<visual name="v"><pose relative_to="there">0 0 1 0 0 0</pose>'
+    visual += f"{material}<geometry>{geometry}</geometry></visual>"
+    arm = f'<link name="arm"><pose>1 2 3 0.4 0.5 0.6</pose>{visual}<visual name="w"><geometry>'
+    arm += "<empty/></geometry></visual></link>"
+    there = '<frame name="there"><pose>7 8 9 1.5707963267948966 0 0</pose></frame>'
+    base = link("base") + joint("hold", "world", "base", "fixed", "")
+    turn = joint("turn", "base", "arm", inside=f"<pose>0.1 0.2 0.3 0.4 0 0</pose>{AXIS}")
+    path = tmp_path / "machine.sdf"
+    path.write_text(sdf(base + arm + there + turn))
+    mechanism = pj.load(path, actuated=["turn"], tool="arm")
+    [found] = read_visuals(mechanism.urdf)
+    assert (found.link, found.colour) == ("arm", (1.0, 0.0, 0.0, 1.0))
+    assert mechanism.unread == ()
+    placed = mechanism.home.tool_pose.homogeneous
+    given = [placed @ transform for _, transform in found.pieces]
+    assert len(given) == len(sizes)
+    for transform, size in zip(given, sizes, strict=True):
+        np.testing.assert_allclose(np.linalg.norm(transform[:3, :3], axis=0), size)
+    if given:
+        np.testing.assert_allclose(given[0][:3, 3], [7.0, 7.0, 9.0], atol=1e-12)
+        np.testing.assert_allclose(given[0][:3, 2] / sizes[0][2], [0.0, -1.0, 0.0], atol=1e-12)
+
+
+def test_a_misspelt_visual_is_an_error(read):
+    visual = '<visual name="v"><geometry><bxo/></geometry></visual>'
+    with pytest.raises(pj.ModelFileError, match="<geometry> holds an unknown <bxo>; did you mean"):
+        read(sdf(f'<link name="a">{visual}</link>'))

@@ -87,8 +87,7 @@ def place(position: Array, wxyz: Array) -> pin.SE3:
 
 
 def _draw(body: Body, model: Any, number: int) -> None:
-    if (drawn := shape(int(model.geom_type[number]), model.geom_size[number].tolist())) is None:
-        return
+    drawn = shape(int(model.geom_type[number]), model.geom_size[number].tolist())
     rgba = tuple(round(float(value), _DIGITS) for value in model.geom_rgba[number])
     colour = None if rgba == _NO_COLOUR else written(rgba)
     body.shapes.append((drawn, place(model.geom_pos[number], model.geom_quat[number]), colour))

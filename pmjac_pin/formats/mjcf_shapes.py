@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from xml.etree.ElementTree import Element
 
+from pmjac_pin.formats.tree_urdf import undrawn
 from pmjac_pin.urdf_xml import written
 
 # Those that a URDF has, by their number in mujoco.mjtGeom.
 _NAMES = {2: "sphere", 3: "capsule", 5: "cylinder", 6: "box"}
 
 
-def shape(kind: int, size: Sequence[float]) -> Element | None:
-    """Return the shape of a geom; None where a URDF has none.
+def shape(kind: int, size: Sequence[float]) -> Element:
+    """Return the shape of a geom; one that is not drawn where a URDF has none.
 
     MuJoCo's sizes are half-lengths, a URDF's are whole ones.
 
@@ -20,11 +21,11 @@ def shape(kind: int, size: Sequence[float]) -> Element | None:
     --------
     >>> shape(3, [0.1, 0.5, 0.0]).attrib
     {'radius': '0.1', 'length': '1.0'}
-    >>> shape(7, [0.0, 0.0, 0.0]) is None
-    True
+    >>> shape(7, [0.0, 0.0, 0.0]).tag
+    'mesh'
     """
     if (name := _NAMES.get(kind)) is None:
-        return None
+        return undrawn(f"geom of type {kind}")
     if name == "sphere":
         return Element(name, radius=written(size[:1]))
     if name == "box":

@@ -2,7 +2,7 @@
 
 Read are the links, joints and frames of one model, SDFormat 1.4 to 1.12. Every link and every
 joint is placed where it is with all joints at zero, so that all loops are closed there, to
-rounding. Shapes and sensors are left out.
+rounding. Visuals are kept for a picture, sensors are left out.
 """
 
 from __future__ import annotations
@@ -71,6 +71,9 @@ def _foreign_model(model: SdfModel, path: Path, motors: Collection[str]) -> Fore
     for link, inertia in model.inertias.items():
         if link not in graph.apart:
             tree.urdf.inertial(link, inertia)
+    for visual in model.visuals:
+        if visual.link not in graph.apart:
+            tree.urdf.visual(visual.link, visual.placement, visual.shape, visual.rgba)
     couplings = [
         coupling(gearbox, kept) for gearbox in gearboxes if gearbox.child not in graph.apart
     ]

@@ -13,6 +13,7 @@ from pmjac_pin.formats.sdf_frames import MODEL, WORLD, Frame, Frames, pose
 from pmjac_pin.formats.sdf_inertials import read_inertias
 from pmjac_pin.formats.sdf_joints import SdfJoint, end_of, read_joint
 from pmjac_pin.formats.sdf_plugins import PointTie, detachable_joints, point_ties, read_plugins
+from pmjac_pin.formats.sdf_visuals import SdfVisual, read_visuals
 from pmjac_pin.formats.sdf_vocabulary import SDF_WORDS
 from pmjac_pin.formats.sdf_world import the_model
 from pmjac_pin.gazebo_plugins import misread_mimics, unread_harmless
@@ -34,6 +35,7 @@ class SdfModel:
     joints : tuple of SdfJoint
         In file order.
     ties : tuple of PointTie
+    visuals : tuple of SdfVisual
     inertias : mapping of str to pin.Inertia
         Of links, in the link's frame.
     frames : mapping of str to (str, pin.SE3)
@@ -52,6 +54,7 @@ class SdfModel:
     links: Mapping[str, pin.SE3]
     joints: tuple[SdfJoint, ...]
     ties: tuple[PointTie, ...]
+    visuals: tuple[SdfVisual, ...]
     inertias: Mapping[str, pin.Inertia]
     frames: Mapping[str, tuple[str, pin.SE3]]
     root: str | None
@@ -91,6 +94,7 @@ def read_model(sdf: Element) -> SdfModel:
         | {WORLD: _world(model, frames)},
         joints=read,
         ties=point_ties(model, names),
+        visuals=tuple(read_visuals(links, frames)),
         inertias=inertias,
         frames={
             name: (frames.link(name, MODEL), frames.placement(name, MODEL))

@@ -16,9 +16,20 @@ model name canonical_link placement_frame : static pose frame link joint include
   drake:tendon_constraint! drake:joint! plugin!
 pose relative_to frame rotation_format degrees
 frame name attached_to : pose
-link name : pose inertial visual* collision* sensor* must_be_base_link* gravity* enable_wind*
+link name : pose inertial visual collision* sensor* must_be_base_link* gravity* enable_wind*
   self_collide* kinematic* velocity_decay* projector* audio_sink* audio_source* battery* light*
   particle_emitter*
+visual name : pose geometry material cast_shadows* laser_retro* transparency* visibility_flags*
+  meta* plugin* drake:*
+geometry : box capsule cylinder sphere mesh empty* cone* ellipsoid* heightmap* image* plane*
+  polyline* drake:*
+box : size
+capsule : radius length
+cylinder : radius length
+sphere : radius
+mesh : uri scale* submesh* convex_decomposition* drake:*
+material : diffuse ambient* specular* emissive* shininess* script* shader* lighting* pbr*
+  render_order* double_sided* drake:*
 inertial auto : pose mass inertia density* auto_inertia_params* fluid_added_mass* frame*
 inertia : ixx ixy ixz iyy iyz izz
 joint name type : parent child pose gearbox_ratio gearbox_reference_body thread_pitch

@@ -113,6 +113,14 @@ class TreeUrdf:
         SubElement(inertial, "inertia", {key: written([value]) for key, value in keys.items()})
 
 
+def undrawn(name: str) -> Element:
+    """Return what stands for a shape that a URDF has not: a mesh, which nobody looks into.
+
+    It is there to be seen, so that its body is not taken to look the same when turned over.
+    """
+    return Element("mesh", filename=name)
+
+
 def origin(placement: pin.SE3) -> dict[str, str]:
     """Return the attributes of URDF's <origin>."""
     rpy = pin.rpy.matrixToRpy(placement.rotation)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import assert_never
+
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
@@ -10,7 +12,7 @@ from pmjac_pin.errors import UnknownNameError
 from pmjac_pin.frames import Frame, find_frame
 from pmjac_pin.kinematics.many import WorldPoses
 from pmjac_pin.parts import Parts
-from pmjac_pin.shapes import Box, Cylinder, Shape
+from pmjac_pin.shapes import Box, Cone, Cylinder, Shape, Sphere, Text
 from pmjac_pin.visuals import read_visuals
 
 Array = NDArray[np.float64]
@@ -22,7 +24,8 @@ class Drawings:
     """The drawn pieces of the bodies that move.
 
     A box may be turned by half a turn about its own axes, a cylinder about its own axis and end
-    for end, a ball in any way. A mesh is not looked into: it is drawn in its link's whole pose.
+    for end, a ball in any way. What else there is, such as a mesh, is not looked into: it is drawn
+    in its link's whole pose.
 
     Parameters
     ----------
@@ -66,9 +69,17 @@ class Drawings:
 
 def _turned(shape: Shape | None, axes: Array) -> Array:
     """Return what is seen of how a shape with these axes (b, 3, 3) is turned, shape (b, k)."""
-    if shape is None:
-        return axes.reshape(-1, 9)
-    seen = {Box: axes, Cylinder: axes[:, :, 2:]}.get(type(shape), axes[:, :, :0])
+    match shape:
+        case None | Cone() | Text():
+            return axes.reshape(-1, 9)
+        case Box():
+            seen = axes
+        case Cylinder():
+            seen = axes[:, :, 2:]
+        case Sphere():
+            seen = axes[:, :, :0]
+        case _:
+            assert_never(shape)
     lines = seen.swapaxes(1, 2)
     return np.asarray(
         (lines[..., None] * lines[..., None, :]).reshape(len(axes), 9 * lines.shape[1])
