@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pmjac_pin.errors import ArgumentError, ModelFileError, UnknownNameError, did_you_mean, quoted
 from pmjac_pin.text_file import at_file
-from pmjac_pin.user_path import is_file, told, user_path
+from pmjac_pin.user_path import is_file, real, told, user_path
 
 SUFFIXES = (".toml", ".urdf", ".sdf", ".xml", ".mjcf")  # of files that tell of a mechanism
 _EXAMPLE_ROBOTS = "example-robot-data:"
@@ -62,7 +62,8 @@ def find_urdf(urdf: str, model_file: Path) -> Path:
     """Return the URDF that a model file names.
 
     It is looked for beside the model file, then in the folder ``urdf`` beside the model
-    file's folder; ``example-robot-data:PATH`` is inside that package's ``robots`` folder.
+    file's folder, and likewise where the model file is a link to. What starts with
+    ``example-robot-data:`` is inside that package's ``robots`` folder.
 
     Raises
     ------
@@ -72,8 +73,14 @@ def find_urdf(urdf: str, model_file: Path) -> Path:
     if urdf.startswith(_EXAMPLE_ROBOTS):
         places = [_example_robots(model_file) / urdf.removeprefix(_EXAMPLE_ROBOTS)]
     else:
-        folder, given = model_file.parent, _urdf_path(urdf, model_file)
-        places = [folder / given, folder.absolute().parent / "urdf" / given]
+        given, followed = _urdf_path(urdf, model_file), [model_file]
+        followed += [real(model_file)] if model_file.is_symlink() else []
+        folders = [file.parent for file in followed]
+        places = [
+            place / given
+            for folder in folders
+            for place in (folder, folder.absolute().parent / "urdf")
+        ]
     for place in places:
         if is_file(place):
             return place

@@ -147,7 +147,8 @@ def _one_pose(diagnosis: Diagnosis, pose: PoseEntry) -> Iterator[Finding]:
     motors = [freedom.name for freedom in diagnosis.freedoms if freedom.role == "actuated"]
     if forced := [name for name in motors if abs(moved.get(name, 0.0)) > _MOVED]:
         moves = ", ".join(f"{name!r} by {_value(diagnosis, name, moved[name])}" for name in forced)
-        message = f"{what} does not close with its motors where the file puts them; moved: {moves}."
+        sought = "was not found to close with its motors where the file puts them"
+        message = f"{what} {sought}; moved: {moves}."
         advice = "Give motor values that can be reached, or check the lengths."
         yield Finding("warning", "motors-moved", message, advice)
 

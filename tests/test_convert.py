@@ -135,6 +135,23 @@ def test_what_is_read_stays(machine):
     assert urdf.exists()
 
 
+def test_what_a_link_leads_to_is_written_and_read(machine, tmp_path):
+    """The URDF beside the file, not beside the link, which may be read all the same."""
+    target, link = machine.with_name("mine.toml"), tmp_path / "link.toml"
+    link.symlink_to(target)
+    for force in (False, True):
+        assert pj.convert(machine, link, force=force, **LOOPED)[0] == target
+        assert sorted(path.name for path in tmp_path.iterdir()) == ["given", "link.toml"]
+        for path in (link, target):
+            same(pj.load(path), pj.load(machine, **LOOPED))
+    target.with_suffix(".urdf").unlink()
+    with pytest.raises(pj.ModelFileError, match=r"neither .*mine\.urdf nor .*given/mine\.urdf"):
+        pj.load(link)
+    (tmp_path / "mine.urdf").write_text("another")
+    with pytest.raises(pj.OutputError, match=r"mine\.urdf: would be read with link\.toml in place"):
+        pj.convert(machine, link, force=True, **LOOPED)
+
+
 def test_a_folder_is_not_replaced(machine, tmp_path):
     (tmp_path / "mine.toml").mkdir()
     with pytest.raises(pj.OutputError, match=r"mine\.toml: is a folder"):

@@ -43,7 +43,7 @@ def convert(
     name_or_path, actuated, tool, tool_rows, tool_axes, locked, tolerance
         As in `load`.
     output : str or Path
-        The new model file; its name ends in ``.toml``.
+        The new model file; its name ends in ``.toml``. Of a link, where that leads.
     force : bool
         Replace files that exist; never those that are read.
 
@@ -68,12 +68,13 @@ def convert(
     ...     pj.load(model_file)
     Mechanism(mine, actuated=(theta1), 2 passive, 1 loop, mobility 1)
     """
-    path, target = find_model_file(name_or_path), user_path(output)
+    path, target = find_model_file(name_or_path), _followed(user_path(output))
     _check_name(target)
     source = adjusted(read_source(path, actuated, tool), locked, tool_rows, tool_axes, tolerance)
     read = {real(path), real(Path(source.urdf.path))}
     tree = _urdf_beside(target, read)
     _check_places(target, tree, read, force)
+    _check_beside(user_path(output), tree)
     mechanism = build(source)
     spec = msgspec.structs.replace(
         source.spec, name="", urdf=tree.name, poses=_closed_poses(mechanism)
@@ -86,6 +87,11 @@ def convert(
 
 def _comments(path: Path, source: Source) -> Iterable[str]:
     return (f"From {path.name}.", *source.all_notes)
+
+
+def _followed(output: Path) -> Path:
+    """Return the file that a link leads to: its URDF goes beside that, not beside the link."""
+    return real(output) if output.is_symlink() else output
 
 
 def _urdf_beside(target: Path, read: Set[Path]) -> Path:
@@ -101,6 +107,14 @@ def _check_places(target: Path, tree: Path, read: Set[Path], force: bool) -> Non
         check_place(place)
         if is_file(place) and not force:
             raise _refused(place, "exists already; --force replaces it")
+
+
+def _check_beside(output: Path, tree: Path) -> None:
+    """Refuse a link beside which there is another file of the tree's name: it would be read."""
+    other = output.with_name(tree.name)
+    if is_file(other) and real(other) != real(tree):
+        why = f"would be read with {told(output.name)} in place of {told(tree)}; move it away"
+        raise _refused(other, why)
 
 
 def _check_name(target: Path) -> None:
