@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import assert_never
 
 import numpy as np
 import pinocchio as pin
@@ -15,11 +16,14 @@ from pmjac_pin.frames import find_frame
 from pmjac_pin.loop_spec import (
     CylindricalLoop,
     DistanceLoop,
+    FrameLoop,
     JointLoop,
     Loop,
     PlanarLoop,
+    PointLoop,
     PrismaticLoop,
     RevoluteLoop,
+    SphericalLoop,
     UniversalLoop,
 )
 from pmjac_pin.machine_size import shifted
@@ -140,8 +144,10 @@ class Anatomy:
                 axes = loop.axis, loop.axis
             case UniversalLoop():
                 axes = loop.axes
-            case _:
+            case PointLoop() | SphericalLoop() | FrameLoop() | DistanceLoop() | JointLoop():
                 return None
+            case _:
+                assert_never(loop)
         first, second = (
             find_frame(self.model, frame).placement.rotation @ np.array(axis)
             for frame, axis in zip(loop.frames, axes, strict=True)

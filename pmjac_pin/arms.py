@@ -20,14 +20,18 @@ from numpy.typing import NDArray
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.frames import Frame, find_frame
 from pmjac_pin.kinematics.loops import loop_blocks
-from pmjac_pin.kinematics.rows import Along, Distance, Gap, Rows
-from pmjac_pin.linkage import known_kind
+from pmjac_pin.kinematics.rows import Along, Distance, Gap, RightAngle, Rows, Tilt, Turn
+from pmjac_pin.linkage import Kind, known_kind
 from pmjac_pin.loop_spec import JointLoop, Loop
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 _NONE = -1
+_SLIDES: Mapping[Kind, int] = {
+    **dict.fromkeys(("revolute", "continuous", "spherical"), 0),
+    **{"prismatic": 1, "planar": 2, "free": 3},
+}
 
 
 class _Freedom(NamedTuple):
@@ -104,7 +108,7 @@ def arms_of(model: pin.Model, loops: Sequence[Loop], values: Mapping[str, float]
     Raises
     ------
     ArgumentError
-        A joint of a kind that is not known here.
+        A joint or rows of a kind that is not known here.
     """
     groups = _Groups(model)
     blocks: list[Block] = []
@@ -150,7 +154,7 @@ def _columns(joint: pin.JointModel, name: str) -> tuple[Sequence[int], list[Sequ
     """Return the columns of a joint that slide, and those that turn, one turn after the other."""
     kind = known_kind(joint)
     if kind is not None:
-        slides = {"prismatic": 1, "planar": 2, "free": 3}.get(kind, 0)
+        slides = _SLIDES[kind]
         turning = range(slides, joint.nv)
         return range(slides), [turning] if turning else []
     match joint.shortname():
@@ -202,8 +206,10 @@ def _block(rows: Rows, first: list[Segment], second: list[Segment]) -> Block:
             return Block(count, (*first, *second), rod=rows.length)
         case Along():
             return Block(count, _from_second(first, second))
-    every = first[-1].turns + second[-1].turns
-    return Block(count, (Segment(every, 1.0),), exact=False)
+        case Turn() | Tilt() | RightAngle():
+            every = first[-1].turns + second[-1].turns
+            return Block(count, (Segment(every, 1.0),), exact=False)
+    raise ArgumentError(f"rows of {type(rows).__name__}: how they bend is not known here")
 
 
 def _from_second(first: list[Segment], second: list[Segment]) -> tuple[Segment, ...]:

@@ -16,12 +16,16 @@ from pmjac_pin.loop_spec import (
     FrameLoop,
     Loop,
     PlanarLoop,
+    PointLoop,
     PrismaticLoop,
     RevoluteLoop,
+    SphericalLoop,
     UniversalLoop,
 )
 
 _KINDS: Mapping[type, Kind] = {
+    PointLoop: "spherical",
+    SphericalLoop: "spherical",
     FrameLoop: "fixed",
     RevoluteLoop: "revolute",
     PrismaticLoop: "prismatic",
@@ -100,7 +104,7 @@ def loop_joint(
             return _cylindrical(loop, parent, child, name, link)
         case DistanceLoop():
             return _rod(loop.resolved_length(values), parent, child, name, link)
-    kind = _KINDS.get(type(loop), "spherical")
+    kind = _KINDS[type(loop)]
     turn = aligned(loop.axis) if hasattr(loop, "axis") else pin.SE3.Identity()
     before, after = parent.place * turn, (child.place * turn).inverse()
     edge = Edge(name, kind, parent.body, child.body, before, after)

@@ -139,8 +139,28 @@ class MechanismValue:
         return tuple(self.spec.poses)
 
     def limits(self, name: str) -> tuple[float, float]:
-        """Return the lower and upper limit of a joint, m or rad; infinite where it has none."""
-        return self._parts.coordinates.limits(name)
+        """Return the lower and upper limit of a degree of freedom, m or rad; infinite without.
+
+        Parameters
+        ----------
+        name : str
+            One of `actuated` or `passive`, or a joint's.
+
+        Raises
+        ------
+        UnknownNameError, ArgumentError
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> pj.load("three_rps").limits("l1")
+        (0.1, 3.0)
+        """
+        coordinates, columns = self._parts.coordinates, self._parts.problem.partition.columns
+        if isinstance(name, str) and name in columns:
+            column = columns[name]
+            return float(coordinates.lower[column]), float(coordinates.upper[column])
+        return coordinates.limits(name)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, MechanismValue):

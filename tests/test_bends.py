@@ -11,7 +11,7 @@ from numpy.polynomial import Chebyshev
 from test_certificate_rows import CASES, random_q, residuals
 
 import pmjac_pin as pj
-from pmjac_pin.arms import arms_of
+from pmjac_pin.arms import Segment, _block, arms_of
 from pmjac_pin.bends import Bends
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.pinocchio import Kinematics
@@ -146,3 +146,11 @@ def test_loops_with_joints_that_are_not_known_are_followed_all_the_same():
     reached = mechanism.close([1.4, 0.3])
     expected = four_bar.close([1.4])
     np.testing.assert_allclose(reached.passive, expected.passive, atol=1e-12)
+
+
+def test_rows_that_are_not_known_are_not_bounded():
+    class Unknown:
+        names = ("x",)
+
+    with pytest.raises(pj.ArgumentError, match="rows of Unknown: how they bend is not known here"):
+        _block(Unknown(), [Segment((), 1.0)], [Segment((), 1.0)])

@@ -170,6 +170,16 @@ def test_public_facts(three_rps):
     np.testing.assert_allclose(three_rps.home.tool_pose.translation, [0, 0, height], atol=1e-14)
 
 
+@pytest.mark.parametrize("name", ["three_rps", "bricard", "delta_rods"])
+def test_limits_of_all_that_has_a_unit(name):
+    mechanism = pj.load(name)
+    for freedom in mechanism.units:
+        lower, upper = mechanism.limits(freedom)
+        assert lower < upper
+    with pytest.raises(pj.UnknownNameError):
+        mechanism.limits("nothing.x")
+
+
 def test_reprs_are_short(three_rps):
     configuration = three_rps.home
     for value in (
