@@ -22,6 +22,7 @@ from pmjac_pin.report import to_json
 
 LONG = ("agile_eye", "delta", "sarrus", "stewart_gough", "stewart_gough_dietmaier", "three_rps")
 QUICK = [name for name in mechanisms.CATALOGUE if name not in LONG]
+SLOWER = [pytest.param(name, marks=pytest.mark.slow) for name in LONG if name != "delta"]
 THETA = [0.4]
 QUICKLY = {"proof": False, "unseen": 0.02}
 
@@ -202,7 +203,7 @@ def test_a_small_turn_is_not_half_a_turn(angle, same):
     assert looks.same(0, 1) is same
 
 
-@pytest.mark.parametrize("name", QUICK)
+@pytest.mark.parametrize("name", [*QUICK, *SLOWER])
 def test_where_nothing_turns_over_poses_are_modes(name, monkeypatch):
     mechanism = pj.load(name)
     modes, poses = found_of(mechanism, mechanism.home.actuated, monkeypatch)

@@ -24,6 +24,8 @@ _LAST_STEPS = 2
 _FALLING = 1e-8  # of itself: a gap within the tolerance that falls less is the least there is
 _IDLE = 1e-6  # of the largest column of K*: one that is smaller moves the loops by nothing
 _STUCK = 1e8  # damping at which a start is given up
+_CREEPING = 1e-4  # of itself: an open gap that falls less in each of so many steps stays open
+_PATIENCE = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,20 +57,22 @@ class ManyClosures:
         damping = np.full(len(q), 1e-2)
         error, rows = self._scaled(q)
         gap = np.linalg.norm(error, axis=1)
-        least = np.zeros(len(q), dtype=bool)
+        least, creeping = np.zeros(len(q), dtype=bool), np.zeros(len(q), dtype=int)
         for _ in range(_STEPS):
             done = (gap <= _CLOSED * length) | least
             found.append(q[done])
-            going = ~done & (damping < _STUCK)
+            going = ~done & (damping < _STUCK) & (creeping < _PATIENCE)
             if not going.any():
                 break
             q, error, rows = q[going], error[going], rows[going]
-            gap, damping = gap[going], damping[going]
+            gap, damping, creeping = gap[going], damping[going], creeping[going]
             trial = self.problem.tree.moved(q, self._step(error, rows, damping * gap / farthest))
             trial_error, trial_rows = self._scaled(trial)
             trial_gap = np.linalg.norm(trial_error, axis=1)
             better = trial_gap < gap
             least = (gap <= tolerance) & better & (trial_gap >= (1.0 - _FALLING) * gap)
+            falls = (trial_gap < (1.0 - _CREEPING) * gap) | (gap <= tolerance)
+            creeping = np.where(falls, 0, creeping + better)
             q = np.where(better[:, None], trial, q)
             error = np.where(better[:, None], trial_error, error)
             rows = np.where(better[:, None, None], trial_rows, rows)
