@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +20,7 @@ from pmjac_pin.frames import carrying_columns
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.pinocchio import Kinematics
 from pmjac_pin.machine_size import Size, shifted
-from pmjac_pin.nearby_poses import every_joint_moves, nearby
+from pmjac_pin.nearby_poses import FARTHEST, nearby, reach_of_joints
 from pmjac_pin.partition import Partition
 from pmjac_pin.parts import Parts
 from pmjac_pin.pose_assembly import assemble_pose, check_motors, motor_weights
@@ -89,8 +89,18 @@ def _ranked(parts: Parts) -> Parts:
         for q, snapshot in zip(poses, snapshots, strict=True)
         if ranked.rank_of(snapshot.constraint_jacobian) == ranked.constraint_rank
     ]
-    isolated = not any(every_joint_moves(problem, q) for q in regular[:_ENOUGH])
-    return replace(parts, problem=replace(problem, partition=replace(ranked, isolated=isolated)))
+    reach = _farthest(problem, regular[:_ENOUGH])
+    return replace(parts, problem=replace(problem, partition=replace(ranked, reach=reach)))
+
+
+def _farthest(problem: ClosureProblem, poses: Sequence[Array]) -> float:
+    """Return how far all joints can be displaced from one of these poses: enough is enough."""
+    farthest = 0.0
+    for q in poses:
+        farthest = max(farthest, reach_of_joints(problem, q))
+        if farthest >= FARTHEST:
+            break
+    return farthest
 
 
 def home_pose(

@@ -113,6 +113,9 @@ class Mobility(msgspec.Struct, frozen=True):
         count with these.
     rank, mobility : int or None
         Of [K K*], and Σf − rank: what is true.
+    reach : float or None
+        How far from home joints were seen to move, rad or a share of the characteristic length,
+        where it is so little that loops may part beyond.
     """
 
     freedoms: int
@@ -122,3 +125,4 @@ class Mobility(msgspec.Struct, frozen=True):
     gruebler_in_groups: int
     rank: int | None
     mobility: int | None
+    reach: float | None = None

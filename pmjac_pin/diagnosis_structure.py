@@ -20,6 +20,7 @@ from pmjac_pin.linkage import known_kind
 from pmjac_pin.loop_motion import LoopMotion, loop_motions
 from pmjac_pin.loop_spec import JointLoop, Loop
 from pmjac_pin.machine_size import Size
+from pmjac_pin.nearby_poses import FARTHEST
 from pmjac_pin.parts import Parts
 from pmjac_pin.pose_assembly import motor_weights, shaken
 from pmjac_pin.redundancy import LoopRank
@@ -149,6 +150,7 @@ def loops(
 
 def mobility(structure: Structure, rank: int | None) -> Mobility:
     """Return the mobility, by rank where that is known, and as Grübler-Kutzbach count it."""
+    reach = structure.parts.problem.partition.reach
     freedom, rows = structure.parts.model.nv, len(structure.parts.kinematics.loops.row_names)
     in_groups = sum(motion.rows for motion in structure.motions)
     return Mobility(
@@ -159,6 +161,7 @@ def mobility(structure: Structure, rank: int | None) -> Mobility:
         gruebler_in_groups=freedom - in_groups,
         rank=rank,
         mobility=None if rank is None else freedom - rank,
+        reach=reach if 0.0 < reach < FARTHEST else None,
     )
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.assembly import build_parts
 from pmjac_pin.errors import ArgumentError
+from pmjac_pin.nearby_poses import FARTHEST
 from pmjac_pin.parts import Parts
 from pmjac_pin.read_only import read_only
 from pmjac_pin.spec import MechanismSpec
@@ -104,7 +105,8 @@ class MechanismValue:
         """Degrees of freedom: nv − rank [K K*], the largest rank of home and poses near it.
 
         None where it is not known: no pose near home closes, although the ranks at home alone
-        would allow a motion. The mechanism is a structure, or its home is singular.
+        would allow a motion. The mechanism is a structure, or its home is singular. Where only
+        poses very near home close, loops may part beyond them: `repr` says so, and `check`.
         """
         partition = self._parts.problem.partition
         return None if partition.isolated else self.nv - partition.constraint_rank
@@ -191,8 +193,13 @@ class MechanismValue:
         return (
             f"Mechanism({self.name}, actuated=({motors}), {len(self.passive)} passive, "
             f"{len(self.spec.loops)} loop{'s' * (len(self.spec.loops) != 1)}, "
-            f"mobility {'not known' if self.mobility is None else self.mobility})"
+            f"mobility {'not known' if self.mobility is None else self.mobility}{self._seen})"
         )
+
+    @property
+    def _seen(self) -> str:
+        reach = self._parts.problem.partition.reach
+        return f", seen no further than {reach:g} rad from home" if 0.0 < reach < FARTHEST else ""
 
 
 def _rebuild(

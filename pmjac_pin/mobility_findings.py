@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from pmjac_pin.blocks import brief
 from pmjac_pin.diagnosis import Diagnosis, Finding
 from pmjac_pin.diagnosis_parts import LoopEntry
 
@@ -41,6 +42,7 @@ def count_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
     found = diagnosis.mobility
     if found.mobility is None or not diagnosis.loops:
         return
+    yield from _near_home_only(diagnosis)
     if found.gruebler == found.mobility:
         message = f"Mobility {found.mobility} by rank, and as Grübler–Kutzbach count it."
         yield Finding("ok", "mobility", message)
@@ -64,6 +66,24 @@ def count_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
             "clearance, or jams."
         )
     yield Finding("note", "mobility", message, advice)
+
+
+def _near_home_only(diagnosis: Diagnosis) -> Iterator[Finding]:
+    """Say that ranks rest on poses so near home that loops which part slowly are closed there."""
+    found = diagnosis.mobility
+    if found.reach is None:
+        return
+    metres = brief(found.reach * diagnosis.characteristic_length)
+    message = (
+        f"Mobility {found.mobility} and all generic ranks rest on poses no further than "
+        f"{found.reach:g} rad or {metres} m from home: with a joint displaced ten times as far, "
+        "the loops stay open."
+    )
+    advice = (
+        "It may be a structure whose loops part very slowly, or home may be at the very end of a "
+        "motion: move home, and check the lengths; till then J_eq may be that of a structure."
+    )
+    yield Finding("warning", "near-home-only", message, advice)
 
 
 def _joined_twice(diagnosis: Diagnosis) -> list[str]:

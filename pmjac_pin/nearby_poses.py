@@ -7,6 +7,7 @@ a time is displaced and held: with it, closed poses are away from home, or there
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 
 import numpy as np
@@ -21,7 +22,9 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 _PROBES = 2  # times three poses along allowed rates or with displaced motors
-_DISTANCES = (0.05, 0.005, 0.0005)  # rad or share of the characteristic length
+#: How far joints are displaced at most, rad or a share of the characteristic length.
+FARTHEST = 0.05
+_DISTANCES = (FARTHEST, 0.005, 0.0005)
 _AWAY = 0.1  # of a probe's distance: nearer to home, the loops have only pulled it back
 _TOO_FAR = 20.0  # times a probe's distance: another assembly mode
 _SHAKEN = 3  # starts of each joint that is displaced and held
@@ -52,32 +55,40 @@ def nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
     return []
 
 
-def every_joint_moves(problem: ClosureProblem, q: Array) -> bool:
-    """Tell whether all motions that the loops allow at a closed pose lead somewhere.
+def reach_of_joints(problem: ClosureProblem, q: Array) -> float:
+    """Return how far all motions that the loops allow at a closed pose lead, as `FARTHEST` does.
 
     What they allow, in d independent ways, is to first order. At a regular pose the d joints that
     determine the others best can be displaced one by one, the others of them held. Where one of
-    them can be displaced neither way so, the pose is singular, or part of the machine a structure.
+    them can be displaced neither way so, the pose is singular, or part of the machine a structure:
+    0. Where one can be displaced by very little only, loops may still part: gaps that grow with a
+    high power of the distance are within the tolerance there. Infinite where nothing may move.
     """
     rng = np.random.default_rng(0)
     allowed = _allowed(problem, q)
     leading = scipy.linalg.qr(allowed.T, mode="r", pivoting=True)[1][: allowed.shape[1]]
-    steps = allowed @ np.linalg.inv(allowed[leading])
-    return all(_moves(problem, q, step, leading, rng) for step in steps.T)
+    steps, farthest = allowed @ np.linalg.inv(allowed[leading]), math.inf
+    for step in steps.T:
+        farthest = min(farthest, _reach(problem, q, step, leading, rng))
+        if not farthest:
+            break
+    return farthest
 
 
-def _moves(
+def _reach(
     problem: ClosureProblem, q: Array, step: Array, leading: Index, rng: np.random.Generator
-) -> bool:
+) -> float:
     weights = np.ones(step.size)
     weights[leading] = 0.0
     tries = [step, *(step + weights * rng.normal(size=step.size) for _ in range(_SHAKEN))]
-    return any(
-        _closed(problem, q, [(way * distance * one, weights)], distance)
+    moved = (
+        distance
         for distance in _DISTANCES
         for one in tries
         for way in (1.0, -1.0)
+        if _closed(problem, q, [(way * distance * one, weights)], distance)
     )
+    return next(moved, 0.0)
 
 
 def _allowed(problem: ClosureProblem, q: Array) -> Array:

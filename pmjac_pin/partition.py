@@ -57,9 +57,9 @@ class Partition(ReadOnlyArrays):
         Generic ranks of K*, of [K K*] and of the tool's motion: those of one regular pose.
     kept_rows : ndarray of int, shape (m,)
         Independent rows of η, chosen at the home pose, or at that one where home is singular.
-    isolated : bool
-        A joint cannot be moved though its rates are not forbidden, near home either: it is part of
-        a structure, or home is singular. What is generic is not known then.
+    reach : float
+        How far from a pose near home all joints were seen to move, rad or a share of `length`;
+        infinite where none may, or nobody has looked.
     rank_tolerance : float
         Relative size up to which singular values count as zero.
     tool_rows : ToolRows
@@ -81,13 +81,21 @@ class Partition(ReadOnlyArrays):
     kept_rows: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     rank_tolerance: float = RANK_TOLERANCE
     size: float = 0.0
-    isolated: bool = False
+    reach: float = np.inf
     loop_sizes: tuple[float, ...] = ()
     tool_rows: ToolRows = WHOLE_TWIST
 
     @cached_property
     def _scale(self) -> Array:
         return read_only(np.outer(self.row_scale, self.column_scale))
+
+    @property
+    def isolated(self) -> bool:
+        """Whether a joint cannot be moved though its rates are not forbidden, near home either.
+
+        It is part of a structure, or home is singular. What is generic is not known then.
+        """
+        return not self.reach
 
     @property
     def columns(self) -> dict[str, int]:

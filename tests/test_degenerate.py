@@ -117,5 +117,5 @@ def test_a_motor_that_takes_no_part_in_what_is_forbidden_is_not_named(yaw):
 
 def test_forbidden_targets_are_not_closed():
     mechanism = mechanisms.over_actuated_four_bar()
-    with pytest.raises(pj.ClosureError, match="the loops forbid these motors to move so together"):
+    with pytest.raises(pj.ClosureError, match="The loops forbid these motors to move so together"):
         mechanism.close(mechanism.home.actuated + np.array([0.0, 0.1]))

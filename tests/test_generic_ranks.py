@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 
+import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
 from random_machines import Tree, at
 
 import pmjac_pin as pj
+from pmjac_pin.nearby_poses import FARTHEST
 
 
 def taut_four_bar(motors):
@@ -215,3 +217,40 @@ def test_regular_poses_of_a_3_upu_are_regular_though_home_is_not():
         guess = {"plate": [0.0, 0.0, 0.0, motors[1], -motors[0], 0.0]}
         found = mechanism.close(motors, guess=guess).singularity()
         assert (found.kind, found.lost) == ("regular", 0)
+
+
+def watt_on_a_rail():
+    """Watt's four-bar, its cranks square to the coupler: the coupler's middle follows a rail.
+
+    It leaves the straight line with the fifth power of the way, so that near home it stays within
+    the tolerance. It is a structure.
+    """
+    tree, slide = Tree(), pin.SE3(pin.rpy.rpyToMatrix(-np.pi / 2, 0, 0), np.zeros(3))
+    crank = tree.joint(0, "crank", at([-1, 0.5, 0]))
+    coupler = tree.joint(crank, "coupler", at([0, 0.5, 0]))
+    rocker = tree.joint(0, "rocker", at([1, -0.5, 0]))
+    block = tree.joint(0, "block", slide, "prismatic")
+    for body, name in ((coupler, "end"), (rocker, "tip")):
+        tree.frame(body, name, at([0, -0.5, 0]))
+    for body, name in ((coupler, "middle"), (block, "pin")):
+        tree.frame(body, name, at([0, 0, 0]))
+    loops = [pj.PointLoop(frames=frames) for frames in (("end", "tip"), ("middle", "pin"))]
+    return pj.Mechanism.from_pinocchio(tree.model, loops, ["crank"], "pin", name="watt")
+
+
+def test_ranks_that_rest_on_the_nearest_poses_alone_are_told():
+    mechanism = watt_on_a_rail()
+    assert mechanism.mobility == 1
+    assert repr(mechanism).endswith("mobility 1, seen no further than 0.005 rad from home)")
+    diagnosis = pj.check(mechanism)
+    [told] = [found for found in diagnosis.findings if found.code == "near-home-only"]
+    assert told.severity == "warning"
+    assert "generic ranks rest on poses no further than 0.005 rad or " in told.message
+    assert diagnosis.mobility.reach == 0.005
+
+
+@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+def test_the_joints_of_the_catalogue_are_seen_to_move(name):
+    mechanism = pj.load(name)
+    assert mechanism._parts.problem.partition.reach >= FARTHEST
+    assert "seen no further" not in repr(mechanism)
