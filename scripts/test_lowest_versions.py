@@ -50,10 +50,11 @@ TESTS = (
 
 
 def lowest() -> list[str]:
-    """Return each requirement at its lowest version, with those of MJCF and of plotting."""
+    """Return each requirement at its lowest version, with those of MJCF, plots and the page."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
-    requirements = project["dependencies"] + extras["mjcf"] + extras["plot"]
+    optional = extras["mjcf"] + extras["plot"] + extras["view"]
+    requirements = project["dependencies"] + optional
     return [re.sub(">=", "==", requirement) for requirement in requirements]
 
 

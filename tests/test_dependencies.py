@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 import runpy
+import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -12,10 +13,12 @@ from pathlib import Path
 ROOT = Path(__file__).parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 EXTRAS = PROJECT["optional-dependencies"]
-REQUIREMENTS = [*PROJECT["dependencies"], *EXTRAS["mjcf"], *EXTRAS["plot"]]
+OPTIONAL = ("mjcf", "plot", "view")
+REQUIREMENTS = [*PROJECT["dependencies"], *(one for name in OPTIONAL for one in EXTRAS[name])]
 
 #: What is imported under another name than it is installed.
 IMPORTED_AS = {
+    "lazy-loader": "lazy_loader",
     "pin": "pinocchio",
     "python-flint": "flint",
     "pyyaml": "yaml",
@@ -46,6 +49,10 @@ def test_what_is_imported_is_declared():
     assert imports() - {"pmjac_pin"} == declared - {"meshcat"}
 
 
+def test_all_is_every_extra_that_a_user_may_want():
+    assert EXTRAS["all"] == [f"pmjac_pin[{','.join(OPTIONAL)}]"]
+
+
 def test_each_requirement_states_its_lowest_version():
     for requirement in REQUIREMENTS:
         assert re.fullmatch(r"[\w-]+>=\d+(\.\d+)+", requirement), requirement
@@ -55,3 +62,16 @@ def test_the_script_takes_exactly_these():
     script = runpy.run_path(str(ROOT / "scripts" / "test_lowest_versions.py"))
     assert script["lowest"]() == [requirement.replace(">=", "==") for requirement in REQUIREMENTS]
     assert all((ROOT / "tests" / name).is_file() for name in script["TESTS"])
+
+
+def test_without_the_page_all_else_works_and_the_error_says_what_to_install():
+    code = (
+        "import sys; sys.modules['tornado'] = None;"
+        "import pmjac_pin as pj; home = pj.load('four_bar').home; home.jacobian();"
+        "from pmjac_pin.cli import main; raise SystemExit(main(['view', 'four_bar']))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True)
+    assert done.returncode == 2
+    assert done.stderr.startswith(
+        "pmjac: the page needs meshcat and tornado: pip install 'pmjac_pin[view]' ("
+    )

@@ -44,5 +44,5 @@ def meshcat_files() -> Path:
     """
     spec = importlib.util.find_spec("meshcat")
     if spec is None or not spec.submodule_search_locations:
-        raise MissingDependencyError("the viewer needs meshcat: pip install meshcat")
+        raise MissingDependencyError("the page needs meshcat: pip install 'pmjac_pin[view]'")
     return Path(spec.submodule_search_locations[0]) / "viewer" / "dist"
