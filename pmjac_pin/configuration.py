@@ -13,22 +13,17 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.closure import Closed, closed_point
+from pmjac_pin.closing.closed import Closed, closed_point
+from pmjac_pin.closing.idle_motions import gained_and_idle
+from pmjac_pin.closing.parts import Parts
 from pmjac_pin.errors import ArgumentError, ClosureError, quoted
-from pmjac_pin.idle_motions import gained_and_idle
-from pmjac_pin.jacobian import (
-    EquivalentJacobian,
-    FrameName,
-    SplitJacobian,
-    change_frame,
-    equivalent_jacobian,
-)
 from pmjac_pin.kinematics.pinocchio import Snapshot
-from pmjac_pin.limits import Violation, violations
-from pmjac_pin.parts import Parts
+from pmjac_pin.model.limits import Violation, violations
+from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.pose_rounding import PoseRounding
-from pmjac_pin.read_only import read_only
-from pmjac_pin.singularity import Singularity, analyse_singularity
+from pmjac_pin.rates.jacobian import EquivalentJacobian, SplitJacobian, equivalent_jacobian
+from pmjac_pin.rates.singularity import Singularity, analyse_singularity
+from pmjac_pin.values.read_only import read_only
 
 if TYPE_CHECKING:
     from pmjac_pin.mechanism import Mechanism

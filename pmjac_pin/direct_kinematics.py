@@ -8,19 +8,19 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.closure import MOST_STEPS, Followed
-from pmjac_pin.closure_problem import ClosureProblem
+from pmjac_pin.closing.closure import MOST_STEPS, Followed
+from pmjac_pin.closing.closure_problem import ClosureProblem
+from pmjac_pin.closing.damped_closure import assemble
+from pmjac_pin.closing.held_motors import assemble_held
+from pmjac_pin.closing.motor_values import motor_values
+from pmjac_pin.closing.over_actuation import ties_in_words, walk
+from pmjac_pin.closing.parts import Parts
+from pmjac_pin.closing.pose_assembly import motor_weights
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.damped_closure import assemble
 from pmjac_pin.errors import ArgumentError, ClosureError
-from pmjac_pin.held_motors import assemble_held
-from pmjac_pin.limits import Violation, enforced, limit_error
-from pmjac_pin.motor_values import motor_values
-from pmjac_pin.named_values import named_values
-from pmjac_pin.over_actuation import ties_in_words, walk
-from pmjac_pin.parts import Parts
-from pmjac_pin.pose_assembly import motor_weights
-from pmjac_pin.rounded_numbers import wider_tolerance
+from pmjac_pin.model.limits import Violation, enforced, limit_error
+from pmjac_pin.model.rounded_numbers import wider_tolerance
+from pmjac_pin.values.named_values import named_values
 
 if TYPE_CHECKING:
     from pmjac_pin.mechanism import Mechanism

@@ -12,15 +12,15 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.assembly import build_parts, home_pose
-from pmjac_pin.catalog import find_model_file
+from pmjac_pin.closing.assembly import build_parts, home_pose
 from pmjac_pin.errors import ArgumentError, ClosureError, ModelFileError, PmjacError
-from pmjac_pin.linkage import with_spherical
+from pmjac_pin.files.catalog import find_model_file
+from pmjac_pin.files.source import Source, read_source
+from pmjac_pin.files.urdf.locking import lock_joints
+from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.source import Source, read_source
-from pmjac_pin.spec import JointValue, MechanismSpec
-from pmjac_pin.urdf import Urdf
-from pmjac_pin.urdf_locking import lock_joints
+from pmjac_pin.model.linkage import with_spherical
+from pmjac_pin.model.spec import JointValue, MechanismSpec
 
 _PARAMETER_STEPS = 12
 _LEAST_SHARE = 0.4  # of home's σ_min: below, the motors move on the way to other parameters

@@ -12,20 +12,20 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from pmjac_pin.arms import arms_of, without_arms
-from pmjac_pin.assembly import build_parts
-from pmjac_pin.checks import as_numbers
+from pmjac_pin.closing.arms import arms_of, without_arms
+from pmjac_pin.closing.assembly import build_parts
+from pmjac_pin.closing.motor_values import MotorValues
+from pmjac_pin.closing.pose_assembly import assemble_pose
+from pmjac_pin.closing.step_guard import StepGuard
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.direct_kinematics import Guess, close
 from pmjac_pin.errors import ArgumentError, unknown_name
-from pmjac_pin.loop_spec import Loop
 from pmjac_pin.mechanism_value import MechanismValue
-from pmjac_pin.motor_values import MotorValues
-from pmjac_pin.pinocchio_model import Constraint, RobotWrapper, own_model
-from pmjac_pin.pose_assembly import assemble_pose
-from pmjac_pin.read_only import read_only
-from pmjac_pin.spec import JointValue
-from pmjac_pin.step_guard import StepGuard
+from pmjac_pin.model.loop_spec import Loop
+from pmjac_pin.model.pinocchio_model import Constraint, RobotWrapper, own_model
+from pmjac_pin.model.spec import JointValue
+from pmjac_pin.values.checks import as_numbers
+from pmjac_pin.values.read_only import read_only
 
 Array = NDArray[np.float64]
 

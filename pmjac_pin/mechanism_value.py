@@ -11,13 +11,13 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.assembly import build_parts
+from pmjac_pin.closing.assembly import build_parts
+from pmjac_pin.closing.nearby_poses import FARTHEST
+from pmjac_pin.closing.parts import Parts
 from pmjac_pin.errors import ArgumentError
-from pmjac_pin.nearby_poses import FARTHEST
-from pmjac_pin.parts import Parts
-from pmjac_pin.read_only import read_only
-from pmjac_pin.spec import MechanismSpec
-from pmjac_pin.urdf import Urdf
+from pmjac_pin.files.urdf.robot import Urdf
+from pmjac_pin.model.spec import MechanismSpec
+from pmjac_pin.values.read_only import read_only
 
 Array = NDArray[np.float64]
 

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.factorisation import norm
+from pmjac_pin.values.norm import norm
 
 if TYPE_CHECKING:
     from pmjac_pin.configuration import Configuration
-    from pmjac_pin.jacobian import FrameName
+    from pmjac_pin.model.twist_frame import FrameName
 
 Array = NDArray[np.float64]
 

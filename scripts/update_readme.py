@@ -6,8 +6,8 @@ import re
 from pathlib import Path
 
 import pmjac_pin as pj
-from pmjac_pin.catalogue_table import catalogue_table
-from pmjac_pin.markdown import markdown_table
+from pmjac_pin.words.catalogue_table import catalogue_table
+from pmjac_pin.words.markdown import markdown_table
 
 README = Path(__file__).parent.parent / "README.md"
 BLOCK = re.compile(r"(<!-- mechanisms -->\n).*(<!-- end of mechanisms -->)", re.DOTALL)

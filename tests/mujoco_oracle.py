@@ -9,12 +9,12 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from pmjac_pin.assembly import build_parts
-from pmjac_pin.formats.mjcf import read_mjcf
-from pmjac_pin.linkage import with_spherical
+from pmjac_pin.closing.assembly import build_parts
+from pmjac_pin.files.mjcf.reader import read_mjcf
+from pmjac_pin.files.urdf.locking import lock_joints
+from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.urdf import Urdf
-from pmjac_pin.urdf_locking import lock_joints
+from pmjac_pin.model.linkage import with_spherical
 
 mujoco: Any = pytest.importorskip("mujoco", reason="the oracle is MuJoCo")
 

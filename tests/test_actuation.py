@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.actuation import analyse_actuation, sparse_basis
+from pmjac_pin.rates.actuation import analyse_actuation, sparse_basis
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.assembled_poses import assembled_poses
+from pmjac_pin.studies.assembled_poses import assembled_poses
 from pmjac_pin.viewer.scene import SceneOptions
 from pmjac_pin.viewer.session import Session
 

@@ -11,8 +11,8 @@ from numpy.polynomial import Chebyshev
 from test_certificate_rows import CASES, random_q, residuals
 
 import pmjac_pin as pj
-from pmjac_pin.arms import Segment, _block, arms_of
-from pmjac_pin.bends import Bends
+from pmjac_pin.closing.arms import Segment, _block, arms_of
+from pmjac_pin.closing.bends import Bends
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.pinocchio import Kinematics
 

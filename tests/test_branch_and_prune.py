@@ -7,8 +7,8 @@ import pytest
 
 import pmjac_pin as pj
 from pmjac_pin.algebra.intervals import Intervals
-from pmjac_pin.modes.box_problem import box_problem, given_values
-from pmjac_pin.modes.branch_and_prune import Budget, branch_and_prune
+from pmjac_pin.studies.modes.box_problem import box_problem, given_values
+from pmjac_pin.studies.modes.branch_and_prune import Budget, branch_and_prune
 
 LENGTHS = np.array([2 / 3, 3 / 5, 3 / 4])
 

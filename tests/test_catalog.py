@@ -53,7 +53,7 @@ def test_a_file_with_no_suffix_is_pointed_out(tmp_path, monkeypatch):
 
 
 def test_urdf_beside_the_model_file_or_in_the_folder_urdf(tmp_path):
-    from pmjac_pin.catalog import find_model_file, find_urdf
+    from pmjac_pin.files.catalog import find_model_file, find_urdf
 
     model = find_model_file("serial_2r")
     source = find_urdf("serial_2r.urdf", model).read_text()

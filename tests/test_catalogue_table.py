@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.catalogue_table import catalogue_table, poses_table
-from pmjac_pin.markdown import markdown_table
+from pmjac_pin.words.catalogue_table import catalogue_table, poses_table
+from pmjac_pin.words.markdown import markdown_table
 
 README = Path(__file__).parent.parent / "README.md"
 

@@ -11,10 +11,10 @@ from test_linkage import BALL
 from test_loops import LOOPS
 
 import pmjac_pin as pj
-from pmjac_pin.certificates.equations import LoopEquations
-from pmjac_pin.certificates.intervals import middles, uppers
 from pmjac_pin.kinematics.rows import across
-from pmjac_pin.linkage import edges_of, with_spherical
+from pmjac_pin.model.linkage import edges_of, with_spherical
+from pmjac_pin.studies.certificates.equations import LoopEquations
+from pmjac_pin.studies.certificates.intervals import middles, uppers
 
 STEP = 1e-4  # of second differences: their error is about 1e-16 / STEP²
 

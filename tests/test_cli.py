@@ -269,7 +269,7 @@ def test_the_figure_says_mechanism_and_pose(monkeypatch, shown, argv, title, sub
         titles.append(figure.get_suptitle())
         titles.extend(part.get_suptitle() for part in figure.subfigs)
 
-    monkeypatch.setattr("pmjac_pin.pose_figure.save_figure", save)
+    monkeypatch.setattr("pmjac_pin.pictures.pose_figure.save_figure", save)
     shown("plot", *argv, "-o", "figure.png")
     assert titles[0] == title
     assert subtitle in titles[1].replace("\xa0", " ")

@@ -143,7 +143,7 @@ def test_the_entry_point_imports_nothing_heavy():
         [sys.executable, "-c", code], capture_output=True, env=ENVIRONMENT, check=True
     )
     new = {name for name in done.stdout.split() if not name.startswith(b"importlib")}
-    ours = {b"pmjac_pin", b"pmjac_pin.cli", b"pmjac_pin.cli.process"}
+    ours = {b"pmjac_pin", b"pmjac_pin.cli", b"pmjac_pin.cli.exit_status", b"pmjac_pin.cli.process"}
     assert new <= ours | {b"signal", b"enum", b"types", b"operator", b"functools", b"warnings"}
 
 

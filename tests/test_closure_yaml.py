@@ -7,7 +7,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import pmjac_pin as pj
-from pmjac_pin.formats.closure_yaml import ClosureFile, read_closure_yaml
+from pmjac_pin.files.urdf.closure_yaml import ClosureFile, read_closure_yaml
 
 
 @pytest.fixture

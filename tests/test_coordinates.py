@@ -8,7 +8,7 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.coordinates import JointCoordinates
+from pmjac_pin.model.coordinates import JointCoordinates
 
 JOINTS = [
     ("slide", "prismatic", "a", "b", (0, 0, 0), (1, 0, 0)),

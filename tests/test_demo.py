@@ -9,10 +9,10 @@ import matplotlib.image
 import numpy as np
 import pytest
 
-from pmjac_pin.blocks import numbers
 from pmjac_pin.cli import main
-from pmjac_pin.demo import FIGURE, PRINTED_DIRECTIONS, PRINTED_VELOCITIES, run_demo
-from pmjac_pin.tables import TITLES
+from pmjac_pin.pictures.demo import FIGURE, PRINTED_DIRECTIONS, PRINTED_VELOCITIES, run_demo
+from pmjac_pin.words.blocks import numbers
+from pmjac_pin.words.tables import TITLES
 
 
 @pytest.fixture(scope="module")

@@ -428,8 +428,8 @@ def test_a_named_pose_is_assembled_within_the_limits(slider):
 
 def test_a_named_pose_that_does_not_assemble(slider, monkeypatch):
     """From where the pose puts it, and from nowhere else."""
-    monkeypatch.setattr("pmjac_pin.held_motors.SHAKES", ())
-    monkeypatch.setattr("pmjac_pin.pose_assembly._SHAKES", ())
+    monkeypatch.setattr("pmjac_pin.closing.held_motors.SHAKES", ())
+    monkeypatch.setattr("pmjac_pin.closing.pose_assembly._SHAKES", ())
     diagnosis = pj.check(slider)
     home, behind = diagnosis.poses
     assert (home.failure, home.kind) == (None, "regular")

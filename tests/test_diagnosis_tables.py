@@ -10,8 +10,8 @@ from rich.cells import cell_len
 from rich.console import Console
 
 import pmjac_pin as pj
-from pmjac_pin.diagnosis_tables import diagnosis_blocks
-from pmjac_pin.terminal import draw
+from pmjac_pin.words.diagnosis_tables import diagnosis_blocks
+from pmjac_pin.words.terminal import draw
 
 
 def drawn(diagnosis, width, encoding="utf-8"):

@@ -7,9 +7,9 @@ import pickle
 import numpy as np
 import pytest
 
-from pmjac_pin.ellipse import Ellipse
-from pmjac_pin.ellipsoid import Ellipsoid, force_ellipsoid, velocity_ellipsoid
 from pmjac_pin.errors import ArgumentError
+from pmjac_pin.rates.ellipse import Ellipse
+from pmjac_pin.rates.ellipsoid import Ellipsoid, force_ellipsoid, velocity_ellipsoid
 
 # The lecture's [Jv]eq at pose B, from its formulas at the exact root.
 POSE_B = [

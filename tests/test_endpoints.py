@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.homotopy.endpoints import proven
-from pmjac_pin.homotopy.machines import Machines
+from pmjac_pin.studies.homotopy.endpoints import proven
+from pmjac_pin.studies.homotopy.machines import Machines
 
 
 def four_bar(theta):

@@ -10,7 +10,7 @@ from looped import TOOL, joint, link
 from mutations import mutations
 
 import pmjac_pin as pj
-from pmjac_pin.formats.extended_urdf import closure_yaml_beside, read_extended_urdf
+from pmjac_pin.files.urdf.extended_urdf import closure_yaml_beside, read_extended_urdf
 
 YAML = "closed_loop: [[tip_a, tip_b]]\ntype: ['3d']\nname_mot: [theta]\n"
 

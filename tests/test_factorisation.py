@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pmjac_pin.factorisation import factorise
+from pmjac_pin.rates.factorisation import factorise
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import pytest
 
 import pmjac_pin as pj
 from pmjac_pin.algebra.intervals import Intervals
-from pmjac_pin.modes.box_problem import box_problem, given_values, start
+from pmjac_pin.studies.modes.box_problem import box_problem, given_values, start
 
 POSES = {
     "planar_3rpr": ("home", "mirrored", "shifted"),

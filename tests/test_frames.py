@@ -8,7 +8,7 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.frames import find_frame
+from pmjac_pin.model.frames import find_frame
 
 Z = (0, 0, 1)
 

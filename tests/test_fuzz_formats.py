@@ -12,8 +12,8 @@ from test_sdf import SEEDS
 from test_vocabulary import GEARS, MJCF, OLD_SDF, SDF
 
 import pmjac_pin as pj
-from pmjac_pin.catalog import find_model_file
-from pmjac_pin.source import read_source
+from pmjac_pin.files.catalog import find_model_file
+from pmjac_pin.files.source import read_source
 
 YAML = (
     "closed_loop: [[coupler, pin]]\ntype: [3d]\nname_mot: [theta]\njoint_name: [phi1, phi2]\n"

@@ -11,7 +11,7 @@ import pytest
 from random_machines import Tree, at
 
 import pmjac_pin as pj
-from pmjac_pin.nearby_poses import FARTHEST
+from pmjac_pin.closing.nearby_poses import FARTHEST
 
 
 def taut_four_bar(motors):

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.catalog import find_model_file, find_urdf
 from pmjac_pin.cli import main
-from pmjac_pin.ellipsoid import force_ellipsoid, velocity_ellipsoid
 from pmjac_pin.errors import enumerated, quoted, shortened
-from pmjac_pin.plotting import save_figure
-from pmjac_pin.user_path import user_path
+from pmjac_pin.files.catalog import find_model_file, find_urdf
+from pmjac_pin.files.user_path import user_path
+from pmjac_pin.pictures.plotting import save_figure
+from pmjac_pin.rates.ellipsoid import force_ellipsoid, velocity_ellipsoid
 
 LONG = "x" * 1_000_000
 LONGEST_MESSAGE = 700  # characters

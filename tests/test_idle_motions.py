@@ -12,12 +12,12 @@ import pytest
 from test_tables import drawn
 
 import pmjac_pin as pj
-from pmjac_pin import idle_motions
-from pmjac_pin.factorisation import norm
-from pmjac_pin.report_maker import make_report
-from pmjac_pin.singularity import analyse_singularity
-from pmjac_pin.tables import report_blocks
+from pmjac_pin.closing import idle_motions
+from pmjac_pin.rates.singularity import analyse_singularity
+from pmjac_pin.values.norm import norm
 from pmjac_pin.viewer.free_motion import easiest_motions
+from pmjac_pin.words.report_maker import make_report
+from pmjac_pin.words.tables import report_blocks
 
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
 TURNS = {"x": X, "y": Y, "z": Z}

@@ -11,10 +11,10 @@ from mujoco_oracle import Pair, mujoco
 from peer_models import peer_model
 
 import pmjac_pin as pj
-from pmjac_pin.formats.looped_urdf import read_looped_urdf
-from pmjac_pin.formats.mjcf import read_mjcf
-from pmjac_pin.formats.sdf import read_sdf
-from pmjac_pin.urdf_xml import parse_xml
+from pmjac_pin.files.mjcf.reader import read_mjcf
+from pmjac_pin.files.sdf.reader import read_sdf
+from pmjac_pin.files.urdf.looped_urdf import read_looped_urdf
+from pmjac_pin.files.xml_text import parse_xml
 
 POSED = 'pos=".1 -.2 .3" euler="20 30 40"'
 SOLIDS = {

@@ -10,11 +10,11 @@ from test_one_kinematics import pinocchios, without_roots
 
 import pmjac_pin as pj
 from pmjac_pin.algebra.intervals import Intervals
+from pmjac_pin.closing.scales import row_scale
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.loops import loop_blocks, pair_of
-from pmjac_pin.modes.interval_loops import IntervalLoops, PairRows, tolerances
-from pmjac_pin.modes.interval_tree import IntervalTree
-from pmjac_pin.scales import row_scale
+from pmjac_pin.studies.modes.interval_loops import IntervalLoops, PairRows, tolerances
+from pmjac_pin.studies.modes.interval_tree import IntervalTree
 
 CLOSED = 1e-12
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.jacobian import change_frame
+from pmjac_pin.model.twist_frame import change_frame
 
 
 def split_of(C, J, n):
@@ -81,7 +81,12 @@ def test_unknown_frame():
 
 
 @pytest.mark.parametrize(
-    "module", ["jacobian", "singularity", "ellipsoid", "partition", "factorisation", "spec"]
+    "module",
+    [
+        *(f"rates.{name}" for name in ("jacobian", "singularity", "ellipsoid", "partition")),
+        "rates.factorisation",
+        "model.spec",
+    ],
 )
 def test_linear_algebra_imports_no_pinocchio(module):
     code = (

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from pmjac_pin.certificates.intervals import exactly
-from pmjac_pin.certificates.kantorovich import System, radii
+from pmjac_pin.studies.certificates.intervals import exactly
+from pmjac_pin.studies.certificates.kantorovich import System, radii
 
 
 def system(residual, jacobian, bends, groups=None):

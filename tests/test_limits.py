@@ -14,16 +14,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pmjac_pin as pj
-from pmjac_pin import model_file, urdf, urdf_checks
-from pmjac_pin.bounded_toml import MAXIMAL_PARTS, bounded_table
-from pmjac_pin.bounded_xml import MAXIMAL_ATTRIBUTES, MAXIMAL_ELEMENTS, MAXIMAL_NESTING
-from pmjac_pin.catalog import find_model_file, find_urdf
-from pmjac_pin.checks import LARGEST, SMALLEST
-from pmjac_pin.formats import closure_yaml, mjcf_file, mjcf_guards, sdf
-from pmjac_pin.loop_spec import MAXIMAL_LOOPS
-from pmjac_pin.spec import MAXIMAL_ENTRIES
-from pmjac_pin.table import LONGEST_NAME
-from pmjac_pin.urdf_xml import parse_xml
+from pmjac_pin.files import model_file
+from pmjac_pin.files.bounded_toml import MAXIMAL_PARTS, bounded_table
+from pmjac_pin.files.bounded_xml import MAXIMAL_ATTRIBUTES, MAXIMAL_ELEMENTS, MAXIMAL_NESTING
+from pmjac_pin.files.catalog import find_model_file, find_urdf
+from pmjac_pin.files.mjcf import file as mjcf_file
+from pmjac_pin.files.mjcf import guards as mjcf_guards
+from pmjac_pin.files.sdf import reader as sdf
+from pmjac_pin.files.urdf import checks as urdf_checks
+from pmjac_pin.files.urdf import closure_yaml
+from pmjac_pin.files.urdf import robot as urdf
+from pmjac_pin.files.xml_text import parse_xml
+from pmjac_pin.model.loop_spec import MAXIMAL_LOOPS
+from pmjac_pin.model.spec import MAXIMAL_ENTRIES
+from pmjac_pin.model.table import LONGEST_NAME
+from pmjac_pin.values.checks import LARGEST, SMALLEST
 
 FOUR_BAR = find_model_file("four_bar").read_text(encoding="utf-8")
 FOUR_BAR_URDF = find_urdf("four_bar.urdf", find_model_file("four_bar"))

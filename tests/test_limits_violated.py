@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.assembly import build_parts
-from pmjac_pin.limits import Violation
-from pmjac_pin.modes_report import make_modes_report
-from pmjac_pin.modes_tables import modes_blocks
-from pmjac_pin.report import to_json
-from pmjac_pin.report_maker import make_report
-from pmjac_pin.tables import report_blocks
-from pmjac_pin.terminal import draw, new_console
+from pmjac_pin.closing.assembly import build_parts
+from pmjac_pin.model.limits import Violation
 from pmjac_pin.viewer.readout import make_readout
+from pmjac_pin.words.modes_report import make_modes_report
+from pmjac_pin.words.modes_tables import modes_blocks
+from pmjac_pin.words.report import to_json
+from pmjac_pin.words.report_maker import make_report
+from pmjac_pin.words.tables import report_blocks
+from pmjac_pin.words.terminal import draw, new_console
 
 NAMES = [name for name in pj.list_mechanisms() if pj.load(name).passive]
 

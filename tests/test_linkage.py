@@ -8,7 +8,7 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.linkage import build, edges_of, with_spherical
+from pmjac_pin.model.linkage import build, edges_of, with_spherical
 
 BALL = mechanisms.tree(
     ("motor", "revolute", "ground", "arm", (0, 0, 0.2), (1, 2, 0), (0.3, 0, 0.1)),

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.formats.looped_urdf import read_looped_urdf
+from pmjac_pin.files.urdf.looped_urdf import read_looped_urdf
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from looped import TOOL, joint, link, robot
 from mutations import mutations
 
 import pmjac_pin as pj
-from pmjac_pin.formats.looped_urdf import read_looped_urdf
+from pmjac_pin.files.urdf.looped_urdf import read_looped_urdf
 
 
 @pytest.fixture

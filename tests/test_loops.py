@@ -10,12 +10,12 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.coordinates import JointCoordinates
+from pmjac_pin.closing.scales import column_scale, row_scale
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.pinocchio import Kinematics
-from pmjac_pin.scales import column_scale, row_scale
-from pmjac_pin.spec import Tool
-from pmjac_pin.tool import tool_kinematics
+from pmjac_pin.kinematics.tool import tool_kinematics
+from pmjac_pin.model.coordinates import JointCoordinates
+from pmjac_pin.model.spec import Tool
 
 LOOPS = [
     pj.PointLoop(frames=("S1", "leg1_rod")),

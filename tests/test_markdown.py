@@ -6,8 +6,8 @@ import re
 
 import pytest
 
-from pmjac_pin.blocks import Table
-from pmjac_pin.markdown import markdown_table
+from pmjac_pin.words.blocks import Table
+from pmjac_pin.words.markdown import markdown_table
 
 
 def test_numbers_stand_to_the_right():

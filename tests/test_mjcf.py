@@ -12,11 +12,11 @@ from mjcf_models import FOUR_BAR, GEARS, MODELS, SITES, body, four_bar, mjcf, mo
 from mutations import mutations
 
 import pmjac_pin as pj
-from pmjac_pin.assembly import build_parts
-from pmjac_pin.formats.foreign_model import ForeignModel
-from pmjac_pin.formats.mjcf import read_mjcf
-from pmjac_pin.linkage import with_spherical
-from pmjac_pin.visuals import read_visuals
+from pmjac_pin.closing.assembly import build_parts
+from pmjac_pin.files.foreign_model import ForeignModel
+from pmjac_pin.files.mjcf.reader import read_mjcf
+from pmjac_pin.files.visuals import read_visuals
+from pmjac_pin.model.linkage import with_spherical
 
 
 @pytest.fixture

@@ -13,13 +13,13 @@ from mjcf_models import MODELS, body, mjcf, motor
 from mujoco_oracle import Pair, mujoco
 from peer_models import peer_model
 
-from pmjac_pin.formats.mjcf import read_mjcf
-from pmjac_pin.formats.mjcf_vocabulary import MJCF_WORDS
+from pmjac_pin.files.mjcf.reader import read_mjcf
+from pmjac_pin.files.mjcf.vocabulary import MJCF_WORDS
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.pinocchio import Kinematics
-from pmjac_pin.loop_spec import FrameLoop, JointLoop
-from pmjac_pin.spec import Tool
-from pmjac_pin.tool import tool_kinematics
+from pmjac_pin.kinematics.tool import tool_kinematics
+from pmjac_pin.model.loop_spec import FrameLoop, JointLoop
+from pmjac_pin.model.spec import Tool
 
 CASSIE = "mjcf/cassie_closed_chain.xml"
 

@@ -12,8 +12,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import pmjac_pin as pj
-from pmjac_pin.catalog import find_model_file
-from pmjac_pin.model_file import read_model_file
+from pmjac_pin.files.catalog import find_model_file
+from pmjac_pin.files.model_file import read_model_file
 
 MODEL = find_model_file("four_bar").read_text()
 URDF = (find_model_file("four_bar").parent.parent / "urdf" / "four_bar.urdf").read_text()

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.modes import find
-from pmjac_pin.modes.closed_pose import closed_pose
+from pmjac_pin.studies.modes import find
+from pmjac_pin.studies.modes.closed_pose import closed_pose
 
 LECTURE_A = np.array(
     [
@@ -179,7 +179,7 @@ def test_a_small_budget_is_admitted():
 
 def test_the_bound_holds_where_it_can_be_checked():
     """A mode that few starts lead to: runs that stop without it are as rare as promised."""
-    from pmjac_pin.modes.search import unseen_share
+    from pmjac_pin.studies.modes.search import unseen_share
 
     rng, share, missed, runs = np.random.default_rng(0), 0.01, 0, 4000
     for _ in range(runs):
@@ -230,7 +230,7 @@ def test_dietmaiers_forty(limits):
 
 def test_a_leg_is_a_rod_only_where_it_can_point_everywhere():
     """The 3-RPS's legs swing in a plane, the Gough platform's anywhere."""
-    from pmjac_pin.modes.legs import find_legs
+    from pmjac_pin.studies.modes.legs import find_legs
 
     for name, count in (("three_rps", 0), ("four_bar", 0), ("ur5", 0), ("stewart_gough", 6)):
         mechanism = pj.load(name)

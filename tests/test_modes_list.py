@@ -11,9 +11,9 @@ import pytest
 from test_same_machine import QUICKLY, THETA, rusr
 
 import pmjac_pin as pj
-from pmjac_pin.modes_report import make_modes_report
-from pmjac_pin.modes_tables import count
 from pmjac_pin.viewer.messages import Modes, encode
+from pmjac_pin.words.modes_report import make_modes_report
+from pmjac_pin.words.modes_tables import count
 
 PAGE = Path(pj.__file__).parent / "viewer" / "page"
 NODE = shutil.which("node")

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.modes_report import make_modes_report
-from pmjac_pin.report import to_json
+from pmjac_pin.words.modes_report import make_modes_report
+from pmjac_pin.words.report import to_json
 
 
 def refuse(token):

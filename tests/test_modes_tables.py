@@ -6,9 +6,9 @@ import mechanisms
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.blocks import Heading, Paragraph, Table
-from pmjac_pin.modes_report import make_modes_report
-from pmjac_pin.modes_tables import modes_blocks
+from pmjac_pin.words.blocks import Heading, Paragraph, Table
+from pmjac_pin.words.modes_report import make_modes_report
+from pmjac_pin.words.modes_tables import modes_blocks
 
 
 def blocks_of(mechanism, theta, **options):

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.homotopy.curve import Curve, Planes
-from pmjac_pin.homotopy.machines import Line, Machines
-from pmjac_pin.homotopy.monodromy import STRAIGHT, PlaneSection
-from pmjac_pin.homotopy.paths import led
+from pmjac_pin.studies.homotopy.curve import Curve, Planes
+from pmjac_pin.studies.homotopy.machines import Line, Machines
+from pmjac_pin.studies.homotopy.monodromy import STRAIGHT, PlaneSection
+from pmjac_pin.studies.homotopy.paths import led
 
 
 class PlaneCurve:

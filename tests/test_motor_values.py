@@ -11,7 +11,7 @@ import pytest
 
 import pmjac_pin as pj
 from pmjac_pin.cli import main
-from pmjac_pin.modes_report import make_modes_report
+from pmjac_pin.words.modes_report import make_modes_report
 
 VALUES = {"l3": 0.9, "l1": 1.0, "l2": 1.1}
 IN_ORDER = [1.0, 1.1, 0.9]

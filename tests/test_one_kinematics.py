@@ -16,11 +16,11 @@ from pmjac_pin.algebra.boxes import Boxes
 from pmjac_pin.algebra.floats import Floats
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.algebra.polynomials import Polynomials, symbols
-from pmjac_pin.frames import find_frame
 from pmjac_pin.kinematics.joints import JOINT_KINDS, Motion
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.loops import Loops, by_twists, riding
 from pmjac_pin.kinematics.tree import Poses, Tree
+from pmjac_pin.model.frames import find_frame
 
 SLANTED = (0.6, 0.0, 0.8)
 LOOPS = {

@@ -15,9 +15,9 @@ from pathlib import Path
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin import output_file
 from pmjac_pin.cli import main
-from pmjac_pin.output_file import check_place, write_file, write_files
+from pmjac_pin.files import output_file
+from pmjac_pin.files.output_file import check_place, write_file, write_files
 
 NOBODY = 65534
 
@@ -36,7 +36,7 @@ def save_html(path):
 
 def plot(path):
     figure = pytest.importorskip("matplotlib.figure").Figure()
-    from pmjac_pin.plotting import save_figure
+    from pmjac_pin.pictures.plotting import save_figure
 
     save_figure(figure, path)
 
@@ -290,7 +290,7 @@ def test_what_somebody_else_put_there_is_not_taken_back(tmp_path, monkeypatch):
 
 _KILLED = """
 import os, signal, sys
-from pmjac_pin import output_file
+from pmjac_pin.files import output_file
 sync = os.fsync
 def killed(descriptor):
     sync(descriptor)

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.actuation import analyse_actuation
+from pmjac_pin.closing.over_actuation import lead, ties_in_words
 from pmjac_pin.kinematics.pinocchio import Kinematics
-from pmjac_pin.over_actuation import lead, ties_in_words
+from pmjac_pin.rates.actuation import analyse_actuation
 
 ENOUGH = 600  # evaluations of the loop equations: a closure takes some tens
 
@@ -130,7 +130,7 @@ def test_values_that_fit_but_on_no_straight_path_of_some_motors_are_told_so():
 
 
 def test_a_path_that_is_too_long_for_one_call_goes_on_from_where_it_ended(monkeypatch):
-    monkeypatch.setattr("pmjac_pin.closure.MOST_STEPS", 600)
+    monkeypatch.setattr("pmjac_pin.closing.closure.MOST_STEPS", 600)
     mechanism = pj.load("four_bar")
     target = mechanism.home.actuated + 2 * np.pi * 20
     calls, guess = 0, mechanism.home

@@ -11,8 +11,8 @@ import mjcf_models
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin import urdf_xml
-from pmjac_pin.visuals import read_visuals
+from pmjac_pin.files import xml_text as urdf_xml
+from pmjac_pin.files.visuals import read_visuals
 
 
 @pytest.fixture

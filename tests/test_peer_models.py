@@ -8,7 +8,7 @@ from differences import difference_quotient
 from peer_models import peer_model
 
 import pmjac_pin as pj
-from pmjac_pin.source import read_source
+from pmjac_pin.files.source import read_source
 
 # nq, nv, rows, rank [K K*], rank K*, mobility, idle passive motions, each with its tool
 URDF_PLUS = {

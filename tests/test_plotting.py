@@ -8,10 +8,10 @@ import matplotlib.image
 import numpy as np
 import pytest
 
-from pmjac_pin import plotting
-from pmjac_pin.ellipsoid import force_ellipsoid, velocity_ellipsoid
 from pmjac_pin.errors import ArgumentError, MissingDependencyError, OutputError
-from pmjac_pin.plotting import plot_ellipsoid, save_figure
+from pmjac_pin.pictures import plotting
+from pmjac_pin.pictures.plotting import plot_ellipsoid, save_figure
+from pmjac_pin.rates.ellipsoid import force_ellipsoid, velocity_ellipsoid
 
 SHAPES = {
     "full": np.diag([2.0, 1.0, 0.5]),

@@ -8,9 +8,9 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.homotopy.machines import Machines
-from pmjac_pin.modes.closed_pose import closed_pose
-from pmjac_pin.modes.search_problem import search_problem, without_legs
+from pmjac_pin.studies.homotopy.machines import Machines
+from pmjac_pin.studies.modes.closed_pose import closed_pose
+from pmjac_pin.studies.modes.search_problem import search_problem, without_legs
 
 
 def machines_of(name):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from flint import Ordering, acb, arb, fmpq, fmpq_mpoly_ctx
 
-from pmjac_pin.homotopy.polynomial_table import PolynomialTable
+from pmjac_pin.studies.homotopy.polynomial_table import PolynomialTable
 
 CONTEXT = fmpq_mpoly_ctx.get(["x", "y", "z"], Ordering.lex)
 X, Y, Z = CONTEXT.gens()

@@ -11,10 +11,10 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.assembly import build_parts
-from pmjac_pin.damped_closure import assemble
-from pmjac_pin.held_motors import assemble_held
-from pmjac_pin.pose_assembly import motor_weights
+from pmjac_pin.closing.assembly import build_parts
+from pmjac_pin.closing.damped_closure import assemble
+from pmjac_pin.closing.held_motors import assemble_held
+from pmjac_pin.closing.pose_assembly import motor_weights
 
 
 def four_bar(home, limits=(-100.0, 100.0), loops=None, **changes):

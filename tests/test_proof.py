@@ -11,7 +11,7 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.modes.branch_and_prune import Budget
+from pmjac_pin.studies.modes.branch_and_prune import Budget
 
 
 def proof_of(mechanism, motors, limits=False, budget=None):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.redundancy import dependent_rows, loop_ranks
+from pmjac_pin.rates.redundancy import dependent_rows, loop_ranks
 
 
 def partition_of(matrix):

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.labelled import common_unit, metric_unit, quotient, row_powers, unit
-from pmjac_pin.report import to_json
-from pmjac_pin.report_maker import make_report
+from pmjac_pin.words.labelled import common_unit, metric_unit, quotient, row_powers, unit
+from pmjac_pin.words.report import to_json
+from pmjac_pin.words.report_maker import make_report
 
 MATRICES = ("K", "K_star", "Jv", "Jv_star", "Jw", "Jw_star")
 EQUIVALENT = ("passive_rates", "Jv_eq", "Jw_eq", "gv_eq", "gw_eq")

@@ -13,12 +13,12 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.modes import find
-from pmjac_pin.modes.recognition import Recognition
-from pmjac_pin.modes.same_machine import _Looks, same_machines
-from pmjac_pin.modes_report import make_modes_report
-from pmjac_pin.modes_tables import count, modes_blocks
-from pmjac_pin.report import to_json
+from pmjac_pin.studies.modes import find
+from pmjac_pin.studies.modes.recognition import Recognition
+from pmjac_pin.studies.modes.same_machine import _Looks, same_machines
+from pmjac_pin.words.modes_report import make_modes_report
+from pmjac_pin.words.modes_tables import count, modes_blocks
+from pmjac_pin.words.report import to_json
 
 LONG = ("agile_eye", "delta", "sarrus", "stewart_gough", "stewart_gough_dietmaier", "three_rps")
 QUICK = [name for name in mechanisms.CATALOGUE if name not in LONG]

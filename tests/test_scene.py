@@ -11,9 +11,9 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.catalog import find_model_file, find_urdf
-from pmjac_pin.ellipsoid import velocity_ellipsoid
-from pmjac_pin.shapes import Box, Cone, Cylinder, Sphere, Text
+from pmjac_pin.files.catalog import find_model_file, find_urdf
+from pmjac_pin.files.shapes import Box, Cone, Cylinder, Sphere, Text
+from pmjac_pin.rates.ellipsoid import velocity_ellipsoid
 from pmjac_pin.viewer.ellipsoids import LIMIT, THINNEST, directions_after, label
 from pmjac_pin.viewer.free_motion import NEAR_SINGULAR
 from pmjac_pin.viewer.scene import SceneMaker, SceneOptions

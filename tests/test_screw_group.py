@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from pmjac_pin.screw_group import generated_algebra, group_name
+from pmjac_pin.rates.screw_group import generated_algebra, group_name
 
 X, Y, Z = np.eye(3)
 

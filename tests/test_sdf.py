@@ -9,13 +9,13 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.assembly import build_parts
-from pmjac_pin.formats.foreign_model import ForeignModel
-from pmjac_pin.formats.sdf import read_sdf
+from pmjac_pin.closing.assembly import build_parts
+from pmjac_pin.files.foreign_model import ForeignModel
+from pmjac_pin.files.sdf.reader import read_sdf
+from pmjac_pin.files.visuals import read_visuals
 from pmjac_pin.kinematics.loop_system import LoopSystem
-from pmjac_pin.linkage import with_spherical
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.visuals import read_visuals
+from pmjac_pin.model.linkage import with_spherical
 
 AXIS = "<axis><xyz>0 0 1</xyz></axis>"
 

@@ -18,12 +18,12 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.assembly import build_parts
-from pmjac_pin.formats.foreign_model import ForeignModel
-from pmjac_pin.formats.sdf import read_sdf
-from pmjac_pin.linkage import with_spherical
+from pmjac_pin.closing.assembly import build_parts
+from pmjac_pin.files.foreign_model import ForeignModel
+from pmjac_pin.files.sdf.reader import read_sdf
+from pmjac_pin.files.urdf.locking import lock_joints
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.urdf_locking import lock_joints
+from pmjac_pin.model.linkage import with_spherical
 
 ROBOTS = "cmeel.prefix/share/example-robot-data/robots/cassie_description/robots"
 FILES = ("cassie", "cassie_reduced", "cassie_simple", "cassie_v2", "cassie_wo_gearbox_spring")

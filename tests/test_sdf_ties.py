@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.formats.sdf import read_sdf
+from pmjac_pin.files.sdf.reader import read_sdf
 
 AXIS = "<axis><xyz>0 0 1</xyz>{}</axis>"
 

@@ -12,7 +12,7 @@ import pytest
 import scipy.optimize
 
 import pmjac_pin as pj
-from pmjac_pin.tool_rows import TWIST_ROWS
+from pmjac_pin.model.tool_rows import TWIST_ROWS
 from pmjac_pin.viewer.messages import (
     MAXIMAL_SIZE,
     Home,

@@ -9,8 +9,8 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.factorisation import RANK_TOLERANCE
-from pmjac_pin.tool_rows import TWIST_ROWS
+from pmjac_pin.model.tool_rows import TWIST_ROWS
+from pmjac_pin.rates.factorisation import RANK_TOLERANCE
 
 STRETCHED = (4.0, 3.0, 2.5, 2.0)
 FOLDED = (2.0, 1.5, 2.6, 1.0)

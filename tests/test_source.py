@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.catalog import SUFFIXES
-from pmjac_pin.formats.looped_urdf import read_looped_urdf
-from pmjac_pin.source import READERS, read_source
+from pmjac_pin.files.catalog import SUFFIXES
+from pmjac_pin.files.source import READERS, read_source
+from pmjac_pin.files.urdf.looped_urdf import read_looped_urdf
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pmjac_pin.formats.spanning_tree import spanning_tree
+from pmjac_pin.files.spanning_tree import spanning_tree
 
 
 def test_a_tree_is_left_as_it_is() -> None:

@@ -13,16 +13,16 @@ import pytest
 import transformed
 
 import pmjac_pin as pj
-from pmjac_pin.frames import find_frame
-from pmjac_pin.linkage import edges_of
-from pmjac_pin.modes.assembly_modes import Completeness
-from pmjac_pin.modes.box_problem import box_problem, given_values
-from pmjac_pin.modes.closed_pose import open_by
-from pmjac_pin.modes.find import _without_open
-from pmjac_pin.modes.random_search import RandomSearch
-from pmjac_pin.modes.search_problem import search_problem, without_legs
-from pmjac_pin.modes.slide_ranges import Polygons, slide_ranges
-from pmjac_pin.modes.starts import StartSpace
+from pmjac_pin.model.frames import find_frame
+from pmjac_pin.model.linkage import edges_of
+from pmjac_pin.studies.modes.assembly_modes import Completeness
+from pmjac_pin.studies.modes.box_problem import box_problem, given_values
+from pmjac_pin.studies.modes.closed_pose import open_by
+from pmjac_pin.studies.modes.find import _without_open
+from pmjac_pin.studies.modes.random_search import RandomSearch
+from pmjac_pin.studies.modes.search_problem import search_problem, without_legs
+from pmjac_pin.studies.modes.slide_ranges import Polygons, slide_ranges
+from pmjac_pin.studies.modes.starts import StartSpace
 
 WIDE = np.full(1, 1e9)
 SLIDING = (

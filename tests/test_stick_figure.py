@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.stick_figure import TOOL_LENGTH, StickFigures
+from pmjac_pin.pictures.stick_figure import TOOL_LENGTH, StickFigures
 
 
 def figure_of(configuration):
@@ -64,7 +64,7 @@ def test_every_mechanism_has_a_figure_with_its_tool(name):
 
 def test_points_that_span_space_hang_on_their_mean():
     """A platform with corners out of its plane: bars, since it has no outline."""
-    from pmjac_pin.stick_figure import _outlines
+    from pmjac_pin.pictures.stick_figure import _outlines
 
     corners = np.vstack([np.zeros(3), np.eye(3)])
     bars = list(_outlines(corners, 1e-9))

@@ -12,16 +12,17 @@ from rich.cells import cell_len
 from rich.console import Console
 
 import pmjac_pin as pj
-from pmjac_pin.blocks import Heading, Paragraph, Table, Verbatim, brief, number, numbers
-from pmjac_pin.report_maker import make_report
-from pmjac_pin.tables import (
+from pmjac_pin.values.brief import brief
+from pmjac_pin.words.blocks import Heading, Paragraph, Table, Verbatim, number, numbers
+from pmjac_pin.words.report_maker import make_report
+from pmjac_pin.words.tables import (
     TITLES,
     ellipsoid_table,
     matrix_blocks,
     report_blocks,
     singular_values_table,
 )
-from pmjac_pin.terminal import draw, new_console, one_line, to_ascii, write
+from pmjac_pin.words.terminal import draw, new_console, one_line, to_ascii, write
 
 LONG = "the_joint_that_somebody_gave_a_name_of_far_more_than_eighty_characters_in_one_word_alone_99"
 

@@ -8,13 +8,13 @@ import pytest
 import scipy.linalg
 
 import pmjac_pin as pj
-from pmjac_pin.actuation import analyse_actuation
-from pmjac_pin.ellipsoid import velocity_ellipsoid
 from pmjac_pin.kinematics.rows import across
-from pmjac_pin.linkage import aligned
-from pmjac_pin.partition import independent_rows
-from pmjac_pin.singularity import analyse_singularity
-from pmjac_pin.ties import first_largest, first_smallest, pivots
+from pmjac_pin.model.linkage import aligned
+from pmjac_pin.rates.actuation import analyse_actuation
+from pmjac_pin.rates.ellipsoid import velocity_ellipsoid
+from pmjac_pin.rates.partition import independent_rows
+from pmjac_pin.rates.singularity import analyse_singularity
+from pmjac_pin.values.ties import first_largest, first_smallest, pivots
 from pmjac_pin.viewer.framing import _direction
 
 NOISE = 1e-14

@@ -7,8 +7,8 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.spec import Tool
-from pmjac_pin.tool import tool_kinematics
+from pmjac_pin.kinematics.tool import tool_kinematics
+from pmjac_pin.model.spec import Tool
 
 
 def at(model, tool, q):

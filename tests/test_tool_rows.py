@@ -14,12 +14,12 @@ from test_tables import drawn
 
 import pmjac_pin as pj
 from pmjac_pin.cli import main
-from pmjac_pin.diagnosis_tables import diagnosis_blocks
-from pmjac_pin.report import to_json
-from pmjac_pin.report_maker import make_report
-from pmjac_pin.spec import decode_spec, encode_spec
-from pmjac_pin.tables import report_blocks
-from pmjac_pin.tool_rows import TWIST_ROWS, WHOLE_TWIST, ToolRows
+from pmjac_pin.model.spec import decode_spec, encode_spec
+from pmjac_pin.model.tool_rows import TWIST_ROWS, WHOLE_TWIST, ToolRows
+from pmjac_pin.words.diagnosis_tables import diagnosis_blocks
+from pmjac_pin.words.report import to_json
+from pmjac_pin.words.report_maker import make_report
+from pmjac_pin.words.tables import report_blocks
 
 PLANAR = ("five_bar", "planar_3rpr", "planar_3rrr", "serial_2r")
 STATED = {

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pmjac_pin.algebra.intervals import Intervals
-from pmjac_pin.modes.touching import moved_near, together
+from pmjac_pin.studies.modes.touching import moved_near, together
 
 ANGLE_AND_SLIDE = np.array([True, False])
 

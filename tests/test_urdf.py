@@ -16,8 +16,8 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from pmjac_pin.errors import ModelFileError, UnknownNameError
-from pmjac_pin.parameter import Move
-from pmjac_pin.urdf import Urdf, UrdfJoint, parse_urdf, read_urdf
+from pmjac_pin.files.urdf.robot import Urdf, UrdfJoint, parse_urdf, read_urdf
+from pmjac_pin.model.parameter import Move
 
 AXIS = '<axis xyz="0 0 1"/>'
 LIMIT = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'

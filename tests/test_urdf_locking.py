@@ -9,8 +9,8 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.urdf import parse_urdf
-from pmjac_pin.urdf_locking import lock_joints
+from pmjac_pin.files.urdf.locking import lock_joints
+from pmjac_pin.files.urdf.robot import parse_urdf
 
 CHAIN = """
 <robot name="chain">

@@ -9,7 +9,7 @@ import pytest
 from looped import TOOL
 
 import pmjac_pin as pj
-from pmjac_pin.formats.looped_urdf import read_looped_urdf
+from pmjac_pin.files.urdf.looped_urdf import read_looped_urdf
 
 RHOMBUS = """
 <robot name="rhombus">

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.shapes import Sphere, Text, scaled
+from pmjac_pin.files.shapes import Sphere, Text, scaled
 from pmjac_pin.viewer import viewer as viewer_module
 from pmjac_pin.viewer.canvas import Canvas
 from pmjac_pin.viewer.items import Item

@@ -14,13 +14,13 @@ from misspellings import misspelt, places, slips
 from peer_models import FOLDER
 
 import pmjac_pin as pj
-from pmjac_pin.formats.closure_yaml import read_closure_yaml
-from pmjac_pin.formats.extended_urdf import closure_yaml_beside, read_extended_urdf
-from pmjac_pin.formats.looped_urdf import read_looped_urdf
-from pmjac_pin.formats.mjcf import read_mjcf
-from pmjac_pin.formats.sdf import read_sdf
-from pmjac_pin.source import read_source
-from pmjac_pin.vocabulary import Vocabulary, spelt
+from pmjac_pin.files.mjcf.reader import read_mjcf
+from pmjac_pin.files.sdf.reader import read_sdf
+from pmjac_pin.files.source import read_source
+from pmjac_pin.files.urdf.closure_yaml import read_closure_yaml
+from pmjac_pin.files.urdf.extended_urdf import closure_yaml_beside, read_extended_urdf
+from pmjac_pin.files.urdf.looped_urdf import read_looped_urdf
+from pmjac_pin.files.vocabulary import Vocabulary, spelt
 
 READERS = {".urdf": read_looped_urdf, ".sdf": read_sdf, ".xml": read_mjcf}
 

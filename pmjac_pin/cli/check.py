@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pmjac_pin.cli.options import Choice, Json, Name
 from pmjac_pin.cli.output import Output, Verdict
-from pmjac_pin.diagnosis_maker import check
-from pmjac_pin.diagnosis_tables import diagnosis_blocks
-from pmjac_pin.report import to_json
+from pmjac_pin.studies.check.diagnosis_maker import check
+from pmjac_pin.words.diagnosis_tables import diagnosis_blocks
+from pmjac_pin.words.report import to_json
 
 
 def check_command(mechanism: Name, /, *, choice: Choice = Choice(), json: Json = False) -> Verdict:

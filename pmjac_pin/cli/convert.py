@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from pmjac_pin.cli.options import Name, Reading
 from pmjac_pin.cli.output import Output
 from pmjac_pin.studies.convert import convert
-from pmjac_pin.terminal import one_line
+from pmjac_pin.words.terminal import one_line
 
 
 def convert_command(

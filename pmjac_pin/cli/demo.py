@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from pmjac_pin.cli.output import Output
-from pmjac_pin.demo import FIGURE, demo_blocks, run_demo
+from pmjac_pin.pictures.demo import FIGURE, demo_blocks, run_demo
 
 
 def demo_command(

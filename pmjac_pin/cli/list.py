@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from pmjac_pin.catalog import list_mechanisms
-from pmjac_pin.catalogue_table import catalogue_table, poses_table
 from pmjac_pin.cli.output import Output
+from pmjac_pin.files.catalog import list_mechanisms
 from pmjac_pin.loading import load
+from pmjac_pin.words.catalogue_table import catalogue_table, poses_table
 
 
 def list_command() -> Output:

@@ -9,19 +9,19 @@ from typing import Annotated, TypeAlias
 
 from cyclopts import Parameter
 
-from pmjac_pin.blocks import Block, Verbatim
 from pmjac_pin.cli.options import At, Choice, Json, Name, motor_values
 from pmjac_pin.cli.output import Output
 from pmjac_pin.errors import ArgumentError
-from pmjac_pin.homotopy.parameter_homotopy import ParameterHomotopy, parameter_homotopy
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.mode_sheet import modes_figure
-from pmjac_pin.modes.assembly_modes import AssemblyModes
-from pmjac_pin.modes.find import assembly_modes
-from pmjac_pin.modes_report import ModesReport, make_modes_report
-from pmjac_pin.modes_tables import modes_blocks
-from pmjac_pin.plotting import check_figure_file, save_figure
-from pmjac_pin.report import to_json
+from pmjac_pin.pictures.mode_sheet import modes_figure
+from pmjac_pin.pictures.plotting import check_figure_file, save_figure
+from pmjac_pin.studies.homotopy.parameter_homotopy import ParameterHomotopy, parameter_homotopy
+from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
+from pmjac_pin.studies.modes.find import assembly_modes
+from pmjac_pin.words.blocks import Block, Verbatim
+from pmjac_pin.words.modes_report import ModesReport, make_modes_report
+from pmjac_pin.words.modes_tables import modes_blocks
+from pmjac_pin.words.report import to_json
 
 Given: TypeAlias = Sequence[float] | Mapping[str, float]
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from pmjac_pin.blocks import Block
+from pmjac_pin.words.blocks import Block
 
 #: Text as it is, or blocks to be drawn.
 Output: TypeAlias = str | Iterable[Block] | None

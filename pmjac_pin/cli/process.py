@@ -8,11 +8,11 @@ import os
 import signal
 import sys
 
+from pmjac_pin.cli.exit_status import INTERRUPTED
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-INTERRUPTED = 130  # the exit status of what Ctrl-C has ended, as shells have it
 
 
 def main(argv: "Sequence[str] | None" = None) -> int:
@@ -34,7 +34,7 @@ def main(argv: "Sequence[str] | None" = None) -> int:
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         return _run(sys.argv[1:])
     signal.signal(signal.SIGINT, _leave)  # C code that is being imported may lose an exception
-    from pmjac_pin.cli import running  # noqa: F401, PLC0415
+    import pmjac_pin.cli.running  # noqa: F401, PLC0415
 
     try:
         signal.signal(signal.SIGINT, signal.default_int_handler)

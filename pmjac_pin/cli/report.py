@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pmjac_pin.cli.options import Choice, Frame, Json, Name, Pose
 from pmjac_pin.cli.output import Output
-from pmjac_pin.report import to_json
-from pmjac_pin.report_maker import make_report
-from pmjac_pin.tables import report_blocks
+from pmjac_pin.words.report import to_json
+from pmjac_pin.words.report_maker import make_report
+from pmjac_pin.words.tables import report_blocks
 
 
 def report_command(

@@ -12,15 +12,15 @@ from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 from pmjac_pin.cli.check import check_command
 from pmjac_pin.cli.convert import convert_command
 from pmjac_pin.cli.demo import demo_command
+from pmjac_pin.cli.exit_status import INTERRUPTED
 from pmjac_pin.cli.list import list_command
 from pmjac_pin.cli.modes import modes_command
 from pmjac_pin.cli.output import Verdict
 from pmjac_pin.cli.plot import plot_command
-from pmjac_pin.cli.process import INTERRUPTED
 from pmjac_pin.cli.report import report_command
 from pmjac_pin.cli.view import view_command
 from pmjac_pin.errors import LimitError, PmjacError, shortened
-from pmjac_pin.terminal import complain, draw, new_console, one_line, write
+from pmjac_pin.words.terminal import complain, draw, new_console, one_line, write
 
 _EXAMPLE = "Example: pmjac report four_bar --at 1.2 --set l1=1.1,l2=2.9"
 

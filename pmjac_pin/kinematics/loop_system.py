@@ -17,12 +17,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.coupling import Coupling, couple
 from pmjac_pin.errors import ArgumentError
-from pmjac_pin.frames import find_frame, moving_columns
 from pmjac_pin.kinematics.loops import loop_blocks
 from pmjac_pin.kinematics.rows import Distance, Gap, Relative, Rows
-from pmjac_pin.loop_spec import JointLoop, Loop, LoopBetweenFrames
+from pmjac_pin.model.coupling import Coupling, couple
+from pmjac_pin.model.frames import find_frame, moving_columns
+from pmjac_pin.model.loop_spec import JointLoop, Loop, LoopBetweenFrames
 
 Array = NDArray[np.float64]
 

@@ -11,8 +11,6 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.algebra.jets import Jets
-from pmjac_pin.coupling import Coupling, couple
-from pmjac_pin.frames import Frame, find_frame
 from pmjac_pin.kinematics.rows import (
     Along,
     Distance,
@@ -25,7 +23,9 @@ from pmjac_pin.kinematics.rows import (
     across,
 )
 from pmjac_pin.kinematics.tree import Poses, Tree
-from pmjac_pin.loop_spec import (
+from pmjac_pin.model.coupling import Coupling, couple
+from pmjac_pin.model.frames import Frame, find_frame
+from pmjac_pin.model.loop_spec import (
     CylindricalLoop,
     DistanceLoop,
     FrameLoop,

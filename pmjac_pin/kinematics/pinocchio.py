@@ -13,10 +13,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.jacobian import change_frame
 from pmjac_pin.kinematics.loop_system import LoopSystem
-from pmjac_pin.tool import ToolKinematics
-from pmjac_pin.tool_rows import ToolRows
+from pmjac_pin.kinematics.tool import ToolKinematics
+from pmjac_pin.model.tool_rows import ToolRows
+from pmjac_pin.model.twist_frame import change_frame
 
 Array = NDArray[np.float64]
 

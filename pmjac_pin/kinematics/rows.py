@@ -20,7 +20,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.algebra.jets import Jet, Jets, half_skew
-from pmjac_pin.ties import first_smallest
+from pmjac_pin.values.ties import first_smallest
 
 Array = NDArray[np.float64]
 

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from pmjac_pin.algebra import Algebra, Number
 from pmjac_pin.algebra.jets import Columns, Jet
-from pmjac_pin.frames import Frame
 from pmjac_pin.kinematics.joints import JOINT_KINDS, JointKind, Motion, rotation_of
 from pmjac_pin.kinematics.places import Place, Pose, standing, steps, through
-from pmjac_pin.linkage import Edge, edges_of
+from pmjac_pin.model.frames import Frame
+from pmjac_pin.model.linkage import Edge, edges_of
 
 Array = NDArray[np.float64]
 

@@ -9,16 +9,16 @@ from xml.etree.ElementTree import indent, tostring
 import msgspec
 import tomli_w
 
-from pmjac_pin.catalog import find_model_file
 from pmjac_pin.errors import OutputError
+from pmjac_pin.files.catalog import find_model_file
+from pmjac_pin.files.model_file import parse_model_file
+from pmjac_pin.files.output_file import check_place, write_files
+from pmjac_pin.files.source import Source, read_source
+from pmjac_pin.files.urdf.robot import Urdf, parse_urdf
+from pmjac_pin.files.user_path import is_file, readable, real, told, user_path
 from pmjac_pin.loading import adjusted, build
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.model_file import parse_model_file
-from pmjac_pin.output_file import check_place, write_files
-from pmjac_pin.source import Source, read_source
-from pmjac_pin.spec import JointValue, MechanismSpec, encode_spec
-from pmjac_pin.urdf import Urdf, parse_urdf
-from pmjac_pin.user_path import is_file, readable, real, told, user_path
+from pmjac_pin.model.spec import JointValue, MechanismSpec, encode_spec
 
 
 def convert(

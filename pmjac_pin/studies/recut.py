@@ -16,12 +16,15 @@ import pinocchio as pin
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
-from pmjac_pin.assembly import build_parts
+from pmjac_pin.closing.assembly import build_parts
+from pmjac_pin.closing.machine_size import shifted
+from pmjac_pin.closing.parts import Parts
 from pmjac_pin.errors import ArgumentError, quoted, unknown_name
-from pmjac_pin.frames import find_frame
-from pmjac_pin.linkage import Edge, build, edges_of
-from pmjac_pin.loop_joint import Anchor, LoopJoint, loop_joint
-from pmjac_pin.loop_spec import (
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.model.frames import find_frame
+from pmjac_pin.model.linkage import Edge, build, edges_of
+from pmjac_pin.model.loop_joint import Anchor, LoopJoint, loop_joint
+from pmjac_pin.model.loop_spec import (
     DistanceLoop,
     FrameLoop,
     JointLoop,
@@ -32,10 +35,7 @@ from pmjac_pin.loop_spec import (
     SphericalLoop,
     UniversalLoop,
 )
-from pmjac_pin.machine_size import shifted
-from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.parts import Parts
-from pmjac_pin.spec import JointValue, MechanismSpec
+from pmjac_pin.model.spec import JointValue, MechanismSpec
 
 Array = NDArray[np.float64]
 _LOOPS = {

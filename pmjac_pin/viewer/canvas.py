@@ -14,7 +14,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.shapes import Box, Colour, Cone, Cylinder, Shape, Sphere, Text
+from pmjac_pin.files.shapes import Box, Colour, Cone, Cylinder, Shape, Sphere, Text
 from pmjac_pin.viewer.items import Item
 from pmjac_pin.viewer.palette import hexadecimal
 

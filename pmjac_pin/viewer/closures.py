@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pmjac_pin.anatomy import Anatomy, Anchors
-from pmjac_pin.bodies import Points
-from pmjac_pin.loop_spec import CylindricalLoop, PlanarLoop, PrismaticLoop
-from pmjac_pin.shapes import Array, Cylinder, Sphere, scaled, translation
+from pmjac_pin.files.shapes import Array, Cylinder, Sphere, scaled, translation
+from pmjac_pin.model.loop_spec import CylindricalLoop, PlanarLoop, PrismaticLoop
+from pmjac_pin.pictures.anatomy import Anatomy, Anchors
+from pmjac_pin.pictures.bodies import Points
 from pmjac_pin.viewer.items import Part, between
 from pmjac_pin.viewer.layers import SPECK, Attached, Drawing, Lines, Pose
 from pmjac_pin.viewer.palette import FIRST_ANCHOR, GAP, ROD, SECOND_ANCHOR

@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.ties import first_smallest
+from pmjac_pin.values.ties import first_smallest
 from pmjac_pin.viewer.items import Item
 
 Array = NDArray[np.float64]

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.anatomy import Anatomy
-from pmjac_pin.bodies import Point, Points
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.shapes import Array, Cone, Cylinder
+from pmjac_pin.files.shapes import Array, Cone, Cylinder
+from pmjac_pin.pictures.anatomy import Anatomy
+from pmjac_pin.pictures.bodies import Point, Points
 from pmjac_pin.viewer.items import Part, between
 from pmjac_pin.viewer.layers import SPECK, Drawing, Pose, distinct, part_of_path, specks
 from pmjac_pin.viewer.palette import FREE

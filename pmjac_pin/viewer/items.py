@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.shapes import Array, Colour, Shape
+from pmjac_pin.files.shapes import Array, Colour, Shape
 
 
 @dataclass(frozen=True, eq=False, slots=True)

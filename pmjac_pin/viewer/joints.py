@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from pmjac_pin.anatomy import BALL_JOINTS, Anatomy
-from pmjac_pin.bodies import Point, Points
-from pmjac_pin.shapes import Array, Box, Colour, Cone, Cylinder, Shape, Sphere, scaled
+from pmjac_pin.files.shapes import Array, Box, Colour, Cone, Cylinder, Shape, Sphere, scaled
+from pmjac_pin.pictures.anatomy import BALL_JOINTS, Anatomy
+from pmjac_pin.pictures.bodies import Point, Points
 from pmjac_pin.viewer.items import Part, between
 from pmjac_pin.viewer.layers import SPECK, Attached, Labels, Lines, distinct, part_of_path, words
 from pmjac_pin.viewer.palette import AXES, JOINT, MOTOR, WORDS

@@ -9,10 +9,10 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.bodies import Index, Points
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.ellipsoid import Ellipsoid
-from pmjac_pin.shapes import Array, Colour, Text
+from pmjac_pin.files.shapes import Array, Colour, Text
+from pmjac_pin.pictures.bodies import Index, Points
+from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.viewer.items import Part, between
 
 Kind = Literal["linear", "angular", "force"]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from pmjac_pin.loop_spec import DistanceLoop, JointLoop
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.model.loop_spec import DistanceLoop, JointLoop
 from pmjac_pin.viewer.messages import Key
 from pmjac_pin.viewer.palette import (
     AXES,

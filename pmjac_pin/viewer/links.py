@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from pmjac_pin.anatomy import COINCIDENT, Anatomy
-from pmjac_pin.frames import find_frame
-from pmjac_pin.shapes import Array, Cylinder
+from pmjac_pin.files.shapes import Array, Cylinder
+from pmjac_pin.model.frames import find_frame
+from pmjac_pin.pictures.anatomy import COINCIDENT, Anatomy
 from pmjac_pin.viewer.items import Part, between
 from pmjac_pin.viewer.layers import Attached, part_of_path
 from pmjac_pin.viewer.palette import GROUND, LINK

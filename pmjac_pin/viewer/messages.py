@@ -11,9 +11,9 @@ from typing import Annotated, Literal, TypeAlias
 import msgspec
 
 from pmjac_pin.errors import ArgumentError
-from pmjac_pin.modes_report import ModeReport
 from pmjac_pin.viewer.framing import Framing
 from pmjac_pin.viewer.readout import Readout
+from pmjac_pin.words.modes_report import ModeReport
 
 #: Longer messages are answered with an error: the longest sensible one is far shorter.
 MAXIMAL_SIZE = 64 * 1024

@@ -13,15 +13,15 @@ import numpy as np
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, PmjacError
-from pmjac_pin.modes.aim import Aim
-from pmjac_pin.modes.assembly_modes import AssemblyModes
-from pmjac_pin.modes.find import find_modes
-from pmjac_pin.modes.recognition import SAME_MOTORS, Recognition
-from pmjac_pin.modes_report import ModeReport, make_modes_report
-from pmjac_pin.modes_tables import count
+from pmjac_pin.studies.modes.aim import Aim
+from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
+from pmjac_pin.studies.modes.find import find_modes
+from pmjac_pin.studies.modes.recognition import SAME_MOTORS, Recognition
 from pmjac_pin.viewer.messages import FindModes, Modes, ModesCommand, ShowMode, StopSearch
 from pmjac_pin.viewer.session import Session
 from pmjac_pin.viewer.worker import Worker
+from pmjac_pin.words.modes_report import ModeReport, make_modes_report
+from pmjac_pin.words.modes_tables import count
 
 _logger = logging.getLogger(__name__)
 

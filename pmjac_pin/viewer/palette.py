@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pmjac_pin.shapes import Colour
+from pmjac_pin.files.shapes import Colour
 
 _ORANGE = (0.90, 0.62, 0.0)
 _SKY = (0.34, 0.71, 0.91)

@@ -9,15 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.ellipsoid import Ellipsoid
 from pmjac_pin.errors import NoJacobianError
-from pmjac_pin.factorisation import norm
-from pmjac_pin.jacobian import EquivalentJacobian, change_frame
-from pmjac_pin.labelled import ROUNDING
-from pmjac_pin.singularity import Singularity
-from pmjac_pin.tool_rows import ToolRows
+from pmjac_pin.model.tool_rows import ToolRows
+from pmjac_pin.model.twist_frame import change_frame
+from pmjac_pin.rates.ellipsoid import Ellipsoid
+from pmjac_pin.rates.jacobian import EquivalentJacobian
+from pmjac_pin.rates.singularity import Singularity
+from pmjac_pin.values.norm import norm
 from pmjac_pin.viewer.free_motion import NEAR_SINGULAR, easiest_motions
 from pmjac_pin.viewer.tool_ranks import ToolRanks
+from pmjac_pin.words.labelled import ROUNDING
 
 Array = NDArray[np.float64]
 Vector = tuple[float, ...]

@@ -9,8 +9,8 @@ import threading
 from collections.abc import Iterator
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.terminal import write
 from pmjac_pin.viewer.viewer import has_display, view
+from pmjac_pin.words.terminal import write
 
 _EVERY = 0.5  # seconds between looks at whether the parent is still there
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)

@@ -9,10 +9,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.assembled_poses import assembled_poses
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError, LimitError
-from pmjac_pin.limits import Violation
+from pmjac_pin.model.limits import Violation
+from pmjac_pin.studies.assembled_poses import assembled_poses
 from pmjac_pin.viewer.framing import Framing, frame
 from pmjac_pin.viewer.layers import Kind
 from pmjac_pin.viewer.leaving import beside_singularity, shortly_before

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import msgspec
 
-from pmjac_pin.output_file import check_place, write_file
+from pmjac_pin.files.output_file import check_place, write_file
 from pmjac_pin.viewer.browser_files import PAGE, meshcat_files
 from pmjac_pin.viewer.framing import Framing
 

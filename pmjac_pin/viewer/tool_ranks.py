@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.errors import PmjacError
-from pmjac_pin.jacobian import EquivalentJacobian
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.tool_rows import ToolRows
+from pmjac_pin.model.tool_rows import ToolRows
+from pmjac_pin.rates.jacobian import EquivalentJacobian
 
 Array = NDArray[np.float64]
 

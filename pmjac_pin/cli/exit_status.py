@@ -1,0 +1,3 @@
+"""What a command that was interrupted ends with."""
+
+INTERRUPTED = 130  # as shells have it for Ctrl-C

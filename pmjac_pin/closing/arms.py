@@ -1,0 +1,224 @@
+"""Arms: the segments of a mechanism's loops, and which joints turn and slide each of them.
+
+A loop's rows measure points p = Σₖ R₁⋯Rₖ dₖ that chains of joints carry, with Rᵢ the turn of the
+i-th joint and dₖ the segment from the k-th joint that turns to the next; or products of turns,
+which are segments of length 1. Everything is seen from the last body that carries both frames of
+a loop, or from its second frame where the rows ask for that. What `bends` makes of these lengths
+are bounds on derivatives at any pose.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from pmjac_pin.errors import ArgumentError
+from pmjac_pin.kinematics.loops import loop_blocks
+from pmjac_pin.kinematics.rows import Along, Distance, Gap, RightAngle, Rows, Tilt, Turn
+from pmjac_pin.model.frames import Frame, find_frame
+from pmjac_pin.model.linkage import Kind, known_kind
+from pmjac_pin.model.loop_spec import JointLoop, Loop
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+_NONE = -1
+_SLIDES: Mapping[Kind, int] = {
+    **dict.fromkeys(("revolute", "continuous", "spherical"), 0),
+    **{"prismatic": 1, "planar": 2, "free": 3},
+}
+
+
+class _Freedom(NamedTuple):
+    """The groups of a joint: what slides, or −1, and what turns, one after the other."""
+
+    slide: int
+    turns: tuple[int, ...]
+
+
+class Segment(NamedTuple):
+    """A segment of a chain.
+
+    Attributes
+    ----------
+    turns : tuple of int
+        The groups that turn it.
+    length : float
+        Without its slides, m; 1 for a product of turns.
+    slides : tuple of int
+        The groups whose motion is in it.
+    lies : tuple of int
+        The groups whose value is in it.
+    """
+
+    turns: tuple[int, ...]
+    length: float
+    slides: tuple[int, ...] = ()
+    lies: tuple[int, ...] = ()
+
+
+class Block(NamedTuple):
+    """Rows that are bounded together.
+
+    Attributes
+    ----------
+    rows : int
+        How many; a coupling's has no segments.
+    segments : tuple of Segment
+    rod : float
+        The length of a distance, m; 0 for others.
+    exact : bool
+        The rows as evaluated are those meant here off closure, too.
+    """
+
+    rows: int
+    segments: tuple[Segment, ...] = ()
+    rod: float = 0.0
+    exact: bool = True
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Arms:
+    """The arms of a mechanism's loops.
+
+    Attributes
+    ----------
+    rates : ndarray, shape (groups, nv)
+        The columns that are measured together, by the Euclidean norm: the slides of one joint,
+        a ball's turn. How far a column slides per unit, in m, and 1 where it turns.
+    values : ndarray, shape (groups, nq)
+        The entries of q that a slide's value consists of.
+    blocks : tuple of Block
+        In the order of the rows.
+    """
+
+    rates: Array
+    values: Array
+    blocks: tuple[Block, ...]
+
+
+def arms_of(model: pin.Model, loops: Sequence[Loop], values: Mapping[str, float]) -> Arms:
+    """Return the arms of a model's loops.
+
+    Raises
+    ------
+    ArgumentError
+        A joint or rows of a kind that is not known here.
+    """
+    groups = _Groups(model)
+    blocks: list[Block] = []
+    for loop in loops:
+        if isinstance(loop, JointLoop):
+            blocks.append(Block(1))
+            continue
+        one, other = (find_frame(model, name) for name in loop.frames)
+        chains = _chains(model, groups, one, other)
+        blocks += [_block(rows, *chains) for rows in loop_blocks(loop, values)]
+    return Arms(np.array(groups.rates), np.array(groups.values), tuple(blocks))
+
+
+def without_arms(model: pin.Model, rows: int) -> Arms:
+    """Return what stands for loops with joints that are not known: nothing between is bounded."""
+    return Arms(np.zeros((0, model.nv)), np.zeros((0, model.nq)), (Block(rows),))
+
+
+class _Groups:
+    def __init__(self, model: pin.Model) -> None:
+        self.rates: list[Array] = []
+        self.values: list[Array] = []
+        self.of_joint = [_Freedom(_NONE, ())]
+        for joint, name in list(zip(model.joints, model.names, strict=True))[1:]:
+            slides, turns = _columns(joint, name)
+            slide = self._add(model, joint, slides, True) if slides else _NONE
+            turning = tuple(self._add(model, joint, columns, False) for columns in turns)
+            self.of_joint.append(_Freedom(slide, turning))
+
+    def _add(
+        self, model: pin.Model, joint: pin.JointModel, columns: Sequence[int], lies: bool
+    ) -> int:
+        rates, values = np.zeros(model.nv), np.zeros(model.nq)
+        for column in columns:
+            rates[joint.idx_v + column] = 1.0
+            values[joint.idx_q + column] = float(lies)
+        self.rates.append(rates)
+        self.values.append(values)
+        return len(self.rates) - 1
+
+
+def _columns(joint: pin.JointModel, name: str) -> tuple[Sequence[int], list[Sequence[int]]]:
+    """Return the columns of a joint that slide, and those that turn, one turn after the other."""
+    kind = known_kind(joint)
+    if kind is not None:
+        slides = _SLIDES[kind]
+        turning = range(slides, joint.nv)
+        return range(slides), [turning] if turning else []
+    match joint.shortname():
+        case "JointModelTranslation":
+            return range(3), []
+        case "JointModelSphericalZYX" | "JointModelUniversal":
+            return [], [[column] for column in range(joint.nv)]
+    message = f"joint {name!r} is a {joint.shortname()}: how its loops bend is not known here"
+    raise ArgumentError(message)
+
+
+def _chains(
+    model: pin.Model, groups: _Groups, one: Frame, other: Frame
+) -> tuple[list[Segment], list[Segment]]:
+    """Return the chains to two frames from the last body that carries both."""
+    first, second = (list(model.supports[frame.joint]) for frame in (one, other))
+    shared = sum(a == b for a, b in zip(first, second, strict=False))
+    return _chain(model, groups, first[shared:], one), _chain(model, groups, second[shared:], other)
+
+
+def _chain(model: pin.Model, groups: _Groups, joints: list[int], frame: Frame) -> list[Segment]:
+    segments: list[Segment] = []
+    turns: tuple[int, ...] = ()
+    slides: tuple[int, ...] = ()
+    lies: tuple[int, ...] = ()
+    place = pin.SE3.Identity()
+    for joint in joints:
+        place = place * model.jointPlacements[joint]
+        slide, turning = groups.of_joint[joint]
+        own = (slide,) * (slide != _NONE)
+        lies += own
+        if turning:
+            length = float(np.linalg.norm(place.translation))
+            segments.append(Segment(turns, length, slides, lies))
+            place, turns = pin.SE3.Identity(), turns + turning
+            slides = lies = ()
+        slides += own  # in axes that turn with the joint
+    place = place * frame.placement
+    length = float(np.linalg.norm(place.translation))
+    return [*segments, Segment(turns, length, slides, lies)]
+
+
+def _block(rows: Rows, first: list[Segment], second: list[Segment]) -> Block:
+    count = len(rows.names)
+    match rows:
+        case Gap():
+            return Block(count, (*first, *second), exact=False)
+        case Distance():
+            return Block(count, (*first, *second), rod=rows.length)
+        case Along():
+            return Block(count, _from_second(first, second))
+        case Turn() | Tilt() | RightAngle():
+            every = first[-1].turns + second[-1].turns
+            return Block(count, (Segment(every, 1.0),), exact=False)
+    raise ArgumentError(f"rows of {type(rows).__name__}: how they bend is not known here")
+
+
+def _from_second(first: list[Segment], second: list[Segment]) -> tuple[Segment, ...]:
+    """Return the one chain from the second frame back to the common body and on to the first."""
+    every = second[-1].turns
+    back = []
+    for k, segment in enumerate(second):
+        # The motion of a free body is in axes that turn with it: its own turn counts as well.
+        last = second[k - 1].turns if k and segment.slides else segment.turns
+        turns = tuple(turn for turn in every if turn not in last)
+        back.append(segment._replace(turns=turns))
+    return (*back, *(segment._replace(turns=every + segment.turns) for segment in first))

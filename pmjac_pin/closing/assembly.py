@@ -1,0 +1,209 @@
+"""From a Pinocchio model and a spec to the parts of a Mechanism: the loops assembled at home."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from pmjac_pin.closing.closed import closed_point
+from pmjac_pin.closing.closure_problem import LARGEST_SHARE, ClosureProblem
+from pmjac_pin.closing.damped_closure import assemble
+from pmjac_pin.closing.machine_size import Size, shifted
+from pmjac_pin.closing.nearby_poses import FARTHEST, nearby, reach_of_joints
+from pmjac_pin.closing.parts import Parts
+from pmjac_pin.closing.pose_assembly import assemble_pose, check_motors, motor_weights
+from pmjac_pin.closing.scales import column_scale, row_scale
+from pmjac_pin.errors import ArgumentError, ClosureError, PmjacError, unknown_name
+from pmjac_pin.files.urdf.robot import Urdf
+from pmjac_pin.kinematics.loop_system import LoopSystem
+from pmjac_pin.kinematics.pinocchio import Kinematics
+from pmjac_pin.kinematics.tool import tool_kinematics
+from pmjac_pin.model.coordinates import JointCoordinates
+from pmjac_pin.model.frames import carrying_columns
+from pmjac_pin.model.spec import MechanismSpec
+from pmjac_pin.rates.factorisation import RANK_TOLERANCE
+from pmjac_pin.rates.partition import Partition
+
+Array = NDArray[np.float64]
+
+# Numbers that are off by a share of the mechanism's length are off by that in K*, and more.
+_RANK_ROOM = 10.0
+_ENOUGH = 3  # poses of the generic rank from which it is tried whether all joints can move
+
+_logger = logging.getLogger(__name__)
+
+
+def build_parts(
+    model: pin.Model,
+    spec: MechanismSpec,
+    values: Mapping[str, float],
+    urdf: Urdf | None = None,
+    start: Array | None = None,
+) -> Parts:
+    """Resolve all names, assemble the home pose and find the generic ranks there.
+
+    Parameters
+    ----------
+    model, spec, values, urdf
+        What the mechanism is made of.
+    start : ndarray, shape (nq,), optional
+        Where to start assembling the home pose; the spec's values when None.
+
+    Raises
+    ------
+    UnknownNameError
+        A joint or frame that the model does not have.
+    ArgumentError
+        The actuated and passive joints are not a partition of the joints that move; a pose
+        that does not fit the joints, or is outside the motors' limits.
+    ClosureError
+        The home pose does not assemble.
+    """
+    parts = _unassembled(model, spec, values, urdf)
+    try:
+        return _ranked(_assembled(parts, start))
+    except PmjacError as error:
+        error.parts = parts
+        raise
+
+
+def _ranked(parts: Parts) -> Parts:
+    problem, kinematics = parts.problem, parts.kinematics
+    size = _size(kinematics, parts.spec, parts.home_q)
+    partition = _partition(parts.spec, parts.coordinates, kinematics, size, problem.rounding)
+    problem = replace(problem, partition=partition)
+    poses = [parts.home_q, *nearby(problem, parts.home_q)]
+    snapshots = [kinematics.snapshot(q) for q in poses]
+    rows = partition.tool_rows
+    ranked = partition.with_ranks_of(
+        [(snapshot.constraint_jacobian, snapshot.judged_jacobian(rows)) for snapshot in snapshots]
+    )
+    problem = replace(problem, partition=ranked)
+    regular = [
+        q
+        for q, snapshot in zip(poses, snapshots, strict=True)
+        if ranked.rank_of(snapshot.constraint_jacobian) == ranked.constraint_rank
+    ]
+    reach = _farthest(problem, regular[:_ENOUGH])
+    return replace(parts, problem=replace(problem, partition=replace(ranked, reach=reach)))
+
+
+def _farthest(problem: ClosureProblem, poses: Sequence[Array]) -> float:
+    """Return how far all joints can be displaced from one of these poses: enough is enough."""
+    farthest = 0.0
+    for q in poses:
+        farthest = max(farthest, reach_of_joints(problem, q))
+        if farthest >= FARTHEST:
+            break
+    return farthest
+
+
+def home_pose(
+    model: pin.Model,
+    spec: MechanismSpec,
+    values: Mapping[str, float],
+    start: Array | None,
+    least: tuple[int, float],
+) -> tuple[Array, tuple[int, float]]:
+    """Return the home pose at parameters on the way to others, with the rank of K* and its σ_min.
+
+    Raises
+    ------
+    ClosureError
+        With the motors where they are, the loops stay open, or the rank or σ_min, which is
+        relative to the size of [K K*], is below `least`.
+    """
+    parts = _unassembled(model, spec, values, None)
+    problem, q = parts.problem, parts.home_q if start is None else start
+    found = assemble(problem, q, motor_weights(problem, 0.0))
+    factors = closed_point(problem, found.q).factors
+    smallest = factors.singular_values[: factors.rank].min(initial=np.inf) / (factors.size or 1.0)
+    singular = factors.rank < least[0] or smallest < least[1]
+    if found.gap > problem.tolerance or singular:
+        raise ClosureError(f"{spec.name}: no home pose here", residual_norm=found.gap, q=found.q)
+    return found.q, (factors.rank, float(smallest))
+
+
+def _assembled(parts: Parts, start: Array | None) -> Parts:
+    spec, coordinates, given = parts.spec, parts.coordinates, parts.home_q
+    for name, pose in spec.poses.items():
+        check_motors(coordinates, coordinates.q(pose, given), spec, f"the pose {name!r} has")
+    return replace(parts, home_q=assemble_pose(parts, given if start is None else start, "home"))
+
+
+def _unassembled(
+    model: pin.Model, spec: MechanismSpec, values: Mapping[str, float], urdf: Urdf | None
+) -> Parts:
+    coordinates = JointCoordinates(model)
+    given = coordinates.q(spec.poses["home"])
+    size = _size(_kinematics(model, spec, values), spec, given)
+    near = shifted(model, -size.place) if size.place.any() else model
+    kinematics = _kinematics(near, spec, values)
+    rounding = size.rounding
+    partition = _partition(spec, coordinates, kinematics, size, rounding)
+    problem = ClosureProblem(
+        kinematics.closure,
+        lambda q, v: pin.integrate(near, q, v),
+        lambda one, other: pin.difference(near, one, other),
+        partition,
+        spec.tolerance,
+        rounding,
+    )
+    return Parts(
+        near, spec, values, coordinates, kinematics, problem, given, urdf, model, size.place
+    )
+
+
+def _kinematics(model: pin.Model, spec: MechanismSpec, values: Mapping[str, float]) -> Kinematics:
+    loops = LoopSystem(model, spec.loops, values)
+    return Kinematics(model, loops, tool_kinematics(model, spec.tool))
+
+
+def _size(kinematics: Kinematics, spec: MechanismSpec, q: Array) -> Size:
+    return Size(kinematics.model, spec, kinematics.loops, kinematics.tool, q)
+
+
+def _partition(
+    spec: MechanismSpec,
+    coordinates: JointCoordinates,
+    kinematics: Kinematics,
+    size: Size,
+    rounding: float,
+) -> Partition:
+    for name in spec.actuated:
+        if (count := coordinates.degrees_of_freedom(name)) != 1:
+            message = f"a motor moves one degree of freedom; joint {name!r} has {count}"
+            raise ArgumentError(message)
+    others = tuple(name for name in coordinates.names if name not in spec.actuated)
+    passive = others if spec.passive is None else spec.passive
+    for name in passive:
+        if name not in coordinates.names:
+            raise unknown_name("joint", name, coordinates.names)
+    if forgotten := [name for name in others if name not in passive]:
+        message = f"joint {forgotten[0]!r} moves and is neither actuated nor passive"
+        raise ArgumentError(message)
+    opened, length = max(spec.tolerance or 0.0, rounding), size.length
+    if opened > LARGEST_SHARE * length:
+        raise ArgumentError(
+            f"a tolerance of {opened:g} m leaves nothing of a machine whose characteristic length "
+            f"is {length:.3g} m; at most {LARGEST_SHARE * length:.3g} m would do"
+        )
+    loops, carrying = kinematics.loops, carrying_columns(kinematics.model, spec.tool.names)
+    columns = column_scale(loops, coordinates.rotational, length, size.loop_sizes, carrying)
+    return Partition(
+        actuated=coordinates.columns(spec.actuated),
+        passive=coordinates.columns(passive),
+        actuated_names=coordinates.dof_names(spec.actuated),
+        passive_names=coordinates.dof_names(passive),
+        length=length,
+        loop_sizes=size.loop_sizes,
+        row_scale=row_scale(loops, columns, length, size.loop_sizes),
+        column_scale=columns,
+        rank_tolerance=max(RANK_TOLERANCE, _RANK_ROOM * opened / length),
+        tool_rows=spec.tool.judged,
+    )

@@ -1,0 +1,211 @@
+"""Closing the loops: assembling from an open start, and following one assembly mode.
+
+`assemble` is damped least squares: it finds *a* closed pose near an open one. `follow` is
+direct kinematics by continuation: from a closed pose it walks the motors straight to their
+targets, predicting along φ̇ = −K*⁻¹ K θ̇ and correcting by Newton, in steps short enough
+that it cannot change the assembly mode unseen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg.lapack import dgesv
+
+from pmjac_pin.closing.closed import Closed, point_at
+from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
+from pmjac_pin.closing.damped_closure import assemble
+from pmjac_pin.closing.step_guard import StepGuard
+from pmjac_pin.rates.partition import Partition
+from pmjac_pin.values.norm import norm
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+MOST_STEPS = 20_000  #: tried in one path
+
+# All lengths relative to the mechanism's characteristic length.
+_LARGEST_STEP = 0.25  # motion in one step, a rad counted as one length
+_SMALLEST_STEP = 1e-9  # motion in one step that is not the last: less is not resolved
+_LARGEST_CORRECTION = 0.25  # first Newton correction, as a share of the predicted motion
+_SLOWEST_CONTRACTION = 0.25  # of one Newton correction by the next
+_HARDLY_ANYTHING = 1e-5  # left of the motors' path, where it may end in a singular target
+_BESIDE = 1e-5  # lengths or rad: both modes that meet at a fold are as near when the gap is 1e-12
+_WALKING = 1e-13  # gap on the way: beside a fold, more would hide how near that is
+_NO_INVERSE = 1e-9  # relative singular value of K* at a pose that no step is proven to lead to
+_MOST_CORRECTIONS = 50  # at a fold, polishing halves the error each time
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Followed:
+    """Where a path ended: at its target when `share` is 1.
+
+    `spent` where it is so long that its steps were used up; `strayed` is where motors were led to
+    that loops forbid to move so (`over_actuation`).
+    """
+
+    point: Closed
+    share: float
+    iterations: int
+    spent: bool = False
+    strayed: Array | None = None
+
+
+def follow(
+    problem: ClosureProblem,
+    guard: StepGuard,
+    start: Closed,
+    displacement: Array,
+    target: Callable[[Array], Array],
+) -> Followed:
+    """Walk the motors along a straight path, staying on the assembly mode of `start`.
+
+    Parameters
+    ----------
+    problem : ClosureProblem
+    guard : StepGuard
+        Says which steps are covered.
+    start : Closed
+    displacement : ndarray, shape (n,)
+        Of the motors, over the whole path.
+    target : callable
+        q ↦ q with the motors at their targets, exactly.
+    """
+    partition = problem.partition
+    distance = norm(displacement / partition.column_scale[partition.actuated])
+    if distance > MOST_STEPS * _LARGEST_STEP * partition.length:
+        return Followed(start, 0.0, 0, spent=True)
+    point, share, step, iterations = start, 0.0, 1.0, 0
+    regular = not _is_singular(start, partition)
+    velocity = _path_velocity(start, displacement, partition) if regular else np.zeros(0)
+    tries, weakest = 0, _weakest(start, partition) if regular else 0.0
+    while regular and tries < MOST_STEPS:
+        tries += 1
+        pace = norm(velocity / partition.column_scale)
+        step = min(step, _LARGEST_STEP * partition.length / pace if pace else 1.0)
+        last = step >= 1.0 - share
+        stride = 1.0 - share if last else step
+        if not last and stride * pace < _SMALLEST_STEP * partition.length:
+            break
+        tangent = velocity * stride
+        ahead = problem.integrate(point.q, tangent)
+        candidate = _correct(problem, target(ahead) if last else ahead, tangent, last)
+        step = 0.5 * stride
+        if candidate is None or not _is_invertible(candidate, partition):
+            continue
+        arriving = _path_velocity(candidate, displacement, partition)
+        if not guard.covers(problem, point, candidate, tangent, arriving * stride):
+            continue
+        iterations += candidate.iterations
+        point, velocity, share = candidate, arriving, 1.0 if last else share + stride
+        sinking, weakest = _weakest(candidate, partition) < weakest, _weakest(candidate, partition)
+        if last or _is_singular(point, partition):
+            break
+        if sinking and weakest <= partition.rank_tolerance * partition.size:
+            break
+        step = 2.0 * stride
+    ended = Followed(point, share, iterations, spent=tries == MOST_STEPS)
+    if share < 1.0 and (1.0 - share) * distance <= _HARDLY_ANYTHING * partition.length:
+        return _arrived(problem, ended, target) or ended
+    return ended
+
+
+def _arrived(
+    problem: ClosureProblem, ended: Followed, target: Callable[[Array], Array]
+) -> Followed | None:
+    """Return the target itself, when it is singular and the path ended right beside it."""
+    point = beside(problem, ended.point.q, target(ended.point.q))
+    if point is None or not _is_singular(point, problem.partition):
+        return None
+    return Followed(point, 1.0, ended.iterations + point.iterations)
+
+
+def beside(problem: ClosureProblem, closed: Array, q: Array) -> Closed | None:
+    """Close the loops at a q with its motors at rest, right beside a closed q; None elsewhere."""
+    partition = problem.partition
+    weights = np.zeros(partition.column_scale.size)
+    weights[partition.passive] = 1.0
+    found = assemble(problem, q, weights)
+    moves = problem.difference(closed, found.q) / partition.column_scale
+    moved = float(np.abs(moves).max(initial=0.0))
+    if found.gap > problem.tolerance or moved > _BESIDE * partition.length:
+        return None
+    return point_at(problem, found.q, *problem.evaluate(found.q), found.iterations)
+
+
+def _is_singular(point: Closed, partition: Partition) -> bool:
+    return point.factors.rank < partition.passive_rank
+
+
+def _is_invertible(point: Closed, partition: Partition) -> bool:
+    rank, values = partition.passive_rank, point.factors.singular_values
+    return not rank or float(values[rank - 1]) > _NO_INVERSE * point.factors.size
+
+
+def _weakest(point: Closed, partition: Partition) -> float:
+    """Return the singular value of K* that decides, in m; beside a crossing all of K* is small."""
+    rank = partition.passive_rank
+    return float(point.factors.singular_values[rank - 1]) if rank else np.inf
+
+
+def _path_velocity(point: Closed, displacement: Array, partition: Partition) -> Array:
+    """Return v (nv,): the motors' displacement and φ̇ = −K*⁻¹ K θ̇ with it."""
+    actuated, passive = partition.actuated, partition.passive
+    velocity = np.zeros(partition.column_scale.size)
+    velocity[actuated] = displacement / partition.column_scale[actuated]
+    velocity[passive] = -point.factors.solve(
+        point.scaled[:, actuated] @ velocity[actuated], partition.passive_rank
+    )
+    velocity *= partition.column_scale
+    return velocity
+
+
+def _correct(problem: ClosureProblem, q: Array, tangent: Array, last: bool) -> Closed | None:
+    """Newton on the passive joints; None unless it contracts at once.
+
+    A first correction that is small beside the predicted motion, and each next one small
+    beside the one before, say that the prediction was close to the path. Within the
+    tolerance there is nothing left to tell apart: there it only polishes, slowly at a fold.
+    """
+    partition = problem.partition
+    enough = (ROUNDING if last else _WALKING) * partition.length
+    allowed = _LARGEST_CORRECTION * norm(tangent / partition.column_scale)
+    no_motion = np.zeros(tangent.size)
+    previous_gap = np.inf
+    for iteration in range(1, _MOST_CORRECTIONS):
+        residual, jacobian = problem.evaluate(q)
+        gap = problem.gap(residual)
+        closed = gap <= problem.tolerance
+        done = gap <= enough or (closed and gap > 0.5 * previous_gap)
+        velocity = no_motion if done else _newton_step(residual, jacobian, partition)
+        size = norm(velocity / partition.column_scale)
+        if done or (closed and not np.isfinite(size)):
+            return point_at(problem, q, residual, jacobian, iteration)
+        if not (closed or size <= allowed):
+            return None
+        allowed, previous_gap = _SLOWEST_CONTRACTION * size, gap
+        q = problem.integrate(q, velocity)
+    return None
+
+
+def _newton_step(residual: Array, jacobian: Array, partition: Partition) -> Array:
+    """Return v (nv,) that moves the passive joints only: K* φ̇ = −η, smallest φ̇."""
+    passive = partition.passive
+    velocity = np.zeros(partition.column_scale.size)
+    if residual.size == passive.size == partition.passive_rank:
+        *_, solution, failed = dgesv(jacobian.take(passive, axis=1), residual)
+        velocity[passive] = np.nan if failed else -solution
+        return velocity
+    scaled = partition.scaled(jacobian)
+    factors = partition.factorise(scaled.take(passive, axis=1), partition.size_of(scaled))
+    if not factors.singular_values[: partition.passive_rank].all():
+        velocity[passive] = np.nan
+        return velocity
+    error = residual * partition.row_scale
+    velocity[passive] = -partition.column_scale[passive] * factors.solve(
+        error, partition.passive_rank
+    )
+    return velocity

@@ -1,0 +1,57 @@
+"""Closing the loops with the motors held where they are, from more than one start."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.closing.closure_problem import ClosureProblem
+from pmjac_pin.closing.damped_closure import Assembled, assemble, unlimited
+
+Array = NDArray[np.float64]
+Room = Callable[[Array], tuple[Array | float, Array | float]]
+
+#: How far the passive joints are shaken from where they were given, rad or share of the length:
+#: nearby first, so that of several assembly modes the nearer ones are met first.
+SHAKES = (0.03, 0.1, 0.3, 0.6, *4 * (1.0,), *8 * (1.5,), *8 * (3.0,))
+_NEAR = 8  # of them, where the gap is small already
+_LIMIT = 100  # iterations from a shaken start: those that close at all mostly do within these
+
+
+def assemble_held(problem: ClosureProblem, q: Array, room: Room = unlimited) -> Assembled:
+    """Close the loops with the motors at rest; where they stay wide open, the best of all starts.
+
+    Damped least squares ends in the nearest valley of the gap, which need not reach down to zero
+    though another one does. So after q itself the starts are q with its passive joints shaken,
+    seeded, by `SHAKES`: the nearer of them alone where the gap is small, as rounded numbers, the
+    end of the reach or a flat pose leave it.
+
+    Parameters
+    ----------
+    problem : ClosureProblem
+    q : ndarray, shape (nq,)
+        The motors at their values, the passive joints anywhere.
+    room : callable
+        As for `assemble`.
+    """
+    weights = np.zeros(problem.partition.column_scale.size)
+    weights[problem.partition.passive] = 1.0
+    best = assemble(problem, q, weights, room=room)
+    sizes = SHAKES[:_NEAR] if is_rounding(problem, best.gap) else SHAKES
+    scale = weights * problem.partition.column_scale * problem.partition.length
+    rng = np.random.default_rng(0)
+    for size in sizes if best.gap > problem.tolerance else ():
+        start = problem.integrate(q, size * scale * rng.normal(size=scale.size))
+        found = assemble(problem, start, weights, _LIMIT, room)
+        if found.gap < best.gap:
+            best = found
+        if best.gap <= problem.tolerance:
+            break
+    return best
+
+
+def is_rounding(problem: ClosureProblem, gap: float) -> bool:
+    """Tell whether a gap is so small that rounded numbers may be its cause."""
+    return gap <= 0.5 * problem.largest_tolerance

@@ -1,0 +1,142 @@
+"""The size of a machine, and where it stands: neither depends on the world's origin.
+
+Metres and radians meet in ranks and steps, so a length has to say what a radian is worth. It is a
+size of the loops: how far from its joints' axes a loop's two frames are, whatever else the model
+names, and wherever it stands. So has each loop one, where it is much smaller than the machine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from pmjac_pin.kinematics.loop_system import LoopSystem
+from pmjac_pin.kinematics.tool import ToolKinematics, frame_jacobian
+from pmjac_pin.model.coordinates import JointCoordinates
+from pmjac_pin.model.frames import Frame, find_frame, moving_columns
+from pmjac_pin.model.loop_spec import JointLoop
+from pmjac_pin.model.spec import MechanismSpec
+
+Array = NDArray[np.float64]
+
+#: Shorter than this, m, a lever arm is rounding: of a spherical linkage's joints, for one.
+NO_LENGTH = 1e-9
+#: Of the largest coordinate that loops and tool rest on: what their rounding may open a loop by.
+ROUNDING_OF_PLACES = 16.0 * float(np.finfo(float).eps)
+
+#: Of the machine's length: loops with shorter arms have none, as those of a spherical linkage.
+SPHERICAL = 1e-6
+#: Of the machine's length: smaller loops are measured by their own size.
+SMALL = 1e-2
+
+_TOLERANCES = 3.0  # a length that the tolerance covers is rounding, too
+_FAR = 8.0  # lengths: from here on the machine is computed beside itself, not from the origin
+
+
+class Size:
+    """A machine's length and place at one pose.
+
+    Parameters
+    ----------
+    model : pin.Model
+    spec : MechanismSpec
+    loops : LoopSystem
+    tool : ToolKinematics
+    q : ndarray, shape (nq,)
+
+    Attributes
+    ----------
+    length : float
+        The characteristic length, m: the mean lever arm of the loops, weighted by itself,
+        Σa²/Σa. An arm is the distance of one of a loop's two frames from the axis of a joint
+        that turns it against the other; the length of a rod counts as one. A spherical linkage
+        has no such arms: then it is the tool's, and 1 m where that has none either.
+    arms : tuple of float
+        Of each loop in the same way, m; 0 where rounding is all there is.
+    loop_sizes : tuple of float
+        What each loop is measured by, m: its arms where they are less than a hundredth of the
+        machine's, but not so short that it is spherical; `length` elsewhere.
+    rounding : float
+        What rounding of coordinates may open a loop by, m, each loop as large as the machine.
+    place : ndarray, shape (3,)
+        Where the machine stands, m: 0 for coordinates that are no larger than the machine.
+    """
+
+    def __init__(
+        self,
+        model: pin.Model,
+        spec: MechanismSpec,
+        loops: LoopSystem,
+        tool: ToolKinematics,
+        q: Array,
+    ) -> None:
+        self._model, self._data = model, model.createData()
+        pin.computeJointJacobians(model, self._data, q)
+        pin.updateFramePlacements(model, self._data)
+        self._turns = JointCoordinates(model).rotational
+        ends = [
+            [] if isinstance(loop, JointLoop) else [find_frame(model, name) for name in loop.frames]
+            for loop in spec.loops
+        ]
+        points = [self._data.oMf[frame.index].translation for frames in ends for frame in frames]
+        points.append(tool.pose(model, self._data)[1])
+        opened = ROUNDING_OF_PLACES * float(np.abs(points).max())
+        arms = [
+            [*(loops.rods[row] for row in loops.rods if rows.start <= row < rows.stop), *own]
+            for rows, own in zip(loops.slices, map(self._arms, ends), strict=True)
+        ]
+        turns = tool.jacobian(model, self._data)[:3, self._turns]
+        rounding = max(NO_LENGTH, _TOLERANCES * max(spec.tolerance or 0.0, opened))
+        means = [_mean(np.array(own)) for own in arms]
+        every = _mean(np.array([arm for own in arms for arm in own]))
+        self.length = _length(every, _mean(np.linalg.norm(turns, axis=0)), rounding)
+        self.arms = tuple(mean if mean > rounding else 0.0 for mean in means)
+        self.loop_sizes = tuple(
+            mean if SPHERICAL * self.length < mean < SMALL * self.length else self.length
+            for mean in self.arms
+        )
+        self.rounding = opened * self.length / min(self.loop_sizes, default=self.length)
+        middle = np.mean(points, axis=0)
+        self.place: Array = np.where(np.abs(middle) > _FAR * self.length, middle, 0.0)
+
+    def _arms(self, frames: list[Frame]) -> Iterator[float]:
+        moving = moving_columns(self._model, frames) if frames else []
+        for frame, columns in zip(frames, moving, strict=True):
+            turning = columns[self._turns[columns]]
+            linear = frame_jacobian(self._model, self._data, frame.index)[:3, turning]
+            yield from np.linalg.norm(linear, axis=0).tolist()
+
+
+def shifted(model: pin.Model, by: Array) -> pin.Model:
+    """Return the model moved in the world; q stays what it is.
+
+    Examples
+    --------
+    >>> arm = pin.buildSampleModelManipulator()
+    >>> moved = shifted(arm, np.array([0.0, 0.0, 5e6]))
+    >>> float(moved.jointPlacements[1].translation[2] - arm.jointPlacements[1].translation[2])
+    5000000.0
+    """
+    moved = model.copy()
+    for joint in range(1, model.njoints):
+        if model.parents[joint] == 0:
+            moved.jointPlacements[joint].translation += by
+    for frame in list(moved.frames)[1:]:
+        if frame.parentJoint == 0:
+            frame.placement = pin.SE3(frame.placement.rotation, frame.placement.translation + by)
+    return moved
+
+
+def _length(loops: float, tool: float, rounding: float) -> float:
+    if loops > max(rounding, SPHERICAL * tool):
+        return loops
+    return tool if tool > rounding else 1.0
+
+
+def _mean(arms: Array) -> float:
+    """Return Σa²/Σa: joints whose axes pass through a frame do not count."""
+    total = float(arms.sum())
+    return float(arms @ arms) / total if total > 0.0 else 0.0

@@ -1,0 +1,147 @@
+"""Closed poses near another one, and whether the rates that loops allow there lead anywhere.
+
+Where branches of the configuration space meet, or in a structure, loops allow rates to first order
+that no motion has. From there least squares alone falls back to where it came from. So one joint at
+a time is displaced and held: with it, closed poses are away from home, or there are none.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from pmjac_pin.closing.closure_problem import ClosureProblem
+from pmjac_pin.closing.damped_closure import assemble
+from pmjac_pin.values.norm import norm
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+_PROBES = 2  # times three poses along allowed rates or with displaced motors
+#: How far joints are displaced at most, rad or a share of the characteristic length.
+FARTHEST = 0.05
+_DISTANCES = (FARTHEST, 0.005, 0.0005)
+_AWAY = 0.1  # of a probe's distance: nearer to home, the loops have only pulled it back
+_TOO_FAR = 20.0  # times a probe's distance: another assembly mode
+_SHAKEN = 3  # starts of each joint that is displaced and held
+_MOVES = 0.05  # a joint's share in the rates that loops allow, below which others are tried
+
+
+def nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
+    """Return closed poses near home and away from it, in seeded random directions.
+
+    First along motions that the loops allow, all joints free to close them again; then with
+    the motors displaced and kept there. From a home pose where branches meet, the first may
+    well fall back to where they came from, which does not count, and from one at the end of a
+    motor's range half of the second have nowhere to go. Where none of them closes, single joints
+    are displaced and held, the others starting around home.
+    """
+    rng = np.random.default_rng(0)
+    allowed = _allowed(problem, home_q)
+    directions = list(_directions(problem, allowed, rng))
+    for distance in _DISTANCES:
+        starts = ((distance * step, weights) for step, weights in directions)
+        found = _closed(problem, home_q, starts, distance)
+        if not found:
+            held = (_held(allowed, k, rng) for k in _moving(allowed) for _ in range(_SHAKEN))
+            starts = ((distance * step, weights) for step, weights in held)
+            found = _closed(problem, home_q, starts, distance)
+        if found:
+            return found
+    return []
+
+
+def reach_of_joints(problem: ClosureProblem, q: Array) -> float:
+    """Return how far all motions that the loops allow at a closed pose lead, as `FARTHEST` does.
+
+    What they allow, in d independent ways, is to first order. At a regular pose the d joints that
+    determine the others best can be displaced one by one, the others of them held. Where one of
+    them can be displaced neither way so, the pose is singular, or part of the machine a structure:
+    0. Where one can be displaced by very little only, loops may still part: gaps that grow with a
+    high power of the distance are within the tolerance there. Infinite where nothing may move.
+    """
+    rng = np.random.default_rng(0)
+    allowed = _allowed(problem, q)
+    leading = scipy.linalg.qr(allowed.T, mode="r", pivoting=True)[1][: allowed.shape[1]]
+    steps, farthest = allowed @ np.linalg.inv(allowed[leading]), math.inf
+    for step in steps.T:
+        farthest = min(farthest, _reach(problem, q, step, leading, rng))
+        if not farthest:
+            break
+    return farthest
+
+
+def _reach(
+    problem: ClosureProblem, q: Array, step: Array, leading: Index, rng: np.random.Generator
+) -> float:
+    weights = np.ones(step.size)
+    weights[leading] = 0.0
+    tries = [step, *(step + weights * rng.normal(size=step.size) for _ in range(_SHAKEN))]
+    moved = (
+        distance
+        for distance in _DISTANCES
+        for one in tries
+        for way in (1.0, -1.0)
+        if _closed(problem, q, [(way * distance * one, weights)], distance)
+    )
+    return next(moved, 0.0)
+
+
+def _allowed(problem: ClosureProblem, q: Array) -> Array:
+    """Return orthonormal columns that span the scaled rates which loops allow at q, (nv, d)."""
+    partition = problem.partition
+    scaled = partition.scaled(problem.evaluate(q)[1])
+    return partition.factorise(scaled, partition.size_of(scaled)).null_space
+
+
+def _moving(allowed: Array) -> list[int]:
+    """Return the joints that take part well in what the loops allow."""
+    return [int(k) for k in np.flatnonzero(np.linalg.norm(allowed, axis=1) > _MOVES)]
+
+
+def _directions(
+    problem: ClosureProblem, allowed: Array, rng: np.random.Generator
+) -> Iterator[tuple[Array, Array]]:
+    """Yield scaled steps of length 1, and how easily each joint moves from there."""
+    partition, count = problem.partition, len(allowed)
+    motors_kept = np.zeros(count)
+    motors_kept[partition.passive] = 1.0
+    for _ in range(_PROBES):
+        yield _unit(allowed @ rng.normal(size=allowed.shape[1])), np.ones(count)
+        motors = np.zeros(count)
+        motors[partition.actuated] = rng.normal(size=partition.actuated.size)
+        yield _unit(motors), motors_kept
+        yield -_unit(motors), motors_kept
+
+
+def _held(allowed: Array, joint: int, rng: np.random.Generator) -> tuple[Array, Array]:
+    """Return a step that displaces a joint by 1, the others around what is allowed with it."""
+    weights = np.ones(len(allowed))
+    weights[joint] = 0.0
+    step: Array = allowed @ allowed[joint] / (allowed[joint] @ allowed[joint])
+    step = step + rng.normal(size=step.size)
+    step[joint] = 1.0
+    return step, weights
+
+
+def _closed(
+    problem: ClosureProblem, q: Array, starts: Iterable[tuple[Array, Array]], distance: float
+) -> list[Array]:
+    """Return where these starts close, away from q and not on another assembly mode."""
+    partition, found = problem.partition, []
+    for step, weights in starts:
+        start = problem.integrate(q, partition.length * partition.column_scale * step)
+        pose = assemble(problem, start, weights, limit=50)
+        moved = problem.difference(q, pose.q) / partition.column_scale
+        away = norm(moved) / (distance * partition.length)
+        if pose.gap <= problem.tolerance and _AWAY < away < _TOO_FAR:
+            found.append(pose.q)
+    return found
+
+
+def _unit(step: Array) -> Array:
+    return step / (norm(step) or 1.0)

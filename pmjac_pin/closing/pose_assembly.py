@@ -1,0 +1,181 @@
+"""Closing the loops of a pose that a model file gives, which may be wide open."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.closing.closure_problem import ClosureProblem
+from pmjac_pin.closing.damped_closure import Assembled, assemble
+from pmjac_pin.closing.held_motors import assemble_held, is_rounding
+from pmjac_pin.closing.parts import Parts
+from pmjac_pin.errors import ClosureError
+from pmjac_pin.model.coordinates import JointCoordinates
+from pmjac_pin.model.limits import Violation, limit_error, violations
+from pmjac_pin.model.rounded_numbers import wider_tolerance
+from pmjac_pin.model.spec import MechanismSpec
+from pmjac_pin.values.norm import norm
+
+Array = NDArray[np.float64]
+
+# How easily the motors move, beside the passive joints, where a pose does not assemble with them
+# at rest: reluctantly, then like the others.
+_MOTOR_WEIGHTS = (0.1, 1.0)
+_FAR = 1e-2  # lengths: at the end of the reach, motors move about as far as the gap
+_STARTS_WITHIN = 64  # random, within all limits
+_MOST_NAMED = 8
+_SHAKES = (0.03, 0.03, 0.1, 0.1, 0.3, 0.3, 0.6, 0.6)  # rad or share of the length
+
+
+def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
+    """Close the loops near q, within the joints' limits.
+
+    The motors stay where they are where a closed pose is found with them at rest, from q itself or
+    from one of the starts of `assemble_held`; elsewhere they move as little as it takes.
+
+    Raises
+    ------
+    ClosureError
+        With the smallest gap found and the loop that stays open most, or with the joints that
+        leave their limits where the loops close.
+    """
+    problem, room = parts.problem, parts.coordinates.room
+    found = [assemble_held(problem, q, room)]
+    if found[0].gap <= problem.tolerance:
+        return found[0].q
+    for motor_weight in _MOTOR_WEIGHTS:
+        found.append(assemble(problem, q, motor_weights(problem, motor_weight), room=room))
+        if found[-1].gap > problem.tolerance:
+            continue
+        if is_rounding(problem, found[0].gap) and _moved(problem, q, found[-1].q) > _FAR:
+            break
+        return _beyond_the_end(parts, q, found[-1].q)
+    # A small gap that stays is the rounding of the model's numbers: no fold would cure it, and
+    # motors that moved far for it would hide it.
+    best = found[0] if is_rounding(problem, found[0].gap) else min(found, key=lambda it: it.gap)
+    if not is_rounding(problem, best.gap) and (folded := _folded(parts, q)) is not None:
+        return folded
+    raise _open(parts, q, best, pose)
+
+
+def _moved(problem: ClosureProblem, start: Array, end: Array) -> float:
+    """Return how far the motors moved, in characteristic lengths."""
+    partition = problem.partition
+    moves = problem.difference(start, end) / partition.column_scale
+    return norm(moves[partition.actuated]) / partition.length
+
+
+def _folded(parts: Parts, q: Array) -> Array | None:
+    """Return a closed pose from shaken starts, all joints free to move."""
+    problem, room = parts.problem, parts.coordinates.room
+    for start in shaken(problem, q):
+        found = assemble(problem, start, motor_weights(problem, 1.0), room=room)
+        if found.gap <= problem.tolerance:
+            return found.q
+    return None
+
+
+def shaken(problem: ClosureProblem, q: Array) -> Iterator[Array]:
+    """Yield seeded random poses around q, further and further away.
+
+    From a pose that is straight or flat, as many are with all joints at zero, the gap does not
+    say which way the joints should fold.
+    """
+    rng = np.random.default_rng(0)
+    scale = problem.partition.column_scale * problem.partition.length
+    for size in _SHAKES:
+        yield problem.integrate(q, size * scale * rng.normal(size=scale.size))
+
+
+def motor_weights(problem: ClosureProblem, motor_weight: float) -> Array:
+    """Return how easily each degree of freedom moves: passive ones 1, motors as given."""
+    weights = np.ones(problem.partition.column_scale.size)
+    weights[problem.partition.actuated] = motor_weight
+    return weights
+
+
+def check_motors(coordinates: JointCoordinates, q: Array, spec: MechanismSpec, what: str) -> None:
+    """Raise LimitError where a motor is outside its limits; the message starts with `what`."""
+    columns = coordinates.columns(spec.actuated)
+    values = coordinates.values(q)[columns]
+    for name in coordinates.outside(values, columns):
+        value = float(values[spec.actuated.index(name)])
+        found = {name: Violation(value, *coordinates.limits(name))}
+        raise limit_error(f"{what} a motor beyond its limits: ", found)
+
+
+def _beyond_the_end(parts: Parts, start: Array, found: Array) -> Array:
+    """Return the pose with motors moved half as far again as it takes, where that closes.
+
+    Where the motors have to move, the nearest closed pose is at the end of the reach: singular.
+    """
+    problem, coordinates = parts.problem, parts.coordinates
+    actuated = problem.partition.actuated
+    motors, moved = (coordinates.values(q)[actuated] for q in (start, found))
+    beyond = moved + 0.5 * (moved - motors)
+    q = coordinates.with_values(start, actuated, beyond)
+    pose = assemble(problem, q, motor_weights(problem, 0.0), room=coordinates.room)
+    closed = pose.gap <= problem.tolerance and not coordinates.outside(beyond, actuated)
+    return pose.q if closed else found
+
+
+def _open(parts: Parts, q: Array, best: Assembled, pose: str) -> ClosureError:
+    """Say which loop stays open, or which joints leave their limits where it closes."""
+    problem, coordinates = parts.problem, parts.coordinates
+    what = f"{parts.spec.name}: the pose {pose!r}"
+    freely = assemble(problem, q, motor_weights(problem, 1.0))
+    outside = violations(coordinates, freely.q, coordinates.names)
+    if freely.gap <= problem.tolerance and outside:
+        beyond = "; ".join(f"{name!r} = {one.words}" for name, one in outside.items())
+        message = f"{what} closes where {beyond}; {_within(parts)}"
+        return ClosureError(message, residual_norm=best.gap, q=best.q)
+    residual = np.abs(problem.evaluate(best.q)[0] * problem.partition.row_scale)
+    row, loops = int(np.argmax(residual)), parts.kinematics.loops
+    message = (
+        f"{what} does not assemble: the loops stay open by {best.gap:.3g} m, the least "
+        f"from several starts, most at {loops.row_names[row]!r}; give joint values nearer to a "
+        "closed pose, or other lengths"
+    )
+    if is_rounding(problem, best.gap):
+        message += f", or {wider_tolerance(best.gap, problem.largest_tolerance)}"
+    return ClosureError(message, residual_norm=best.gap, q=best.q, loop=loops.row_loops[row])
+
+
+def _within(parts: Parts) -> str:
+    """Say whether the loops close within all limits, as far as random starts tell."""
+    problem, coordinates = parts.problem, parts.coordinates
+    rng = np.random.default_rng(0)
+    weights = motor_weights(problem, 1.0)
+    for _ in range(_STARTS_WITHIN):
+        q = _anywhere(parts, rng)
+        found = assemble(problem, q, weights, room=coordinates.room)
+        if found.gap <= problem.tolerance:
+            pose = coordinates.joint_values(found.q, coordinates.names[:_MOST_NAMED])
+            values = ", ".join(f"{name} = {_brief(value)}" for name, value in pose.items())
+            more = ", ..." * (len(coordinates.names) > _MOST_NAMED)
+            return f"within all limits they close elsewhere, at {values}{more}"
+    return f"from {_STARTS_WITHIN} random starts no pose within all limits was found"
+
+
+def _anywhere(parts: Parts, rng: np.random.Generator) -> Array:
+    """Return a random pose within the limits; what has none is around its home value."""
+    problem, coordinates = parts.problem, parts.coordinates
+    length, turns = problem.partition.length, coordinates.rotational
+    spread = np.where(turns, np.pi, 2.0 * length)
+    q = problem.integrate(parts.home_q, spread * rng.uniform(-1.0, 1.0, spread.size))
+    columns = np.flatnonzero(np.isfinite(coordinates.lower) & np.isfinite(coordinates.upper))
+    values = coordinates.values(parts.home_q)[columns]
+    lower = np.maximum(coordinates.lower[columns], values - 2.0 * spread[columns])
+    upper = np.minimum(coordinates.upper[columns], values + 2.0 * spread[columns])
+    between = lower + (upper - lower) * rng.uniform(size=columns.size)
+    inside = np.clip(between, coordinates.lower[columns], coordinates.upper[columns])
+    return coordinates.with_values(q, columns, inside)
+
+
+def _brief(value: float | tuple[float, ...]) -> str:
+    """Return a joint's value, or values, in a few digits."""
+    if isinstance(value, tuple):
+        return f"({', '.join(f'{one:.4g}' for one in value)})"
+    return f"{value:.4g}"

@@ -1,0 +1,171 @@
+"""StepGuard: whether a step of a path is covered, so that no singularity hides between its ends.
+
+A step leads from a closed pose q₀ to a closed pose q₁ while the motors move straight. Let
+p(s) = q₀ ⊕ x(s), 0 ≤ s ≤ 1, be the cubic curve that leaves q₀ and arrives at q₁ as the path does,
+with the passive rates −K*⁻¹ K θ̇ there. With A = K*(q₀) of generic rank r, and A⁺ its
+pseudoinverse, let
+
+    |A⁺ (K*(p(s)) − A)| ≤ N,    |η(p(s))| ≤ ρ,    |K*(p(s) ⊕ h) − K*(p(s))| ≤ W    for |h| ≤ 2τ
+
+entry by entry, for all s, and τ = (I − N)⁻¹ |A⁺| ρ. Where W τ ≤ ρ and all eigenvalues of
+N + |A⁺| W are below 1 (Perron), Newton's map h − A⁺ η(p(s) ⊕ h) takes |h| ≤ 2τ into itself and
+contracts there: for each s there is exactly one closed pose with |h| ≤ 2τ, K* has rank r at it, and
+at s = 0 and 1 these are q₀ and q₁. So the path runs from q₀ to q₁ within that tube and meets no
+singularity; how it winds in it does not matter.
+
+N and ρ are what is measured at the ends and in the middle and what may lie between: x(s) is known,
+and so are bounds on the third derivative of K*(p(s)) and on the fourth of η(p(s)) (`bends`), which
+are all that interpolation between the measured points leaves out.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from scipy.linalg.lapack import dgesv
+
+from pmjac_pin.closing.arms import Arms
+from pmjac_pin.closing.bends import Bends, Motion
+from pmjac_pin.closing.closed import Closed
+from pmjac_pin.closing.closure_problem import ClosureProblem
+from pmjac_pin.rates.partition import Partition
+
+Array = NDArray[np.float64]
+
+_QUADRATIC = 3**0.5 / 216.0  # of |f‴|: f between its values at 0, ½ and 1
+_CUBIC = 1.0 / 384.0  # of |f⁗|: f between its values and slopes at 0 and 1
+_SLOPES = 8.0 / 27.0  # of |f'|: what such slopes at both ends add
+_MARGIN = 1.1  # for rounding, and so that ends are not nearly singular
+_CURVED = ("JointModelSpherical", "JointModelPlanar", "JointModelFreeFlyer")
+
+
+class _Step(NamedTuple):
+    """What is known of a step, all of it scaled: A⁺, changes A⁺ΔK* at the end and in the middle.
+
+    `bent` is the latter beyond half the former; `left_out` and `open_by` bound what interpolation
+    leaves out of K* (p, m_p), and η (p,).
+    """
+
+    partition: Partition
+    motion: Motion
+    inverse: Array
+    straight: Array
+    bent: Array
+    left_out: Array
+    open_by: Array
+
+
+class StepGuard:
+    """Covers the steps of a mechanism's paths.
+
+    Parameters
+    ----------
+    model : pin.Model
+    arms : Arms
+        Of its loops.
+    """
+
+    __slots__ = ("_bends", "_curved", "_model")
+
+    def __init__(self, model: pin.Model, arms: Arms) -> None:
+        self._model, self._bends = model, Bends(arms)
+        kinds = [joint.shortname() for joint in list(model.joints)[1:]]
+        self._curved = any(kind.startswith(_CURVED) for kind in kinds)
+
+    def covers(
+        self, problem: ClosureProblem, start: Closed, end: Closed, leaving: Array, arriving: Array
+    ) -> bool:
+        """Tell whether the path from one closed pose to another is proven regular.
+
+        Parameters
+        ----------
+        problem : ClosureProblem
+        start, end : Closed
+            Of the generic rank.
+        leaving, arriving : ndarray, shape (nv,)
+            The path's rates at the ends, for s from 0 to 1.
+        """
+        partition = problem.partition
+        passive = partition.passive
+        if not partition.passive_rank:
+            return True
+        inverse = start.factors.inverse(partition.passive_rank)
+        half, motion = self._curve(start.q, end.q, leaving, arriving)
+        residual, jacobian = problem.evaluate(problem.integrate(start.q, half))
+        straight = inverse @ (end.scaled - start.scaled).take(passive, axis=1)
+        middle = inverse @ (partition.scaled(jacobian) - start.scaled).take(passive, axis=1)
+        off = self._bends.off_closure * self._bends.block_norms(residual)[:, None]
+        left_out = partition.scaled(_QUADRATIC * self._bends.rates(motion) + off)
+        open_by = _CUBIC * self._bends.residual(motion) + self._bends.rounding(motion)
+        open_by *= partition.row_scale
+        open_by += _SLOPES * np.abs(end.residual - start.residual)
+        step = _Step(
+            partition,
+            motion,
+            inverse,
+            straight,
+            middle - 0.5 * straight,
+            left_out.take(passive, axis=1),
+            open_by,
+        )
+        # Loops that follow one another show in the joints themselves, what turns as a whole in
+        # the singular vectors.
+        singular = start.factors.right[: partition.passive_rank].T
+        return self._contracts(step, None) or self._contracts(step, singular)
+
+    def _curve(
+        self, first: Array, last: Array, leaving: Array, arriving: Array
+    ) -> tuple[Array, Motion]:
+        """Return x(½), and the series along the cubic curve x(s)."""
+        way = pin.difference(self._model, first, last)
+        if self._curved:
+            slope = pin.dDifference(self._model, first, last, pin.ArgumentPosition.ARG1)
+            arriving = slope @ arriving
+        third = 6.0 * (leaving + arriving - 2.0 * way)
+        second = 6.0 * way - 4.0 * leaving - 2.0 * arriving
+        rates = np.array([leaving, arriving, third, second, second + third])
+        u0, u1, c, b0, b1 = self._bends.speeds(rates)
+        # x'(s) lies between its ends but for s (1 − s) x‴/2.
+        speeds = np.array([np.maximum(u0, u1) + c / 8.0, np.maximum(b0, b1), c])
+        return 0.5 * way + 0.125 * (leaving - arriving), self._bends.motion(first, speeds)
+
+    def _contracts(self, step: _Step, basis: Array | None) -> bool:
+        """Tell whether Newton's map contracts all along, measured in an orthonormal basis."""
+        inverse, straight, bent = step.inverse, step.straight, step.bent
+        mixed = None
+        if basis is not None:
+            mixed, inverse = np.abs(basis), basis.T @ inverse
+            straight, bent = basis.T @ straight @ basis, basis.T @ bent @ basis
+        sizes = np.abs(inverse)
+        left_out = step.left_out if mixed is None else step.left_out @ mixed
+        change = np.abs(straight) + np.abs(bent) + sizes @ left_out
+        identity = np.eye(len(change))
+        *_, gains, failed = dgesv(identity - change, sizes)
+        if failed:
+            return False
+        open_by = step.open_by
+        for _ in range(2):
+            tube = 2.0 * (gains @ open_by)
+            within = self._within(step, tube, mixed)
+            beyond = 0.5 * (within @ tube)
+            if (beyond <= open_by).all():
+                break
+            open_by = np.maximum(open_by, 2.0 * beyond)
+        else:
+            return False
+        change += sizes @ within
+        *_, weights, failed = dgesv(identity - _MARGIN * change, np.ones(len(change)))
+        return not failed and bool((weights >= 1.0).all())
+
+    def _within(self, step: _Step, tube: Array, mixed: Array | None) -> Array:
+        """Return a bound on how K* changes in the tube, scaled, (p, m_p)."""
+        partition = step.partition
+        reach = np.zeros(partition.column_scale.size)
+        joints = tube if mixed is None else mixed @ tube
+        reach[partition.passive] = joints * partition.column_scale[partition.passive]
+        bound = partition.scaled(self._bends.within(step.motion, reach))
+        bound = bound.take(partition.passive, axis=1)
+        return bound if mixed is None else bound @ mixed

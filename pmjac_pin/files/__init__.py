@@ -1,0 +1,1 @@
+"""Files: from a text to what a machine is, and back to a file."""

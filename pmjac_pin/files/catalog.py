@@ -1,0 +1,110 @@
+"""The catalogue: where model files and URDFs are, in a checkout and in an installed wheel."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import os
+from pathlib import Path
+
+from pmjac_pin.errors import ArgumentError, ModelFileError, UnknownNameError, did_you_mean, quoted
+from pmjac_pin.files.text_file import at_file
+from pmjac_pin.files.user_path import is_file, real, told, user_path
+
+SUFFIXES = (".toml", ".urdf", ".sdf", ".xml", ".mjcf")  # of files that tell of a mechanism
+_EXAMPLE_ROBOTS = "example-robot-data:"
+
+
+def list_mechanisms() -> tuple[str, ...]:
+    """Return the names of the mechanisms that come with the library.
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> "three_rps" in pj.list_mechanisms()
+    True
+    """
+    return tuple(sorted(path.stem for path in (_data() / "models").glob("*.toml")))
+
+
+def find_model_file(name_or_path: str | Path) -> Path:
+    """Return the model file that a name of the catalogue or a path stands for.
+
+    Anything with a separator or one of `SUFFIXES` is a path; so is every Path.
+
+    Raises
+    ------
+    UnknownNameError
+        A name that is not in the catalogue.
+    ArgumentError
+        Neither a name nor a path.
+    """
+    if not isinstance(name_or_path, str | Path):
+        wanted = "the name of a mechanism or the path of a model file"
+        raise ArgumentError(f"{wanted} expected, got {quoted(name_or_path)}")
+    path = user_path(name_or_path)
+    separated = {"/", os.sep} & set(str(name_or_path))
+    if isinstance(name_or_path, Path) or path.suffix.lower() in SUFFIXES or separated:
+        return path
+    names = list_mechanisms()
+    if path.name in names:
+        return _data() / "models" / f"{path.name}.toml"
+    hint = did_you_mean(path.name, names)
+    if is_file(path):
+        hint = f"; for the file of this name write './{path.name}'"
+    raise UnknownNameError(
+        f"unknown mechanism {quoted(str(name_or_path))}{hint}",
+        name=str(name_or_path),
+        candidates=names,
+    )
+
+
+def find_urdf(urdf: str, model_file: Path) -> Path:
+    """Return the URDF that a model file names.
+
+    It is looked for beside the model file, then in the folder ``urdf`` beside the model
+    file's folder, and likewise where the model file is a link to. What starts with
+    ``example-robot-data:`` is inside that package's ``robots`` folder.
+
+    Raises
+    ------
+    ModelFileError
+        No such file; the message lists where it was looked for.
+    """
+    if urdf.startswith(_EXAMPLE_ROBOTS):
+        places = [_example_robots(model_file) / urdf.removeprefix(_EXAMPLE_ROBOTS)]
+    else:
+        given, followed = _urdf_path(urdf, model_file), [model_file]
+        followed += [real(model_file)] if model_file.is_symlink() else []
+        folders = [file.parent for file in followed]
+        places = [
+            place / given
+            for folder in folders
+            for place in (folder, folder.absolute().parent / "urdf")
+        ]
+    for place in places:
+        if is_file(place):
+            return place
+    looked = " nor ".join(map(told, places))
+    neither = "neither" if len(places) > 1 else "no"
+    message = f"the URDF {quoted(urdf)} does not exist: {neither} {looked}"
+    raise ModelFileError(f"{told(model_file)}: {message}", path=str(model_file))
+
+
+def _urdf_path(urdf: str, model_file: Path) -> Path:
+    with at_file(str(model_file)):
+        return user_path(urdf)
+
+
+def _data() -> Path:
+    """Return the folder that holds ``models`` and ``urdf``: the wheel's, or the checkout's."""
+    package = Path(__file__).resolve().parent.parent
+    return package / "data" if (package / "data").is_dir() else package.parent
+
+
+def _example_robots(model_file: Path) -> Path:
+    try:
+        package = importlib.metadata.distribution("example-robot-data")
+    except importlib.metadata.PackageNotFoundError:
+        message = f"{model_file}: its URDF needs: pip install example-robot-data"
+        raise ModelFileError(message, path=str(model_file)) from None
+    return Path(str(package.locate_file("cmeel.prefix/share/example-robot-data/robots")))

@@ -1,0 +1,116 @@
+"""ForeignModel: what a file of another format says, in the words of our own model files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+from pmjac_pin.errors import ModelFileError, enumerated, unknown_name
+from pmjac_pin.files.urdf.robot import Urdf
+from pmjac_pin.files.user_path import readable
+from pmjac_pin.model.loop_spec import MAXIMAL_LOOPS, Loop
+from pmjac_pin.model.spec import JointValue, MechanismSpec, Tool
+
+_NO_VALUES: Mapping[str, JointValue] = MappingProxyType({})
+_MOST_CANDIDATES = 40
+
+
+@dataclass(frozen=True)
+class ForeignModel:
+    """A cut tree and its loops, and what the file says of motors, tool and home pose.
+
+    Attributes
+    ----------
+    name : str
+    urdf : Urdf
+        The cut tree; its `path` is the file that was read.
+    loops : tuple of Loop
+    spherical : tuple of str
+        Joints that `urdf` writes as ``floating`` and that only turn.
+    home : mapping of str to float or tuple of float
+        Joint values near which the loops are closed; neutral for the others.
+    actuated : tuple of str
+        Motors, where the format tells; empty where it does not.
+    tool : str
+        The tool's frame, where the format tells; "" where it does not.
+    tolerance : float or None
+        As in `MechanismSpec`.
+    notes : tuple of str
+        One sentence for each decision that the reader took: which joint it cut, what it left out.
+    unread : tuple of str
+        One sentence for each kind of thing in the file that the reader does not know.
+    """
+
+    name: str
+    urdf: Urdf
+    loops: tuple[Loop, ...] = ()
+    spherical: tuple[str, ...] = ()
+    home: Mapping[str, JointValue] = field(default_factory=lambda: _NO_VALUES)
+    actuated: tuple[str, ...] = ()
+    tool: str = ""
+    tolerance: float | None = None
+    notes: tuple[str, ...] = ()
+    unread: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if (count := len(self.loops)) > MAXIMAL_LOOPS:
+            path, most = self.urdf.path, f"at most {MAXIMAL_LOOPS} are read"
+            raise ModelFileError(f"{path}: {count} loops are too many; {most}", path=path)
+
+    def spec(self, actuated: Iterable[str] | None = None, tool: str | None = None) -> MechanismSpec:
+        """Return the model file's contents, with motors and tool as given or as the file tells.
+
+        Raises
+        ------
+        ModelFileError
+            Neither says which joints are motors, or which frame is the tool; the message lists
+            the candidates.
+        UnknownNameError
+            A joint or frame that the model does not have.
+        """
+        path = self.urdf.path
+        motors = self.actuated if actuated is None else tuple(actuated)
+        frame = self.tool if tool is None else tool
+        if not motors:
+            raise _missing(path, "which joints are motors", "actuated", _moving(self.urdf))
+        if not frame:
+            raise _missing(path, "which frame is the tool", "tool", self.urdf.links)
+        check_motors(self.urdf, motors)
+        check_frame(self.urdf, frame)
+        return MechanismSpec(
+            name=readable(self.name),
+            actuated=motors,
+            tool=Tool(frame=frame),
+            loops=self.loops,
+            spherical=self.spherical,
+            tolerance=self.tolerance,
+            poses={"home": dict(self.home)},
+        )
+
+
+def check_motors(urdf: Urdf, names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names, if all of them are joints that move."""
+    moving = _moving(urdf)
+    for name in names:
+        if name not in moving:
+            raise unknown_name("joint", name, moving)
+    return names
+
+
+def check_frame(urdf: Urdf, name: str) -> str:
+    """Return the name, if it is a link's or a joint's."""
+    frames = (*urdf.links, *(joint.name for joint in urdf.joints))
+    if not isinstance(name, str) or name not in frames:
+        raise unknown_name("frame", name, frames)
+    return name
+
+
+def _moving(urdf: Urdf) -> tuple[str, ...]:
+    return tuple(joint.name for joint in urdf.joints if joint.type != "fixed")
+
+
+def _missing(path: str, what: str, option: str, candidates: tuple[str, ...]) -> ModelFileError:
+    listed = enumerated(candidates, _MOST_CANDIDATES) or "none"
+    message = f"{path}: the file does not say {what}; give `{option}`, of: {listed}"
+    return ModelFileError(message, path=path)

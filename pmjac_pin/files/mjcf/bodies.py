@@ -1,0 +1,93 @@
+"""The bodies of an MJCF model with their joints, sites and geoms, in MuJoCo's order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+from xml.etree.ElementTree import Element
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from pmjac_pin.files.mjcf.joints import MjcfJoint, joint_of
+from pmjac_pin.files.mjcf.mujoco import Compiled
+from pmjac_pin.files.mjcf.names import KINDS, Names
+from pmjac_pin.files.mjcf.shapes import shape
+from pmjac_pin.files.xml_text import written
+
+Array = NDArray[np.float64]
+
+MAXIMAL_GEOMS = 2000
+
+_NO_COLOUR = (0.5, 0.5, 0.5, 1.0)  # MuJoCo's, where nothing is given
+_DIGITS = 6  # of single precision
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A body: its parent's name, and its pose on the parent at MuJoCo's qpos0.
+
+    Attributes
+    ----------
+    name, parent : str
+        The world has no parent.
+    placement : pin.SE3
+    joints : list of MjcfJoint
+    sites : list of (str, pin.SE3)
+        Each one's link, and its pose on the body.
+    shapes : list of (Element, pin.SE3, str or None)
+        What can be drawn, with its pose on the body and its colour.
+    """
+
+    name: str
+    parent: str
+    placement: pin.SE3
+    joints: list[MjcfJoint] = field(default_factory=list)
+    sites: list[tuple[str, pin.SE3]] = field(default_factory=list)
+    shapes: list[tuple[Element, pin.SE3, str | None]] = field(default_factory=list)
+
+
+def read_bodies(compiled: Compiled, names: Names) -> list[Body]:
+    """Return the world and all bodies, parents first."""
+    model = compiled.model
+    bodies = [
+        Body(name, names.bodies[parent] if number else "", place(position, quaternion))
+        for number, (name, parent, position, quaternion) in enumerate(
+            zip(names.bodies, model.body_parentid, model.body_pos, model.body_quat, strict=True)
+        )
+    ]
+    for number, name in enumerate(names.joints):
+        bodies[model.jnt_bodyid[number]].joints.append(joint_of(model, number, name))
+    for number, name in enumerate(names.sites):
+        placement = place(model.site_pos[number], model.site_quat[number])
+        bodies[model.site_bodyid[number]].sites.append((name, placement))
+    for number in range(min(model.ngeom, MAXIMAL_GEOMS)):
+        if number not in compiled.meshes:
+            _draw(bodies[model.geom_bodyid[number]], model, number)
+    return bodies
+
+
+def body_notes(model: Any, names: Names) -> Iterator[str]:
+    """Yield what is to be said of what is not read."""
+    for number, name in enumerate(names.bodies):
+        if model.body_mocapid[number] >= 0:
+            yield f"mocap body {name!r} stands still"
+    for number, name in enumerate(names.joints):
+        if model.jnt_limited[number] and KINDS[model.jnt_type[number]] == "ball":
+            yield f"the range of ball joint {name!r} is left out"
+    if model.ngeom > MAXIMAL_GEOMS:
+        yield f"only the first {MAXIMAL_GEOMS} geoms are kept for the picture"
+
+
+def place(position: Array, wxyz: Array) -> pin.SE3:
+    """Return MuJoCo's position and quaternion as a placement."""
+    return pin.SE3(pin.Quaternion(*wxyz.tolist()).toRotationMatrix(), position.copy())
+
+
+def _draw(body: Body, model: Any, number: int) -> None:
+    drawn = shape(int(model.geom_type[number]), model.geom_size[number].tolist())
+    rgba = tuple(round(float(value), _DIGITS) for value in model.geom_rgba[number])
+    colour = None if rgba == _NO_COLOUR else written(rgba)
+    body.shapes.append((drawn, place(model.geom_pos[number], model.geom_quat[number]), colour))

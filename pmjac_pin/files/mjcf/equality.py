@@ -1,0 +1,92 @@
+"""The loop closures of MJCF: <connect> and <weld> of <equality>.
+
+MuJoCo holds two bodies as they are to each other at qpos0: the file gives a point of one of them,
+and the other's is where that is then (MuJoCo, XML reference, equality/connect and /weld).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pinocchio as pin
+
+from pmjac_pin.errors import ModelFileError
+from pmjac_pin.files.mjcf.bodies import place
+from pmjac_pin.files.mjcf.mujoco import Compiled
+from pmjac_pin.files.mjcf.names import Names
+from pmjac_pin.files.mjcf.tree import MjcfTree
+from pmjac_pin.files.urdf.checks import MAXIMAL_LINKS
+from pmjac_pin.files.xml_text import shown
+from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop
+
+_KINDS = ("connect", "weld", "joint", "tendon")  # in the order of mujoco.mjtEq
+_SITE = 6  # of mujoco.mjtObj
+
+
+def active_equalities(compiled: Compiled) -> tuple[dict[str, list[int]], list[str]]:
+    """Return the constraints that hold by their kind, and a note for each other one.
+
+    Raises
+    ------
+    ModelFileError
+        Very many.
+    """
+    model = compiled.model
+    active: dict[str, list[int]] = {kind: [] for kind in _KINDS}
+    notes = []
+    for number, label in enumerate(compiled.equalities):
+        if model.eq_active0[number]:
+            active[_KINDS[model.eq_type[number]]].append(number)
+        else:
+            notes.append(f"{label} is not active, and left out")
+    if model.neq > MAXIMAL_LINKS:
+        what = f"{model.neq} equality constraints are too many"
+        raise ModelFileError(f"{what}; at most {MAXIMAL_LINKS} are read")
+    return active, notes
+
+
+def read_closures(
+    compiled: Compiled, numbers: Sequence[int], names: Names, tree: MjcfTree
+) -> list[Loop]:
+    """Return the loops of <connect> and <weld>, whose frames are added to the tree.
+
+    Raises
+    ------
+    ModelFileError
+        A body or site joined to itself.
+    """
+    return [_loop(compiled, number, names, tree) for number in numbers]
+
+
+def _loop(compiled: Compiled, number: int, names: Names, tree: MjcfTree) -> Loop:
+    model, where = compiled.model, compiled.equalities[number]
+    data, welded = model.eq_data[number], _KINDS[model.eq_type[number]] == "weld"
+    by_site = model.eq_objtype[number] == _SITE
+    known = names.sites if by_site else names.bodies
+    first, second = known[model.eq_obj1id[number]], known[model.eq_obj2id[number]]
+    if first == second:
+        kind = "site" if by_site else "body"
+        raise ModelFileError(f"{where} joins {kind} {shown(first)} to itself")
+    if not by_site:
+        places = _welded(data) if welded else _connected(data)
+        wishes = (f"{first}_at_{second}", f"{second}_at_{first}")
+        first, second = (
+            tree.anchor(body, wish, placement)
+            for body, wish, placement in zip((first, second), wishes, places, strict=True)
+        )
+    turns = welded and data[10] != 0.0  # torquescale
+    return (FrameLoop if turns else PointLoop)(frames=(first, second))
+
+
+def _connected(data: np.ndarray) -> tuple[pin.SE3, pin.SE3]:
+    return pin.SE3(np.eye(3), data[:3].copy()), pin.SE3(np.eye(3), data[3:6].copy())
+
+
+def _welded(data: np.ndarray) -> tuple[pin.SE3, pin.SE3]:
+    """Return the second body's pose on the first, and the anchor on the second.
+
+    MuJoCo takes relpose's translation for the anchor on the first body as it is, even where the
+    second body's anchor is not at its origin.
+    """
+    return place(data[3:6], data[6:10]), pin.SE3(np.eye(3), data[:3].copy())

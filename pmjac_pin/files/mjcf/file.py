@@ -1,0 +1,146 @@
+"""The XML of an MJCF model: trees of known elements, with their <include> files put in."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath, PureWindowsPath
+from xml.etree.ElementTree import Element
+
+from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.files.bounded_xml import MAXIMAL_NESTING
+from pmjac_pin.files.text_file import at_file, read_text
+from pmjac_pin.files.user_path import is_file, real
+from pmjac_pin.files.xml_text import parse_xml, shown
+
+MAXIMAL_SIZE = 5_000_000  # bytes; elements take a hundred times that in memory
+MAXIMAL_INCLUDES = 50
+
+_SECTIONS = (
+    *("actuator", "asset", "compiler", "contact", "custom", "default", "deformable", "equality"),
+    *("extension", "keyframe", "option", "sensor", "size", "statistic", "tendon", "visual"),
+    "worldbody",
+)
+
+
+@dataclass(frozen=True, eq=False)
+class MjcfFile:
+    """A model as a tree of elements.
+
+    Attributes
+    ----------
+    path : Path
+    root : Element
+        <mujoco>, without attributes that are blank.
+    attached : mapping of str to MjcfFile
+        The models that it attaches, by what `file` of their <model> says in `root`.
+    """
+
+    path: Path
+    root: Element
+    attached: Mapping[str, MjcfFile]
+
+
+def read_mujoco(path: Path) -> MjcfFile:
+    """Read an MJCF file, and the files that it includes or attaches.
+
+    A file is looked for in the model's folder, then in that of the file that names it. It
+    must be below the model's folder.
+
+    Raises
+    ------
+    ModelFileError
+        The message starts with the path of the file at fault.
+    """
+    return _Reader(path.parent).model(path, ())
+
+
+class _Reader:
+    """Reads the files of a folder; all together are bounded."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._files = self._read = 0
+
+    def model(self, path: Path, above: Sequence[Path]) -> MjcfFile:
+        """Return a model that those `above` attach, one by one."""
+        included: list[Path] = []
+        root = self._parsed(path, included)
+        with at_file(str(path)):
+            if root.tag != "mujoco":
+                got = f"the root element is <{shown(root.tag)[1:-1]}>"
+                raise ModelFileError(f"{got}; an MJCF file's is <mujoco>")
+            expanded = self._expanded(root, path, included, 0)
+            for section in expanded:
+                if section.tag not in _SECTIONS:
+                    known = did_you_mean(section.tag, _SECTIONS)
+                    raise ModelFileError(
+                        f"<{shown(section.tag)[1:-1]}> is no section of MJCF{known}"
+                    )
+            return MjcfFile(path, expanded, self._attached(expanded, path, (*above, real(path))))
+
+    def _attached(self, root: Element, path: Path, above: Sequence[Path]) -> Mapping[str, MjcfFile]:
+        """Return the models that a model names, whose elements get names like no other's."""
+        found = {}
+        for element in root.iterfind("asset/model"):
+            file = self._found(element, path)
+            if real(file) in above:
+                raise ModelFileError(f"{_called(element)}: the model attaches itself")
+            element.set("file", f"{self._files}.xml")
+            found[element.get("file", "")] = self.model(file, above)
+        return found
+
+    def _parsed(self, path: Path, included: list[Path]) -> Element:
+        if self._files > MAXIMAL_INCLUDES:
+            raise ModelFileError(f"more than {MAXIMAL_INCLUDES} files are included")
+        self._files += 1
+        included.append(real(path))
+        text = read_text(path, MAXIMAL_SIZE)
+        self._read += len(text)
+        if self._read > MAXIMAL_SIZE:
+            what = f"the included files have more than {MAXIMAL_SIZE} characters together"
+            raise ModelFileError(f"{path}: {what}", path=str(path))
+        with at_file(str(path)):
+            return parse_xml(text)
+
+    def _expanded(self, element: Element, path: Path, included: list[Path], depth: int) -> Element:
+        """Return a copy with the contents of included files in the place of each <include>."""
+        if depth > MAXIMAL_NESTING:
+            raise ModelFileError(f"elements are nested more than {MAXIMAL_NESTING} deep")
+        given = {key: value for key, value in element.attrib.items() if value.strip()}
+        copy = Element(element.tag, given)
+        copy.extend(list(self._children(element, path, included, depth)))
+        return copy
+
+    def _children(
+        self, element: Element, path: Path, included: list[Path], depth: int
+    ) -> Iterator[Element]:
+        for child in element:
+            if child.tag != "include":
+                yield self._expanded(child, path, included, depth + 1)
+                continue
+            file = self._found(child, path)
+            if real(file) in included:
+                raise ModelFileError(f"{_called(child)}: a file is included only once")
+            # Its root counts as nesting, so that files that include each other come to an end.
+            root = self._parsed(file, included)
+            yield from self._expanded(root, file, included, depth + 1)
+
+    def _found(self, element: Element, path: Path) -> Path:
+        """Return the file that an element names, once it is certain that it may be read."""
+        name = element.get("file", "")
+        parts = {*PurePosixPath(name).parts, *PureWindowsPath(name).parts}
+        absolute = PurePosixPath(name).is_absolute() or bool(PureWindowsPath(name).anchor)
+        found = self._folder / name if is_file(self._folder / name) else path.parent / name
+        inside = real(found).is_relative_to(real(self._folder))
+        if absolute or ".." in parts or not inside:
+            why = "only files in or below the model's own folder are read"
+            todo = "put it there, or save the whole model as one file (MuJoCo's mj_saveLastXML)"
+            raise ModelFileError(f"{_called(element)}: {why}; {todo}")
+        if not is_file(found):
+            raise ModelFileError(f"{_called(element)}: there is no such file")
+        return found
+
+
+def _called(element: Element) -> str:
+    return f"<{element.tag} file={shown(element.get('file', ''))}>"

@@ -1,0 +1,111 @@
+"""Reading a model file: TOML to MechanismSpec, each error with the file and the key at fault."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from pmjac_pin.errors import ModelFileError, did_you_mean, shortened
+from pmjac_pin.files.bounded_toml import bounded_table
+from pmjac_pin.files.text_file import at_file, read_text
+from pmjac_pin.files.user_path import readable
+from pmjac_pin.model.loop_spec import LOOP_KINDS
+from pmjac_pin.model.parameter import Move, Parameter
+from pmjac_pin.model.spec import MechanismSpec, Tool
+
+MAXIMAL_SIZE = 1 << 20  # bytes; the largest of our own model files has a few thousand
+_LONGEST = 400  # characters of one of msgspec's messages
+
+# Which table a path in one of msgspec's messages leads to: the last that fits.
+_TABLES = (
+    (r"", MechanismSpec),
+    (r"^tool", Tool),
+    (r"^parameters\[", Parameter),
+    (r"moves\[", Move),
+)
+_WORDS = {
+    "Object contains unknown field": "unknown key",
+    "Object missing required field": "missing key",
+    "`object": "`table",
+    "| object": "| table",
+    "Invalid enum value": "Invalid value",
+    "$.": "",
+    "`$`": "the file",
+}
+
+
+def read_model_file(path: Path) -> MechanismSpec:
+    """Read and check a model file; without a name of its own it gets the file's stem.
+
+    Raises
+    ------
+    ModelFileError
+        The message starts with the file's path and names the key at fault.
+    """
+    return parse_model_file(read_text(path, MAXIMAL_SIZE), path)
+
+
+def parse_model_file(text: str, path: Path) -> MechanismSpec:
+    """Check a model file's text; the path is for messages, and for the name.
+
+    Raises
+    ------
+    ModelFileError
+        As `read_model_file`.
+    """
+    with at_file(str(path)):
+        spec = _spec(text)
+    return spec if spec.name else msgspec.structs.replace(spec, name=readable(path.stem))
+
+
+def _spec(text: str) -> MechanismSpec:
+    given = bounded_table(text)
+    try:
+        spec = msgspec.convert(given, MechanismSpec)
+    except msgspec.ValidationError as error:
+        raise ModelFileError(_explained(error, given)) from None
+    except OverflowError as error:
+        raise ModelFileError(f"a whole number is too large: {error}") from None
+    if not spec.urdf:
+        raise ModelFileError("missing key `urdf`")
+    return spec
+
+
+def _explained(error: msgspec.ValidationError, given: dict[str, Any]) -> str:
+    """Turn msgspec's message into ours: TOML's words for things, and the near match."""
+    message = str(error)
+    for theirs, ours in _WORDS.items():
+        message = message.replace(theirs, ours)
+    return shortened(message, _LONGEST) + _hint(message, given)
+
+
+def _hint(message: str, given: dict[str, Any]) -> str:
+    if unknown := re.search(r"unknown key `([^`]*)`(?: - at `([^`]*)`)?", message):
+        key, place = unknown[1], unknown[2] or ""
+        if loop := re.fullmatch(r"loop\[(\d+)\]", place):
+            return _of_another_kind(key, given["loop"][int(loop[1])]["kind"])
+        return did_you_mean(key, _keys(place))
+    if kind := re.search(r"Invalid value '([^']*)' - at `loop\[\d+\]\.kind`", message):
+        return did_you_mean(kind[1], LOOP_KINDS)
+    return ""
+
+
+def _of_another_kind(key: str, kind: str) -> str:
+    """Say which kinds of loop know a key that this kind does not, and what this kind knows."""
+    others = [other for other, table in LOOP_KINDS.items() if key in _fields(table)]
+    own = _fields(LOOP_KINDS[kind])
+    if not others:
+        return did_you_mean(key, own)
+    known = f"{others[0]} loops" if len(others) == 1 else "other kinds of loop"
+    return f": a key of {known}; this one is {kind} and has {', '.join(own)}"
+
+
+def _keys(path: str) -> list[str]:
+    return _fields(next(table for pattern, table in reversed(_TABLES) if re.search(pattern, path)))
+
+
+def _fields(table: type) -> list[str]:
+    return sorted(field.encode_name for field in msgspec.structs.fields(table))

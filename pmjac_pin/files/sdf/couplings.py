@@ -1,0 +1,151 @@
+"""Coupled joints of SDFormat: gearboxes, <mimic> of SDFormat 1.11 and of Drake, Gazebo's plugin."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.files.gazebo_plugins import is_mimic
+from pmjac_pin.files.sdf.joints import AXIS_TAGS, SdfJoint, freedom_names, text_of
+from pmjac_pin.files.vocabulary import spelt
+from pmjac_pin.files.xml_text import label, numbers, numbers_in, only, shown
+from pmjac_pin.model.loop_spec import JointLoop
+
+_PARALLEL = 1e-6
+
+
+def coupling(gearbox: SdfJoint, tree: Sequence[SdfJoint]) -> JointLoop:
+    """Return the loop of a gearbox: θ₂ = −ratio·θ₁.
+
+    θ₁ is the turn of the gearbox's parent about its first axis and θ₂ that of its child about its
+    second, both against the reference body (SDFormat, `gearbox_reference_body`).
+
+    Raises
+    ------
+    ModelFileError
+        No joint of the tree turns these links about these axes.
+    """
+    where = label(gearbox.element)
+    (ratio,) = numbers_in(f"{where}, <gearbox_ratio>", _text(gearbox, "gearbox_ratio"))
+    if ratio == 0.0:
+        todo = "give how often the first link turns against the second"
+        raise ModelFileError(f"{where}, <gearbox_ratio> is 0, which holds a joint; {todo}")
+    body = _text(gearbox, "gearbox_reference_body")
+    (first, one), (second, other) = (
+        _turning(gearbox, tree, body, link, number)
+        for number, link in enumerate((gearbox.parent, gearbox.child))
+    )
+    return JointLoop(joints=(first, second), ratio=-ratio * one * other)
+
+
+def coupled_links(gearbox: SdfJoint) -> tuple[set[str], set[str]]:
+    """Return the two pairs of links whose turns against each other a gearbox couples."""
+    body = _text(gearbox, "gearbox_reference_body")
+    return {body, gearbox.parent}, {body, gearbox.child}
+
+
+def _text(gearbox: SdfJoint, tag: str) -> str:
+    where = label(gearbox.element)
+    if not (text := text_of(where, gearbox.element, tag)):
+        raise ModelFileError(f"{where} has no <{tag}>; a gearbox needs it")
+    return text
+
+
+def _turning(
+    gearbox: SdfJoint, tree: Sequence[SdfJoint], body: str, link: str, number: int
+) -> tuple[str, float]:
+    """Return the joint between two links, and 1 or −1 as it turns with the axis or against it."""
+    wanted = gearbox.placement.rotation @ gearbox.axes[number].direction
+    for joint in tree:
+        if len(joint.axes) == 1 and {joint.parent, joint.child} == {body, link}:
+            along = float(wanted @ joint.placement.rotation @ joint.axes[0].direction)
+            if abs(abs(along) - 1.0) < _PARALLEL and joint.kind != "prismatic":
+                return joint.name, float(np.sign(along)) * (1.0 if joint.child == link else -1.0)
+    what = f"{label(gearbox.element)}: no joint of the tree turns {link!r} against {body!r}"
+    raise ModelFileError(f"{what} about the axis that the gearbox gives")
+
+
+def read_mimics(joints: Sequence[SdfJoint], model: Element) -> tuple[JointLoop, ...]:
+    """Return a loop for each joint that follows another.
+
+    q = multiplier · (q_leader − reference) + offset (SDFormat 1.11, `joint/axis/mimic`).
+
+    Raises
+    ------
+    ModelFileError
+        A joint or an axis that does not exist, or that follows in two ways.
+    """
+    freedoms = {joint.name: freedom_names(joint) for joint in joints}
+    found: dict[str, JointLoop] = {}
+    for where, loop in (*_of_axes(joints, freedoms), *_of_plugins(model, freedoms)):
+        follower = loop.joints[1]
+        if found.setdefault(follower, loop) != loop:
+            raise ModelFileError(f"{where}: joint {follower!r} follows in another way already")
+    return tuple(found.values())
+
+
+def _of_axes(
+    joints: Sequence[SdfJoint], freedoms: Mapping[str, tuple[str, ...]]
+) -> Iterator[tuple[str, JointLoop]]:
+    for joint in joints:
+        where = f"{label(joint.element)}, <mimic>"
+        for number, follower in enumerate(freedoms[joint.name]):
+            axis = only(label(joint.element), joint.element, AXIS_TAGS[number])
+            if axis is None or (mimic := only(where, axis, "mimic")) is None:
+                continue
+            leader = _freedom(where, mimic.get("joint", ""), mimic.get("axis", "axis"), freedoms)
+            ratio, offset, reference = (
+                _number(where, mimic, tag, default)
+                for tag, default in (("multiplier", "1"), ("offset", "0"), ("reference", "0"))
+            )
+            yield where, _gear(where, (leader, follower), ratio, offset - ratio * reference)
+        for mimic in joint.element:
+            if spelt(mimic.tag) == "drake:mimic":
+                leader = _freedom(where, mimic.get("joint", ""), "axis", freedoms)
+                follower = _freedom(where, joint.name, "axis", freedoms)
+                (ratio,) = numbers(where, mimic, "multiplier", default="1")
+                (offset,) = numbers(where, mimic, "offset", default="0")
+                yield where, _gear(where, (leader, follower), ratio, offset)
+
+
+def _of_plugins(
+    model: Element, freedoms: Mapping[str, tuple[str, ...]]
+) -> Iterator[tuple[str, JointLoop]]:
+    for plugin in filter(is_mimic, model.findall("plugin")):
+        where = label(plugin)
+        leader, follower = (
+            _freedom(where, text_of(where, plugin, tag) or "", "axis", freedoms)
+            for tag in ("joint", "mimicJoint")
+        )
+        ratio, offset = (
+            _number(where, plugin, tag, default)
+            for tag, default in (("multiplier", "1"), ("offset", "0"))
+        )
+        yield where, _gear(where, (leader, follower), ratio, offset)
+
+
+def _gear(where: str, joints: tuple[str, str], ratio: float, offset: float) -> JointLoop:
+    if joints[0] == joints[1]:
+        raise ModelFileError(f"{where}: the joint follows itself")
+    return JointLoop(joints=joints, ratio=ratio, offset=offset)
+
+
+def _freedom(where: str, joint: str, axis: str, freedoms: Mapping[str, tuple[str, ...]]) -> str:
+    """Return the degree of freedom about an axis of a joint."""
+    if joint not in freedoms:
+        raise ModelFileError(
+            f"{where}: the joint {shown(joint)} does not exist{did_you_mean(joint, freedoms)}"
+        )
+    known = dict(zip(AXIS_TAGS, freedoms[joint], strict=False))
+    if axis not in known:
+        raise ModelFileError(
+            f"{where}: joint {joint!r} has no {shown(axis)}{did_you_mean(axis, known)}"
+        )
+    return known[axis]
+
+
+def _number(where: str, parent: Element, tag: str, default: str) -> float:
+    return numbers_in(f"{where}, <{tag}>", text_of(where, parent, tag) or default)[0]

@@ -1,0 +1,61 @@
+"""The inertias of an SDFormat model's links: <inertial>, or SDFormat's default of 1 kg, 1 kg m²."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from xml.etree.ElementTree import Element
+
+import numpy as np
+import pinocchio as pin
+
+from pmjac_pin.files.inertia import inertia_at
+from pmjac_pin.files.joint_dialects import listed
+from pmjac_pin.files.sdf.frames import Frames, pose, truth
+from pmjac_pin.files.sdf.joints import text_of
+from pmjac_pin.files.xml_text import label, numbers_in, only
+
+_DEFAULTS = {"ixx": "1", "ixy": "0", "ixz": "0", "iyy": "1", "iyz": "0", "izz": "1"}
+
+
+def read_inertias(
+    links: Sequence[Element], frames: Frames
+) -> tuple[dict[str, pin.Inertia], list[str]]:
+    """Return each link's inertia in the link's frame, and notes on those that are not given.
+
+    Raises
+    ------
+    ModelFileError
+        A number that is none, or a mass below zero.
+    """
+    found, without, computed = {}, [], []
+    for link in links:
+        name, where = link.get("name", ""), f"{label(link)}, <inertial>"
+        inertial = only(label(link), link, "inertial")
+        if inertial is None:
+            without.append(name)
+            inertial = Element("inertial")
+        if truth(where, inertial.get("auto", "false")):
+            computed.append(name)
+        else:
+            found[name] = _inertia(where, inertial, name, frames)
+    notes = []
+    if without:
+        default = "SDFormat's default, 1 kg and 1 kg m², is taken"
+        notes.append(f"no <inertial> is given for {listed(without)}: {default}")
+    if computed:
+        what = f"the <inertial> of {listed(computed)} is to be computed from shapes"
+        notes.append(f"{what}, which is not done: the mass is 0 in `model`")
+    return found, notes
+
+
+def _inertia(where: str, inertial: Element, link: str, frames: Frames) -> pin.Inertia:
+    (mass,) = numbers_in(f"{where}, <mass>", text_of(where, inertial, "mass") or "1")
+    inertia = only(where, inertial, "inertia")
+    values = {}
+    for tag, default in _DEFAULTS.items():
+        text = default if inertia is None else text_of(where, inertia, tag) or default
+        (values[tag],) = numbers_in(f"{where}, <{tag}>", text)
+    moments = np.array([[values[f"i{min(a, b)}{max(a, b)}"] for b in "xyz"] for a in "xyz"])
+    relative_to, place = pose(where, inertial, link)
+    centre = frames.placement(link, where).actInv(frames.placement(relative_to, where) * place)
+    return inertia_at(where, mass, moments, centre)

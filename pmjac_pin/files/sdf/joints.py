@@ -1,0 +1,177 @@
+"""The joints of an SDFormat model: their kind, the links they join, their axes and limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from xml.etree.ElementTree import Element
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.files.sdf.frames import MODEL, WORLD, Frames, pose, truth
+from pmjac_pin.files.tree_urdf import WITHOUT_LIMIT
+from pmjac_pin.files.urdf.checks import SHORTEST_AXIS
+from pmjac_pin.files.xml_text import label, numbers_in, only, shown, written
+
+ENDS = ("parent", "child")
+AXIS_TAGS = ("axis", "axis2")
+# How many axes each kind has; a gearbox is no joint of its own but couples two others.
+AXES: Mapping[str, int] = {
+    "revolute": 1,
+    "continuous": 1,
+    "prismatic": 1,
+    "ball": 0,
+    "fixed": 0,
+    "universal": 2,
+    "revolute2": 2,
+    "gearbox": 2,
+}
+
+
+@dataclass(frozen=True)
+class Axis:
+    """An axis of a joint.
+
+    Attributes
+    ----------
+    direction : ndarray, shape (3,)
+        A unit vector in the joint's frame.
+    limits : tuple of float
+        Lower and upper, rad or m; ±1e16 where there is none.
+    """
+
+    direction: NDArray[np.float64]
+    limits: tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class SdfJoint:
+    """A joint, in the frame of the model.
+
+    Attributes
+    ----------
+    name, kind : str
+    parent, child : str
+        Links; the parent may be "world".
+    placement : pin.SE3
+        Of the joint's frame, with all joints at zero.
+    axes : tuple of Axis
+        As many as `AXES` says.
+    element : Element
+        What else the file says of it.
+    """
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    placement: pin.SE3
+    axes: tuple[Axis, ...]
+    element: Element
+
+
+def read_joint(element: Element, frames: Frames, version: tuple[int, int]) -> SdfJoint:
+    """Read one joint.
+
+    Raises
+    ------
+    ModelFileError
+        An unknown kind, link or frame, or a number that is none.
+    """
+    where, kind = label(element), element.get("type", "")
+    if kind not in AXES:
+        known = did_you_mean(kind, AXES)
+        raise ModelFileError(f"{where} has the type {shown(kind)}, which is not read{known}")
+    parent, child = (frames.link(end_of(element, tag), f"{where}, <{tag}>") for tag in ENDS)
+    if parent == child:
+        raise ModelFileError(f"{where} joins link {parent!r} to itself")
+    name = element.get("name", "")
+    # Not by the joint's own name: before SDFormat 1.7 a link may have the same.
+    relative_to, local = pose(where, element, end_of(element, "child"))
+    placement = frames.placement(relative_to, where) * local
+    tags = AXIS_TAGS[: AXES[kind]]
+    axes = tuple(_axis(element, tag, placement, frames, version) for tag in tags)
+    return SdfJoint(name, kind, parent, child, placement, axes, element)
+
+
+def freedom_names(joint: SdfJoint) -> tuple[str, ...]:
+    """Return the names of the joints of the tree that a joint becomes, one for each axis."""
+    if len(joint.axes) < 2:
+        return (joint.name,) * len(joint.axes)
+    return tuple(f"{joint.name}_{tag}" for tag in AXIS_TAGS)
+
+
+def end_of(joint: Element, tag: str) -> str:
+    """Return the name of the frame that a joint's <parent> or <child> gives."""
+    name = text_of(label(joint), joint, tag)
+    if name is None:
+        raise ModelFileError(f"{label(joint)} has no <{tag}>; write <{tag}>LINK</{tag}>")
+    if (tag, name) == ("child", WORLD):
+        why = "the world cannot be a joint's child"
+        raise ModelFileError(f"{label(joint)}: {why}; swap <parent> and <child>")
+    return name
+
+
+def text_of(where: str, parent: Element, tag: str) -> str | None:
+    """Return the text of an element's one child of that tag; None where there is none."""
+    element = only(where, parent, tag)
+    return None if element is None else (element.text or "").strip()
+
+
+def _axis(
+    joint: Element, tag: str, placement: pin.SE3, frames: Frames, version: tuple[int, int]
+) -> Axis:
+    where = f"{label(joint)}, <{tag}>"
+    element = only(label(joint), joint, tag)
+    if element is None:
+        raise ModelFileError(f"{label(joint)} has no <{tag}>; a {joint.get('type')} joint needs it")
+    xyz = only(where, element, "xyz")
+    text = "0 0 1" if xyz is None else (xyz.text or "").strip()
+    direction = np.array(numbers_in(f"{where}, <xyz>", text, count=3))
+    if (length := math.hypot(*direction)) < SHORTEST_AXIS:
+        raise ModelFileError(f"{where}: <xyz> is {shown(text)}, of length zero")
+    seen_from = _expressed_in(where, element, xyz, version)
+    if seen_from is not None:
+        turn = frames.placement(seen_from, f"{where}, <xyz>").rotation
+        direction = placement.rotation.T @ turn @ direction
+    return Axis(direction / length, _limits(where, element))
+
+
+def _expressed_in(
+    where: str, axis: Element, xyz: Element | None, version: tuple[int, int]
+) -> str | None:
+    """Return the frame that an axis is given in; None for the joint's own.
+
+    Before SDFormat 1.5 it is the model's; from 1.5 on where `use_parent_model_frame` says so;
+    and from 1.7 on `expressed_in` names it.
+    """
+    if xyz is not None and (frame := xyz.get("expressed_in")):
+        return frame
+    flag = text_of(where, axis, "use_parent_model_frame")
+    if flag is None:
+        return MODEL if version < (1, 5) else None
+    return MODEL if truth(f"{where}, <use_parent_model_frame>", flag) else None
+
+
+def _limits(where: str, axis: Element) -> tuple[float, float]:
+    """Return the limits; one beyond 1e16, or infinite, is none, as in SDFormat."""
+    where, limit = f"{where}, <limit>", only(where, axis, "limit")
+    found = []
+    for tag, sign in (("lower", -1.0), ("upper", 1.0)):
+        text = None if limit is None else text_of(where, limit, tag)
+        if not text:
+            text = written([sign * WITHOUT_LIMIT])
+        elif text.lower().lstrip("+-") in ("inf", "infinity"):
+            text = written([-WITHOUT_LIMIT if text.startswith("-") else WITHOUT_LIMIT])
+        found += numbers_in(f"{where}, <{tag}>", text, largest=math.inf)
+    lower, upper = (min(max(value, -WITHOUT_LIMIT), WITHOUT_LIMIT) for value in found)
+    for tag, value, beyond in (("lower", lower, "inf"), ("upper", -upper, "-inf")):
+        if value >= WITHOUT_LIMIT:
+            raise ModelFileError(f"{where}, <{tag}> is {beyond}; no limit is -inf to inf")
+    if lower > upper:
+        raise ModelFileError(f"{where}: lower {lower:g} exceeds upper {upper:g}")
+    return lower, upper

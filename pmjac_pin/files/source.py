@@ -1,0 +1,108 @@
+"""Source: what a file says of a mechanism, whatever its format."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+
+from pmjac_pin.files.catalog import find_urdf
+from pmjac_pin.files.foreign_model import ForeignModel, check_frame, check_motors
+from pmjac_pin.files.mjcf.reader import read_mjcf
+from pmjac_pin.files.model_file import read_model_file
+from pmjac_pin.files.sdf.reader import read_sdf
+from pmjac_pin.files.urdf.extended_urdf import closure_yaml_beside, read_extended_urdf
+from pmjac_pin.files.urdf.looped_urdf import read_looped_urdf
+from pmjac_pin.files.urdf.robot import Urdf, read_urdf
+from pmjac_pin.files.urdf.ties import closing_frames
+from pmjac_pin.model.spec import MechanismSpec, Tool
+from pmjac_pin.values.checks import as_names
+
+
+@dataclass(frozen=True)
+class Source:
+    """What a file says.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    spec : MechanismSpec
+    urdf : Urdf
+        The cut tree at the parameters' defaults.
+    notes : tuple of str
+        One sentence for each decision that the reader of another format took.
+    unread : tuple of str
+        One sentence for each kind of thing in the file that nobody reads.
+    """
+
+    path: Path
+    spec: MechanismSpec
+    urdf: Urdf
+    notes: tuple[str, ...] = ()
+    unread: tuple[str, ...] = ()
+
+    @property
+    def all_notes(self) -> tuple[str, ...]:
+        """What was not read, and what was decided."""
+        return (*self.unread, *self.notes)
+
+
+def read_source(
+    path: Path, actuated: Iterable[str] | None = None, tool: str | None = None
+) -> Source:
+    """Read a model file of ours or a file of another format, told by its suffix.
+
+    Parameters
+    ----------
+    path : Path
+        Anything without a suffix of `READERS` is taken for a model file of ours.
+    actuated : iterable of str, optional
+        The motors, instead of those that the file tells.
+    tool : str, optional
+        The tool's frame, instead of the one that the file tells.
+
+    Raises
+    ------
+    ModelFileError, UnknownNameError, ArgumentError
+    """
+    motors = None if actuated is None else as_names(actuated, "actuated is a list of joint names")
+    if (reader := READERS.get(path.suffix.lower())) is not None:
+        model = reader(path, motors or ())
+        return Source(path, model.spec(motors, tool), model.urdf, model.notes, model.unread)
+    spec = read_model_file(path)
+    urdf = read_urdf(find_urdf(spec.urdf, path))
+    if motors is not None:
+        # The order of the passive joints was given for other motors.
+        spec = msgspec.structs.replace(spec, actuated=check_motors(urdf, motors), passive=None)
+    if tool is not None:
+        spec = msgspec.structs.replace(spec, tool=Tool(frame=check_frame(urdf, tool)))
+    return Source(path, spec, urdf, unread=(*urdf.unread, *_open_frames(urdf, spec)))
+
+
+def _open_frames(urdf: Urdf, spec: MechanismSpec) -> list[str]:
+    """Return a sentence for each pair of frames that is made to close a loop, and is in none."""
+    joined = [name for loop in spec.loops for name in loop.ends]
+    loops, _ = closing_frames(urdf.links, (), joined)
+    pairs = (" and ".join(repr(end.get("link")) for end in loop) for loop in loops)
+    return [f"not read: the frames {pair} are in no [[loop]]" for pair in pairs]
+
+
+def _read_urdf(path: Path, motors: Collection[str]) -> ForeignModel:
+    extended = closure_yaml_beside(path) is not None
+    return (read_extended_urdf if extended else read_looped_urdf)(path, motors)
+
+
+def _read_mjcf(path: Path, _: Collection[str]) -> ForeignModel:
+    return read_mjcf(path)  # its loops are cut already
+
+
+# The readers of other formats, by the suffix of the file; each is told which joints stay uncut.
+READERS: Mapping[str, Callable[[Path, Collection[str]], ForeignModel]] = {
+    ".urdf": _read_urdf,
+    ".sdf": read_sdf,
+    ".xml": _read_mjcf,
+    ".mjcf": _read_mjcf,
+}

@@ -1,0 +1,1 @@
+"""URDF: read, checked, moved by parameters, and with loops."""

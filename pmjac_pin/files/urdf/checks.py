@@ -1,0 +1,301 @@
+"""What a URDF must be before Pinocchio may see it, and the copy that Pinocchio sees.
+
+Pinocchio's parser drops in silence, or with a line on stderr, what it cannot use: a joint whose
+link has two parents, an inertial with a malformed number, a mimic, an axis of length zero. It
+crashes on long chains. So every element that it will read is checked here and written anew,
+with numbers that were parsed; nothing else reaches it.
+
+A message names the element; the caller adds the file.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from xml.etree.ElementTree import Element, SubElement
+
+from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.files.urdf.control_mimics import called, control_joints, mimic_params
+from pmjac_pin.files.vocabulary import spelt
+from pmjac_pin.files.xml_text import label, numbers, only, shown, written
+from pmjac_pin.values.checks import LARGEST
+
+MAXIMAL_NAME = 200  # characters: near matches of longer names would take minutes
+MAXIMAL_LINKS = 1000
+MAXIMAL_JOINTS = 2000  # with those that close loops
+MAXIMAL_DEPTH = 150  # joints in a row: Pinocchio recurses, and 250 overflow a stack of 512 kB
+MAXIMAL_VELOCITIES = 200  # one pinocchio.Data takes 64 bytes times their cube: here 0.5 GB
+SHORTEST_AXIS = 1e-6
+
+VELOCITIES: Mapping[str, int] = MappingProxyType(
+    {"revolute": 1, "continuous": 1, "prismatic": 1, "fixed": 0, "floating": 6, "planar": 3}
+)
+_VERSIONS = (None, "1.0", "1.1", "1.2")
+_RESERVED = "universe"
+_TIES = (
+    *("loop", "constraint", "loop_joint", "coupling"),
+    *("drake:ball_constraint", "drake:weld_constraint", "drake:coupler_constraint"),
+)
+_INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+_CUT = "cut the loop: remove one of them and declare it as [[loop]] in the model file"
+
+
+@dataclass(frozen=True)
+class UrdfJoint:
+    """A joint as the URDF declares it: its name, type, parent link and child link."""
+
+    name: str
+    type: str
+    parent: str
+    child: str
+
+
+def checked_robot(robot: Element) -> Element:
+    """Return what Pinocchio may read: links with inertials and joints, all of it checked."""
+    _check_root(robot)
+    links, joints = robot.findall("link"), robot.findall("joint")
+    check_size(links, joints)
+    names = checked_names(links)
+    checked_names(joints)
+    copy = Element("robot", name=robot.get("name", ""))
+    # Element.extend hides the error of an iterator: give it lists.
+    copy.extend([_checked_link(link) for link in links])
+    copy.extend([checked_joint(joint, names) for joint in joints])
+    _check_tree(names, joints_of(copy))
+    return copy
+
+
+def joints_of(robot: Element) -> tuple[UrdfJoint, ...]:
+    """Return the joints of a checked robot in file order."""
+    return tuple(
+        UrdfJoint(
+            name=joint.get("name", ""),
+            type=joint.get("type", ""),
+            parent=joint.find("parent").get("link", ""),  # type: ignore[union-attr]
+            child=joint.find("child").get("link", ""),  # type: ignore[union-attr]
+        )
+        for joint in robot.iterfind("joint")
+    )
+
+
+def _check_root(robot: Element) -> None:
+    if robot.tag != "robot":
+        raise ModelFileError(f"the root element is <{shown(robot.tag)[1:-1]}>; a URDF's is <robot>")
+    if robot.get("name") is None:
+        raise ModelFileError('<robot> has no name; write <robot name="...">')
+    if (version := robot.get("version")) not in _VERSIONS:
+        known = ", ".join(filter(None, _VERSIONS))
+        raise ModelFileError(f"URDF version {shown(version or '')} is not read; {known} are")
+    if unexpanded := [tag for child in robot if (tag := spelt(child.tag)).startswith("xacro:")]:
+        todo = "expand it first: xacro robot.urdf.xacro > robot.urdf"
+        raise ModelFileError(f"<{shown(unexpanded[0])[1:-1]}> is xacro, which is not read; {todo}")
+    ties = [f"<{tag}>" for child in robot if (tag := spelt(child.tag)) in _TIES]
+    ties += ["<joint> in <gazebo>"] * (robot.find("gazebo/joint") is not None)
+    followers = filter(mimic_params, control_joints(robot))
+    ties += [f'<param name="mimic"> in {called(joint)}' for joint in followers]
+    if ties:
+        why = "Pinocchio would ignore it in silence"
+        todo = "declare the loop as [[loop]] in the model file and remove it here"
+        raise ModelFileError(f"{ties[0]} is not read, since {why}; {todo}")
+
+
+def check_size(links: Sequence[Element], joints: Sequence[Element]) -> None:
+    """Refuse more links and joints than can be computed with."""
+    if not links:
+        raise ModelFileError("there is no <link>; a robot has at least one")
+    if len(links) > MAXIMAL_LINKS:
+        raise ModelFileError(f"{len(links)} links are too many; at most {MAXIMAL_LINKS} are read")
+    velocities = sum(VELOCITIES.get(joint.get("type", ""), 0) for joint in joints)
+    if velocities > MAXIMAL_VELOCITIES:
+        got = f"the joints have {velocities} degrees of freedom"
+        why = "the memory needed grows with their cube"
+        raise ModelFileError(f"{got}; at most {MAXIMAL_VELOCITIES} are computed with ({why})")
+    if len(joints) > MAXIMAL_JOINTS:
+        got = f"{len(joints)} joints are too many"
+        raise ModelFileError(f"{got}; at most {MAXIMAL_JOINTS} are read")
+
+
+def checked_names(elements: Sequence[Element]) -> Collection[str]:
+    """Return the names of elements of one tag: there, readable, and different."""
+    seen: dict[str, None] = {}
+    for number, element in enumerate(elements, start=1):
+        name, where = element.get("name"), f"<{element.tag}> number {number}"
+        if name is None or not name.strip():
+            raise ModelFileError(f"{where} has no name")
+        if len(name) > MAXIMAL_NAME:
+            got = f"a name of {len(name)} characters"
+            raise ModelFileError(f"{where} has {got}; at most {MAXIMAL_NAME} are read")
+        if not name.isprintable():
+            raise ModelFileError(f"{where}: the name {name!r} holds an invisible character")
+        if name == _RESERVED:
+            why = "Pinocchio calls the world so, and would mix them up"
+            raise ModelFileError(f"{where}: the name {name!r} is taken ({why}); choose another")
+        if name in seen:
+            raise ModelFileError(f"two {element.tag}s are named {name!r}; names must differ")
+        seen[name] = None
+    return seen
+
+
+def checked_origin(where: str, parent: Element, tag: str = "origin") -> Element:
+    """Return an element's <origin>: the identity where there is none."""
+    origin = only(where, parent, tag)
+    where = f"{where}, <{tag}>"
+    if origin is not None and origin.get("quat_xyzw") is not None:
+        raise ModelFileError(f"{where}: `quat_xyzw` is not read; give `rpy`")
+    copy = Element("origin")
+    for attribute in ("xyz", "rpy"):
+        copy.set(attribute, written(numbers(where, origin, attribute, default="0 0 0", count=3)))
+    return copy
+
+
+def _checked_link(link: Element) -> Element:
+    where = label(link)
+    for visual in link.iterfind("visual"):
+        checked_origin(f"{where}, <visual>", visual)
+    copy = Element("link", name=link.get("name", ""))
+    if (inertial := only(where, link, "inertial")) is not None:
+        copy.append(_checked_inertial(f"{where}, <inertial>", inertial))
+    return copy
+
+
+def _checked_inertial(where: str, inertial: Element) -> Element:
+    copy = Element("inertial")
+    copy.append(checked_origin(where, inertial))
+    mass, inertia = only(where, inertial, "mass"), only(where, inertial, "inertia")
+    for tag, element in (("mass", mass), ("inertia", inertia)):
+        if element is None:
+            raise ModelFileError(f"{where} has no <{tag}>; give both <mass> and <inertia>")
+    value = _not_negative(f"{where}, <mass>", mass, "value")
+    SubElement(copy, "mass", value=value)
+    moments = {key: written(numbers(f"{where}, <inertia>", inertia, key)) for key in _INERTIA}
+    SubElement(copy, "inertia", moments)
+    return copy
+
+
+def _not_negative(
+    where: str,
+    element: Element | None,
+    attribute: str,
+    *,
+    default: str | None = None,
+    largest: float = LARGEST,
+) -> str:
+    (value,) = numbers(where, element, attribute, default=default, largest=largest)
+    if value < 0.0:
+        raise ModelFileError(f"{where}: `{attribute}` is {value:g}; it must not be negative")
+    return written([value])
+
+
+def checked_joint(joint: Element, links: Collection[str]) -> Element:
+    """Return what Pinocchio may read of a joint between two of these links."""
+    where, kind = label(joint), joint.get("type", "")
+    if kind not in VELOCITIES:
+        known = did_you_mean(kind, VELOCITIES)
+        raise ModelFileError(f"{where} has the unknown type {shown(kind)}{known}")
+    if joint.find("mimic") is not None:
+        why = "Pinocchio would ignore it and let the joint move freely"
+        raise ModelFileError(f"{where}: <mimic> is not supported ({why}); remove it")
+    copy = Element("joint", name=joint.get("name", ""), type=kind)
+    copy.append(checked_origin(where, joint))
+    for tag in ("parent", "child"):
+        SubElement(copy, tag, link=checked_end(where, joint, tag, links))
+    if kind not in ("fixed", "floating"):
+        copy.append(_checked_axis(where, joint, kind))
+    if VELOCITIES[kind] == 1:
+        copy.extend(_checked_limit(where, joint, kind))
+        copy.extend(_checked_dynamics(where, joint))
+    return copy
+
+
+def checked_end(where: str, joint: Element, tag: str, links: Collection[str]) -> str:
+    """Return the link that an element's child of that tag names."""
+    element = only(where, joint, tag)
+    name = None if element is None else element.get("link")
+    if name is None:
+        raise ModelFileError(f'{where} has no {tag}; write <{tag} link="..."/>')
+    if name not in links:
+        known = did_you_mean(name, links)
+        raise ModelFileError(f"{where}: the {tag} link {shown(name)} does not exist{known}")
+    return name
+
+
+def _checked_axis(where: str, joint: Element, kind: str) -> Element:
+    element = only(where, joint, "axis")
+    default = "1 0 0" if element is None else None  # URDF's; of an <axis/> urdfdom makes 0 0 0
+    axis = numbers(f"{where}, <axis>", element, "xyz", default=default, count=3)
+    if math.hypot(*axis) < SHORTEST_AXIS:
+        length = f"`xyz` is {written(axis)!r}, of length zero"
+        raise ModelFileError(f"{where}, <axis>: {length}; a joint that moves needs a direction")
+    if kind == "planar" and not (axis[0] == axis[1] == 0.0 < axis[2]):
+        why = "Pinocchio moves a planar joint in x and y whatever its axis"
+        todo = 'write <axis xyz="0 0 1"/> and turn the origin'
+        raise ModelFileError(f"{where}, <axis>: `xyz` is {written(axis)!r}, but {why}; {todo}")
+    return Element("axis", xyz=written(axis))
+
+
+def _checked_limit(where: str, joint: Element, kind: str) -> list[Element]:
+    element = only(where, joint, "limit")
+    if element is None:
+        if kind == "continuous":
+            return []
+        example = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
+        raise ModelFileError(f"{where} is {kind} and has no <limit>; write {example}")
+    where = f"{where}, <limit>"
+    copy = Element("limit")
+    for attribute in ("effort", "velocity"):
+        copy.set(attribute, _not_negative(where, element, attribute, largest=math.inf))
+    if kind != "continuous":
+        (lower,) = numbers(where, element, "lower", default="0", largest=math.inf)
+        (upper,) = numbers(where, element, "upper", default="0", largest=math.inf)
+        if lower > upper:
+            got = f"`lower` is {lower:g} and `upper` is {upper:g}"
+            raise ModelFileError(f"{where}: {got} (0 when left out); lower must not exceed upper")
+        copy.attrib.update(lower=written([lower]), upper=written([upper]))
+    return [copy]
+
+
+def _checked_dynamics(where: str, joint: Element) -> list[Element]:
+    if (element := only(where, joint, "dynamics")) is None:
+        return []
+    where = f"{where}, <dynamics>"
+    keys = ("damping", "friction")
+    return [
+        Element("dynamics", {key: _not_negative(where, element, key, default="0") for key in keys})
+    ]
+
+
+def _check_tree(links: Collection[str], joints: Sequence[UrdfJoint]) -> None:
+    """Refuse all but one tree of links, and one too deep for Pinocchio's recursion."""
+    above: dict[str, UrdfJoint] = {}
+    below: dict[str, list[str]] = {}
+    for joint in joints:
+        if (other := above.setdefault(joint.child, joint)) is not joint:
+            both = f"two joints, {other.name!r} and {joint.name!r}"
+            raise ModelFileError(f"link {joint.child!r} is the child of {both}; {_CUT}")
+        below.setdefault(joint.parent, []).append(joint.child)
+    level = roots = [link for link in links if link not in above]
+    rest = set(links)
+    for _ in range(MAXIMAL_DEPTH + 1):
+        rest.difference_update(level)
+        level = [child for link in level for child in below.get(link, ())]
+    if level:
+        raise ModelFileError(f"a chain of more than {MAXIMAL_DEPTH} joints is too long to be read")
+    if rest:
+        cycle = ", ".join(map(repr, _cycle(above, min(rest))))
+        raise ModelFileError(f"a cycle of joints: {cycle}; {_CUT}")
+    if len(roots) > 1:
+        some = ", ".join(map(repr, roots[:5])) + (", ..." if len(roots) > 5 else "")
+        todo = "join them by joints, fixed ones if need be"
+        raise ModelFileError(f"{len(roots)} links are no joint's child: {some}; {todo}")
+
+
+def _cycle(above: Mapping[str, UrdfJoint], link: str) -> list[str]:
+    """Return the joints of the cycle above a link that no root reaches, from parent to child."""
+    for _ in above:
+        link = above[link].parent
+    cycle = [above[link]]
+    while cycle[-1].parent != link:
+        cycle.append(above[cycle[-1].parent])
+    return [joint.name for joint in reversed(cycle)]

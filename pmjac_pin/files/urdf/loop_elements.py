@@ -1,0 +1,178 @@
+"""Loops that a URDF declares: URDF+'s <loop>, the <constraint> proposed for urdfdom, <mimic>.
+
+<loop> has a predecessor and a successor, each with an <origin> inside, and one <axis>, the same
+in both frames. <constraint> has a parent and a child, <parent_origin> and <child_origin>, and may
+have two axes, <parent_axis> and <child_axis>; it is also read as URDF+'s parser exports it.
+
+References: M. Chignoli et al., "URDF+: An Enhanced URDF for Robots with Kinematic Loops", 2024;
+pull request 264 of ros/urdfdom, 2026.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from xml.etree.ElementTree import Element
+
+import numpy as np
+import pinocchio as pin
+
+from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.files.anchors import KINDS, WITHOUT_AXIS, Anchors, loop_of_kind, placement_of
+from pmjac_pin.files.joint_dialects import listed
+from pmjac_pin.files.urdf.checks import SHORTEST_AXIS, checked_end, checked_origin
+from pmjac_pin.files.xml_text import label, numbers, only, shown, written
+from pmjac_pin.model.loop_spec import JointLoop, Loop, UniversalLoop, X
+from pmjac_pin.model.table import Vector
+
+TAGS = ("loop", "constraint")
+_SAME_AXIS = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Closing:
+    """A loop that an element declares.
+
+    Attributes
+    ----------
+    where : str
+        How messages call the element.
+    links : tuple of str
+        The links that it joins.
+    loop : Loop or None
+        None for one that holds nothing.
+    """
+
+    where: str
+    links: tuple[str, str]
+    loop: Loop | None
+
+
+def read_closings(
+    elements: Sequence[Element], links: Collection[str], anchors: Anchors
+) -> list[Closing]:
+    """Return the loops of <loop> and <constraint> elements; their anchors are added."""
+    return [_closing(element, number, links, anchors) for number, element in enumerate(elements, 1)]
+
+
+def _closing(element: Element, number: int, links: Collection[str], anchors: Anchors) -> Closing:
+    name = element.get("name") or f"{element.tag}{number}"
+    where = f"{element.tag} {name!r}"
+    kind = {"ball": "spherical"}.get(given := element.get("type", ""), given)
+    if kind not in (*KINDS, "universal"):
+        known = did_you_mean(given, (*KINDS, "universal"))
+        raise ModelFileError(f"{where} has the unknown type {shown(given)}{known}")
+    tags = ("predecessor", "successor")
+    if element.find("parent") is not None or element.find("child") is not None:
+        tags = ("parent", "child")
+    first, second = (checked_end(where, element, tag, links) for tag in tags)
+    if first == second:
+        raise ModelFileError(f"{where} joins link {first!r} with itself")
+    places = [_placement(where, element, tag) for tag in tags]
+    if kind == "floating":
+        return Closing(where, (first, second), None)
+    axes = (X, X) if kind in WITHOUT_AXIS else _axes(where, element, kind)
+    if kind != "universal":
+        places[1] *= _turn(where, kind, axes)
+    frames = (anchors.add(name, first, places[0]), anchors.add(name, second, places[1]))
+    if kind == "universal":
+        return Closing(where, (first, second), UniversalLoop(frames=frames, axes=axes))
+    return Closing(where, (first, second), loop_of_kind(kind, frames, axes[0]))
+
+
+def _placement(where: str, element: Element, tag: str) -> pin.SE3:
+    """Return an end's <origin>, inside it or beside it as <TAG_origin>."""
+    end = only(where, element, tag)
+    if end is not None and end.find("origin") is not None:
+        return placement_of(checked_origin(f"{where}, <{tag}>", end))
+    return placement_of(checked_origin(where, element, f"{tag}_origin"))
+
+
+def _axes(where: str, element: Element, kind: str) -> tuple[Vector, Vector]:
+    """Return the axis in the first and in the second frame, of length 1."""
+    if kind == "universal":
+        for tag in ("parent_axis", "child_axis"):
+            if element.find(tag) is None:
+                raise ModelFileError(f"{where} is universal: give <parent_axis> and <child_axis>")
+    return (
+        _axis(where, element, ("parent_axis", "axis", "child_axis")),
+        _axis(where, element, ("child_axis", "axis", "parent_axis")),
+    )
+
+
+def _axis(where: str, element: Element, tags: Sequence[str]) -> Vector:
+    """Return the direction of the first of these elements that is there; URDF's x for none."""
+    for tag in tags:
+        if (found := only(where, element, tag)) is not None:
+            x, y, z = numbers(f"{where}, <{tag}>", found, "xyz", count=3)
+            if (length := math.hypot(x, y, z)) < SHORTEST_AXIS:
+                got = f"`xyz` is {written([x, y, z])!r}, of length zero"
+                raise ModelFileError(f"{where}, <{tag}>: {got}; an axis needs a direction")
+            return (x / length, y / length, z / length)
+    return X
+
+
+def _turn(where: str, kind: str, axes: tuple[Vector, Vector]) -> pin.SE3:
+    """Return the turn of the second frame that gives the axis the same components in both."""
+    first, second = map(np.array, axes)
+    if np.abs(first - second).max() < _SAME_AXIS:
+        return pin.SE3.Identity()
+    if kind == "prismatic":
+        todo = "turn one of the origins instead, since a slider keeps the frames aligned"
+        raise ModelFileError(f"{where} is prismatic and has two different axes; {todo}")
+    return pin.SE3(pin.Quaternion.FromTwoVectors(first, second).matrix(), np.zeros(3))
+
+
+def read_gears(joints: Sequence[Element]) -> tuple[JointLoop, ...]:
+    """Return each <mimic> as q = multiplier · q_leader + offset, and take it out of its joint.
+
+    One of a fixed joint, which has no value, says nothing: `idle_mimics` tells.
+
+    Raises
+    ------
+    ModelFileError
+        A leader that does not exist, or joints that follow each other in a circle.
+    """
+    names = [joint.get("name", "") for joint in joints]
+    gears: dict[str, JointLoop] = {}
+    for joint in joints:
+        where = label(joint)
+        if (mimic := only(where, joint, "mimic")) is None:
+            continue
+        joint.remove(mimic)
+        if joint.get("type") == "fixed":
+            continue
+        where, leader = f"{where}, <mimic>", mimic.get("joint", "")
+        if leader not in names:
+            known = did_you_mean(leader, names)
+            raise ModelFileError(f"{where}: the joint {shown(leader)} does not exist{known}")
+        (ratio,) = numbers(where, mimic, "multiplier", default="1")
+        (offset,) = numbers(where, mimic, "offset", default="0")
+        follower = joint.get("name", "")
+        if leader == follower:
+            raise ModelFileError(f"{where}: the joint follows itself")
+        gears[follower] = JointLoop(joints=(leader, follower), ratio=ratio, offset=offset)
+    _refuse_circles(gears)
+    return tuple(gears.values())
+
+
+def idle_mimics(joints: Sequence[Element]) -> list[str]:
+    """Return a note on joints that are fixed and are to follow others all the same."""
+    fixed = [joint for joint in joints if joint.get("type") == "fixed"]
+    names = [joint.get("name", "") for joint in fixed if joint.find("mimic") is not None]
+    return [f"fixed, and follow no other joint: {listed(names)}"] if names else []
+
+
+def _refuse_circles(gears: Mapping[str, JointLoop]) -> None:
+    leads_out: set[str] = set()
+    for follower in gears:
+        chain: dict[str, None] = {}
+        name = follower
+        while name in gears and name not in leads_out:
+            if name in chain:
+                circle = [*list(chain)[list(chain).index(name) :], name]
+                raise ModelFileError(f"joints follow each other by <mimic>: {' -> '.join(circle)}")
+            chain[name] = None
+            name = gears[name].joints[0]
+        leads_out.update(chain)

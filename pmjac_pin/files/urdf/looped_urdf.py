@@ -1,0 +1,184 @@
+"""URDF with loops in it: cut into a tree, and all that closes it declared as loops.
+
+A loop may be written as a link that is the child of two joints, as a cycle of joints, as URDF+'s
+<loop>, as the <constraint> proposed for urdfdom, as <mimic>, or as other programs write it: see
+`pmjac_pin.files.urdf.ties`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+from pmjac_pin.files.anchors import Anchors
+from pmjac_pin.files.cut_joints import CutJoints
+from pmjac_pin.files.foreign_model import ForeignModel
+from pmjac_pin.files.gazebo_plugins import is_mimic, misread_mimics, unread_harmless
+from pmjac_pin.files.joint_dialects import (
+    floating_balls,
+    home_within_limits,
+    independence,
+    opened_limits,
+)
+from pmjac_pin.files.massless import massless_bodies, without_mass
+from pmjac_pin.files.sdf.plugins import is_detachable
+from pmjac_pin.files.sdf.vocabulary import SDF_WORDS
+from pmjac_pin.files.text_file import at_file, read_text
+from pmjac_pin.files.urdf.checks import VELOCITIES, UrdfJoint, check_size, checked_names
+from pmjac_pin.files.urdf.control_mimics import doubtful
+from pmjac_pin.files.urdf.loop_elements import Closing, idle_mimics, read_closings, read_gears
+from pmjac_pin.files.urdf.robot import MAXIMAL_SIZE, Urdf
+from pmjac_pin.files.urdf.ties import (
+    closing_frames,
+    joints_of_gazebo,
+    refuse_unreadable,
+    take_gazebo_joints,
+    take_loops,
+    take_mimics,
+)
+from pmjac_pin.files.urdf.vocabulary import URDF_WORDS
+from pmjac_pin.files.xml_text import parse_xml
+from pmjac_pin.model.loop_spec import JointLoop
+
+
+def read_looped_urdf(path: Path, motors: Collection[str] = ()) -> ForeignModel:
+    """Read a URDF, with loops or without.
+
+    Parameters
+    ----------
+    path : Path
+    motors : collection of str, optional
+        Joints that are not to be cut, beside those of which the file says so.
+
+    Returns
+    -------
+    ForeignModel
+        With `actuated` where joints say whether they are ``independent``, or where there is no
+        loop: then every joint of one degree of freedom that follows no other.
+
+    Raises
+    ------
+    ModelFileError
+        The message starts with the file's path and names the element at fault.
+    """
+    with at_file(str(path)):
+        model = read_robot(parse_xml(read_text(path, MAXIMAL_SIZE)), path, motors)
+        if model.actuated or any(not isinstance(loop, JointLoop) for loop in model.loops):
+            return model
+        followers = {loop.joints[1] for loop in model.loops if isinstance(loop, JointLoop)}
+        single = [joint.name for joint in model.urdf.joints if VELOCITIES[joint.type] == 1]
+        actuated = tuple(name for name in single if name not in followers)
+        note = "no loop closes: every joint of one degree of freedom counts as a motor"
+        return replace(model, actuated=actuated, notes=(*model.notes, note))
+
+
+def read_robot(
+    robot: Element,
+    path: Path,
+    motors: Collection[str],
+    *,
+    joined: Collection[str] = (),
+    added: Collection[str] = (),
+) -> ForeignModel:
+    """Read the <robot> of a URDF, which is changed; `actuated` only where joints tell.
+
+    Parameters
+    ----------
+    robot : Element
+    path : Path
+    motors : collection of str
+        Joints that are not to be cut.
+    joined : collection of str
+        Links whose loops are told elsewhere.
+    added : collection of str
+        Links that the file does not have.
+
+    Raises
+    ------
+    ModelFileError
+        Without the file's path.
+    """
+    links, elements = robot.findall("link"), robot.findall("joint")
+    check_size(links, elements)
+    names = checked_names(links)
+    checked_names(elements)
+    unread = _unread(robot)
+    refuse_unreadable(robot)
+    take_mimics(robot, elements)
+    followers = [joint.get("name", "") for joint in elements if joint.find("mimic") is not None]
+    limit_notes, balls = opened_limits(elements), floating_balls(elements)
+    limit_notes += idle_mimics(elements)
+    independent, gears = independence(elements), read_gears(elements)
+    geared = {name for gear in gears for name in gear.joints}
+    wanted = {name for name, given in independent.items() if given}
+    cut = CutJoints.of(elements, names, balls, {*motors, *wanted, *geared})
+    declared, tie_notes = _declared(robot, names, cut, joined)
+    cut.remove_from(robot)
+    anchors = Anchors(robot)
+    cut.turn(anchors)
+    cut_loops, closings = cut.loops(anchors), read_closings(declared, names, anchors)
+    loops = (*cut_loops, *(closing.loop for closing in closings), *gears)
+    home, home_notes = home_within_limits(cut.checked, cut.kept)
+    closing_notes = _closing_notes(closings, cut.kept)
+    urdf = Urdf.of(robot, str(path))
+    massless = without_mass(massless_bodies(urdf, set(names) - set(added)))
+    return ForeignModel(
+        name=path.stem,
+        urdf=urdf,
+        loops=tuple(loop for loop in loops if loop is not None),
+        spherical=tuple(joint.name for joint in cut.kept if joint.name in balls),
+        home=home,
+        actuated=_actuated(cut.kept, independent, gears),
+        notes=(*limit_notes, *home_notes, *cut.notes(), *tie_notes, *closing_notes, *massless),
+        unread=(*unread, *doubtful(robot, followers)),
+    )
+
+
+def _unread(robot: Element) -> tuple[str, ...]:
+    """Return what of a robot nobody reads, once no word in it looks misspelt."""
+    joints = joints_of_gazebo(robot)
+    plugins = [
+        plugin
+        for plugin in robot.iterfind("gazebo/plugin")
+        if is_mimic(plugin) or is_detachable(plugin, robot)
+    ]
+    inside = [note for joint in joints for note in SDF_WORDS.unread(joint)]
+    skipped = (*joints, *plugins, *unread_harmless(robot))
+    return (*URDF_WORDS.unread(robot, *skipped), *inside, *misread_mimics(robot))
+
+
+def _declared(
+    robot: Element, links: Collection[str], cut: CutJoints, joined: Collection[str]
+) -> tuple[list[Element], list[str]]:
+    """Take all that declares loops out of a robot; return it as URDF+ writes it, and notes."""
+    declared = take_loops(robot)
+    gazebo, gazebo_notes = take_gazebo_joints(robot, cut.placements())
+    closing, closing_notes = closing_frames(links, declared, joined)
+    return [*declared, *gazebo, *closing], [*gazebo_notes, *closing_notes]
+
+
+def _actuated(
+    tree: Sequence[UrdfJoint], independent: Mapping[str, bool], gears: Iterable[JointLoop]
+) -> tuple[str, ...]:
+    """Return the independent joints, once one joint says whether it is: true is the default."""
+    if not independent:
+        return ()
+    followers = {gear.joints[1] for gear in gears}
+    single = [joint.name for joint in tree if VELOCITIES[joint.type] == 1]
+    return tuple(name for name in single if name not in followers and independent.get(name, True))
+
+
+def _closing_notes(closings: Sequence[Closing], tree: Sequence[UrdfJoint]) -> list[str]:
+    """Say which elements hold nothing, and which join links that a joint joins already."""
+    joined = {frozenset((joint.parent, joint.child)): joint.name for joint in tree}
+    notes = [
+        f"{closing.where} is floating and holds nothing: left out"
+        for closing in closings
+        if closing.loop is None
+    ]
+    for closing in closings:
+        if (name := joined.get(frozenset(closing.links))) is not None:
+            notes.append(f"{closing.where} joins the links that joint {name!r} joins already")
+    return notes

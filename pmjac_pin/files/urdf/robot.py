@@ -1,0 +1,298 @@
+"""Urdf: a URDF that was read and checked, and that parameters may move.
+
+It knows nothing of Pinocchio, and is a value: it can be shared, compared and pickled. A file is
+parsed and checked once; what moves or locks joints copies the elements and checks those that it
+changed. What Pinocchio gets is `Urdf.kinematic_xml`, never the file itself.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import Self
+from xml.etree.ElementTree import Element, tostring
+
+from pmjac_pin.errors import ModelFileError, unknown_name
+from pmjac_pin.files.gazebo_plugins import unread_harmless
+from pmjac_pin.files.text_file import at_file, read_text
+from pmjac_pin.files.urdf.checks import (
+    UrdfJoint,
+    checked_joint,
+    checked_origin,
+    checked_robot,
+    joints_of,
+)
+from pmjac_pin.files.urdf.vocabulary import URDF_WORDS
+from pmjac_pin.files.xml_text import label, numbers, only, parse_xml, written
+from pmjac_pin.model.parameter import Move
+
+__all__ = ["Urdf", "UrdfJoint", "parse_urdf", "read_urdf"]
+
+MAXIMAL_SIZE = 20_000_000  # bytes
+
+_SIZES: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "box": ("size",),
+        "cylinder": ("radius", "length"),
+        "capsule": ("radius", "length"),
+        "sphere": ("radius",),
+    }
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Urdf:
+    """A URDF whose links and joints form one tree that Pinocchio can build.
+
+    Two are equal where path, text and `unread` are.
+
+    Attributes
+    ----------
+    path : str
+        Where it came from; only for messages.
+    joints : tuple of UrdfJoint
+        In file order.
+    links : tuple of str
+        In file order.
+    visuals : tuple of str
+        The names of the <visual> elements that have one, in file order.
+    unread : tuple of str
+        One sentence for each kind of thing in it that nobody reads.
+    """
+
+    path: str
+    joints: tuple[UrdfJoint, ...]
+    links: tuple[str, ...]
+    visuals: tuple[str, ...]
+    unread: tuple[str, ...]
+    # Never changed, since copies of this value share them.
+    _robot: Element = field(repr=False)
+    _kinematic: Element = field(repr=False)
+
+    @classmethod
+    def of(cls, robot: Element, path: str, unread: tuple[str, ...] = ()) -> Self:
+        """Check a <robot>, which nobody may change any more.
+
+        Raises
+        ------
+        ModelFileError
+            Not a URDF, not one tree, or something that Pinocchio would crash on, misread or
+            ignore in silence.
+        """
+        with at_file(path):
+            kinematic = checked_robot(robot)
+        names = (visual.get("name") for visual in robot.iterfind("link/visual"))
+        return cls(
+            path=path,
+            joints=joints_of(kinematic),
+            links=tuple(link.get("name", "") for link in kinematic.iterfind("link")),
+            visuals=tuple(name for name in names if name),
+            unread=unread,
+            _robot=robot,
+            _kinematic=kinematic,
+        )
+
+    @cached_property
+    def text(self) -> str:
+        """The whole XML, visuals included, without comments."""
+        return tostring(self._robot, encoding="unicode")
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Urdf):
+            return NotImplemented
+        mine, theirs = ((urdf.path, urdf.unread, urdf.text) for urdf in (self, other))
+        return mine == theirs
+
+    def __hash__(self) -> int:
+        return hash((self.path, self.text))
+
+    def robot(self) -> Element:
+        """Return the whole XML as elements: a copy, to change as you like."""
+        return copy.deepcopy(self._robot)
+
+    def kinematic_xml(self) -> str:
+        """Return the least URDF that gives Pinocchio the same model.
+
+        Its links have inertials and nothing else; its joints have their origin, axis, limit
+        and dynamics. Every number was read and written anew.
+
+        Examples
+        --------
+        >>> urdf = parse_urdf('<robot name="r"><link name="a"><visual/></link></robot>', "r.urdf")
+        >>> urdf.kinematic_xml()
+        '<robot name="r"><link name="a" /></robot>'
+        """
+        return tostring(self._kinematic, encoding="unicode")
+
+    def changed(self, robot: Element, joints: Collection[str]) -> Self:
+        """Return the URDF with a changed copy of its <robot>.
+
+        Parameters
+        ----------
+        robot : Element
+            Nobody may change it any more.
+        joints : collection of str
+            The joints that were changed, which still join the same links; only they are checked.
+
+        Raises
+        ------
+        ModelFileError
+            As `Urdf.of`.
+        """
+        with at_file(self.path):
+            checked = {
+                joint.get("name", ""): checked_joint(joint, self.links)
+                for joint in robot.iterfind("joint")
+                if joint.get("name") in joints
+            }
+        kinematic = Element(self._kinematic.tag, self._kinematic.attrib)
+        for element in self._kinematic:
+            new = checked.get(element.get("name", "")) if element.tag == "joint" else None
+            kinematic.append(element if new is None else new)
+        return replace(self, joints=joints_of(kinematic), _robot=robot, _kinematic=kinematic)
+
+    def moved(self, moves: Iterable[tuple[Move, float]]) -> Urdf:
+        """Return the URDF with ``coefficient * delta`` added to the numbers that each move names.
+
+        Parameters
+        ----------
+        moves : iterable of (Move, float)
+            Each with its parameter's distance from the default, in m or rad. Moves of the same
+            number add up.
+
+        Raises
+        ------
+        UnknownNameError
+            A joint or a visual that does not exist.
+        ModelFileError
+            A visual name that is not unique, a shape without the attribute, or a size that
+            would not be positive.
+        """
+        with at_file(self.path):
+            robot = self.robot()
+            steps = [(self._target(robot, move), move, delta) for move, delta in moves]
+            steps = [step for step in steps if step[-1] != 0.0]
+            for element, move, delta in steps:
+                _move_origin(element, move, delta)
+                _move_shape(element, move, delta)
+            for element, move, _ in steps:
+                checked_origin(label(element), element)
+                _check_positive(element, move)
+        joints = {move.joint for _, move, _ in steps if move.joint is not None}
+        return self.changed(robot, joints) if steps else self
+
+    def _target(self, robot: Element, move: Move) -> Element:
+        """Return the element that a move names, once it is certain that it can be moved so."""
+        kind, path, name = "joint", "joint", move.joint
+        if name is None:
+            kind, path, name = "visual", "link/visual", move.visual or ""
+        found = [element for element in robot.iterfind(path) if element.get("name") == name]
+        if not found:
+            joints = tuple(joint.name for joint in self.joints)
+            raise unknown_name(kind, name, joints if kind == "joint" else self.visuals)
+        if len(found) > 1:
+            many = f"{len(found)} visuals are named {name!r}"
+            raise ModelFileError(f"{many}; one that a parameter moves needs its own name")
+        _shape(found[0], move)
+        return found[0]
+
+
+def read_urdf(path: Path) -> Urdf:
+    """Read and check a URDF file of at most 20 MB.
+
+    Raises
+    ------
+    ModelFileError
+        The message starts with the file's path and names the element at fault.
+    """
+    return parse_urdf(read_text(path, MAXIMAL_SIZE), str(path))
+
+
+def parse_urdf(text: str, path: str) -> Urdf:
+    """Check a URDF.
+
+    Parameters
+    ----------
+    text : str
+        The XML. Meshes that it names are not opened.
+    path : str
+        Where it came from; messages start with it.
+
+    Raises
+    ------
+    ModelFileError
+        Not XML, not a URDF, not one tree, or something that Pinocchio would crash on, misread
+        or ignore in silence.
+
+    Examples
+    --------
+    >>> urdf = parse_urdf('<robot name="r"><link name="base"/></robot>', "r.urdf")
+    >>> urdf.links
+    ('base',)
+    """
+    with at_file(path):
+        robot = parse_xml(text)
+        unread = URDF_WORDS.unread(robot, *unread_harmless(robot))
+    return Urdf.of(robot, path, unread)
+
+
+def _add(
+    where: str, element: Element, attribute: str, coefficients: tuple[float, ...], delta: float
+) -> None:
+    default = "0 0 0" if element.tag == "origin" else None
+    before = numbers(where, element, attribute, default=default, count=len(coefficients))
+    pairs = zip(before, coefficients, strict=True)
+    element.set(attribute, written(old + coefficient * delta for old, coefficient in pairs))
+
+
+def _move_origin(element: Element, move: Move, delta: float) -> None:
+    where = label(element)
+    for attribute, coefficients in (("xyz", move.xyz), ("rpy", move.rpy)):
+        if any(coefficients):
+            if (origin := only(where, element, "origin")) is None:
+                origin = Element("origin")
+                element.append(origin)
+            _add(f"{where}, <origin>", origin, attribute, coefficients, delta)
+
+
+def _size_coefficients(move: Move) -> dict[str, tuple[float, ...]]:
+    given = {"size": move.size, "length": (move.length,), "radius": (move.radius,)}
+    return {attribute: numbers for attribute, numbers in given.items() if any(numbers)}
+
+
+def _shape(element: Element, move: Move) -> Element | None:
+    """Return the shape whose size the move changes; nothing if it changes none."""
+    where, wanted = label(element), _size_coefficients(move)
+    if not wanted:
+        return None
+    geometry = only(where, element, "geometry")
+    if geometry is None or len(geometry) != 1:
+        raise ModelFileError(f"{where} needs a <geometry> with one shape")
+    sizes = _SIZES.get(geometry[0].tag, ())
+    for attribute in wanted:
+        if attribute not in sizes:
+            got = f"{where} is a <{geometry[0].tag}> and has no `{attribute}` to move"
+            raise ModelFileError(f"{got}; it has: {', '.join(sizes) or 'none'}")
+    return geometry[0]
+
+
+def _move_shape(element: Element, move: Move, delta: float) -> None:
+    if (shape := _shape(element, move)) is not None:
+        where = f"{label(element)}, <{shape.tag}>"
+        for attribute, coefficients in _size_coefficients(move).items():
+            _add(where, shape, attribute, coefficients, delta)
+
+
+def _check_positive(element: Element, move: Move) -> None:
+    # Only once all moves are done: one may shrink a shape and another make up for it.
+    if (shape := _shape(element, move)) is not None:
+        where = f"{label(element)}, <{shape.tag}>"
+        for attribute, coefficients in _size_coefficients(move).items():
+            values = numbers(where, shape, attribute, count=len(coefficients))
+            if min(values) <= 0.0:
+                got = f"`{attribute}` would become {written(values)}"
+                raise ModelFileError(f"{where}: {got}; it must be positive")

@@ -1,1 +1,0 @@
-"""Readers of the formats that people have closed chains in; each gives a `ForeignModel`."""

@@ -1,0 +1,1 @@
+"""Model: what a machine is. Nothing is computed here."""

@@ -1,0 +1,246 @@
+"""JointCoordinates: joint names and values on one side, Pinocchio's q and columns on the other.
+
+Each degree of freedom has one value, in m or rad, whatever Pinocchio stores for it: a
+``continuous`` joint is (cos, sin) in q and an angle in (−π, π] here; a ``floating`` joint is
+translation and quaternion in q, translation and rotation vector here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from pmjac_pin.errors import ArgumentError, unknown_name
+from pmjac_pin.values.checks import LARGEST, as_numbers
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+_LIMIT_SLACK = 1e-9  # m or rad: rounding on the way to a limit is no violation
+
+# Joints with a translation that q shows as it is, and how many entries that has.
+_TRANSLATIONS = {"JointModelFreeFlyer": 3, "JointModelPlanar": 2}
+_DOF_NAMES = {
+    "JointModelFreeFlyer": ("x", "y", "z", "rx", "ry", "rz"),
+    "JointModelSpherical": ("rx", "ry", "rz"),
+    "JointModelPlanar": ("x", "y", "rz"),
+    "JointModelTranslation": ("x", "y", "z"),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class _Joint:
+    name: str
+    kind: str
+    idx_q: int
+    nq: int
+    idx_v: int
+    nv: int
+
+    @property
+    def dof_names(self) -> tuple[str, ...]:
+        if self.nv == 1:
+            return (self.name,)
+        letters = _DOF_NAMES.get(self.kind, tuple(map(str, range(self.nv))))
+        return tuple(f"{self.name}.{letter}" for letter in letters)
+
+
+class JointCoordinates:
+    """Names, columns, values and limits of the joints of a Pinocchio model.
+
+    Parameters
+    ----------
+    model : pin.Model
+        Kept, not copied: it must not be changed afterwards.
+    """
+
+    __slots__ = (
+        "_entries_of",
+        "_joints",
+        "_model",
+        "_neutral",
+        "_translating",
+        "angles",
+        "lower",
+        "names",
+        "rotational",
+        "upper",
+        "wraps",
+    )
+
+    def __init__(self, model: pin.Model) -> None:
+        joints = [
+            _Joint(name, kind.shortname(), kind.idx_q, kind.nq, kind.idx_v, kind.nv)
+            for name, kind in zip(model.names[1:], list(model.joints)[1:], strict=True)
+        ]
+        self._model = model
+        self._neutral: Array = pin.neutral(model)
+        self._joints = {joint.name: joint for joint in joints}
+        if len(self._joints) < len(joints):
+            names = [joint.name for joint in joints]
+            twice = next(name for name in names if names.count(name) > 1)
+            raise ArgumentError(f"two joints of the model are named {twice!r}")
+        self.names: tuple[str, ...] = tuple(self._joints)
+        self.rotational = _rotational(model)
+        self.wraps = np.zeros(model.nv, dtype=bool)
+        self.lower, self.upper = np.full(model.nv, -np.inf), np.full(model.nv, np.inf)
+        self.angles = np.zeros(model.nv, dtype=bool)
+        self._entries_of = np.zeros(model.nv, dtype=np.intp)
+        self._translating = [joint for joint in joints if joint.kind in _TRANSLATIONS]
+        for joint in joints:
+            self.wraps[joint.idx_v] = (joint.nq, joint.nv) == (2, 1)
+            self._entries_of[joint.idx_v] = joint.idx_q
+            if joint.nq == 1:
+                self.angles[joint.idx_v] = joint.kind.startswith("JointModelR")
+                lower = float(model.lowerPositionLimit[joint.idx_q])
+                upper = float(model.upperPositionLimit[joint.idx_q])
+                # Pinocchio writes the largest double where there is no limit.
+                self.lower[joint.idx_v] = lower if lower > -LARGEST else -np.inf
+                self.upper[joint.idx_v] = upper if upper < LARGEST else np.inf
+
+    def columns(self, names: Iterable[str]) -> Index:
+        """Return the velocity columns of these joints, in this order."""
+        joints = [self._joint(name) for name in names]
+        return np.array(
+            [joint.idx_v + k for joint in joints for k in range(joint.nv)], dtype=np.intp
+        )
+
+    def dof_names(self, names: Iterable[str]) -> tuple[str, ...]:
+        """Return one name for each velocity column of these joints."""
+        return tuple(dof for name in names for dof in self._joint(name).dof_names)
+
+    def degrees_of_freedom(self, name: str) -> int:
+        """Return the number of degrees of freedom of a joint."""
+        return self._joint(name).nv
+
+    def values(self, q: Array) -> Array:
+        """Return the value of every degree of freedom, shape (nv,), in the columns' order."""
+        values: Array = pin.difference(self._model, self._neutral, q)
+        for joint in self._translating:
+            # SE(2) and SE(3) logarithms mix the rotation into the translation.
+            size = _TRANSLATIONS[joint.kind]
+            values[joint.idx_v : joint.idx_v + size] = q[joint.idx_q : joint.idx_q + size]
+        return values
+
+    def with_values(self, q: Array, columns: Index, values: Array) -> Array:
+        """Return q with the values of these columns, of joints with one degree of freedom."""
+        q = q.copy()
+        entries, wraps = self._entries_of[columns], self.wraps[columns]
+        if wraps.any():
+            q[entries[wraps] + 1] = np.sin(values[wraps])
+            values = np.where(wraps, np.cos(values), values)
+        q[entries] = values
+        return q
+
+    def q(self, poses: Mapping[str, float | Sequence[float]], base: Array | None = None) -> Array:
+        """Return q with these joints' values, the others as in `base` (neutral when None).
+
+        A joint takes its nv values as `values` shows them, or Pinocchio's own nq entries.
+
+        Raises
+        ------
+        UnknownNameError, ArgumentError
+        """
+        q: Array = (self._neutral if base is None else base).copy()
+        for name, given in poses.items():
+            joint = self._joint(name)
+            q[joint.idx_q : joint.idx_q + joint.nq] = self._entries(joint, given)
+        return q
+
+    def joint_values(self, q: Array, names: Iterable[str]) -> dict[str, float | tuple[float, ...]]:
+        """Return each of these joints' value, or its tuple of values, by name."""
+        values = self.values(q)
+        joints = [self._joint(name) for name in names]
+        found = {
+            joint.name: tuple(values[joint.idx_v : joint.idx_v + joint.nv].tolist())
+            for joint in joints
+        }
+        return {name: item[0] if len(item) == 1 else item for name, item in found.items()}
+
+    def pose(self, q: Array) -> dict[str, float | tuple[float, ...]]:
+        """Return what `q` takes to give this configuration back, bit by bit."""
+        entries = {
+            joint.name: tuple(map(float, q[joint.idx_q : joint.idx_q + joint.nq]))
+            for joint in self._joints.values()
+        }
+        return {name: item[0] if len(item) == 1 else item for name, item in entries.items()}
+
+    def limits(self, name: str) -> tuple[float, float]:
+        """Return the lower and upper limit of a joint with one degree of freedom."""
+        column = self._joint(name).idx_v
+        return float(self.lower[column]), float(self.upper[column])
+
+    def unwound(self, q: Array, columns: Index, limits: bool) -> Array:
+        """Return q with angles less full turns: into [−π, π], or between their limits."""
+        turned = columns[self.angles[columns]]
+        values = np.remainder(self.values(q)[turned] + np.pi, 2.0 * np.pi) - np.pi
+        if limits:
+            lower, upper = self.lower[turned], self.upper[turned]
+            beyond = np.isfinite(lower) & ((values < lower) | (values > upper))
+            up = values + 2.0 * np.pi * np.ceil((lower - values - _LIMIT_SLACK) / (2.0 * np.pi))
+            values = np.where(beyond, up, values)
+        return self.with_values(q, turned, values)
+
+    def room(self, q: Array) -> tuple[Array, Array]:
+        """Return how far each degree of freedom is from its limits, below and above, (nv,)."""
+        values = self.values(q)
+        return values - self.lower, self.upper - values
+
+    def outside(self, values: Array, columns: Index) -> list[str]:
+        """Return the joints of these columns whose values are outside their limits."""
+        below = values < self.lower[columns] - _LIMIT_SLACK
+        above = values > self.upper[columns] + _LIMIT_SLACK
+        if not (below | above).any():
+            return []
+        wrong = set(columns[below | above].tolist())
+        return [joint.name for joint in self._joints.values() if joint.idx_v in wrong]
+
+    def _joint(self, name: str) -> _Joint:
+        joint = self._joints.get(name) if isinstance(name, str) else None
+        if joint is not None:
+            return joint
+        if isinstance(name, str) and name in [frame.name for frame in self._model.frames]:
+            raise ArgumentError(f"{name!r} is no joint that moves; those are: {self._listed()}")
+        raise unknown_name("joint", name, self.names)
+
+    def _listed(self) -> str:
+        return ", ".join(self.names[:12]) + ", ..." * (len(self.names) > 12)
+
+    def _entries(self, joint: _Joint, given: float | Sequence[float]) -> Array:
+        values = np.atleast_1d(as_numbers(given, f"the value of joint {joint.name!r}"))
+        if values.shape == (joint.nq,):
+            return self._normalised(joint, values)
+        if values.shape != (joint.nv,):
+            wanted = f"{joint.nv}" if joint.nv == joint.nq else f"{joint.nv} or {joint.nq}"
+            plural = "" if wanted == "1" else "s"
+            message = f"joint {joint.name!r} takes {wanted} value{plural}, got {values.size}"
+            raise ArgumentError(message)
+        tangent = np.zeros(self._model.nv)
+        tangent[joint.idx_v : joint.idx_v + joint.nv] = values
+        size = _TRANSLATIONS.get(joint.kind, 0)
+        tangent[joint.idx_v : joint.idx_v + size] = 0.0
+        entries: Array = pin.integrate(self._model, self._neutral, tangent)
+        entries = entries[joint.idx_q : joint.idx_q + joint.nq]
+        entries[:size] = values[:size]
+        return entries
+
+    def _normalised(self, joint: _Joint, entries: Array) -> Array:
+        q = self._neutral.copy()
+        q[joint.idx_q : joint.idx_q + joint.nq] = entries
+        if not pin.isNormalized(self._model, q, 1e-6):
+            message = f"the quaternion or (cos, sin) of joint {joint.name!r} is not of unit length"
+            raise ArgumentError(message)
+        if not pin.isNormalized(self._model, q, 1e-15):
+            q = pin.normalize(self._model, q)
+        return q[joint.idx_q : joint.idx_q + joint.nq]
+
+
+def _rotational(model: pin.Model) -> NDArray[np.bool_]:
+    """Return which columns are rotations: those whose motion has an angular part."""
+    motions = pin.computeJointJacobians(model, model.createData(), pin.neutral(model))
+    motions = motions.reshape(6, -1)  # a vector where there is one degree of freedom
+    return np.asarray(np.abs(motions[3:]).max(axis=0, initial=0.0) > 0.0)

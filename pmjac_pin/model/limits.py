@@ -1,0 +1,88 @@
+"""Limits: the joints of a pose that are beyond theirs, and the words for it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.errors import ArgumentError, LimitError
+from pmjac_pin.model.coordinates import JointCoordinates
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """A joint beyond its limits.
+
+    Attributes
+    ----------
+    value, lower, upper : float
+        m or rad.
+    """
+
+    value: float
+    lower: float
+    upper: float
+
+    @property
+    def words(self) -> str:
+        """The value and the limits, with as many digits as tell them apart."""
+        for digits in range(6, 18):
+            value, lower, upper = (
+                f"{number:.{digits}g}" for number in (self.value, self.lower, self.upper)
+            )
+            if not float(lower) <= float(value) <= float(upper):
+                break
+        return f"{value} is outside its limits [{lower}, {upper}]"
+
+
+def violations(
+    coordinates: JointCoordinates, q: Array, names: Iterable[str]
+) -> Mapping[str, Violation]:
+    """Return those of these joints that are beyond their limits, by name.
+
+    Joints with one degree of freedom and one entry in q have limits. Values up to 1e-9 m or rad
+    beyond them count as within.
+    """
+    values, columns = coordinates.values(q), np.arange(coordinates.lower.size)
+    outside = set(coordinates.outside(values, columns))
+    found = {}
+    for name in names:
+        if name in outside:
+            value = float(values[coordinates.columns([name])[0]])
+            found[name] = Violation(value, *coordinates.limits(name))
+    return MappingProxyType(found)
+
+
+def limit_error(what: str, found: Mapping[str, Violation], advice: str = "") -> LimitError:
+    """Build the error of joints beyond their limits; the message starts with `what`."""
+    name, first = next(iter(found.items()))
+    told = "; ".join(f"{other!r} = {violation.words}" for other, violation in found.items())
+    return LimitError(
+        f"{what}{told}{advice}",
+        joint=name,
+        value=first.value,
+        lower=first.lower,
+        upper=first.upper,
+    )
+
+
+def enforced(given: object) -> str:
+    """Return whose limits to enforce: those of "all" joints, of the "motors", or of "none".
+
+    Raises
+    ------
+    ArgumentError
+        Not True, False or "all".
+    """
+    if isinstance(given, bool | np.bool_):
+        return "motors" if given else "none"
+    if isinstance(given, str) and given == "all":
+        return given
+    wanted = "True (of the motors), False (of none) or 'all'"
+    raise ArgumentError(f"enforce_limits must be {wanted}, got {given!r:.100}")

@@ -1,0 +1,242 @@
+"""Linkage: a Pinocchio model taken apart into bodies and joints, and hung up another way.
+
+A joint is an edge between two bodies, with a kind, a place on each and no preferred direction:
+
+    child's pose = parent's pose · before · motion(value) · after
+
+The motions of one degree of freedom are along or about z. A tree can be rebuilt from its edges
+with some of them turned round, exchanged or of another kind.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.values.ties import first_smallest
+
+Array = NDArray[np.float64]
+Kind = Literal["revolute", "continuous", "prismatic", "spherical", "planar", "free", "fixed"]
+
+_JOINTS = {
+    "revolute": pin.JointModelRZ,
+    "continuous": pin.JointModelRUBZ,
+    "prismatic": pin.JointModelPZ,
+    "spherical": pin.JointModelSpherical,
+    "planar": pin.JointModelPlanar,
+    "free": pin.JointModelFreeFlyer,
+}
+_KINDS: Mapping[str, Kind] = {
+    "JointModelR([XYZ]|evoluteUnaligned)": "revolute",
+    "JointModelR(UB[XYZ]|evoluteUnboundedUnaligned)": "continuous",
+    "JointModelP([XYZ]|rismaticUnaligned)": "prismatic",
+    "JointModelSpherical": "spherical",
+    "JointModelPlanar": "planar",
+    "JointModelFreeFlyer": "free",
+}
+_OVER = pin.SE3(np.diag([1.0, -1.0, -1.0]), np.zeros(3))  # half a turn about x: z becomes −z
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Edge:
+    """A joint between two bodies.
+
+    Attributes
+    ----------
+    name : str
+    kind : str
+    parent, child : int
+        Bodies; 0 is the world.
+    before, after : pin.SE3
+    limits : tuple of ndarray, shapes (nq,), or None
+        The lower and the upper ones, as Pinocchio has them.
+    pitch : float
+        How far a screw slides, m/rad.
+    """
+
+    name: str
+    kind: Kind
+    parent: int
+    child: int
+    before: pin.SE3
+    after: pin.SE3
+    limits: tuple[Array, Array] | None = None
+    pitch: float = 0.0
+
+    def entries(self, parent: pin.SE3, child: pin.SE3) -> tuple[float, ...]:
+        """Return Pinocchio's nq entries for this joint where its two bodies are at these poses."""
+        motion = (parent * self.before).actInv(child * self.after.inverse())
+        cosine, sine = motion.rotation[0, 0], motion.rotation[1, 0]
+        x, y, z, *quaternion = pin.SE3ToXYZQUAT(motion).tolist()
+        entries: dict[Kind, tuple[float, ...]] = {
+            "fixed": (),
+            "revolute": (math.atan2(sine, cosine),),
+            "continuous": (float(cosine), float(sine)),
+            "prismatic": (z,),
+            "spherical": tuple(quaternion),
+            "planar": (x, y, float(cosine), float(sine)),
+            "free": (x, y, z, *quaternion),
+        }
+        return entries[self.kind]
+
+    def turned(self) -> Edge:
+        """Return the same joint seen from its child: one degree of freedom keeps its value."""
+        over = _OVER if self.kind in ("revolute", "continuous", "prismatic") else pin.SE3.Identity()
+        return replace(
+            self,
+            parent=self.child,
+            child=self.parent,
+            before=self.after.inverse() * over,
+            after=over * self.before.inverse(),
+        )
+
+
+def aligned(axis: Sequence[float] | Array) -> pin.SE3:
+    """Return a rotation that takes z to a unit vector.
+
+    Examples
+    --------
+    >>> aligned([1.0, 0.0, 0.0]).rotation.round(12)[:, 2].tolist()
+    [1.0, 0.0, 0.0]
+    """
+    z = np.asarray(axis, dtype=float)
+    x = np.eye(3)[first_smallest(z)]
+    x = x - (x @ z) * z
+    x /= np.linalg.norm(x)
+    return pin.SE3(np.column_stack([x, np.cross(z, x), z]), np.zeros(3))
+
+
+def edges_of(model: pin.Model) -> dict[str, Edge]:
+    """Return the joints of a model by name; body k is what Pinocchio's joint k carries.
+
+    Raises
+    ------
+    ArgumentError
+        A joint of a kind that is not known here.
+    """
+    edges, data = {}, model.createData()
+    pin.computeJointJacobians(model, data, pin.neutral(model))
+    for joint in list(model.joints)[1:]:
+        name, index = model.names[joint.id], joint.id
+        kind = _kind(joint, name)
+        turn = aligned(_axis(model, data, joint)) if joint.nv == 1 else pin.SE3.Identity()
+        entries = slice(joint.idx_q, joint.idx_q + joint.nq)
+        edges[name] = Edge(
+            name,
+            kind,
+            int(model.parents[index]),
+            index,
+            model.jointPlacements[index] * turn,
+            turn.inverse(),
+            (model.lowerPositionLimit[entries].copy(), model.upperPositionLimit[entries].copy()),
+        )
+    return edges
+
+
+def build(
+    model: pin.Model, edges: Iterable[Edge], extra: Mapping[str, tuple[int, pin.SE3]]
+) -> pin.Model:
+    """Return a model of the bodies and frames of `model`, hung up by these edges.
+
+    Parameters
+    ----------
+    model : pin.Model
+        Its bodies, frames and inertias are taken; its joints are not.
+    edges : iterable of Edge
+        A tree from body 0. Bodies beyond those of `model` have no mass; those that no edge
+        leads to are left out.
+    extra : mapping of str to (int, pin.SE3)
+        Further frames: the body that carries it, and its place there.
+    """
+    tree = pin.Model()
+    tree.name, tree.gravity = model.name, model.gravity
+    carriers = _hang(tree, list(edges))
+    for body in range(1, model.njoints):
+        if body not in carriers:
+            continue
+        joint, place = carriers[body]
+        tree.appendBodyToJoint(joint, model.inertias[body], place)
+    for frame in list(model.frames)[1:]:
+        if frame.parentJoint not in carriers:
+            continue
+        # The joint that a frame was named after may be turned round or gone: it is what stays
+        # of it, and as a joint's frame it gives way to a link of the same name.
+        kind = pin.FrameType.FIXED_JOINT if frame.type == pin.FrameType.JOINT else frame.type
+        _add_frame(tree, frame.name, carriers[frame.parentJoint], frame.placement, kind)
+    for name, (body, place) in extra.items():
+        _add_frame(tree, name, carriers[body], place, pin.FrameType.OP_FRAME)
+    return tree
+
+
+def with_spherical(model: pin.Model, names: Iterable[str]) -> pin.Model:
+    """Return the model with these joints, which have six degrees of freedom, only turning.
+
+    Raises
+    ------
+    ArgumentError
+        A joint that is not `floating`.
+    """
+    edges = edges_of(model)
+    for name in names:
+        if name not in edges or edges[name].kind != "free":
+            wanted = "`spherical` names joints that the URDF writes as floating"
+            raise ArgumentError(f"{wanted}, got {quoted(name)}")
+        edges[name] = replace(edges[name], kind="spherical", limits=None)
+    return build(model, edges.values(), {})
+
+
+def _hang(tree: pin.Model, edges: list[Edge]) -> dict[int, tuple[int, pin.SE3]]:
+    """Add the joints depth first; return each body's joint and its place in that."""
+    children: dict[int, list[Edge]] = {}
+    for edge in edges:
+        children.setdefault(edge.parent, []).append(edge)
+    carriers = {0: (0, pin.SE3.Identity())}
+    waiting = children.get(0, [])[::-1]
+    while waiting:
+        edge = waiting.pop()
+        joint, place = carriers[edge.parent]
+        if edge.kind == "fixed":
+            carriers[edge.child] = (joint, place * edge.before * edge.after)
+        else:
+            kind = _JOINTS[edge.kind]()
+            none = np.full(kind.nv, np.inf)
+            limits = edge.limits or (np.full(kind.nq, -np.inf), np.full(kind.nq, np.inf))
+            at = place * edge.before
+            added = tree.addJoint(joint, kind, at, edge.name, none, none, *limits)
+            carriers[edge.child] = (added, edge.after)
+        waiting += children.get(edge.child, [])[::-1]
+    return carriers
+
+
+def _add_frame(
+    tree: pin.Model, name: str, carrier: tuple[int, pin.SE3], place: pin.SE3, kind: pin.FrameType
+) -> None:
+    tree.addFrame(pin.Frame(name, carrier[0], carrier[1] * place, kind), False)
+
+
+def known_kind(joint: pin.JointModel) -> Kind | None:
+    """Return the kind of one of Pinocchio's joints; None where it has none here."""
+    written = joint.shortname()
+    return next((kind for known, kind in _KINDS.items() if re.fullmatch(known, written)), None)
+
+
+def _kind(joint: pin.JointModel, name: str) -> Kind:
+    if kind := known_kind(joint):
+        return kind
+    written = joint.shortname()
+    raise ArgumentError(f"joint {quoted(name)} is a {written}, which cannot be taken apart")
+
+
+def _axis(model: pin.Model, data: pin.Data, joint: pin.JointModel) -> Array:
+    """Return a joint's axis in its own frame; not all of Pinocchio's joints show theirs."""
+    motion = pin.getJointJacobian(model, data, joint.id, pin.LOCAL).reshape(6, -1)[:, joint.idx_v]
+    axis = motion[3:] if motion[3:].any() else motion[:3]
+    return np.asarray(axis / np.linalg.norm(axis))

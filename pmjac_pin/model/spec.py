@@ -1,0 +1,278 @@
+"""MechanismSpec: what a model file says, checked. It knows nothing of Pinocchio.
+
+A model file is data: which URDF, which loops, which motors, which tool, which poses, and how
+the parameters move the origins of that URDF. Nothing in it is evaluated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sized
+from numbers import Real
+from types import MappingProxyType
+from typing import Annotated, Any
+
+import msgspec
+from msgspec.structs import force_setattr, replace
+
+from pmjac_pin.errors import ArgumentError, did_you_mean, enumerated, quoted, unknown_name
+from pmjac_pin.model.loop_spec import MAXIMAL_LOOPS, DistanceLoop, Loop
+from pmjac_pin.model.parameter import Move, Parameter
+from pmjac_pin.model.table import LONGEST_NAME, Name, Table
+from pmjac_pin.model.tool_rows import WHOLE_TWIST, WORLD_AXES, ToolRows, checked_axes, checked_rows
+from pmjac_pin.values.checks import as_names, as_number
+
+LARGEST_TOLERANCE = 1e-2  # m
+MAXIMAL_ENTRIES = 1000  # poses, and parameters: each pose is assembled, and takes milliseconds
+
+
+class Tool(Table, frozen=True, kw_only=True):
+    """The tool: a frame of the URDF, or the frame that three points span.
+
+    Three points p₁, p₂, p₃ give the origin (p₁ + p₂ + p₃)/3, x along p₂ − p₁, z along
+    (p₂ − p₁) × (p₃ − p₁) and y = z × x.
+
+    `rows` says which rows of its twist count where ranks are judged (None for all six), `axes` in
+    which axes these are: see `ToolRows`.
+    """
+
+    frame: Name | None = None
+    points: tuple[Name, Name, Name] | None = None
+    rows: tuple[str, ...] | None = None
+    axes: str = WORLD_AXES
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if (self.frame is None) == (self.points is None):
+            raise ArgumentError("a tool is either `frame = NAME` or `points = [NAME, NAME, NAME]`")
+        if self.points is not None and len(set(self.points)) < 3:
+            raise ArgumentError(
+                f"the three points of a tool must differ, got {quoted(list(self.points))}"
+            )
+        force_setattr(self, "axes", checked_axes(self.axes))
+        if self.rows is not None:
+            force_setattr(self, "rows", checked_rows(self.rows))
+        elif self.axes != WORLD_AXES:
+            raise ArgumentError("the tool has `axes` but no `rows` that would be in these")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The frame, or the three whose origins span the tool."""
+        return (self.frame,) if self.frame else self.points or ()
+
+    @property
+    def judged(self) -> ToolRows:
+        """The rows that count where ranks are judged."""
+        return WHOLE_TWIST if self.rows is None else ToolRows(self.rows, checked_axes(self.axes))
+
+
+JointValue = float | tuple[float, ...]
+
+
+class MechanismSpec(Table, frozen=True, kw_only=True):
+    """What a model file says.
+
+    Attributes
+    ----------
+    name : str
+        The mechanism's name; the file's stem when the file gives none.
+    description : str
+        One sentence.
+    urdf : str
+        The cut tree: a path relative to the model file or to the ``urdf`` folder beside its
+        folder, or ``"example-robot-data:PATH"``.
+    actuated, passive : tuple of str
+        Joints in the order of the columns of K, J and K*, J*. Without `passive`: every other
+        joint that moves, in Pinocchio's order.
+    tool : Tool
+    loops : tuple of PointLoop, DistanceLoop, ...
+        ``[[loop]]`` in the file; `pmjac_pin.model.loop_spec` has all kinds.
+    locked : mapping of str to float
+        Joints that are held, at these values in rad or m: springs at rest, brakes. A ``floating``
+        one, such as a walking robot's base, at its values as in a pose; at its origin where 0.
+    spherical : tuple of str
+        Joints that the URDF writes as ``floating`` for want of a ball joint: they only turn.
+    tolerance : float or None
+        The gap in m up to which the loops count as closed, for models whose loops cannot close
+        exactly because their numbers are rounded; None for 1e-12 of the mechanism's length.
+    poses : mapping of str to mapping of str to float
+        Joint values, m or rad, near which the loops are assembled; "home" is one of them.
+    parameters : mapping of str to Parameter
+    """
+
+    name: Annotated[str, msgspec.Meta(max_length=LONGEST_NAME)] = ""
+    description: str = ""
+    urdf: str = ""
+    actuated: tuple[Name, ...]
+    passive: tuple[Name, ...] | None = None
+    tool: Tool
+    loops: tuple[Loop, ...] = msgspec.field(default=(), name="loop")
+    locked: dict[Name, JointValue] = msgspec.field(default_factory=dict)
+    spherical: tuple[Name, ...] = ()
+    tolerance: float | None = None
+    poses: dict[Name, dict[Name, JointValue]]
+    parameters: dict[Name, Parameter] = msgspec.field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _refuse_many("loops", self.loops, MAXIMAL_LOOPS)
+        _refuse_many("poses", self.poses, MAXIMAL_ENTRIES)
+        _refuse_many("parameters", self.parameters, MAXIMAL_ENTRIES)
+        _refuse_repeated("actuated", self.actuated)
+        _refuse_repeated("passive", self.passive or ())
+        _refuse_repeated("spherical", self.spherical)
+        if not isinstance(self.tolerance, Real | None):
+            raise ArgumentError(f"`tolerance` is a number in m, got {quoted(self.tolerance)}")
+        if self.tolerance is not None and not 0.0 < self.tolerance <= LARGEST_TOLERANCE:
+            within = f"between 0 and {LARGEST_TOLERANCE:g} m"
+            raise ArgumentError(f"`tolerance` is {within}, got {quoted(self.tolerance)}")
+        if not self.actuated:
+            raise ArgumentError("`actuated` is empty: name at least one motor joint")
+        if both := sorted(set(self.actuated) & set(self.passive or ())):
+            raise ArgumentError(f"joint {quoted(both[0])} is listed as actuated and as passive")
+        self._check_locked()
+        if "home" not in self.poses:
+            named = enumerated(tuple(self.poses)) or "none"
+            raise ArgumentError(f"`poses.home` is missing; there are: {named}")
+        for loop in self.loops:
+            _check_length(loop, self.parameters)
+        for name in self.parameters:
+            if not self._uses(name):
+                raise ArgumentError(f"parameter {quoted(name)} moves nothing and is in no length")
+
+    def _uses(self, parameter: str) -> bool:
+        lengths = [loop.length for loop in self.loops if isinstance(loop, DistanceLoop)]
+        in_a_length = any(isinstance(length, Mapping) and parameter in length for length in lengths)
+        return bool(self.parameters[parameter].moves) or in_a_length
+
+    def _check_locked(self) -> None:
+        uses = {"actuated": self.actuated, "passive": self.passive or ()}
+        for name in self.locked:
+            if name in self.spherical:
+                raise ArgumentError(f"joint {quoted(name)} is a ball joint; it cannot be locked")
+            for use, names in (*uses.items(), *((f"poses.{k}", v) for k, v in self.poses.items())):
+                if name in names:
+                    raise ArgumentError(f"joint {quoted(name)} is locked; remove it from `{use}`")
+
+    def with_locked(self, joints: Iterable[str] | Mapping[str, JointValue]) -> MechanismSpec:
+        """Return the spec with these joints held, and so in no pose and not among `passive`.
+
+        Parameters
+        ----------
+        joints : iterable of str, or mapping of str to float or floats
+            Their names, for those that are held at their values in the home pose (0 where it
+            has none), or their values in rad or m.
+
+        Raises
+        ------
+        ArgumentError
+            A motor, a ball joint, or a value that is no number.
+        """
+        names = as_names(joints, "`locked` is a list of joints or a mapping")
+        home = {**self.locked, **self.poses["home"]}
+        given = joints if isinstance(joints, Mapping) else {k: home.get(k, 0.0) for k in names}
+        held = {name: _held_at(name, value) for name, value in given.items()}
+        return replace(
+            self,
+            locked={**self.locked, **held},
+            passive=self.passive and tuple(name for name in self.passive if name not in held),
+            poses={
+                pose: {name: value for name, value in values.items() if name not in held}
+                for pose, values in self.poses.items()
+            },
+        )
+
+    def with_tool_rows(self, rows: Iterable[str] | None, axes: str | None) -> MechanismSpec:
+        """Return the spec with other rows of the tool's twist judged, or in other axes.
+
+        Raises
+        ------
+        ArgumentError
+            No such rows or axes; axes, but no rows.
+        """
+        tool = self.tool
+        if rows is not None:
+            tool = replace(tool, rows=checked_rows(rows))
+        if axes is not None:
+            tool = replace(tool, axes=checked_axes(axes))
+        return replace(self, tool=tool)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (decode_spec, (encode_spec(self),))
+
+    def parameter_values(self, given: Mapping[str, float] | None = None) -> Mapping[str, float]:
+        """Return every parameter's value: the given ones checked, the others at their default.
+
+        Raises
+        ------
+        UnknownNameError
+            A parameter that the model does not declare.
+        ArgumentError
+            Not a number, or outside the parameter's range.
+        """
+        values = {name: parameter.default for name, parameter in self.parameters.items()}
+        if not isinstance(given, Mapping | None):
+            message = f"parameters must be a mapping of names to numbers, got {quoted(given)}"
+            raise ArgumentError(message)
+        for name, value in (given or {}).items():
+            if name not in self.parameters:
+                raise unknown_name("parameter", name, tuple(self.parameters))
+            values[name] = self.parameters[name].check(name, value)
+        return MappingProxyType(values)
+
+    def moves(self, values: Mapping[str, float]) -> Iterator[tuple[Move, float]]:
+        """Yield each move with the parameter's distance from its default."""
+        for name, parameter in self.parameters.items():
+            for move in parameter.moves:
+                yield move, values[name] - parameter.default
+
+
+def encode_spec(spec: MechanismSpec) -> bytes:
+    """Encode a spec as JSON."""
+    return msgspec.json.encode(spec, enc_hook=_builtin)
+
+
+def decode_spec(encoded: bytes) -> MechanismSpec:
+    """Decode what `encode_spec` made."""
+    return msgspec.json.decode(encoded, type=MechanismSpec)
+
+
+def _builtin(value: Any) -> dict[str, Any] | float | str:
+    """Return what JSON knows for a read-only mapping or one of NumPy's scalars."""
+    if isinstance(value, str):
+        return str(value)
+    return float(value) if isinstance(value, Real) else dict(value)
+
+
+def _refuse_many(what: str, entries: Sized, most: int) -> None:
+    if len(entries) > most:
+        raise ArgumentError(f"{len(entries)} {what} are too many; at most {most} are read")
+
+
+def _refuse_repeated(key: str, names: Iterable[str]) -> None:
+    seen: set[str] = set()
+    for name in names:
+        if name in seen:
+            raise ArgumentError(f"joint {quoted(name)} is listed twice in `{key}`")
+        seen.add(name)
+
+
+def _held_at(name: str, value: object) -> JointValue:
+    if isinstance(value, tuple | list):
+        return tuple(_held_at_number(name, number) for number in value)
+    return _held_at_number(name, value)
+
+
+def _held_at_number(name: str, value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise ArgumentError(f"joint {quoted(name)} is locked at one number, got {quoted(value)}")
+    return as_number(value, f"the value of the locked joint {quoted(name)}")
+
+
+def _check_length(loop: Loop, parameters: Mapping[str, Parameter]) -> None:
+    if not isinstance(loop, DistanceLoop):
+        return
+    for name in () if isinstance(loop.length, float) else loop.length:
+        if name not in parameters:
+            hint = did_you_mean(name, parameters)
+            raise ArgumentError(f"unknown parameter {quoted(name)} in the length of a loop{hint}")
+    loop.resolved_length({name: item.default for name, item in parameters.items()})

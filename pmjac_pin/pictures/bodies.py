@@ -1,0 +1,96 @@
+"""Bodies: where everything is at one q, and how fast its points move. Pinocchio is called here."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from pmjac_pin.files.shapes import Array
+
+Index = NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Point:
+    """A point fixed to a body: Pinocchio's index of its joint and the place in that joint."""
+
+    body: int
+    place: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Points:
+    """Points of bodies, stacked: bodies (k,) and places (k, 3)."""
+
+    bodies: Index
+    places: Array
+
+    @classmethod
+    def of(cls, points: Sequence[Point]) -> Points:
+        """Stack points."""
+        places = np.array([point.place for point in points], dtype=np.float64).reshape(-1, 3)
+        return cls(np.array([point.body for point in points], dtype=np.intp), places)
+
+    def at(self, placements: Array) -> Array:
+        """Return the points in the world, shape (k, 3), for placements of shape (bodies, 4, 4)."""
+        chosen = placements[self.bodies]
+        turned: Array = (chosen[:, :3, :3] @ self.places[:, :, None])[:, :, 0]
+        return turned + chosen[:, :3, 3]
+
+
+class Bodies:
+    """Placements and velocities of the bodies of a model; may be shared between threads.
+
+    Parameters
+    ----------
+    model : pin.Model
+        Kept, not copied: it must not be changed afterwards.
+
+    Attributes
+    ----------
+    axes : mapping of int to (ndarray of shape (3,), bool)
+        For each joint with one degree of freedom the axis in its own frame, where it is
+        constant, and whether the joint turns about it or slides along it.
+    """
+
+    __slots__ = ("_data", "_lock", "axes", "model")
+
+    def __init__(self, model: pin.Model) -> None:
+        self.model = model
+        self._data = model.createData()
+        self._lock = threading.Lock()
+        self.axes: Mapping[int, tuple[Array, bool]] = _axes(model, self._data)
+
+    def placements(self, q: Array) -> Array:
+        """Return oMi of all joints, the universe first, shape (njoints, 4, 4)."""
+        with self._lock:
+            pin.forwardKinematics(self.model, self._data, q)
+            return np.array([placement.homogeneous for placement in self._data.oMi])
+
+    def velocities(self, q: Array, v: Array, points: Points) -> Array:
+        """Return the velocities of points in world axes, shape (k, 3)."""
+        with self._lock:
+            pin.forwardKinematics(self.model, self._data, q, v)
+            rotations = np.array([placement.rotation for placement in self._data.oMi])
+            motions = np.array([motion.vector for motion in self._data.v])
+        motions, rotations = motions[points.bodies], rotations[points.bodies]
+        local = motions[:, :3] + np.cross(motions[:, 3:], points.places)
+        moved: Array = (rotations @ local[:, :, None])[:, :, 0]
+        return moved
+
+
+def _axes(model: pin.Model, data: pin.Data) -> dict[int, tuple[Array, bool]]:
+    motions = pin.computeJointJacobians(model, data, pin.neutral(model)).reshape(6, -1)
+    found = {}
+    for index, joint in enumerate(model.joints):
+        if joint.nv == 1:
+            motion = data.oMi[index].actInv(pin.Motion(motions[:, joint.idx_v]))
+            turns = bool(np.abs(motion.angular).max() > 0.0)
+            axis = motion.angular if turns else motion.linear
+            found[index] = (axis / np.linalg.norm(axis), turns)
+    return found

@@ -1,0 +1,166 @@
+"""The lecture's pose B: the 3-RPS closed, its matrices, its ellipsoid and the figure.
+
+Source: Ashitava Ghosal, *Robotics: Basics and Selected Advanced Concepts* (NPTEL), lecture 21,
+"Parallel Manipulator Jacobian Matrix", equations (26) to (33).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from pmjac_pin.loading import load
+from pmjac_pin.pictures.pose_figure import save_pose_figure
+from pmjac_pin.values.brief import brief
+from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table, Verbatim, number, numbers
+from pmjac_pin.words.report import EllipsoidReport, Report
+from pmjac_pin.words.report_maker import make_report
+from pmjac_pin.words.tables import (
+    LEGEND,
+    ellipsoid_table,
+    matrix_blocks,
+    motor_values,
+    singular_values_table,
+)
+
+LECTURE_CUT, CONTACT_CUT, POSE = "three_rps_ss", "three_rps", "lecture_b"
+LENGTHS = (0.5, 1.0, 2.0)
+FIGURE = Path("three_rps_lecture_b.png")
+
+PRINTED_ANGLES = (0.4, 0.7535, 0.2402)
+PRINTED_VELOCITIES = (0.3724, 0.3162, 0.2031)
+PRINTED_DIRECTIONS = (
+    (0.9921, -0.0394, 0.1187),
+    (0.1166, 0.6338, -0.7646),
+    (-0.0452, 0.7724, 0.6335),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Demo:
+    """What the demonstration computed.
+
+    Attributes
+    ----------
+    report : Report
+        Of the lecture's own cut, three distance loops.
+    contact : Report
+        Of the same pose, cut at the spherical joints.
+    linear_difference, angular_difference : float
+        Largest difference between the two [J_v]eq and the two [J_ω]eq.
+    figure : Path
+        The file written.
+    """
+
+    report: Report
+    contact: Report
+    linear_difference: float
+    angular_difference: float
+    figure: Path
+
+
+def run_demo(figure: Path = FIGURE) -> Demo:
+    """Compute everything at the lecture's pose B and write the figure.
+
+    Raises
+    ------
+    ArgumentError, OSError
+        The figure cannot be written.
+    MissingDependencyError
+        matplotlib is not installed.
+    """
+    here = load(LECTURE_CUT).close(LENGTHS, guess=POSE)
+    there = load(CONTACT_CUT).close(LENGTHS, guess=POSE)
+    mine, other = here.jacobian(), there.jacobian()
+    report = make_report(here, pose=POSE)
+    save_pose_figure(report, mine.velocity_ellipsoid(), figure)
+    return Demo(
+        report=report,
+        contact=make_report(there, pose=POSE),
+        linear_difference=float(np.abs(mine.Jv_eq - other.Jv_eq).max()),
+        angular_difference=float(np.abs(mine.Jw_eq - other.Jw_eq).max()),
+        figure=figure,
+    )
+
+
+def demo_blocks(demo: Demo) -> Iterator[Block]:
+    """Show the demonstration."""
+    report = demo.report
+    yield Heading(f"Lecture 21, pose B: 3-RPS, {motor_values(report.joints)}")
+    yield Paragraph(_introduction(report))
+    yield _angles_table(report)
+    yield Paragraph(LEGEND)
+    yield from matrix_blocks(report, ("K", "K_star", "Jv", "Jv_star", "Jw", "Jw_star"))
+    yield from matrix_blocks(report, ("Jv_eq", "Jw_eq"))
+    yield singular_values_table(report)
+    yield from _principal_velocities(report)
+    yield from _other_cut(demo)
+    yield Heading("Figure: the ellipsoid in space and in the Z-Y, Z-X and X-Y planes")
+    yield Verbatim(str(demo.figure))
+
+
+def _introduction(report: Report) -> str:
+    return (
+        f"Cut as the lecture cuts it ({report.mechanism}): three open RP legs and three distance "
+        f"loops, closed from the pose {POSE!r} (Newton iterations: {report.iterations}, gap: "
+        f"{brief(report.residual_norm)} m). The twist is that of the platform's middle, in axes "
+        f"parallel to the world's."
+    )
+
+
+def _angles_table(report: Report) -> Table:
+    angles = [joint for joint in report.joints if joint.role == "passive"]
+    rows = zip(angles, PRINTED_ANGLES, strict=True)
+    return Table(
+        "Direct kinematics: the leg angles φ",
+        ("joint", "computed\n[rad]", "printed\n[rad]"),
+        tuple((joint.name, number(joint.value), number(printed)) for joint, printed in rows),
+        "<>>",
+    )
+
+
+def _principal_velocities(report: Report) -> Iterator[Block]:
+    computed = report.ellipsoids["velocity"]
+    if computed is None:  # impossible at this pose; the type cannot know
+        return
+    printed = EllipsoidReport(computed.unit, 3, PRINTED_VELOCITIES, PRINTED_DIRECTIONS)
+    yield Heading("Principal velocities of the platform's middle")
+    yield ellipsoid_table("Computed: the singular values of [J_v]eq, equation (33)", computed)
+    yield ellipsoid_table("Printed in the lecture", printed)
+    yield Paragraph(
+        f"The printed {_triple(PRINTED_VELOCITIES)} m/s do not follow from the lecture's own "
+        f"equations, which give {_triple(computed.radii)} m/s at this pose (and the same on its "
+        f"mirror image below the base)."
+    )
+
+
+def _other_cut(demo: Demo) -> Iterator[Block]:
+    yield Heading("The same machine, cut elsewhere")
+    yield Paragraph(
+        f"{demo.contact.mechanism} closes the loops by point contacts between a free platform and "
+        f"the three legs. K and K* are others, the equivalent Jacobian is the same."
+    )
+    yield Table(
+        "The two cuts",
+        ("model", "K", "K*", "det K*"),
+        tuple(map(_cut, (demo.report, demo.contact))),
+        "<<<<",
+    )
+    yield from matrix_blocks(demo.contact, ("Jv_eq", "Jw_eq"))
+    yield Paragraph(
+        f"Largest difference from the matrices above: {brief(demo.linear_difference)} in [J_v]eq, "
+        f"{brief(demo.angular_difference)} rad/m in [J_ω]eq."
+    )
+
+
+def _cut(report: Report) -> tuple[str, ...]:
+    size, det = report.dimensions, report.det_K_star
+    sizes = (f"{size.m} × {size.n}", f"{size.m} × {size.m_p}")
+    return (report.mechanism, *sizes, f"{number(det.value)} {det.unit}" if det else "")
+
+
+def _triple(values: tuple[float, ...]) -> str:
+    return ", ".join(numbers([values])[0])

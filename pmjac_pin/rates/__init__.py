@@ -1,0 +1,1 @@
+"""Rates: linear algebra on arrays. Nothing of Pinocchio is known here."""

@@ -1,0 +1,360 @@
+"""EquivalentJacobian: K, K*, J, J* and J_eq = J − J* K*⁻¹ K (Ghosal, equations 26 to 33).
+
+Linear algebra on plain arrays: it imports no Pinocchio and works on matrices from elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.errors import (
+    ArgumentError,
+    ForbiddenRatesError,
+    IdleMotionError,
+    SingularError,
+    quoted,
+)
+from pmjac_pin.model.twist_frame import FrameName
+from pmjac_pin.rates.ellipsoid import Ellipsoid, force_ellipsoid, velocity_ellipsoid
+from pmjac_pin.rates.error_estimate import Pose, error_estimate
+from pmjac_pin.rates.factorisation import Factorisation
+from pmjac_pin.rates.partition import Partition, TwistRanks
+from pmjac_pin.rates.singularity import Singularity, analyse_singularity, forbidden_rates
+from pmjac_pin.values.norm import norm
+from pmjac_pin.values.read_only import ReadOnlyArrays, read_only
+from pmjac_pin.values.ties import first_largest
+
+Array = NDArray[np.float64]
+_STILL = 1e-6  # of the largest rate of a motion
+_ROUNDING = 1e-12  # of ‖J‖ ‖G‖
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SplitJacobian(ReadOnlyArrays):
+    """The matrices before the passive rates are eliminated: they exist at singular poses too.
+
+    All arrays are read-only. n motors, m_p passive degrees of freedom, m independent rows of
+    the loop equations.
+
+    Attributes
+    ----------
+    constraint_jacobian : ndarray, shape (p, nv)
+        ∂η/∂v on all rows, world axes, Pinocchio's columns.
+    tool_jacobian : ndarray, shape (6, nv)
+        Of the cut tree, linear rows first, in `frame`, Pinocchio's columns.
+    frame : str
+        "LOCAL", "WORLD" or "LOCAL_WORLD_ALIGNED", as in Pinocchio.
+    partition : Partition
+        Which columns are actuated and which passive.
+    pose : Pose or None
+        What is known of the rounding of the pose that they belong to; None for matrices from
+        elsewhere.
+    """
+
+    constraint_jacobian: Array
+    tool_jacobian: Array
+    frame: FrameName
+    partition: Partition
+    pose: Pose | None = field(default=None, kw_only=True)
+
+    @cached_property
+    def rows(self) -> NDArray[np.intp]:
+        """Which rows of η are those of K and K*, shape (m,)."""
+        scaled = self.partition.scaled(self.constraint_jacobian)
+        return read_only(self.partition.shown_rows(scaled))
+
+    @cached_property
+    def K(self) -> Array:
+        """∂η/∂θ on the independent rows, shape (m, n)."""
+        return read_only(self.constraint_jacobian[np.ix_(self.rows, self.partition.actuated)])
+
+    @cached_property
+    def K_star(self) -> Array:
+        """∂η/∂φ on the independent rows, shape (m, m_p)."""
+        return read_only(self.constraint_jacobian[np.ix_(self.rows, self.partition.passive)])
+
+    @cached_property
+    def Jv(self) -> Array:
+        """Linear rows of J, shape (3, n)."""
+        return read_only(self.tool_jacobian[:3, self.partition.actuated])
+
+    @cached_property
+    def Jv_star(self) -> Array:
+        """Linear rows of J*, shape (3, m_p)."""
+        return read_only(self.tool_jacobian[:3, self.partition.passive])
+
+    @cached_property
+    def Jw(self) -> Array:
+        """Angular rows of J, shape (3, n)."""
+        return read_only(self.tool_jacobian[3:, self.partition.actuated])
+
+    @cached_property
+    def Jw_star(self) -> Array:
+        """Angular rows of J*, shape (3, m_p)."""
+        return read_only(self.tool_jacobian[3:, self.partition.passive])
+
+    @property
+    def tool_sizes(self) -> Array:
+        """What the entries of J and J* are compared with, linear and angular, shape (2,)."""
+        sizes = self.partition.tool_sizes(self.tool_jacobian)
+        return read_only(np.array(sizes) / self.partition.column_scale.min(initial=1.0))
+
+    @property
+    def det_K_star(self) -> float | None:
+        """Determinant of K*, None where K* is not square. It decides nothing."""
+        rows, columns = self.K_star.shape
+        return float(np.linalg.det(self.K_star)) if rows == columns else None
+
+    def __repr__(self) -> str:
+        return f"SplitJacobian({self._sizes()})"
+
+    def _sizes(self) -> str:
+        m, n, m_p = self.rows.size, self.partition.actuated.size, self.partition.passive.size
+        return f"K={m}×{n}, K_star={m}×{m_p}, J=6×{n}, J_star=6×{m_p}, frame={self.frame!r}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class EquivalentJacobian(SplitJacobian):
+    """The map from motor rates to the tool twist, and the matrices that it is made of.
+
+    Attributes
+    ----------
+    passive_rates : ndarray, shape (m_p, n)
+        Φ = −K*⁻¹ K, so that φ̇ = Φ θ̇ (29).
+    J_eq : ndarray, shape (6, n)
+        J − J* K*⁻¹ K (30)–(32), linear rows first, in `frame`.
+    """
+
+    passive_rates: Array
+    J_eq: Array
+
+    @property
+    def Jv_eq(self) -> Array:
+        """Linear rows of J_eq, shape (3, n): m/s per unit motor rate."""
+        return self.J_eq[:3]
+
+    @property
+    def Jw_eq(self) -> Array:
+        """Angular rows of J_eq, shape (3, n): rad/s per unit motor rate."""
+        return self.J_eq[3:]
+
+    @cached_property
+    def motion_map(self) -> Array:
+        """G with q̇ = G θ̇, shape (nv, n): J_eq = J G and the constraint Jacobian times G is 0."""
+        motion = np.zeros((self.tool_jacobian.shape[1], self.partition.actuated.size))
+        motion[self.partition.actuated] = np.eye(self.partition.actuated.size)
+        motion[self.partition.passive] = self.passive_rates
+        return read_only(motion)
+
+    @property
+    def sizes(self) -> Array:
+        """What the entries of J_eq are compared with, linear and angular, shape (2,).
+
+        ‖J‖ ‖G‖ for J_eq = J G: of that, rounding leaves some 1e-16 where J_eq should be zero.
+        """
+        motions = self.motion_map / self.partition.column_scale[:, None]
+        sizes = np.array(self.partition.tool_sizes(self.tool_jacobian))
+        return read_only(sizes * norm(motions))
+
+    @cached_property
+    def gv_eq(self) -> Array:
+        """[J_v]eqᵀ [J_v]eq, shape (n, n) (33). For display: its rank is not decided on it."""
+        return read_only(self.Jv_eq.T @ self.Jv_eq)
+
+    @cached_property
+    def gw_eq(self) -> Array:
+        """[J_ω]eqᵀ [J_ω]eq, shape (n, n) (33)."""
+        return read_only(self.Jw_eq.T @ self.Jw_eq)
+
+    @cached_property
+    def tool_ranks(self) -> TwistRanks:
+        """Ranks of J_eq, of its linear and of its angular rows, judged as `Singularity` does.
+
+        On an orthonormal basis of the motions G θ̇: near a singularity of K*, where G grows
+        beyond bounds, one large column must not hide the others.
+        """
+        motions = np.linalg.qr(self.motion_map / self.partition.column_scale[:, None])[0]
+        return self.partition.tool_ranks(self.tool_jacobian, motions)
+
+    @cached_property
+    def error_estimate(self) -> Array:
+        """How far the entries of J_eq may be off, shape (6, n), in the units of J_eq.
+
+        |J_eq − J| ≤ error_estimate, entry by entry, with J that of the pose beside this one that
+        closes the loops exactly, the motors at their values and the model's numbers as they are
+        in memory, or off by a few units in the last place. An estimate, not a proof: to first
+        order in the error of the pose, with roundings that are counted generously. It is some ten
+        to a thousand times the error that is met.
+
+        Beside a singularity the pose's own error, 1e-16 m over the smallest singular value of K*,
+        counts most: relative to J_eq, about cond(K*)² 1e-16. It is infinite where the pose may be
+        too far from a closed one to tell, and NaN throughout where the matrices came from
+        elsewhere: how exact they are is not known here.
+
+        Found when first asked for, by one evaluation for each passive degree of freedom.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> jacobian = pj.load("four_bar").home.jacobian()
+        >>> jacobian.error_estimate.shape, bool((jacobian.error_estimate < 1e-12).all())
+        ((6, 1), True)
+        """
+        if self.pose is None:
+            return read_only(np.full(self.J_eq.shape, np.nan))
+        return read_only(
+            error_estimate(
+                self.constraint_jacobian,
+                self.tool_jacobian,
+                self.motion_map,
+                self.partition,
+                self.pose,
+            )
+        )
+
+    @property
+    def _rounding(self) -> list[float]:
+        """What a radius may be by rounding alone: far above it, and far below all that matters."""
+        return [_ROUNDING * size for size in self.sizes.tolist()]
+
+    def velocity_ellipsoid(self) -> Ellipsoid:
+        """Return the tool velocities of all |θ̇| = 1: the principal velocities, in m/s.
+
+        A radius that is only rounding, beside `sizes`, is 0.
+        """
+        return velocity_ellipsoid(self.Jv_eq, unit="m/s", rounding=self._rounding[0])
+
+    def angular_ellipsoid(self) -> Ellipsoid:
+        """Return the tool's angular velocities of all |θ̇| = 1, in rad/s."""
+        return velocity_ellipsoid(self.Jw_eq, unit="rad/s", rounding=self._rounding[1])
+
+    def force_ellipsoid(self) -> Ellipsoid:
+        """Return the tool forces, without moment, that motor efforts |τ| = 1 balance, in N."""
+        return force_ellipsoid(self.Jv_eq, unit="N", rounding=self._rounding[0])
+
+    def __repr__(self) -> str:
+        return f"EquivalentJacobian({self._sizes()})"
+
+
+def equivalent_jacobian(
+    split: SplitJacobian, singularity: Callable[[], Singularity] | None = None
+) -> EquivalentJacobian:
+    """Eliminate the passive rates: J_eq = J − J* K*⁻¹ K on all rows, by singular values.
+
+    Parameters
+    ----------
+    split : SplitJacobian
+        At a closed pose.
+    singularity : callable, optional
+        Returns the singularity there, for the error that says so: one that knows more than these
+        matrices tell.
+
+    Raises
+    ------
+    SingularError
+        K* is below its generic rank, or no pose near home closes.
+    ForbiddenRatesError
+        The loops do not allow all motor rates.
+    IdleMotionError
+        A passive motion that no motor commands moves the tool.
+    """
+    if not isinstance(split, SplitJacobian):
+        raise ArgumentError(f"a SplitJacobian is needed, got {quoted(split)}")
+    partition, J = split.partition, split.tool_jacobian
+    actuated, passive = partition.actuated, partition.passive
+    scaled = partition.scaled(split.constraint_jacobian)
+    factors = partition.factorise(scaled.take(passive, axis=1), partition.size_of(scaled))
+    if factors.rank < partition.passive_rank or partition.isolated:
+        here = singularity or partial(analyse_singularity, split.constraint_jacobian, J, partition)
+        raise _singular(here())
+    if factors.rank < scaled.shape[0]:
+        _refuse_forbidden(factors, scaled, partition)
+    if factors.rank < passive.size:
+        refuse_felt_idle_motion(factors, J, partition)
+    rates = factors.solve(scaled.take(actuated, axis=1))
+    rates *= partition.rate_scale
+    J_eq = J.take(actuated, axis=1) + J.take(passive, axis=1) @ rates
+    return EquivalentJacobian(
+        split.constraint_jacobian,
+        J,
+        split.frame,
+        partition,
+        rates,
+        J_eq,
+        pose=split.pose,
+    )
+
+
+def _singular(singularity: Singularity) -> SingularError:
+    if singularity.isolated:
+        return SingularError(
+            "no pose near home closes: a structure, or a singular home, in whole or in part; rates "
+            "that the loops seem to allow lead nowhere, and no J_eq exists",
+            singular_value=singularity.smallest,
+            tolerance=singularity.tolerance,
+            free_motion={},
+        )
+    free = singularity.free_motion()
+    moving = ", ".join(f"{name} {rate:+.3g}" for name, rate in free.items() if abs(rate) > 1e-3)
+    message = (
+        f"K* has rank {singularity.rank} here and {singularity.generic_rank} in general "
+        f"(relative singular value {singularity.smallest:.3g}, tolerance "
+        f"{singularity.tolerance:g}): with all motors locked, the passive motion "
+        f"({moving}) is free and no J_eq exists"
+    )
+    return SingularError(
+        message,
+        singular_value=singularity.smallest,
+        tolerance=singularity.tolerance,
+        free_motion=free,
+    )
+
+
+def _moving(names: tuple[str, ...], rates: Array) -> list[tuple[str, float]]:
+    """Return the joints that take part in a motion: the others' rates are rounding."""
+    floor = _STILL * np.abs(rates).max()
+    return [
+        (name, rate) for name, rate in zip(names, rates.tolist(), strict=True) if abs(rate) > floor
+    ]
+
+
+def _refuse_forbidden(factors: Factorisation, scaled: Array, partition: Partition) -> None:
+    forbidden = forbidden_rates(factors.left_null_space, scaled, partition)
+    if not forbidden.shape[1]:
+        return
+    names = partition.actuated_names
+    directions = "; ".join(
+        ", ".join(f"{name} {rate:+.3g}" for name, rate in _moving(names, column))
+        for column in forbidden.T
+    )
+    motors = f"{len(names)} motor{'s are' if len(names) > 1 else ' is'}"
+    raise ForbiddenRatesError(
+        f"the loops forbid the motor rates ({directions}): {motors} too many for these loops; "
+        f"make {forbidden.shape[1]} of them passive",
+        forbidden_rates=read_only(forbidden),
+    )
+
+
+def refuse_felt_idle_motion(
+    factors: Factorisation, tool_jacobian: Array, partition: Partition
+) -> None:
+    """Raise IdleMotionError where the tool moves with the null space of K*."""
+    scaled_tool = partition.scaled_tool(tool_jacobian)
+    felt = scaled_tool[:, partition.passive] @ factors.null_space
+    motions = partition.factorise(felt, norm(scaled_tool))
+    if motions.rank == 0:
+        return
+    idle = partition.column_scale[partition.passive] * (factors.null_space @ motions.right[0])
+    idle /= idle[first_largest(idle)]
+    moving = ", ".join(name for name, _ in _moving(partition.passive_names, idle))
+    raise IdleMotionError(
+        f"the tool is moved by a passive motion that no motor commands: {moving} "
+        f"move freely with all motors locked; make one of them actuated, or put the tool on a "
+        f"body that stays at rest",
+        idle_motion=dict(zip(partition.passive_names, map(float, idle), strict=True)),
+    )

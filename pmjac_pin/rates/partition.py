@@ -1,0 +1,305 @@
+"""Partition: what does not change from pose to pose when rates are split into θ̇ and φ̇.
+
+Which columns are actuated and which passive, the scales that make K and K* dimensionless,
+the generic ranks, and the rows of η that are shown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.model.tool_rows import WHOLE_TWIST, ToolRows
+from pmjac_pin.rates.factorisation import RANK_TOLERANCE, Factorisation, factorise
+from pmjac_pin.values.checks import SMALLEST, as_number, as_numbers
+from pmjac_pin.values.norm import norm
+from pmjac_pin.values.read_only import ReadOnlyArrays, read_only
+from pmjac_pin.values.ties import pivots
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+
+_LEAST_SIZE = 0.1  # of [K K*], beside its generic size
+
+
+class TwistRanks(NamedTuple):
+    """Dimensions of the tool's twists, of its linear and of its angular velocities."""
+
+    twist: int
+    linear: int
+    angular: int
+
+
+@dataclass(frozen=True, eq=False)
+class Partition(ReadOnlyArrays):
+    """The split of the nv rates into n actuated and m_p passive ones.
+
+    Attributes
+    ----------
+    actuated, passive : ndarray of int, shapes (n,) and (m_p,)
+        Columns, in the order of K and K*.
+    actuated_names, passive_names : tuple of str
+    length : float
+        The mechanism's characteristic length, m: it makes a rad and a m comparable.
+    row_scale : ndarray, shape (p,)
+        Turns the rows of η into m, of a loop as large as the mechanism.
+    column_scale : ndarray, shape (nv,)
+        A unit rate of a column, in the scaled problem: 1/length rad or 1 m.
+    loop_sizes : tuple of float
+        Of each loop, m: `length`, or its own where it is much smaller.
+    passive_rank, constraint_rank, tool_rank : int
+        Generic ranks of K*, of [K K*] and of the tool's motion: those of one regular pose.
+    kept_rows : ndarray of int, shape (m,)
+        Independent rows of η, chosen at the home pose, or at that one where home is singular.
+    reach : float
+        How far from a pose near home all joints were seen to move, rad or a share of `length`;
+        infinite where none may, or nobody has looked.
+    rank_tolerance : float
+        Relative size up to which singular values count as zero.
+    tool_rows : ToolRows
+        The rows of the tool's twist on which `tool_rank` rests.
+    size : float
+        Of [K K*], the largest seen where the ranks are from.
+    """
+
+    actuated: Index
+    passive: Index
+    actuated_names: tuple[str, ...]
+    passive_names: tuple[str, ...]
+    length: float
+    row_scale: Array
+    column_scale: Array
+    passive_rank: int = 0
+    constraint_rank: int = 0
+    tool_rank: int = 0
+    kept_rows: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
+    rank_tolerance: float = RANK_TOLERANCE
+    size: float = 0.0
+    reach: float = np.inf
+    loop_sizes: tuple[float, ...] = ()
+    tool_rows: ToolRows = WHOLE_TWIST
+
+    @cached_property
+    def _scale(self) -> Array:
+        return read_only(np.outer(self.row_scale, self.column_scale))
+
+    @property
+    def isolated(self) -> bool:
+        """Whether a joint cannot be moved though its rates are not forbidden, near home either.
+
+        It is part of a structure, or home is singular. What is generic is not known then.
+        """
+        return not self.reach
+
+    @property
+    def columns(self) -> dict[str, int]:
+        """The column of each degree of freedom by its name, in the order of K and K*."""
+        names = self.actuated_names + self.passive_names
+        columns = [*self.actuated.tolist(), *self.passive.tolist()]
+        return dict(zip(names, columns, strict=True))
+
+    @cached_property
+    def rate_scale(self) -> Array:
+        """Turns −(scaled solution of K* X = K) into φ̇ per θ̇, shape (m_p, n)."""
+        passive, actuated = self.column_scale[self.passive], self.column_scale[self.actuated]
+        return read_only(-np.outer(passive, 1.0 / actuated))
+
+    @classmethod
+    def from_matrices(
+        cls,
+        constraint_jacobian: ArrayLike,
+        tool_jacobian: ArrayLike,
+        actuated: Sequence[int],
+        passive: Sequence[int],
+        *,
+        length: float = 1.0,
+    ) -> Partition:
+        """Return the partition for matrices from elsewhere, its ranks those of this one pose.
+
+        Parameters
+        ----------
+        constraint_jacobian : array_like, shape (p, nv)
+            ∂η/∂v, rows in m.
+        tool_jacobian : array_like, shape (6, nv)
+            Linear rows first.
+        actuated, passive : sequence of int
+            Columns; all of them, each once.
+        length : float
+            A length in m that is large for this mechanism's linear, and one rad for its
+            angular motion; 1 m where all columns are comparable already.
+
+        Raises
+        ------
+        ArgumentError
+            Shapes or columns that do not fit.
+
+        Examples
+        --------
+        Two loop equations, one motor and two passive joints:
+
+        >>> import numpy as np, pmjac_pin as pj
+        >>> C = np.array([[-2.0, 1.0, -1.0], [1.0, 0.5, 2.0]])
+        >>> J = np.vstack([np.eye(3), np.zeros((2, 3)), np.ones((1, 3))])
+        >>> partition = pj.Partition.from_matrices(C, J, [0], [1, 2])
+        >>> split = pj.SplitJacobian(C, J, "LOCAL_WORLD_ALIGNED", partition)
+        >>> pj.equivalent_jacobian(split).passive_rates.round(3).tolist()
+        [[1.2], [-0.8]]
+        """
+        constraint = as_numbers(constraint_jacobian, "the constraint Jacobian")
+        tool = as_numbers(tool_jacobian, "the tool Jacobian")
+        _check_shapes(constraint, tool, actuated, passive)
+        if not as_number(length, "length") >= SMALLEST:
+            raise ArgumentError(f"length must be {SMALLEST:g} m or more, got {quoted(length)}")
+        rows, columns = constraint.shape
+        partition = cls(
+            actuated=np.array(actuated, dtype=np.intp),
+            passive=np.array(passive, dtype=np.intp),
+            actuated_names=tuple(f"theta{k}" for k in range(len(actuated))),
+            passive_names=tuple(f"phi{k}" for k in range(len(passive))),
+            length=length,
+            row_scale=np.ones(rows),
+            column_scale=np.full(columns, 1.0 / length),
+        )
+        return partition.with_ranks_of([(constraint, tool)])
+
+    def factorise(self, matrix: Array, size: float) -> Factorisation:
+        """Factorise a matrix without dimension; `size` is that of what it is a part of."""
+        return factorise(matrix, size, self.rank_tolerance)
+
+    def scaled(self, constraint_jacobian: Array) -> Array:
+        """Return [K K*], shape (p, nv), without dimension: rows in m, a rotation by 1/length."""
+        scaled: Array = constraint_jacobian * self._scale
+        return scaled
+
+    def size_of(self, scaled: Array) -> float:
+        """Return what singular values of [K K*] are compared with: its own size, within reason.
+
+        Where a single loop is singular, all of [K K*] may vanish, and would have full rank beside
+        itself.
+        """
+        return max(norm(scaled), _LEAST_SIZE * self.size)
+
+    def scaled_tool(self, tool_jacobian: Array) -> Array:
+        """Return the tool Jacobian (6, nv) on the scaled columns, angular rows times length."""
+        scaled: Array = tool_jacobian * self.column_scale
+        scaled[3:] *= self.length
+        return scaled
+
+    def tool_ranks(self, tool_jacobian: Array, motions: Array) -> TwistRanks:
+        """Return how many independent velocities these motions give the tool.
+
+        What vanishes is judged against the tool Jacobian before elimination (`tool_sizes`).
+
+        Parameters
+        ----------
+        tool_jacobian : ndarray, shape (6, nv)
+        motions : ndarray, shape (nv, k)
+            Orthonormal columns, on the scaled rates, that span what the loops allow.
+        """
+        scaled = self.scaled_tool(tool_jacobian)
+        moved, (size, angular) = scaled @ motions, self.tool_sizes(tool_jacobian)
+        return TwistRanks(
+            self.factorise(moved, size).rank,
+            self.factorise(moved[:3], size).rank,
+            self.factorise(moved[3:], self.length * angular).rank,
+        )
+
+    def judged_rank(self, tool_jacobian: Array, motions: Array) -> int:
+        """Return how many independent velocities they give the rows of `tool_rows`.
+
+        The parameters are those of `tool_ranks`, the Jacobian in the axes of these rows.
+        """
+        rows, (size, angular) = self.tool_rows, self.tool_sizes(tool_jacobian)
+        moved = self.scaled_tool(tool_jacobian)[rows.linear + rows.angular] @ motions
+        return self.factorise(moved, size if rows.linear else self.length * angular).rank
+
+    def tool_sizes(self, tool_jacobian: Array) -> tuple[float, float]:
+        """Return the size of the linear and of the angular rows, m/s and rad/s per scaled rate.
+
+        A linear velocity is ω × r, so its rounding is that of arms as long as the mechanism,
+        even where all of them end in the tool: its rows count beside the angular ones times
+        `length`. Angular velocities are sums of axes and know no arms.
+        """
+        scaled = self.scaled_tool(tool_jacobian)
+        return norm(scaled), norm(scaled[3:]) / self.length
+
+    def shown_rows(self, scaled: Array) -> Index:
+        """Return the rows of η to show: those kept since home, while they are independent."""
+        if self.kept_rows.size == scaled.shape[0]:
+            return self.kept_rows
+        size = self.size_of(scaled)
+        if self.factorise(scaled[self.kept_rows], size).rank == self.kept_rows.size:
+            return self.kept_rows
+        return independent_rows(scaled, self.factorise(scaled, size).rank)
+
+    def with_ranks_of(self, poses: Sequence[tuple[Array, Array]]) -> Partition:
+        """Return the partition with the generic ranks and kept rows of these closed poses.
+
+        Ranks are generic where they are largest, but not each for itself: where branches meet,
+        [K K*] drops and the tool seems to move in more ways than on any of them. So all three are
+        those of one pose, the one whose [K K*] has the largest rank, then K*, then the tool.
+
+        Parameters
+        ----------
+        poses : sequence of (constraint Jacobian (p, nv), tool Jacobian (6, nv))
+            Home first, then others near it: home itself may be singular. The tool's is in the
+            axes of `tool_rows`.
+        """
+        size = max(norm(self.scaled(constraint)) for constraint, _ in poses)
+        sized = replace(self, size=size)
+        ranks = [sized._ranks(constraint, tool) for constraint, tool in poses]
+        regular = max(range(len(poses)), key=ranks.__getitem__)
+        whole, passive, tool = ranks[regular]
+        shown = 0 if ranks[0][0] == whole else regular
+        return replace(
+            sized,
+            passive_rank=passive,
+            constraint_rank=whole,
+            tool_rank=tool,
+            kept_rows=independent_rows(self.scaled(poses[shown][0]), whole),
+        )
+
+    def rank_of(self, constraint_jacobian: Array) -> int:
+        """Return the rank of [K K*] at one pose."""
+        scaled = self.scaled(constraint_jacobian)
+        return self.factorise(scaled, self.size_of(scaled)).rank
+
+    def _ranks(self, constraint_jacobian: Array, tool_jacobian: Array) -> tuple[int, int, int]:
+        """Return the ranks of [K K*], of K* and of the tool's motion."""
+        scaled = self.scaled(constraint_jacobian)
+        size = self.size_of(scaled)
+        whole = self.factorise(scaled, size)
+        passive = self.factorise(scaled[:, self.passive], size)
+        tool = self.judged_rank(tool_jacobian, whole.null_space)
+        return whole.rank, passive.rank, tool
+
+
+def _check_shapes(
+    constraint: Array, tool: Array, actuated: Sequence[int], passive: Sequence[int]
+) -> None:
+    if constraint.ndim != 2 or tool.shape != (6, constraint.shape[-1]):
+        raise ArgumentError(
+            "a constraint Jacobian (p, nv) and a tool Jacobian (6, nv) expected, got shapes "
+            f"{constraint.shape} and {tool.shape}"
+        )
+    columns = [as_numbers(given, "columns") for given in (actuated, passive)]
+    named = sorted(np.concatenate([given.ravel() for given in columns]).tolist())
+    if named != list(range(constraint.shape[1])) or columns[0].ndim + columns[1].ndim != 2:
+        raise ArgumentError(
+            f"actuated and passive must name each of the columns 0 to {constraint.shape[1] - 1} "
+            f"once, got {quoted(actuated)} and {quoted(passive)}"
+        )
+
+
+def independent_rows(scaled: Array, rank: int) -> Index:
+    """Return `rank` independent rows, in their own order: QR with pivoting finds them."""
+    if rank == scaled.shape[0]:
+        return np.arange(rank)
+    return pivots(scaled.T, rank)

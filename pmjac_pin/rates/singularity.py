@@ -1,0 +1,231 @@
+"""Singularity: the ranks at one pose, what kind of singularity it is, what moves freely there.
+
+A singularity is a drop below the generic rank, never an absolute rank: a mechanism with
+redundant loop equations or with an idle rod has a rank-deficient [K K*] or K* at every pose.
+Judged on singular values of the dimensionless matrices (see `Partition.scaled`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.model.tool_rows import ToolRows
+from pmjac_pin.rates.factorisation import Factorisation
+from pmjac_pin.rates.partition import Partition
+from pmjac_pin.values.norm import norm
+from pmjac_pin.values.read_only import ReadOnlyArrays
+from pmjac_pin.values.ties import first_largest
+
+Array = NDArray[np.float64]
+Kind = Literal["regular", "gain", "loss", "gain and loss", "configuration space", "isolated"]
+#: rank of K* ↦ the bases of what is gained and of what is idle in null K*, on the scaled rates.
+Split: TypeAlias = Callable[[int], tuple[Array, Array]]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Singularity(ReadOnlyArrays):
+    """What the ranks say at one closed pose.
+
+    Attributes
+    ----------
+    singular_values : ndarray, shape (min(p, m_p),)
+        Of the dimensionless K* (all rows), divided by the Frobenius norm of the dimensionless
+        [K K*], descending.
+    tolerance : float
+        Singular values up to this count as zero.
+    rank, generic_rank : int
+        Of K*, here and in general.
+    constraint_rank, generic_constraint_rank : int
+        Of [K K*].
+    tool_rows : ToolRows
+        The rows of the tool's twist that are judged.
+    tool_rank, generic_tool_rank : int
+        Dimension of the tool twists that the loops allow, on these rows.
+    linear_rank, angular_rank : int
+        Dimensions of the linear and of the angular velocities that the loops allow, on all rows.
+    free_motions : ndarray, shape (m_p, gained)
+        The passive rates, in m/s or rad/s, that come free here with all motors locked: columns
+        span null(K*) modulo the idle motions, orthogonal to these on dimensionless rates.
+    idle_motions : ndarray, shape (m_p, idle)
+        Columns span the passive rates that are free at every pose. Where nothing tells them from
+        what is gained (matrices of a singular pose alone, or all poses nearby singular as well)
+        there are none, and `free_motions` has all of null(K*).
+    forbidden_rates : ndarray, shape (n, k)
+        Orthonormal columns: directions of θ̇ outside what the loops allow here.
+    actuated_names, passive_names : tuple of str
+    isolated : bool
+        No pose near home closes, so that nothing is known of what is generic: the generic ranks
+        are home's.
+    """
+
+    singular_values: Array
+    tolerance: float
+    rank: int
+    generic_rank: int
+    constraint_rank: int
+    generic_constraint_rank: int
+    tool_rows: ToolRows
+    tool_rank: int
+    generic_tool_rank: int
+    linear_rank: int
+    angular_rank: int
+    free_motions: Array
+    idle_motions: Array
+    forbidden_rates: Array
+    actuated_names: tuple[str, ...]
+    passive_names: tuple[str, ...]
+    isolated: bool = False
+
+    @property
+    def idle(self) -> int:
+        """Number of passive motions that are free at every pose."""
+        return len(self.passive_names) - self.generic_rank
+
+    @property
+    def gained(self) -> int:
+        """Number of passive motions that come free here with all motors locked."""
+        return self.generic_rank - self.rank
+
+    @property
+    def lost(self) -> int:
+        """Number of independent tool twists that are lost here, on the judged rows.
+
+        Where branches meet, more of them may be possible than on any branch: none is lost then.
+        """
+        return max(0, self.generic_tool_rank - self.tool_rank)
+
+    @property
+    def smallest(self) -> float:
+        """The singular value of K* that decides, σ at the generic rank; infinite without loops."""
+        return float(self.singular_values[self.generic_rank - 1]) if self.generic_rank else np.inf
+
+    @property
+    def condition(self) -> float:
+        """σ_max over the σ that decides; 1 without loops."""
+        if not self.generic_rank:
+            return 1.0
+        return float(self.singular_values[0]) / self.smallest if self.smallest else np.inf
+
+    @property
+    def kind(self) -> Kind:
+        """What kind of singularity this is.
+
+        "gain": K* drops, motions come free with the motors locked (second kind, parallel);
+        "loss": the tool loses a motion (first kind, serial), judged on `tool_rows`;
+        "configuration space": [K K*] itself drops, where branches of the configuration space
+        meet; "isolated": no pose near home closes, a structure, or a singular home; "regular":
+        none.
+        """
+        if self.isolated:
+            return "isolated"
+        if self.constraint_rank < self.generic_constraint_rank:
+            return "configuration space"
+        if self.gained > 0:
+            return "gain and loss" if self.lost > 0 else "gain"
+        return "loss" if self.lost > 0 else "regular"
+
+    @property
+    def is_singular(self) -> bool:
+        """Whether K* is below its generic rank or that is not known: SingularError by `jacobian`.
+
+        What a mechanism suffers from at every pose (forbidden motor rates, idle motions that
+        the tool feels) is no singularity.
+        """
+        return self.gained > 0 or self.isolated
+
+    def free_motion(self) -> dict[str, float]:
+        """Return one motion that comes free here, largest rate 1, by name; empty where none does.
+
+        Of the motions that differ from it by idle ones it is the smallest: idle joints rest.
+        """
+        if not self.free_motions.size:
+            return {}
+        rates = self.free_motions[:, 0]
+        rates = rates / rates[first_largest(rates)]
+        return dict(zip(self.passive_names, map(float, rates), strict=True))
+
+    def __repr__(self) -> str:
+        idle = f", {self.idle} idle" if self.idle else ""
+        judged = "" if self.tool_rows.is_whole else f", judged on {self.tool_rows}"
+        return (
+            f"Singularity(kind={self.kind!r}, rank={self.rank} of {self.generic_rank}{idle}, "
+            f"smallest={self.smallest:.3g}, tolerance={self.tolerance:g}{judged})"
+        )
+
+
+def analyse_singularity(
+    constraint_jacobian: Array,
+    tool_jacobian: Array,
+    partition: Partition,
+    split: Split | None = None,
+) -> Singularity:
+    """Read the ranks off the constraint and tool Jacobians of one closed pose.
+
+    Parameters
+    ----------
+    constraint_jacobian : ndarray, shape (p, nv)
+    tool_jacobian : ndarray, shape (6, nv)
+        Linear rows first, in the axes of the partition's `tool_rows`.
+    partition : Partition
+    split : callable, optional
+        Tells what is idle at a singular pose, as `gained_and_idle` does, where these matrices do
+        not.
+    """
+    scaled = partition.scaled(constraint_jacobian)
+    size = partition.size_of(scaled)
+    passive = partition.factorise(scaled[:, partition.passive], size)
+    whole = partition.factorise(scaled, size)
+    tool = partition.tool_ranks(tool_jacobian, whole.null_space)
+    forbidden = forbidden_rates(passive.left_null_space, scaled, partition)
+    gained, idle = _free(passive, partition, split)
+    scale = partition.column_scale[partition.passive, None]
+    return Singularity(
+        singular_values=passive.singular_values / (size or 1.0),
+        tolerance=partition.rank_tolerance,
+        rank=passive.rank,
+        generic_rank=partition.passive_rank,
+        constraint_rank=whole.rank,
+        generic_constraint_rank=partition.constraint_rank,
+        tool_rows=partition.tool_rows,
+        tool_rank=partition.judged_rank(tool_jacobian, whole.null_space),
+        generic_tool_rank=partition.tool_rank,
+        linear_rank=tool.linear,
+        angular_rank=tool.angular,
+        free_motions=scale * gained,
+        idle_motions=scale * idle,
+        forbidden_rates=forbidden,
+        actuated_names=partition.actuated_names,
+        passive_names=partition.passive_names,
+        isolated=partition.isolated,
+    )
+
+
+def _free(passive: Factorisation, partition: Partition, split: Split | None) -> tuple[Array, Array]:
+    """Return bases of what is gained and of what is idle in null K*, on the scaled rates."""
+    gained, free = max(partition.passive_rank - passive.rank, 0), passive.null_space
+    if gained in (0, free.shape[1]) or passive.tells_apart(partition.passive_rank):
+        return free[:, :gained], free[:, gained:]
+    return (free, free[:, :0]) if split is None else split(passive.rank)
+
+
+def forbidden_rates(left_null_space: Array, scaled: Array, partition: Partition) -> Array:
+    """Return orthonormal directions of θ̇ (n, k) for which no φ̇ satisfies K θ̇ + K* φ̇ = 0.
+
+    With Wᵀ K* = 0, these are the θ̇ with Wᵀ K θ̇ ≠ 0.
+    """
+    actuated = partition.actuated
+    defect = left_null_space.T @ scaled[:, actuated]
+    size = partition.size_of(scaled)
+    if norm(defect) <= partition.rank_tolerance * size:
+        return np.zeros((actuated.size, 0))
+    row_space = partition.factorise(defect, size)
+    directions = row_space.right[: row_space.rank].T / partition.column_scale[actuated, None]
+    orthonormal: Array = np.linalg.qr(directions)[0]
+    largest = first_largest(orthonormal)
+    orthonormal *= np.sign(orthonormal[largest, np.arange(largest.size)])
+    return orthonormal

@@ -1,0 +1,1 @@
+"""Check: what a model is, and what is wrong with it."""

@@ -1,0 +1,284 @@
+"""From a mechanism, or as much of it as could be built, to its Diagnosis."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from pmjac_pin.closing.damped_closure import assemble
+from pmjac_pin.closing.nearby_poses import nearby
+from pmjac_pin.closing.parts import Parts
+from pmjac_pin.closing.pose_assembly import motor_weights
+from pmjac_pin.errors import ClosureError, LimitError, PmjacError
+from pmjac_pin.files.source import Source
+from pmjac_pin.loading import load
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.rates.actuation import analyse_actuation
+from pmjac_pin.rates.redundancy import LoopRank, dependent_rows, loop_ranks
+from pmjac_pin.rates.singularity import Singularity, analyse_singularity
+from pmjac_pin.studies.check.diagnosis import (
+    ActuationEntry,
+    DependentRow,
+    Diagnosis,
+    Failure,
+    FreeMotion,
+    PoseEntry,
+    Rates,
+    Redundancy,
+)
+from pmjac_pin.studies.check.diagnosis_structure import (
+    Structure,
+    bodies,
+    body_names,
+    freedoms,
+    loop_gaps,
+    loops,
+    mobility,
+)
+from pmjac_pin.studies.check.findings import find
+from pmjac_pin.values.encodable import encodable
+
+Array = NDArray[np.float64]
+
+_STRIDE = 0.1  # rad or share of the length, from home to where rounding is looked for
+_ROUNDING = 1e-5  # of the length: the gap of a structure is a hundred times as large there
+
+
+def check(source: str | Path | Mechanism | PmjacError, **options: Any) -> Diagnosis:
+    """Check a model: what it is made of, what its loops do, and what is wrong with it.
+
+    Parameters
+    ----------
+    source : str, Path, Mechanism or PmjacError
+        A name or a path as `load` takes it; a mechanism; or the error that `load` or
+        `Mechanism.from_pinocchio` raised because the mechanism could not be built.
+    **options
+        Of `load`, where `source` is a name or a path.
+
+    Returns
+    -------
+    Diagnosis
+        `findings`, the worst first, and the facts that they rest on. Also where the home pose
+        does not assemble, which is a finding then.
+
+    Raises
+    ------
+    ModelFileError, UnknownNameError, ArgumentError
+        There is nothing to check: a file that cannot be read, names that do not exist.
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> diagnosis = pj.check("four_bar")
+    >>> diagnosis.severity, diagnosis.mobility.mobility, diagnosis.mobility.gruebler
+    ('note', 1, 0)
+    >>> [finding.code for finding in pj.check("four_bar", parameters={"l1": 100}).findings][0]
+    'home-open'
+    """
+    if isinstance(source, Mechanism):
+        return _of_mechanism(source)
+    if isinstance(source, PmjacError):
+        return _of_error(source)
+    try:
+        return _of_mechanism(load(source, **options))
+    except PmjacError as error:
+        return _of_error(error)
+
+
+def _of_mechanism(mechanism: Mechanism) -> Diagnosis:
+    parts = mechanism._parts
+    structure, partition = Structure.of(parts), parts.problem.partition
+    q = _regular(parts)
+    scaled = partition.scaled(parts.kinematics.snapshot(q).constraint_jacobian)
+    ranks = loop_ranks(scaled, parts.kinematics.loops.slices, partition)
+    diagnosis = Diagnosis(
+        mechanism=encodable(mechanism.name),
+        description=mechanism.spec.description,
+        failure=None,
+        bodies=bodies(structure),
+        freedoms=freedoms(structure, mechanism.moved()),
+        tool=parts.spec.tool.names,
+        tool_rows=partition.tool_rows.names,
+        tool_axes=partition.tool_rows.axes,
+        tool_rank=partition.tool_rank,
+        loops=loops(structure, ranks),
+        mobility=mobility(structure, None if partition.isolated else partition.constraint_rank),
+        redundancy=_redundancy(scaled, ranks, parts),
+        actuation=None
+        if partition.isolated
+        else _actuation(parts, q, mechanism.home.singularity().gained),
+        poses=tuple(_pose(mechanism, name) for name in mechanism.poses),
+        characteristic_length=partition.length,
+        tolerance=mechanism.spec.tolerance,
+        far=_far(parts),
+        closed=parts.problem.tolerance,
+        rounding=_rounding(parts),
+        notes=tuple(map(encodable, mechanism.notes)),
+        unread=tuple(map(encodable, mechanism.unread)),
+    )
+    return msgspec.structs.replace(diagnosis, findings=find(diagnosis))
+
+
+def _of_error(error: PmjacError) -> Diagnosis:
+    """Show what was known when the mechanism could not be built, or raise the error again."""
+    cause = error.__cause__ if error.parts is None else error
+    if not isinstance(cause, PmjacError) or cause.parts is None:
+        raise error
+    parts: Parts = cause.parts
+    source: Source | None = error.source
+    structure = Structure.of(parts)
+    diagnosis = Diagnosis(
+        mechanism=encodable(parts.spec.name),
+        description=parts.spec.description,
+        failure=_failure(cause),
+        bodies=bodies(structure),
+        freedoms=freedoms(structure, None),
+        tool=parts.spec.tool.names,
+        tool_rows=parts.spec.tool.judged.names,
+        tool_axes=parts.spec.tool.judged.axes,
+        tool_rank=None,
+        loops=loops(structure, None, getattr(cause, "q", None)),
+        mobility=mobility(structure, None),
+        redundancy=None,
+        actuation=None,
+        poses=tuple(
+            PoseEntry(name, _gap_given(parts, name), None, None, None, None, None)
+            for name in parts.spec.poses
+        ),
+        characteristic_length=parts.problem.partition.length,
+        tolerance=parts.spec.tolerance,
+        far=_far(parts),
+        closed=parts.problem.tolerance,
+        notes=tuple(map(encodable, source.all_notes)) if source else (),
+        unread=tuple(map(encodable, source.unread)) if source else (),
+    )
+    return msgspec.structs.replace(diagnosis, findings=find(diagnosis))
+
+
+def _far(parts: Parts) -> float | None:
+    """Return how far a mechanism stands from the origin where that decides what is closed."""
+    decides = parts.problem.tolerance == parts.problem.rounding and parts.place.any()
+    return float(np.linalg.norm(parts.place)) if decides else None
+
+
+def _redundancy(scaled: Array, ranks: tuple[LoopRank, ...], parts: Parts) -> Redundancy:
+    names, inside = parts.kinematics.loops.row_names, sum(loop.redundant_inside for loop in ranks)
+    dependent = dependent_rows(scaled, parts.problem.partition)
+    return Redundancy(
+        rows=len(dependent),
+        inside=inside,
+        between=len(dependent) - inside,
+        dependent=tuple(
+            DependentRow(names[row], tuple(names[k] for k in others))
+            for row, others in dependent.items()
+        ),
+    )
+
+
+def _regular(parts: Parts) -> Array:
+    """Return the home pose or, where that is singular, one near it that is less so."""
+    partition = parts.problem.partition
+    generic = (partition.constraint_rank, partition.passive_rank)
+
+    def ranks(q: Array) -> tuple[int, int]:
+        found = _singularity(parts, q)
+        return found.constraint_rank, found.rank
+
+    if ranks(parts.home_q) == generic:
+        return parts.home_q
+    return max((parts.home_q, *nearby(parts.problem, parts.home_q)), key=ranks)
+
+
+def _singularity(parts: Parts, q: Array) -> Singularity:
+    snapshot, partition = parts.kinematics.snapshot(q), parts.problem.partition
+    judged = snapshot.judged_jacobian(partition.tool_rows)
+    return analyse_singularity(snapshot.constraint_jacobian, judged, partition)
+
+
+def _actuation(parts: Parts, q: Array, gained: int) -> ActuationEntry:
+    partition, snapshot = parts.problem.partition, parts.kinematics.snapshot(q)
+    motors, passive = partition.actuated_names, partition.passive_names
+    found = analyse_actuation(snapshot.constraint_jacobian, snapshot.tool_jacobian, partition)
+    singularity = _singularity(parts, q)
+    moving = _moving_bodies(parts, q, found.free)
+    return ActuationEntry(
+        motors=len(motors),
+        allowed_rates=tuple(_by_name(motors, rates) for rates in found.allowed.T),
+        forbidden_rates=tuple(_by_name(motors, rates) for rates in singularity.forbidden_rates.T),
+        sufficient=tuple(motors[k] for k in found.sufficient),
+        idle=singularity.idle,
+        gained=gained,
+        free_motions=tuple(
+            FreeMotion(_by_name(passive, rates), names, bool(felt))
+            for rates, names, felt in zip(found.free.T, moving, found.felt, strict=True)
+        ),
+        felt=found.felt_rank,
+    )
+
+
+def _moving_bodies(parts: Parts, q: Array, free: Array) -> list[tuple[str, ...]]:
+    """Return the bodies that each passive motion moves."""
+    model, partition = parts.model, parts.problem.partition
+    data, names = model.createData(), body_names(model)
+    pin.computeJointJacobians(model, data, q)
+    rates = np.zeros((model.nv, free.shape[1]))
+    rates[partition.passive] = free / partition.column_scale[partition.passive, None]
+    moving: list[list[str]] = [[] for _ in range(free.shape[1])]
+    for body in range(1, model.njoints):
+        jacobian = pin.getJointJacobian(model, data, body, pin.LOCAL_WORLD_ALIGNED).reshape(6, -1)
+        scaled = partition.scaled_tool(jacobian) @ rates
+        threshold = partition.rank_tolerance * np.abs(rates).max(axis=0)
+        for motion in np.flatnonzero(np.linalg.norm(scaled, axis=0) > threshold):
+            moving[motion].append(names[body])
+    return list(map(tuple, moving))
+
+
+def _rounding(parts: Parts) -> float | None:
+    """Return the gap that stays a little away from home, where rounded numbers are its cause."""
+    problem, q = parts.problem, parts.home_q
+    partition = problem.partition
+    scaled = partition.scaled(parts.kinematics.snapshot(q).constraint_jacobian)
+    allowed = partition.factorise(scaled, partition.size_of(scaled)).null_space
+    gaps = []
+    for direction in (*allowed.T, *-allowed.T):
+        stride = _STRIDE * partition.length * partition.column_scale * direction
+        weights = motor_weights(problem, 0.0 if stride[partition.actuated].any() else 1.0)
+        gaps.append(assemble(problem, problem.integrate(q, stride), weights).gap)
+    if not gaps or max(gaps) <= problem.tolerance or max(gaps) > _ROUNDING * partition.length:
+        return None
+    return max(gaps)
+
+
+def _pose(mechanism: Mechanism, name: str) -> PoseEntry:
+    gap = _gap_given(mechanism._parts, name)
+    try:
+        closed, moved = mechanism.pose(name), mechanism.moved(name)
+        singularity = closed.singularity()
+    except PmjacError as error:
+        return PoseEntry(name, gap, None, None, None, None, _failure(error))
+    smallest, condition = singularity.smallest, singularity.condition
+    beyond = {joint: one.words for joint, one in closed.limits_violated.items()}
+    return PoseEntry(name, gap, dict(moved), singularity.kind, smallest, condition, None, beyond)
+
+
+def _gap_given(parts: Parts, pose: str) -> float:
+    base = None if pose == "home" else parts.home_q
+    q = parts.coordinates.q(parts.spec.poses[pose], base)
+    return float(np.linalg.norm(loop_gaps(parts, q)))
+
+
+def _failure(error: PmjacError) -> Failure:
+    if isinstance(error, ClosureError) and error.loop:
+        return Failure("open", str(error), error.loop, float(error.residual_norm))
+    if isinstance(error, ClosureError | LimitError):
+        return Failure("outside-limits", str(error))
+    return Failure("not-built", str(error))
+
+
+def _by_name(names: tuple[str, ...], rates: Array) -> Rates:
+    return dict(zip(names, map(float, rates), strict=True))

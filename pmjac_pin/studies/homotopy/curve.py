@@ -1,0 +1,214 @@
+"""The curve of solutions over a line of machines, and its points in planes.
+
+The machines p(t), γ(t) of a line and their solutions x are a curve in (x, t). A plane cuts it in
+as many points as its degree; the plane t = 0 cuts out the solutions of one machine.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.studies.homotopy.machines import Line
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Mask = NDArray[np.bool_]
+
+SAME = 1e-6  # relative distance of two points that are one
+_NOTHING = 1e-12  # of h: no point is further away than its inverse
+_FIRST_STEP, _SMALLEST_STEP = 0.1, 1e-6  # of a path
+_MOST_STEPS = 3000
+_CORRECTIONS = 2  # of Newton, after each step
+_CLOSE = 1e-4  # first correction, relative to the point: further away the step was too long
+_EXACT = 1e-9
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Planes:
+    """a · (x, t) = b, for each point of a batch: normals (b, n) and offsets (b,)."""
+
+    normals: Complex
+    offsets: Complex
+
+    @classmethod
+    def all_at(cls, normal: Complex, offset: complex, count: int) -> Planes:
+        """Return the same plane for `count` points."""
+        return cls(np.tile(normal, (count, 1)), np.full(count, offset, dtype=complex))
+
+    @classmethod
+    def at_machine(cls, t: float, unknowns: int, count: int) -> Planes:
+        """Return the plane of one machine of the line, for `count` points."""
+        return cls.all_at(np.eye(unknowns + 1, dtype=complex)[-1], t, count)
+
+    def __getitem__(self, index: NDArray[np.intp] | Mask) -> Planes:
+        return Planes(self.normals[index], self.offsets[index])
+
+    def __sub__(self, other: Planes) -> Planes:
+        return Planes(self.normals - other.normals, self.offsets - other.offsets)
+
+    def moved(self, share: Array, pull: Planes) -> Planes:
+        """Return the planes that far along a straight line in their numbers."""
+        normals = self.normals + share[:, None] * pull.normals
+        return Planes(normals, self.offsets + share * pull.offsets)
+
+    def missed(self, points: Complex) -> Complex:
+        """Return a · (x, t) − b."""
+        return np.asarray((self.normals * points).sum(axis=1) - self.offsets)
+
+    def missed_by_ray(self, points: Complex) -> Complex:
+        """Return a · (X, h t) − b h of points (X, h, t)."""
+        X, h, t = points[:, :-2], points[:, -2], points[:, -1]
+        height = self.normals[:, -1] * t - self.offsets
+        return np.asarray((self.normals[:, :-1] * X).sum(axis=1) + height * h)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curve:
+    """The curve F(x, t) = 0, and the walk of its points from some planes to others.
+
+    Inside, a point is (X, h, t) with x = X/h and |(X, h)| = 1; over a step, (X, h) stays in the
+    plane through it that is perpendicular to it.
+    """
+
+    line: Line
+
+    @property
+    def size(self) -> int:
+        """How many coordinates (x, t) a point has."""
+        return self.line.count + 1
+
+    def walk(self, points: Complex, start: Planes, end: Planes) -> tuple[Complex, Mask]:
+        """Follow points (x, t) from planes to planes; return them, and which arrived.
+
+        Those that arrive at infinity come back with entries of 1e8 and more.
+        """
+        count, points, pull = len(points), _rays(points), end - start
+        share, step = np.zeros(count), np.full(count, _FIRST_STEP)
+        going = np.ones(count, dtype=bool)
+        for _ in range(_MOST_STEPS):
+            now = np.flatnonzero(going)
+            if not now.size:
+                break
+            length = np.minimum(step[now], 1.0 - share[now])
+            stretch = _Stretch(start[now], pull[now], share[now], length)
+            trial, good = self._stepped(points[now], stretch)
+            points[now[good]] = _unit(trial[good])
+            share[now[good]] += length[good]
+            step[now] = np.where(good, step[now] * 2.0, step[now] * 0.5)
+            going &= (share < 1.0 - 1e-14) & (step >= _SMALLEST_STEP)
+        return _affine(points), share >= 1.0 - 1e-14
+
+    def corrected(self, points: Complex, planes: Planes, steps: int) -> tuple[Complex, Array]:
+        """Return points (x, t) after some of Newton's steps, and the size of the last."""
+        rays = _rays(points)
+        with np.errstate(all="ignore"):
+            rays, size = self._newton(rays, rays[:, :-1].conj(), planes, steps)
+        return _affine(rays), size
+
+    def _stepped(self, points: Complex, stretch: _Stretch) -> tuple[Complex, Mask]:
+        """Return the points a step further, and which of them are certainly there."""
+        across = points[:, :-1].conj()
+        with np.errstate(all="ignore"):
+            trial = self._predicted(points, across, stretch)
+            trial, first = self._newton(trial, across, stretch.planes(1.0), 1)
+            trial, last = self._newton(trial, across, stretch.planes(1.0), _CORRECTIONS - 1)
+        return trial, (first < _CLOSE) & (last < _EXACT)
+
+    def _predicted(self, points: Complex, across: Complex, stretch: _Stretch) -> Complex:
+        """Return the points a step further, by Runge and Kutta's fourth-order rule."""
+
+        def velocity(at: Complex, part: float) -> Complex:
+            _, jacobian = self._system(at, across, stretch.planes(part))
+            change = np.zeros_like(at)
+            change[:, -2] = -stretch.pull.missed_by_ray(at)
+            return _solved(jacobian, change)
+
+        h = stretch.length[:, None]
+        one = velocity(points, 0.0)
+        two = velocity(points + 0.5 * h * one, 0.5)
+        three = velocity(points + 0.5 * h * two, 0.5)
+        four = velocity(points + h * three, 1.0)
+        return np.asarray(points + h / 6.0 * (one + 2.0 * two + 2.0 * three + four))
+
+    def _newton(
+        self, points: Complex, across: Complex, planes: Planes, steps: int
+    ) -> tuple[Complex, Array]:
+        """Return points after some steps, and how long the last was: t relative to its size."""
+        size: Array = np.full(len(points), np.inf)
+        for _ in range(steps):
+            residual, jacobian = self._system(points, across, planes)
+            step = _solved(jacobian, residual)
+            points = points - step
+            t, dt = np.abs(points[:, -1]), np.abs(step[:, -1])
+            size = np.linalg.norm(step[:, :-1], axis=1) + dt / (1.0 + t)
+        return points, np.where(np.isfinite(size), size, np.inf)
+
+    def _system(self, points: Complex, across: Complex, planes: Planes) -> tuple[Complex, Complex]:
+        """Return F, the plane's equation and that of (X, h)'s own, and their derivatives."""
+        X, t = points[:, :-1], points[:, -1]
+        residual, jacobian = self.line.evaluate(X, t)
+        plane, normals = planes.missed_by_ray(points), planes.normals
+        patch = (across * X).sum(axis=1) - 1.0
+        height = normals[:, -1] * t - planes.offsets
+        rows = np.zeros((len(points), 2, points.shape[1]), dtype=complex)
+        rows[:, 0, :-2], rows[:, 0, -2] = normals[:, :-1], height
+        rows[:, 0, -1] = normals[:, -1] * X[:, -1]
+        rows[:, 1, :-1] = across
+        return (
+            np.concatenate([residual, plane[:, None], patch[:, None]], axis=1),
+            np.concatenate([jacobian, rows], axis=1),
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Stretch:
+    """A step of each point along its path of planes."""
+
+    start: Planes
+    pull: Planes
+    share: Array
+    length: Array
+
+    def planes(self, part: float) -> Planes:
+        return self.start.moved(self.share + part * self.length, self.pull)
+
+
+def distinct(points: Complex, known: Complex) -> Complex:
+    """Return the known points and those of `points` that are not among them."""
+    kept = list(known)
+    for point in points:
+        scale = SAME * (1.0 + np.linalg.norm(point))
+        if not kept or np.linalg.norm(np.array(kept) - point, axis=1).min() > scale:
+            kept.append(point)
+    return np.array(kept).reshape(len(kept), points.shape[1])
+
+
+def _solved(matrices: Complex, vectors: Complex) -> Complex:
+    """Return A⁻¹ b for each; nothing where A is singular."""
+    try:
+        return np.asarray(np.linalg.solve(matrices, vectors[:, :, None])[:, :, 0])
+    except np.linalg.LinAlgError:
+        tame = np.where(np.isfinite(matrices), matrices, 0.0)
+        return np.asarray((np.linalg.pinv(tame) @ vectors[:, :, None])[:, :, 0])
+
+
+def _rays(points: Complex) -> Complex:
+    """Return points (x, t) as (X, h, t)."""
+    ones = np.ones((len(points), 1))
+    return _unit(np.hstack([points[:, :-1], ones, points[:, -1:]]))
+
+
+def _unit(points: Complex) -> Complex:
+    points = points.copy()
+    points[:, :-1] /= np.linalg.norm(points[:, :-1], axis=1, keepdims=True)
+    return points
+
+
+def _affine(points: Complex) -> Complex:
+    """Return points (X, h, t) as (x, t)."""
+    h = points[:, -2:-1]
+    h = np.where(np.abs(h) > _NOTHING, h, _NOTHING)
+    return np.hstack([points[:, :-2] / h, points[:, -1:]])

@@ -1,0 +1,163 @@
+"""Machines: a mechanism with motors that are complex numbers and loops shut with offsets.
+
+F(x; p) + γ = 0, with the motors' parameters p and an offset γ for each row of η. A line of
+machines is p(t) = p₀ + t p₁, γ(t) = γ₀ + t γ₁.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from flint import acb
+from numpy.typing import NDArray
+
+from pmjac_pin.closing.motor_values import MotorValues, motor_values
+from pmjac_pin.closing.parts import Parts
+from pmjac_pin.errors import ArgumentError
+from pmjac_pin.studies.homotopy.joint_unknowns import Numbers
+from pmjac_pin.studies.homotopy.polynomial_loops import PolynomialLoops
+from pmjac_pin.studies.modes.legs import Leg, names_of
+from pmjac_pin.studies.modes.search_problem import SearchProblem, search_problem, with_legs
+
+if TYPE_CHECKING:
+    from pmjac_pin.mechanism import Mechanism
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+_SPREAD = 0.5  # of random machines about a given one, relative
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Machine:
+    """One machine: parameters p (k,) and offsets γ (rows,)."""
+
+    p: Complex
+    gaps: Complex
+
+    @property
+    def numbers(self) -> Complex:
+        """All of them, (k + rows,)."""
+        return np.concatenate([self.p, self.gaps])
+
+    def near(self, rng: np.random.Generator) -> Machine:
+        """Return a random machine about this one, its loops shut."""
+        size = np.maximum(np.abs(self.p), 0.5)
+        return Machine(self.p + _SPREAD * size * _normal(rng, self.p.size), 0.0 * self.gaps)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Line:
+    """A line of machines through `start` at t = 0 and `end` at t = 1."""
+
+    loops: PolynomialLoops
+    start: Machine
+    end: Machine
+
+    @property
+    def count(self) -> int:
+        """Of unknowns x."""
+        return self.loops.count
+
+    def evaluate(self, X: Complex, t: Complex) -> tuple[Complex, Complex]:
+        """Return F (b, count) and its derivative by (X, h, t), (b, count, count + 2)."""
+        rate = self.end.numbers - self.start.numbers
+        machines = self.start.numbers + t[:, None] * rate
+        return self.loops.evaluate(X, machines, np.broadcast_to(rate, machines.shape))
+
+    @classmethod
+    def through(cls, loops: PolynomialLoops, start: Machine, rng: np.random.Generator) -> Line:
+        """Return a line on which the motors stand still and the gaps open at random."""
+        opening = _normal(rng, loops.rows)
+        return cls(loops, start, Machine(start.p, start.gaps + opening))
+
+
+class Machines:
+    """A mechanism's machines, and the way to them from its motor values.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+
+    Raises
+    ------
+    ArgumentError
+        Idle motions, geared joints, motors of several degrees of freedom, or more of them than
+        can be moved one by one.
+    """
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self.mechanism = mechanism
+        self._parts = mechanism._parts
+        problem, self._legs = search_problem(self._parts, self._parts.home_q)
+        _refuse_over_actuated(self._parts)
+        # The legs' rods come last; those without a motor keep their length.
+        plain, motors = len(problem.closures) - len(self._legs), self._parts.spec.actuated
+        self._driven = [
+            index
+            for index, leg in enumerate(self._legs)
+            if any(edge.name in motors for edge in leg.edges)
+        ]
+        self.loops = PolynomialLoops(problem, [plain + index for index in self._driven])
+        self.home = self._machine(problem, self._legs)
+
+    def at(self, actuated: MotorValues) -> tuple[Machine, ClosedForm]:
+        """Return the machine with these motor values, and the way back from its unknowns."""
+        parts = self._parts
+        values = motor_values(parts, actuated)
+        columns = parts.problem.partition.actuated
+        base = parts.coordinates.with_values(parts.home_q, columns, values)
+        problem, legs = search_problem(parts, base)
+        if names_of(legs) != names_of(self._legs):
+            name, given = self.mechanism.name, ", ".join(f"{value:g}" for value in values)
+            raise ArgumentError(f"{name}: at {given} its legs are not those of its home pose")
+        squares = [acb(square) for square in self._squares(problem, legs)]
+        driven = np.concatenate([self.loops.driven_balls(problem.base), squares])
+        return self._machine(problem, legs), ClosedForm(self, problem, legs, base, driven)
+
+    def offset(self, machine: Machine, x: Complex) -> Machine:
+        """Return the machine with these motors whose loops are shut, with offsets, at x."""
+        return Machine(machine.p, self.loops.gaps(x, machine.p))
+
+    def _machine(self, problem: SearchProblem, legs: list[Leg]) -> Machine:
+        motors = self.loops.motor_parameters(problem.base)
+        rods = np.array(self._squares(problem, legs), dtype=complex)
+        return Machine(np.concatenate([motors, rods]), np.zeros(self.loops.rows, dtype=complex))
+
+    def _squares(self, problem: SearchProblem, legs: list[Leg]) -> list[float]:
+        """Return the squares of the lengths of the legs that have motors."""
+        return [(legs[index].length / problem.length) ** 2 for index in self._driven]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ClosedForm:
+    """The way from real unknowns x back to poses of the mechanism at some motor values.
+
+    `driven` are the polynomials' variables that follow from these, as balls.
+    """
+
+    machines: Machines
+    problem: SearchProblem
+    legs: list[Leg]
+    base: Array
+    driven: Numbers
+
+    def poses(self, x: Array) -> list[Array]:
+        """Return the q of each row of x."""
+        parts = self.machines.mechanism._parts
+        rows = self.machines.loops.poses(x, self.problem.base)
+        return [with_legs(parts, self.legs, self.problem, self.base, q) for q in rows]
+
+
+def _refuse_over_actuated(parts: Parts) -> None:
+    """Raise where the loops close at special motor values only."""
+    partition = parts.problem.partition
+    if partition.constraint_rank > partition.passive_rank:
+        why = "its motors cannot be moved one by one: the loops forbid it"
+        raise ArgumentError(f"{parts.model.name}: no homotopy for this mechanism: {why}")
+
+
+def _normal(rng: np.random.Generator, size: int) -> Complex:
+    return np.asarray(rng.normal(size=size) + 1j * rng.normal(size=size))

@@ -1,0 +1,168 @@
+"""Monodromy: all points of a curve in a plane, which of them hang together, and the trace test.
+
+Moved round closed paths of planes, points change places with others of the same component of the
+curve, and so lead to points not known yet. The sum of all points of a component, and of no smaller
+part of it, moves along a straight line when the plane is shifted parallel to itself.
+
+References
+----------
+.. [1] A. J. Sommese, J. Verschelde, C. W. Wampler: Symmetric functions applied to decomposing
+   solution sets of polynomial systems. SIAM J. Numer. Anal. 40 (2002).
+"""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.studies.homotopy.curve import SAME, Curve, Planes, distinct
+
+Complex = NDArray[np.complex128]
+Index = NDArray[np.intp]
+
+_log = logging.getLogger(__name__)
+
+STRAIGHT = 1e-8  # what is left of the trace's bend, relative to its terms
+_AT_ONCE = 64  # points that walk together: small sets go round several paths at a time
+_MOST_PATHS = 8
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlaneSection:
+    """Points of a curve in one plane.
+
+    Attributes
+    ----------
+    curve : Curve
+    normal : ndarray, shape (n,)
+    offset : complex
+        Of the plane.
+    points : ndarray, shape (m, n)
+    links : ndarray, shape (k, 2)
+        Pairs of points that a closed path led from one to the other.
+    """
+
+    curve: Curve
+    normal: Complex
+    offset: complex
+    points: Complex
+    links: Index
+
+    @classmethod
+    def through(cls, curve: Curve, point: Complex, rng: np.random.Generator) -> PlaneSection:
+        """Return the section with a random plane through one point."""
+        normal = rng.normal(size=curve.size) + 1j * rng.normal(size=curve.size)
+        return cls(curve, normal, complex(normal @ point), point[None], np.zeros((0, 2), int))
+
+    def planes(self, shift: complex = 0.0, count: int | None = None) -> Planes:
+        """Return the plane, or one parallel to it, for each of the points."""
+        count = len(self.points) if count is None else count
+        return Planes.all_at(self.normal, self.offset + shift, count)
+
+    def with_points(self, points: Complex) -> PlaneSection:
+        """Return the section with further points of the curve in its plane."""
+        return PlaneSection(
+            self.curve, self.normal, self.offset, distinct(points, self.points), self.links
+        )
+
+    def grown(self, rng: np.random.Generator) -> PlaneSection:
+        """Lead the points round closed paths of planes; return them with those they became."""
+        count = len(self.points)
+        paths = max(1, min(_MOST_PATHS, _AT_ONCE // count))
+        origin = np.tile(np.arange(count), paths)
+        here = self.planes(count=origin.size)
+        away, back = _closed_path(here, count, rng)
+        moved, left = self.curve.walk(self.points[origin], here, away)
+        moved, returned = self.curve.walk(moved[left], away[left], back[left])
+        return self._linked(moved[returned], origin[left][returned])
+
+    def components(self) -> Index:
+        """Return for each point the number of the set of linked points it is in."""
+        count = len(self.points)
+        pairs = (np.ones(len(self.links)), (self.links[:, 0], self.links[:, 1]))
+        _, labels = connected_components(coo_array(pairs, shape=(count, count)), directed=False)
+        return np.asarray(labels, dtype=np.intp)
+
+    def bends(self, labels: Index, shift: complex = 1.0) -> list[float]:
+        """Return, of each set, the trace's second difference over planes one and two shifts off.
+
+        It is relative to the trace's terms; infinite where a path was lost.
+        """
+        count = len(self.points)
+        starts = np.vstack([self.points, self.points])
+        shifted = [self.planes(steps * shift) for steps in (1.0, 2.0)]
+        ends = Planes(
+            np.vstack([planes.normals for planes in shifted]),
+            np.concatenate([planes.offsets for planes in shifted]),
+        )
+        moved, arrived = self.curve.walk(starts, self.planes(count=2 * count), ends)
+        second = self.points - 2.0 * moved[:count] + moved[count:]
+        lost = ~(arrived[:count] & arrived[count:])
+        bends = []
+        for label in range(labels.max(initial=-1) + 1):
+            own = labels == label
+            terms = np.abs(self.points[own]).sum(axis=0).max() or 1.0
+            bend = np.abs(second[own].sum(axis=0)).max() / terms
+            bends.append(np.inf if lost[own].any() else float(bend))
+        return bends
+
+    def _linked(self, moved: Complex, origin: Index) -> PlaneSection:
+        points = distinct(moved, self.points)
+        links = [self.links]
+        for point, first in zip(moved, origin, strict=True):
+            gap = np.linalg.norm(points - point, axis=1)
+            nearest = int(np.argmin(gap))
+            if gap[nearest] <= SAME * (1.0 + np.linalg.norm(point)):
+                links.append(np.array([[first, nearest]]))
+        return PlaneSection(
+            self.curve, self.normal, self.offset, points, np.unique(np.vstack(links), axis=0)
+        )
+
+
+def all_points(
+    curve: Curve, point: Complex, rng: np.random.Generator, most_rounds: int
+) -> tuple[PlaneSection, float]:
+    """Return all points of an irreducible curve in a plane through one, and the trace's bend."""
+    section, bend = PlaneSection.through(curve, point, rng), np.inf
+    for _ in range(most_rounds):
+        before = len(section.points)
+        section = section.grown(rng)
+        _log.info("monodromy: %d points", len(section.points))
+        if len(section.points) == before:
+            bend = section.bends(np.zeros(before, dtype=np.intp), random_turn(rng))[0]
+            if bend < STRAIGHT:
+                break
+    return section, bend
+
+
+def check_rounds(most_rounds: int) -> None:
+    """Raise ArgumentError unless that is a number of rounds."""
+    if not isinstance(most_rounds, int) or most_rounds < 1:
+        raise ArgumentError(f"most_rounds is a whole number ≥ 1, got {quoted(most_rounds)}")
+
+
+def random_turn(rng: np.random.Generator) -> complex:
+    """Return a random complex number of size 1."""
+    return complex(np.exp(2j * np.pi * rng.uniform()))
+
+
+def _closed_path(here: Planes, count: int, rng: np.random.Generator) -> tuple[Planes, Planes]:
+    """Return a random plane for each path of `count` points, and the first plane again.
+
+    Its numbers come back times a complex factor, which makes the way back another one.
+    """
+    paths, size = len(here.offsets) // count, here.normals.shape[1]
+
+    def drawn(numbers: int) -> Complex:
+        found = rng.normal(size=(paths, numbers)) + 1j * rng.normal(size=(paths, numbers))
+        return np.asarray(np.repeat(found, count, axis=0))
+
+    factor = drawn(1)
+    back = Planes(factor * here.normals, factor[:, 0] * here.offsets)
+    return Planes(drawn(size), drawn(1)[:, 0]), back

@@ -1,0 +1,151 @@
+"""OperationModes: which solutions hang together while the motors move.
+
+The solutions of a mechanism over all its motor values are a variety whose irreducible components
+of full dimension are its operation modes: a real machine can pass from one to another only where
+they meet, at a singularity. Over a random line of motor values each of them is one irreducible
+curve; `monodromy` finds which points are on the same, and the trace says whether a set is whole.
+
+References
+----------
+.. [1] J. Schadlbauer, D. R. Walter, M. L. Husty: The 3-RPS parallel manipulator from an algebraic
+   viewpoint. Mechanism and Machine Theory 75 (2014).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from pmjac_pin.errors import ArgumentError
+from pmjac_pin.studies.homotopy.curve import SAME, Curve, Planes
+from pmjac_pin.studies.homotopy.machines import Line, Machine
+from pmjac_pin.studies.homotopy.monodromy import STRAIGHT, PlaneSection, random_turn
+from pmjac_pin.studies.homotopy.polynomial_loops import PolynomialLoops
+from pmjac_pin.studies.modes.assembly_modes import Completeness
+
+if TYPE_CHECKING:
+    from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
+
+Complex = NDArray[np.complex128]
+Index = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class OperationModes:
+    """The operation modes of a mechanism.
+
+    Attributes
+    ----------
+    sizes : tuple of int
+        How many of the solutions, complex ones too, belong to each; most first.
+    labels : tuple of int
+        For each solution of the random machine, the index of its operation mode.
+    bends : tuple of float
+        How far the trace of each one's points is from a straight line, relative to its terms.
+    complete : Completeness
+        Whether these sets are whole and no finer ones are, and what this rests on.
+    key : int
+        Of the homotopy whose solutions they are.
+    """
+
+    sizes: tuple[int, ...]
+    labels: tuple[int, ...]
+    bends: tuple[float, ...]
+    complete: Completeness
+    key: int = 0
+
+    def of(self, modes: ComplexModes) -> tuple[int, ...]:
+        """Return the index of the operation mode of each of `modes.real`.
+
+        Raises
+        ------
+        ArgumentError
+            They are no `ComplexModes` of the same homotopy.
+        """
+        if getattr(modes, "key", None) != self.key:
+            raise ArgumentError("operation modes are known of the same homotopy's ComplexModes")
+        return tuple(self.labels[index] for index in modes.generic)
+
+    def __len__(self) -> int:
+        return len(self.sizes)
+
+
+def find_operation_modes(
+    loops: PolynomialLoops,
+    machine: Machine,
+    solutions: Complex,
+    rng: np.random.Generator,
+    most_rounds: int,
+) -> OperationModes:
+    """Find the operation modes; see `ParameterHomotopy.operation_modes`."""
+    both = np.vstack([twin for one in solutions for twin in loops.twins(one)] or [solutions])
+    owner = np.repeat(np.arange(len(solutions)), len(both) // max(1, len(solutions)))
+    curve = Curve(Line(loops, machine, machine.near(rng)))
+    here = Planes.at_machine(0.0, loops.count, len(both))
+    points = np.hstack([both, np.zeros((len(both), 1))])
+    section, places = _led_into(curve, points, here, rng)
+    labels = section.components()
+    bends = [np.inf] * len(labels)
+    for _ in range(most_rounds):
+        before = len(section.points), labels.max(initial=0)
+        section = section.grown(rng)
+        labels = section.components()
+        if (len(section.points), labels.max(initial=0)) == before:
+            bends = section.bends(labels, random_turn(rng))
+            if max(bends) < STRAIGHT:
+                break
+    return _sorted(owner, places, labels, bends, len(solutions))
+
+
+def _led_into(
+    curve: Curve, points: Complex, here: Planes, rng: np.random.Generator
+) -> tuple[PlaneSection, Index]:
+    """Return a section with a random plane that the points were led into, and where they are."""
+    section = PlaneSection.through(curve, points[0], rng)
+    moved, arrived = curve.walk(points, here, section.planes(count=len(points)))
+    section = section.with_points(moved[arrived])
+    places = np.full(len(points), -1)
+    for index in np.flatnonzero(arrived):
+        gap = np.linalg.norm(section.points - moved[index], axis=1)
+        if gap.min() <= SAME * (1.0 + np.linalg.norm(moved[index])):
+            places[index] = int(np.argmin(gap))
+    return section, places
+
+
+def _sorted(
+    owner: Index, places: Index, labels: Index, bends: list[float], count: int
+) -> OperationModes:
+    """Return the operation modes of solutions, of which each may own several points."""
+    sets = labels.max(initial=-1) + 1
+    met = places >= 0
+    pairs = (np.ones(int(met.sum())), (owner[met], count + labels[places[met]]))
+    graph = coo_array(pairs, shape=(count + sets, count + sets))
+    _, parts = connected_components(graph, directed=False)
+    found, sizes = np.unique(parts[:count], return_counts=True)
+    order = found[np.argsort(-sizes, kind="stable")]
+    own = [
+        max((bends[i] for i in range(sets) if parts[count + i] == one), default=np.inf)
+        for one in order
+    ]
+    return OperationModes(
+        sizes=tuple(int(size) for size in np.sort(sizes)[::-1]),
+        labels=tuple(int(np.flatnonzero(order == part)[0]) for part in parts[:count]),
+        bends=tuple(float(bend) for bend in own),
+        complete=_completeness(own),
+    )
+
+
+def _completeness(bends: list[float]) -> Completeness:
+    worst = max(bends, default=np.inf)
+    if worst < STRAIGHT:
+        sets = "its one set" if len(bends) == 1 else f"each of the {len(bends)} sets"
+        statement = f"tolerance: the trace of {sets} of points is straight to {worst:.1g}"
+        return Completeness("tolerance", statement, 0.0, math.nan)
+    statement = f"neither: the trace of a set of points is bent by {worst:.1g}: it is not whole"
+    return Completeness("neither", statement, 1.0, math.nan)

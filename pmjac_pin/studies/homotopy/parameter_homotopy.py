@@ -1,0 +1,324 @@
+"""ParameterHomotopy: all complex solutions of one random machine, led to those at motor values.
+
+1. A random machine (motors p*, loops shut with offsets) and one solution are drawn. Over a random
+   line of offsets through it, `monodromy` finds all its solutions, and the trace says so.
+2. The offsets are led to zero: what arrives are all solutions of the mechanism at the motors p*.
+3. From there, the motors are led along a straight line to any real values: as p* is random and
+   complex, each isolated solution there is the end of a path.
+
+References
+----------
+.. [1] A. P. Morgan, A. J. Sommese: Coefficient-parameter polynomial continuation. Appl. Math.
+   Comput. 29 (1989).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.closing.motor_values import MotorValues
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import ArgumentError
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
+from pmjac_pin.studies.homotopy.curve import Curve, Planes
+from pmjac_pin.studies.homotopy.endpoints import proven, told_real
+from pmjac_pin.studies.homotopy.machines import ClosedForm, Line, Machine, Machines
+from pmjac_pin.studies.homotopy.monodromy import (
+    STRAIGHT,
+    PlaneSection,
+    all_points,
+    check_rounds,
+    random_turn,
+)
+from pmjac_pin.studies.homotopy.operation_modes import OperationModes, find_operation_modes
+from pmjac_pin.studies.homotopy.paths import Ends, led, led_to_end
+from pmjac_pin.studies.homotopy.solving import near, solutions_of
+from pmjac_pin.studies.modes.assembly_modes import Completeness
+from pmjac_pin.studies.modes.closed_pose import closed_pose, generator, order
+from pmjac_pin.studies.modes.recognition import Recognition
+from pmjac_pin.values.read_only import read_only
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Index = NDArray[np.intp]
+Mask = NDArray[np.bool_]
+
+_SINGULAR = 1e-4  # smallest relative singular value of K* beside which home is not asked for
+_TRIES = 4  # of ways to lead all points to one machine
+
+
+@dataclass(frozen=True, eq=False)
+class ParameterHomotopy:
+    """All solutions of a mechanism at random complex motors, and paths from there.
+
+    Attributes
+    ----------
+    mechanism : Mechanism
+    count : int
+        Solutions at almost all motor values, complex ones too, but for those farther than 100
+        characteristic lengths; of quaternions with opposite signs one counts.
+    degree : int
+        Of the curve of machines whose points were found by monodromy: it has more points in a
+        plane than the mechanism has solutions.
+    bend : float
+        How far the trace of these points is from a straight line, relative to its terms.
+    lost : int
+        Paths from these points that neither arrived nor went to infinity: solutions may be
+        missing.
+    home_met : bool
+        Whether the home pose is among the ends of paths, as it must be if it is regular.
+    """
+
+    mechanism: Mechanism
+    count: int
+    degree: int
+    bend: float
+    lost: int
+    home_met: bool
+    _machines: Machines
+    _machine: Machine
+    _solutions: Complex
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Let it be kept in a file: what the mechanism is made of can be made again."""
+        counts = (self.count, self.degree, self.bend, self.lost, self.home_met)
+        return _restored, (self.mechanism, counts, self._machine, self._solutions)
+
+    def __repr__(self) -> str:
+        return f"ParameterHomotopy({self.mechanism.name}, {self.count} solutions)"
+
+    def at(self, actuated: MotorValues) -> ComplexModes:
+        """Return all complex solutions at given motor values.
+
+        Parameters
+        ----------
+        actuated : array_like, shape (n,), or mapping of str to float
+            Motor values, m or rad; by name where they have names.
+
+        Returns
+        -------
+        ComplexModes
+            The solutions, the real ones as Configurations; `complete` says what it rests on
+            that these are all.
+
+        Raises
+        ------
+        ArgumentError
+            The motor values are not n numbers.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> found = pj.parameter_homotopy(pj.load("four_bar"), rng=0).at([0.9])
+        >>> found.count, len(found.real), found.certified, found.complete.kind
+        (2, 2, 2, 'tolerance')
+        """
+        machine, form = self._machines.at(actuated)
+        loops = self._machines.loops
+        ends = led_to_end(Curve(Line(loops, self._machine, machine)), self._solutions)
+        met = solutions_of(loops, machine, ends)
+        close = near(ends.points[met])
+        infinite = int(ends.to_infinity.sum() + (~close).sum())
+        met = met[close]
+        x = told_real(loops, form.driven, ends.points[met])
+        real = np.abs(x.imag).max(axis=1, initial=0.0) == 0.0
+        found = self._configurations(form, x[real].real, met[real])
+        certified = int(proven(loops, form.driven, x).sum())
+        return ComplexModes(
+            real=tuple(configuration for configuration, _ in found),
+            solutions=read_only(x),
+            unknowns=loops.names,
+            count=met.size,
+            certified=certified,
+            at_infinity=infinite,
+            singular=len(self._solutions) - met.size - infinite,
+            generic=tuple(index for _, index in found),
+            complete=self._completeness(met.size, infinite, certified),
+            key=self._key,
+        )
+
+    def operation_modes(
+        self, *, rng: np.random.Generator | int = 0, most_rounds: int = 200
+    ) -> OperationModes:
+        """Return which solutions hang together when all motors move, complex values included.
+
+        Parameters
+        ----------
+        rng : numpy.random.Generator or int
+            For planes and paths; a seed makes a generator.
+        most_rounds : int
+            Of closed paths, after which it gives up; `complete` then says so.
+
+        Returns
+        -------
+        OperationModes
+            Sets of solutions, the largest first.
+
+        Raises
+        ------
+        ArgumentError
+            `most_rounds` is no whole number ≥ 1.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> pj.parameter_homotopy(pj.load("four_bar"), rng=0).operation_modes().sizes
+        (2,)
+        """
+        check_rounds(most_rounds)
+        found = find_operation_modes(
+            self._machines.loops, self._machine, self._solutions, generator(rng), most_rounds
+        )
+        complete = self._unsound() or found.complete
+        return replace(found, complete=complete, key=self._key)
+
+    @property
+    def _key(self) -> int:
+        """What tells the solutions of one homotopy from those of another."""
+        return hash(self._solutions.tobytes())
+
+    def _unsound(self) -> Completeness | None:
+        """Return why solutions of the random machine may be missing, None where none are."""
+        why = ""
+        if self.bend > STRAIGHT:
+            trace = f"the trace of {self.degree} points found by monodromy"
+            why = f"{trace} is bent by {self.bend:.1g}, solutions are missing"
+        elif self.lost:
+            why = (
+                f"of {self.degree} paths to random motor values {self.lost} end at solutions "
+                "that are not isolated, or are lost"
+            )
+        elif not self.home_met:
+            why = "no path ends at the home pose, solutions are missing"
+        return Completeness("neither", f"neither: {why}", 1.0, math.nan) if why else None
+
+    def _configurations(
+        self, form: ClosedForm, x: Array, generic: Index
+    ) -> list[tuple[Configuration, int]]:
+        """Return the real solutions as Configurations, each with where its path began."""
+        pairs = [
+            (closed_pose(self.mechanism, q, limits=False), int(index))
+            for q, index in zip(form.poses(x), generic, strict=True)
+        ]
+        found = [(configuration, index) for configuration, index in pairs if configuration]
+        length = self._machines.loops.length
+        return sorted(found, key=lambda pair: order(pair[0], length))
+
+    def _completeness(self, met: int, infinite: int, certified: int) -> Completeness:
+        if (unsound := self._unsound()) is not None:
+            return unsound
+        total = len(self._solutions)
+        singular = total - met - infinite
+        settled = not singular and certified == met
+        ends = [f"{met} end at solutions, {certified} of them proven to be there and isolated"]
+        if infinite:
+            ends.append(f"{infinite} at infinity or far away")
+        if singular:
+            ends.append(f"{singular} at singular solutions, or are lost")
+        kind: Literal["neither", "tolerance"] = "tolerance" if settled else "neither"
+        statement = (
+            f"{kind}: of {total} paths of complex solutions (monodromy; the trace of {self.degree} "
+            f"points is straight to {self.bend:.1g}) {', '.join(ends)}"
+        )
+        return Completeness(kind, statement, 0.0, math.nan)
+
+
+def parameter_homotopy(
+    mechanism: Mechanism, *, rng: np.random.Generator | int | None = None, most_rounds: int = 100
+) -> ParameterHomotopy:
+    """Find all complex solutions of the loop equations at random complex motor values.
+
+    It takes seconds to minutes, once for a mechanism; `ParameterHomotopy.at` then gives those at
+    any motor values in a fraction of a second.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    rng : numpy.random.Generator or int
+        For the machine, planes and paths; a seed makes a generator.
+    most_rounds : int
+        Of closed paths, after which the search for more solutions gives up; the trace then
+        tells that some are missing.
+
+    Returns
+    -------
+    ParameterHomotopy
+
+    Raises
+    ------
+    ArgumentError
+        Idle motions, geared joints, motors of several degrees of freedom, or more of them than
+        can be moved one by one.
+
+    References
+    ----------
+    .. [1] T. Duff, C. Hill, A. Jensen, K. Lee, A. Leykin, J. Sommars: Solving polynomial systems
+       via homotopy continuation and monodromy. IMA J. Numer. Anal. 39 (2019).
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> homotopy = pj.parameter_homotopy(pj.load("four_bar"), rng=0)
+    >>> homotopy.count, homotopy.degree
+    (2, 4)
+    """
+    if not isinstance(mechanism, Mechanism):
+        raise ArgumentError(f"a Mechanism is wanted, got {type(mechanism).__name__}")
+    check_rounds(most_rounds)
+    machines, random = Machines(mechanism), generator(rng)
+    loops = machines.loops
+    target = machines.home.near(random)
+    first = loops.somewhere(random)
+    start = machines.offset(target, first)
+    curve = Curve(Line.through(loops, start, random))
+    section, bend = all_points(curve, np.append(first, 0.0), random, most_rounds)
+    shut = _at_start(section, random)
+    ends = led_to_end(Curve(Line(loops, start, target)), shut.points[shut.arrived, :-1])
+    solutions = ends.points[solutions_of(loops, target, ends)]
+    found = ParameterHomotopy(
+        mechanism=mechanism,
+        count=int(near(solutions).sum()),
+        degree=len(section.points),
+        bend=bend,
+        lost=shut.lost + ends.lost,
+        home_met=True,
+        _machines=machines,
+        _machine=target,
+        _solutions=solutions,
+    )
+    return replace(found, home_met=_meets_home(found))
+
+
+def _meets_home(homotopy: ParameterHomotopy) -> bool:
+    """Tell whether the home pose is an end of a path; a singular one need not be."""
+    home = homotopy.mechanism.home
+    if home.singularity().smallest < _SINGULAR:
+        return True
+    return Recognition(homotopy.at(home.actuated).real).index(home) is not None
+
+
+def _at_start(section: PlaneSection, rng: np.random.Generator) -> Ends:
+    """Lead all points of a section to t = 0, on other paths if some are lost on the first."""
+    count = len(section.points)
+    there = Planes.at_machine(0.0, section.curve.line.count, count)
+    tries: list[Ends] = []
+    while not tries or (tries[-1].lost and len(tries) < _TRIES):
+        turn = random_turn(rng)
+        end = Planes(turn * there.normals, turn * there.offsets)
+        tries.append(led(section.curve, section.points, section.planes(), end))
+    return min(tries, key=lambda ends: ends.lost)
+
+
+def _restored(
+    mechanism: Mechanism,
+    counts: tuple[int, int, float, int, bool],
+    machine: Machine,
+    solutions: Complex,
+) -> ParameterHomotopy:
+    return ParameterHomotopy(mechanism, *counts, Machines(mechanism), machine, solutions)

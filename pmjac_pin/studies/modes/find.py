@@ -1,0 +1,219 @@
+"""Finding the assembly modes: random starts, until what is found is known to be all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.closing.closed import closed_point
+from pmjac_pin.closing.motor_values import MotorValues, motor_values
+from pmjac_pin.closing.parts import Parts
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.direct_kinematics import check_limits
+from pmjac_pin.errors import ArgumentError
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.rates.jacobian import refuse_felt_idle_motion
+from pmjac_pin.studies.modes.aim import Aim
+from pmjac_pin.studies.modes.assembly_modes import AssemblyModes, Completeness
+from pmjac_pin.studies.modes.closed_pose import closed_pose, generator, open_by, order
+from pmjac_pin.studies.modes.mirror import mirror_images
+from pmjac_pin.studies.modes.proof import prove
+from pmjac_pin.studies.modes.random_search import RandomSearch
+from pmjac_pin.studies.modes.recognition import Recognition
+from pmjac_pin.studies.modes.same_machine import same_machines
+from pmjac_pin.studies.modes.search_problem import search_problem, with_legs
+from pmjac_pin.studies.modes.settling import Census, HomotopyCensus, ProofCensus, missing, settled
+from pmjac_pin.studies.modes.starts import StartSpace
+
+if TYPE_CHECKING:
+    from pmjac_pin.studies.homotopy.parameter_homotopy import ParameterHomotopy
+
+Array = NDArray[np.float64]
+
+_FIRST_STARTS = 512  # before a proof is tried; most modes are met among them
+
+_Found = tuple[Configuration, float]
+
+
+def assembly_modes(
+    mechanism: Mechanism,
+    actuated: MotorValues,
+    *,
+    rng: np.random.Generator | int | None = None,
+    limits: bool = True,
+    unseen: float = 2e-3,
+    confidence: float = 0.99,
+    most_starts: int = 200_000,
+    proof: bool = True,
+    homotopy: ParameterHomotopy | None = None,
+) -> AssemblyModes:
+    """Find all closed poses at these motor values: the solutions of direct kinematics.
+
+    Damped Newton from random starts, hundreds at once; then, where that is affordable, a proof
+    by interval arithmetic that none is missing; where it is not, more starts, until the share
+    of the start space that leads to poses not seen yet is bounded as asked for. Poses that
+    differ by full turns, by the sign of a quaternion, by idle motions or by half a turn of a
+    leg's universal joint are one; so are those in which only bodies that look the same are
+    turned over, which `ways` counts.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    actuated : array_like, shape (n,), or mapping of str to float
+        Motor values, m or rad: in the order of `actuated`, or by name where they have names,
+        as those of a pandas Series do.
+    rng : numpy.random.Generator or int, optional
+        For the starts; a seed makes a generator, and none takes one that differs every time. The
+        modes do not depend on it, nor does their order, as long as all are found.
+    limits : bool
+        Keep within the joints' limits, passive ones too.
+    unseen : float
+        The share of the start space that may lead to modes not found.
+    confidence : float
+        Of this bound.
+    most_starts : int
+        Where the search gives up on the bound.
+    proof : bool
+        Try to prove by interval arithmetic that these are all: possible for up to about six
+        unknown joints, in a fraction of a second.
+    homotopy : ParameterHomotopy, optional
+        Of this mechanism: where there is no proof, count all complex solutions, too.
+
+    Returns
+    -------
+    AssemblyModes
+        A sequence of Configurations; `complete` says what its completeness rests on.
+
+    Raises
+    ------
+    ArgumentError, LimitError
+    IdleMotionError
+        The tool moves with all motors locked: there are no separate modes.
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> modes = pj.assembly_modes(pj.load("four_bar"), [0.9], rng=0)
+    >>> [round(float(mode.passive[0]), 4) for mode in modes]
+    [-2.4793, 2.0236]
+    >>> modes.complete.kind
+    'proof'
+    """
+    if not isinstance(mechanism, Mechanism):
+        raise ArgumentError(f"a Mechanism is wanted, got {type(mechanism).__name__}")
+    aim = Aim(unseen, confidence, most_starts, proof, homotopy)
+    return find_modes(mechanism, actuated, generator(rng), limits, aim)
+
+
+def find_modes(
+    mechanism: Mechanism, actuated: MotorValues, rng: np.random.Generator, limits: bool, aim: Aim
+) -> AssemblyModes:
+    """Find the assembly modes; see `assembly_modes`."""
+    parts = mechanism._parts
+    values = motor_values(parts, actuated)
+    if limits:
+        check_limits(parts, values)
+    _refuse_felt_idle_motion(parts)
+    base = parts.coordinates.with_values(parts.home_q, parts.problem.partition.actuated, values)
+    problem, legs = search_problem(parts, base)
+    search = RandomSearch(problem, StartSpace.of(problem, limits), rng)
+    search.run(_FIRST_STARTS)
+    censuses = [one for one in _censuses(mechanism, values, limits, aim) if one.whole]
+
+    def rows() -> list[Array]:
+        return [with_legs(parts, legs, problem, base, q) for q, _ in search.modes()]
+
+    def judged() -> tuple[list[_Found], Completeness | None]:
+        shares = [share for _, share in search.modes()]
+        return _settled(mechanism, _closed(mechanism, rows(), shares, limits), censuses, limits)
+
+    found, complete = judged() if censuses else ([], None)
+    if complete is None:
+        search.until(aim)
+        found, complete = judged()
+    if complete is None:
+        complete = _without_open(mechanism, rows(), search.completeness(aim))
+    return _modes(parts, found, search.starts, complete)
+
+
+def _without_open(mechanism: Mechanism, rows: list[Array], complete: Completeness) -> Completeness:
+    """Say what a search met that does not close to the tolerance and is left out."""
+    gaps = list(filter(None, (open_by(mechanism, q) for q in rows)))
+    if not gaps:
+        return complete
+    least = f"the tolerance of {mechanism.tolerance:.2g} m"
+    left_out = f"{len(gaps)} more, open by {max(gaps):.2g} m at most, miss {least} and are left out"
+    return replace(complete, statement=f"{complete.statement}; {left_out}")
+
+
+def _modes(parts: Parts, found: list[_Found], starts: int, complete: Completeness) -> AssemblyModes:
+    """Return the poses found as modes, those that are the same machine as one."""
+    groups = same_machines(parts, [configuration for configuration, _ in found])
+    ways = [[found[index] for index in group] for group in groups]
+    ways.sort(key=lambda group: order(group[0][0], parts.problem.partition.length))
+    poses = tuple(tuple(configuration for configuration, _ in group) for group in ways)
+    modes = tuple(group[0] for group in poses)
+    if len(modes) < len(found):
+        statement = f"{complete.statement}; {len(found)} poses are {len(modes)} modes"
+        complete = replace(complete, statement=f"{statement}, with bodies turned over unseen")
+    return AssemblyModes(
+        configurations=modes,
+        shares=tuple(sum(share for _, share in group) for group in ways),
+        starts=starts,
+        complete=complete,
+        mirror_images=mirror_images(parts, modes),
+        poses=poses,
+    )
+
+
+def _censuses(mechanism: Mechanism, values: Array, limits: bool, aim: Aim) -> Iterator[Census]:
+    """Yield what tells all modes, as far as it was asked for; the proof first."""
+    if aim.proof:
+        yield ProofCensus(mechanism, prove(mechanism, values, limits=limits))
+    if aim.homotopy is not None:
+        if getattr(aim.homotopy, "mechanism", None) != mechanism:
+            raise ArgumentError("homotopy is that of another mechanism, or none at all")
+        yield HomotopyCensus(mechanism, aim.homotopy.at(values), limits)
+
+
+def _settled(
+    mechanism: Mechanism, found: list[_Found], censuses: list[Census], limits: bool
+) -> tuple[list[_Found], Completeness | None]:
+    """Return the modes found with those that a census adds, and whether one says these are all."""
+    for census in censuses:
+        lost = missing(census, [one for one, _ in found])
+        more = found + _closed(mechanism, lost, [0.0] * len(lost), limits)
+        if (complete := settled(census, [one for one, _ in more])) is not None:
+            return more, complete
+    return found, None
+
+
+def _closed(
+    mechanism: Mechanism, rows: list[Array], shares: list[float], limits: bool
+) -> list[_Found]:
+    """Return the rows that Pinocchio closes within limits, each with its share of the starts."""
+    pairs = [
+        (closed_pose(mechanism, q, limits), share) for q, share in zip(rows, shares, strict=True)
+    ]
+    found = [(configuration, share) for configuration, share in pairs if configuration is not None]
+    # Beside a singularity, Pinocchio's Newton may lead two of the search's poses to one.
+    recognition = Recognition([configuration for configuration, _ in found])
+    shared: dict[int, float] = {}
+    for configuration, share in found:
+        first = recognition.index(configuration)
+        if first is not None:
+            shared[first] = shared.get(first, 0.0) + share
+    return [(found[index][0], share) for index, share in shared.items()]
+
+
+def _refuse_felt_idle_motion(parts: Parts) -> None:
+    """Raise IdleMotionError where the tool moves with all motors locked, at every pose."""
+    partition = parts.problem.partition
+    factors = closed_point(parts.problem, parts.home_q).factors
+    if factors.rank == partition.passive_rank < partition.passive.size:
+        tool_jacobian = parts.kinematics.snapshot(parts.home_q).tool_jacobian
+        refuse_felt_idle_motion(factors, tool_jacobian, partition)

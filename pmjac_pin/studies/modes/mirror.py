@@ -1,0 +1,85 @@
+"""Mirror images: modes that the reflection in the plane of the base makes of each other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from pmjac_pin.closing.parts import Parts
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.model.frames import find_frame
+from pmjac_pin.model.loop_spec import JointLoop
+
+Array = NDArray[np.float64]
+
+_SAME = 1e-5  # of the characteristic length
+
+
+def mirror_images(parts: Parts, modes: Sequence[Configuration]) -> tuple[int | None, ...]:
+    """Return for each mode the index of its mirror image, None where it has none.
+
+    The plane is that of the points where the base carries joints and loops; without one, when
+    they lie on a line or not in a plane, there are no mirror images.
+    """
+    none = (None,) * len(modes)
+    length = parts.problem.partition.length
+    plane = _plane(_base_points(parts), length)
+    if plane is None or not modes:
+        return none
+    middle, normal = plane
+    points = np.array([_points(parts, mode) for mode in modes])
+    heights = (points - middle) @ normal
+    reflected = points - 2.0 * heights[:, :, None] * normal
+    found: list[int | None] = []
+    for index in range(len(modes)):
+        apart = np.abs(points - reflected[index]).max(axis=(1, 2))
+        apart[index] = np.inf
+        nearest = int(np.argmin(apart))
+        found.append(nearest if apart[nearest] <= _SAME * length else None)
+    return tuple(found)
+
+
+def _base_points(parts: Parts) -> Array:
+    model = parts.model
+    roots = [
+        model.jointPlacements[joint].translation
+        for joint in range(1, model.njoints)
+        if model.parents[joint] == 0 and model.joints[joint].nv == 1
+    ]
+    anchors = [
+        frame.placement.translation
+        for loop in parts.spec.loops
+        if not isinstance(loop, JointLoop)
+        for frame in (find_frame(model, name) for name in loop.frames)
+        if frame.joint == 0
+    ]
+    return np.array([*roots, *anchors]).reshape(-1, 3)
+
+
+def _plane(points: Array, length: float) -> tuple[Array, Array] | None:
+    """Return the plane of the points as a point and a normal, if they span just one."""
+    if len(points) < 3:
+        return None
+    middle = points.mean(axis=0)
+    _, sizes, axes = np.linalg.svd(points - middle)
+    if sizes[1] <= _SAME * length or sizes[2] > _SAME * length:
+        return None
+    return middle, axes[2]
+
+
+def _points(parts: Parts, mode: Configuration) -> Array:
+    """Return the tool's origin and all loop anchors, shape (k, 3)."""
+    model = parts.model
+    data = model.createData()
+    pin.forwardKinematics(model, data, mode.q)
+    frames = [
+        find_frame(model, name)
+        for loop in parts.spec.loops
+        if not isinstance(loop, JointLoop)
+        for name in loop.frames
+    ]
+    anchors = [data.oMi[frame.joint].act(frame.placement.translation) for frame in frames]
+    return np.array([mode.tool_pose.translation, *anchors])

@@ -1,0 +1,212 @@
+"""Proof: that all assembly modes at given motor values are known, by interval arithmetic.
+
+Branch and prune leaves small boxes that hold every pose which counts as closed. Boxes that touch
+are taken together, and Krawczyk's test shows that there is one mode near each.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pmjac_pin.algebra.intervals import Intervals
+from pmjac_pin.closing.motor_values import MotorValues, motor_values
+from pmjac_pin.closing.parts import Parts
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.studies.modes.box_domain import NoBoxesError
+from pmjac_pin.studies.modes.box_problem import BoxProblem, box_problem, given_values, start
+from pmjac_pin.studies.modes.branch_and_prune import Budget, branch_and_prune
+from pmjac_pin.studies.modes.krawczyk import Enclosure, enclose
+from pmjac_pin.studies.modes.touching import moved_near, together
+from pmjac_pin.values.checks import as_numbers
+
+Array = NDArray[np.float64]
+
+_MOST_BOXES = 1000  # small ones: more are a motion or a singularity, not modes
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Proof:
+    """What interval arithmetic proves about the assembly modes at given motor values.
+
+    If `complete`: every pose that counts as closed is in the neighbourhood of an enclosure, each
+    of which holds exactly one root of its kept rows, where the other rows count as closed.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The k unknowns: passive joints of one degree of freedom.
+    enclosures : tuple of Enclosure
+        Proven even where the whole is not settled.
+    unsettled : Intervals, shape (u, k)
+        Boxes that may hold further modes, or none.
+    reason : str
+        Why it is not settled; empty if it is.
+    boxes : int
+        How many were looked at.
+    seconds : float
+    q : ndarray, shape (n, nq)
+        The modes as Pinocchio's configuration vectors, to rounding.
+    endless : ndarray of bool, shape (k,)
+        Which unknowns are the same after a full turn.
+    """
+
+    names: tuple[str, ...]
+    enclosures: tuple[Enclosure, ...]
+    unsettled: Intervals
+    reason: str
+    boxes: int
+    seconds: float
+    q: Array
+    endless: NDArray[np.bool_]
+
+    @property
+    def complete(self) -> bool:
+        """Whether the enclosures are all modes."""
+        return not self.reason
+
+    @property
+    def statement(self) -> str:
+        """What is proven, in one line."""
+        if not self.complete:
+            return f"not settled: {self.reason}"
+        rest = "interval arithmetic over all values of the passive joints"
+        return f"complete: exactly {len(self.enclosures)}, by {rest} ({self.boxes} boxes)"
+
+    def match(self, values: ArrayLike) -> tuple[int | None, ...]:
+        """Return for each row of joint values the one enclosure whose mode it stands for.
+
+        Parameters
+        ----------
+        values : array_like, shape (n, k)
+            Of the joints `names`, rad or m.
+
+        Returns
+        -------
+        tuple of (int or None)
+            None for a row in no enclosure's neighbourhood, or in several.
+        """
+        found: list[int | None] = []
+        for row in as_numbers(values, "values").reshape(-1, len(self.names)):
+            point = Intervals.exact(row)
+            near = [
+                index
+                for index, one in enumerate(self.enclosures)
+                if moved_near(point, one.around, self.endless).inside(one.around).all()
+            ]
+            found.append(near[0] if len(near) == 1 else None)
+        return tuple(found)
+
+
+def prove(
+    mechanism: Mechanism,
+    actuated: MotorValues,
+    *,
+    limits: bool = True,
+    budget: Budget | None = None,
+) -> Proof:
+    """Prove how many assembly modes there are at these motor values, or say what is not settled.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    actuated : array_like, shape (n,), or mapping of str to float
+        Motor values, m or rad.
+    limits : bool
+        Keep within the passive joints' limits.
+    budget : Budget, optional
+        How many boxes and seconds it may take.
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> proof = pj.prove(pj.load("four_bar"), [0.9])
+    >>> proof.statement
+    'complete: exactly 2, by interval arithmetic over all values of the passive joints (... boxes)'
+    >>> [enclosure.mode.middle.round(4).tolist() for enclosure in proof.enclosures]
+    [[-2.4793, -2.2632], [2.0236, 0.0075]]
+    """
+    began, parts = time.monotonic(), mechanism._parts
+    values = motor_values(parts, actuated)
+    if not (parts.problem.partition.passive.size or parts.spec.loops):
+        return _open_chain(parts, values)
+    try:
+        problem = box_problem(parts, given_values(parts, values), limits)
+    except NoBoxesError as error:
+        return _nothing(parts, str(error))
+    with np.errstate(over="ignore", invalid="ignore"):  # what is not a number excludes nothing
+        pruned = branch_and_prune(
+            problem.loops, problem.domain[None], problem.scale, budget or Budget()
+        )
+        enclosures, unsettled, reason = _settled(problem, pruned.small)
+    if len(pruned.unfinished.lower):
+        reason = f"{len(pruned.unfinished.lower)} boxes were not looked at within the budget"
+    base = parts.coordinates.with_values(parts.home_q, parts.problem.partition.actuated, values)
+    rows = [start(parts, problem, base, one.mode.middle) for one in enclosures]
+    return Proof(
+        names=problem.names,
+        enclosures=enclosures,
+        unsettled=Intervals.join([unsettled, pruned.unfinished]),
+        reason=reason,
+        boxes=pruned.boxes,
+        seconds=time.monotonic() - began,
+        q=np.array(rows).reshape(-1, base.size),
+        endless=problem.endless,
+    )
+
+
+def _open_chain(parts: Parts, values: Array) -> Proof:
+    """Return the proof that motors alone leave one pose, their own."""
+    none, no_joint = Intervals.exact(np.zeros((0, 0))), Intervals.exact(np.zeros(0))
+    q = parts.coordinates.with_values(parts.home_q, parts.problem.partition.actuated, values)
+    only = Enclosure(no_joint, no_joint, (), 0.0)
+    return Proof((), (only,), none, "", 0, 0.0, q[None], np.zeros(0, dtype=bool))
+
+
+def _nothing(parts: Parts, reason: str) -> Proof:
+    """Return the proof of nothing, where intervals do not apply."""
+    none = Intervals.exact(np.zeros((0, 0)))
+    q, endless = np.zeros((0, parts.home_q.size)), np.zeros(0, dtype=bool)
+    return Proof((), (), none, reason, 0, 0.0, q, endless)
+
+
+def _settled(problem: BoxProblem, small: Intervals) -> tuple[tuple[Enclosure, ...], Intervals, str]:
+    """Return the enclosures of the modes in small boxes, the boxes that stay unsettled, and why."""
+    if len(small.lower) > _MOST_BOXES:
+        return (), small, f"{len(small.lower)} small boxes are left, as at a singularity"
+    hulls = together(small, problem.endless, problem.scale)
+    found: list[Enclosure] = []
+    unsettled = [hulls[:0]]
+    for index, one in enumerate(enclose(problem.loops, hulls, problem.scale)):
+        if one is None or one.left_out > 1.0:
+            unsettled.append(hulls[index : index + 1])
+            continue
+        if not one.mode.inside(problem.domain)[~problem.endless].all():
+            unsettled.append(hulls[index : index + 1])
+        elif not any(_same(one, hulls[index], other, problem) for other in found):
+            found.append(one)
+    if _overlap(found, problem):
+        return (), small, "enclosures of modes overlap"
+    left = Intervals.join(unsettled)
+    count = len(left.lower)
+    boxes = "one box" if count == 1 else f"{count} boxes"
+    reason = f"{boxes} may hold modes or none, as near a singularity" if count else ""
+    return tuple(found), left, reason
+
+
+def _same(one: Enclosure, box: Intervals, other: Enclosure, problem: BoxProblem) -> bool:
+    """Tell whether a box is near a mode already known, where the same rows have only one root."""
+    whole = Intervals.stack([one.mode, box], 0)
+    moved = moved_near(whole, other.around, problem.endless)
+    return one.kept == other.kept and bool(moved.inside(other.around).all())
+
+
+def _overlap(found: list[Enclosure], problem: BoxProblem) -> bool:
+    return any(
+        bool(moved_near(one.mode, other.mode, problem.endless).meets(other.mode).all())
+        for index, one in enumerate(found)
+        for other in found[:index]
+    )

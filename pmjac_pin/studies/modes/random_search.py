@@ -1,0 +1,93 @@
+"""RandomSearch: batches of random starts, and the bound on what they have not met."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.studies.modes.aim import Aim
+from pmjac_pin.studies.modes.assembly_modes import Completeness
+from pmjac_pin.studies.modes.distinct import Distinct, Signatures, isolated
+from pmjac_pin.studies.modes.search import ManyClosures, unseen_share
+from pmjac_pin.studies.modes.search_problem import SearchProblem
+from pmjac_pin.studies.modes.starts import StartSpace
+
+Array = NDArray[np.float64]
+
+_BATCH = 2048
+_MOST_MODES = 2000  # more is a motion, not a set of poses
+
+
+class RandomSearch:
+    """The closed poses that random starts lead to.
+
+    Attributes
+    ----------
+    met : Distinct
+    starts : int
+        Tried so far.
+    moving : bool
+        The loops move with all motors locked: poses without end were met. Those that are
+        separate from that motion are left in `modes`.
+    """
+
+    def __init__(self, problem: SearchProblem, space: StartSpace, rng: np.random.Generator) -> None:
+        self._closures = ManyClosures(problem, space.strides(problem))
+        self._space, self._rng = space, rng
+        self.met = Distinct(Signatures.of(problem, problem.base[None]))
+        self.starts = 0
+        self.moving = False
+        self._in_a_row, self._question = 0, 0
+
+    def modes(self) -> list[tuple[Array, float]]:
+        """Return the poses that are modes, each with the share of the starts that led there."""
+        modes = [(q, hits / self.starts) for q, hits in zip(self.met.q, self.met.hits, strict=True)]
+        if not self.moving:
+            return modes
+        separate = isolated(self._closures.problem, np.array(self.met.q))
+        return [mode for mode, alone in zip(modes, separate, strict=True) if alone]
+
+    def run(self, count: int) -> None:
+        """Try that many further starts."""
+        closed = self._closures.closed(self._space.draw(self._rng, count))
+        if not self.starts:
+            self.met = Distinct(Signatures.of(self._closures.problem, closed))
+        new = self.met.add(closed)
+        self.starts += count
+        if new or not self._question:
+            self._in_a_row, self._question = 0, self._question + 1
+        else:
+            self._in_a_row += count
+        self.moving = len(self.met.q) > _MOST_MODES
+
+    def until(self, aim: Aim) -> None:
+        """Go on until the aim is met, or its budget is spent."""
+        while self.starts < aim.most_starts and self._bound(aim) > aim.unseen and aim.wanted():
+            self.run(_BATCH)
+            if self.moving:
+                break
+
+    def completeness(self, aim: Aim) -> Completeness:
+        """Return what the search alone says about what it may have missed."""
+        bound = self._bound(aim)
+        if self.moving:
+            statement = (
+                "neither proof nor statistics: the loops also move with all motors locked, and "
+                f"{len(self.met.q) - len(self.modes())} poses of that motion are left out"
+            )
+            return Completeness("neither", statement, 1.0, aim.confidence)
+        if bound <= aim.unseen:
+            only = f" ({self._space.cut_off})" if self._space.cut_off else ""
+            statement = (
+                f"statistics: with confidence {aim.confidence:g}, at most {bound:.2g} of the "
+                f"start space{only} leads to modes not found, after {self.starts} random starts"
+            )
+            return Completeness("statistics", statement, bound, aim.confidence)
+        statement = (
+            f"neither proof nor statistics: new modes were met among the last of {self.starts} "
+            f"random starts; the share not seen is bounded by {bound:.2g} only"
+        )
+        return Completeness("neither", statement, bound, aim.confidence)
+
+    def _bound(self, aim: Aim) -> float:
+        return unseen_share(self._in_a_row, self._question, aim.confidence)

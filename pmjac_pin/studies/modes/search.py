@@ -1,0 +1,145 @@
+"""Search: closed poses from many random starts, and how much of the start space is settled.
+
+Damped Newton (Levenberg–Marquardt) runs from all starts of a batch at once. The share p of the
+start space that leads to poses not seen yet is bounded with a confidence 1 − δ: had n starts in
+a row, drawn after the last new pose, met none, then (1 − p)ⁿ ≥ δ, hence p ≤ −ln δ / n. The k-th
+such question gets δₖ = 6δ/(πk)², so that all of them together err with probability δ at most.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.studies.modes.search_problem import SearchProblem
+
+Array = NDArray[np.float64]
+
+_STEPS = 60  # of one start
+_CLOSED = 1e-9  # of the characteristic length: two steps of Newton's do the rest
+_LAST_STEPS = 2
+_FALLING = 1e-8  # of itself: a gap within the tolerance that falls less is the least there is
+_IDLE = 1e-6  # of the largest column of K*: one that is smaller moves the loops by nothing
+_STUCK = 1e8  # damping at which a start is given up
+_CREEPING = 1e-4  # of itself: an open gap that falls less in each of so many steps stays open
+_PATIENCE = 3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ManyClosures:
+    """Damped Newton on the passive joints, over many poses.
+
+    Attributes
+    ----------
+    problem : SearchProblem
+    strides : ndarray, shape (m_p,)
+        What one step may move each passive degree of freedom alone, m; a rad counts as one length.
+    """
+
+    problem: SearchProblem
+    strides: Array
+
+    def closed(self, starts: Array) -> Array:
+        """Return the rows of q that close the loops, of those that starts (b, nq) lead to.
+
+        Loops with redundant rows that close to a tolerance only are closed as far as they can be:
+        the many poses around that are within the tolerance, too, are that one. Without redundant
+        rows a gap that stays is none of rounding, but of a fold that is not reached.
+        """
+        problem, length = self.problem, self.problem.length
+        farthest = float(self.strides.max(initial=length))
+        redundant = problem.row_scale.size > problem.columns.size - problem.idle
+        tolerance = problem.tolerance if redundant else 0.0
+        q, found = starts, []
+        damping = np.full(len(q), 1e-2)
+        error, rows = self._scaled(q)
+        gap = np.linalg.norm(error, axis=1)
+        least, creeping = np.zeros(len(q), dtype=bool), np.zeros(len(q), dtype=int)
+        for _ in range(_STEPS):
+            done = (gap <= _CLOSED * length) | least
+            found.append(q[done])
+            going = ~done & (damping < _STUCK) & (creeping < _PATIENCE)
+            if not going.any():
+                break
+            q, error, rows = q[going], error[going], rows[going]
+            gap, damping, creeping = gap[going], damping[going], creeping[going]
+            trial = self.problem.tree.moved(q, self._step(error, rows, damping * gap / farthest))
+            trial_error, trial_rows = self._scaled(trial)
+            trial_gap = np.linalg.norm(trial_error, axis=1)
+            better = trial_gap < gap
+            least = (gap <= tolerance) & better & (trial_gap >= (1.0 - _FALLING) * gap)
+            falls = (trial_gap < (1.0 - _CREEPING) * gap) | (gap <= tolerance)
+            creeping = np.where(falls, 0, creeping + better)
+            q = np.where(better[:, None], trial, q)
+            error = np.where(better[:, None], trial_error, error)
+            rows = np.where(better[:, None, None], trial_rows, rows)
+            gap = np.where(better, trial_gap, gap)
+            damping = np.where(better, np.maximum(damping / 5.0, 1e-9), damping * 5.0)
+        return self._polished(np.concatenate(found))
+
+    def _polished(self, q: Array) -> Array:
+        """Return closed rows after Newton's last steps, where these close them further.
+
+        Beside a singularity poses that are closed to little are far from each other, though one.
+        """
+        for _ in range(_LAST_STEPS if len(q) else 0):
+            error, rows = self._scaled(q)
+            trial = self.problem.tree.moved(q, self._step(error, rows, np.zeros(len(q))))
+            better = np.linalg.norm(self._scaled(trial)[0], axis=1) < np.linalg.norm(error, axis=1)
+            q = np.where(better[:, None], trial, q)
+        return q
+
+    def _scaled(self, q: Array) -> tuple[Array, Array]:
+        """Return η in m and K* on the scaled columns."""
+        problem = self.problem
+        residual, jacobian = problem.loops.evaluate(q)
+        K_star = jacobian[:, :, problem.columns] * problem.column_scale[problem.columns]
+        return residual * problem.row_scale, K_star * problem.row_scale[:, None]
+
+    def _step(self, error: Array, rows: Array, damping: Array) -> Array:
+        """Return v (b, nv): −D⁻¹(JᵀJ + λ)⁻¹ Jᵀη on the passive columns, J = K D⁻¹, not too long.
+
+        D are the sizes of K's columns (Marquardt's scaling), so that λ holds back no joint for
+        moving the loops little: a platform's turn moves them by its own size only, however long
+        its legs are.
+        """
+        problem = self.problem
+        sizes = np.sqrt(np.einsum("bij,bij->bj", rows, rows))
+        sizes = np.maximum(sizes, _IDLE * sizes.max(axis=1, initial=0.0, keepdims=True))
+        rows = rows / sizes[:, None, :]
+        across = rows.transpose(0, 2, 1)
+        square = across @ rows
+        diagonal = np.einsum("bii->bi", square)
+        diagonal += (damping + 1e-12)[:, None]
+        step = -np.linalg.solve(square, across @ error[:, :, None])[:, :, 0] / sizes
+        stride = np.linalg.norm(step / self.strides, axis=1)
+        step /= np.maximum(stride, 1.0)[:, None]
+        velocity = np.zeros((len(error), problem.column_scale.size))
+        velocity[:, problem.columns] = step * problem.column_scale[problem.columns]
+        return velocity
+
+
+def unseen_share(starts: int, question: int, confidence: float) -> float:
+    """Return the bound on the share of start space whose pose has not been seen.
+
+    Parameters
+    ----------
+    starts : int
+        In a row without a new pose, drawn after the last new one.
+    question : int
+        How many such rows have been begun.
+    confidence : float
+        1 − δ.
+
+    Examples
+    --------
+    >>> round(unseen_share(4000, 1, 0.99), 6)
+    0.001276
+    """
+    if starts == 0:
+        return 1.0
+    error = 6.0 * (1.0 - confidence) / (math.pi * question) ** 2
+    return min(1.0, -math.log(error) / starts)

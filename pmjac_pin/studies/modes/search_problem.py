@@ -1,0 +1,167 @@
+"""SearchProblem: the passive joints at given motor values, over many poses at once.
+
+Where the mechanism has legs, they are rods here and their joints are found afterwards.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from pmjac_pin.closing.parts import Parts
+from pmjac_pin.closing.scales import column_scale, row_scale
+from pmjac_pin.kinematics.loop_system import LoopSystem
+from pmjac_pin.kinematics.many import ManyLoops, ManyPoses
+from pmjac_pin.model.coordinates import JointCoordinates
+from pmjac_pin.model.linkage import Edge, build, edges_of
+from pmjac_pin.model.loop_spec import DistanceLoop, Loop
+from pmjac_pin.studies.modes.leg_reach import reached
+from pmjac_pin.studies.modes.legs import Leg, find_legs, names_of
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SearchProblem:
+    """A tree, its loops, and what is unknown.
+
+    Attributes
+    ----------
+    model : pin.Model
+    base : ndarray, shape (nq,)
+        The home pose, with the motors at their values.
+    tree : ManyPoses
+    loops : ManyLoops
+    closures : tuple of Loop
+        What `loops` are made of.
+    values : mapping of str to float
+        The parameters' values.
+    passive : tuple of (slice, Edge)
+        Each unknown joint's entries in q.
+    columns : ndarray of int
+        Their degrees of freedom.
+    row_scale, column_scale : ndarray, shapes (p,) and (nv,)
+        As in `Partition`.
+    rank_tolerance, tolerance : float
+        Those of the mechanism: what counts as zero beside the size of [K K*], and the gap in m
+        that counts as closed.
+    length : float
+        The characteristic length, m.
+    idle : int
+        The most degrees of freedom that can idle at every pose.
+    """
+
+    model: pin.Model
+    base: Array
+    tree: ManyPoses
+    loops: ManyLoops
+    closures: tuple[Loop, ...]
+    values: Mapping[str, float]
+    passive: tuple[tuple[slice, Edge], ...]
+    columns: NDArray[np.intp]
+    row_scale: Array
+    column_scale: Array
+    rank_tolerance: float
+    tolerance: float
+    length: float
+    idle: int
+
+
+def search_problem(parts: Parts, base: Array) -> tuple[SearchProblem, list[Leg]]:
+    """Return the problem of a mechanism with its motors as in `base`, and the legs left out."""
+    legs = find_legs(parts, base)
+    if not legs:
+        sizes = parts.problem.partition.loop_sizes
+        return _problem(parts, parts.model, parts.spec.loops, sizes, base), legs
+    return _problem(parts, *_without(parts, legs, base)), legs
+
+
+def with_legs(
+    parts: Parts, legs: list[Leg], problem: SearchProblem, base: Array, q: Array
+) -> Array:
+    """Return the whole mechanism's q for one of the problem's, its legs reaching their ends."""
+    if not legs:
+        return q
+    whole = _copied(problem.model, q, parts.model, base)
+    for leg in legs:
+        whole = reached(parts, leg, whole)
+    return whole
+
+
+def without_legs(parts: Parts, problem: SearchProblem, q: Array) -> Array:
+    """Return the problem's q for one of the whole mechanism's."""
+    return _copied(parts.model, q, problem.model, problem.base)
+
+
+def _without(
+    parts: Parts, legs: list[Leg], base: Array
+) -> tuple[pin.Model, Sequence[Loop], Sequence[float], Array]:
+    """Return model, loops, their sizes and q with rods in place of the legs."""
+    gone = set(names_of(legs))
+    edges = [edge for name, edge in edges_of(parts.model).items() if name not in gone]
+    centres = {
+        f"centre of {'-'.join(leg.loop.ends)}": (leg.body, pin.SE3(np.eye(3), leg.centre))
+        for leg in legs
+    }
+    model = build(parts.model, edges, centres)
+    ended = [leg.loop for leg in legs]
+    rods = [
+        DistanceLoop(frames=(leg.frame, centre), length=leg.length)
+        for leg, centre in zip(legs, centres, strict=True)
+    ]
+    loops = [loop for loop in parts.spec.loops if not any(loop is end for end in ended)]
+    sizes = dict(zip(map(id, parts.spec.loops), parts.problem.partition.loop_sizes, strict=True))
+    return (
+        model,
+        [*loops, *rods],
+        [sizes[id(loop)] for loop in (*loops, *ended)],
+        _copied(parts.model, base, model, pin.neutral(model)),
+    )
+
+
+def _problem(
+    parts: Parts, model: pin.Model, loops: Sequence[Loop], sizes: Sequence[float], base: Array
+) -> SearchProblem:
+    partition = parts.problem.partition
+    coordinates, length = JointCoordinates(model), partition.length
+    system = LoopSystem(model, loops, parts.values)
+    columns = column_scale(system, coordinates.rotational, length, sizes)
+    edges = edges_of(model)
+    passive = [name for name in edges if name not in parts.spec.actuated]
+    tree = ManyPoses(model)
+    entries = []
+    for name in passive:
+        joint = model.joints[model.getJointId(name)]
+        entries.append((slice(joint.idx_q, joint.idx_q + joint.nq), edges[name]))
+    return SearchProblem(
+        model=model,
+        base=base,
+        tree=tree,
+        loops=ManyLoops(model, tree, loops, parts.values),
+        closures=tuple(loops),
+        values=parts.values,
+        passive=tuple(entries),
+        columns=coordinates.columns(passive),
+        row_scale=row_scale(system, columns, length, sizes),
+        column_scale=columns,
+        rank_tolerance=partition.rank_tolerance,
+        tolerance=parts.problem.tolerance,
+        length=length,
+        idle=partition.passive.size - partition.passive_rank,
+    )
+
+
+def _copied(source: pin.Model, q: Array, target: pin.Model, base: Array) -> Array:
+    """Return `base` of one model with the values that another's q gives to the same joints."""
+    result = base.copy()
+    for joint in list(source.joints)[1:]:
+        name = source.names[joint.id]
+        if target.existJointName(name):
+            other = target.joints[target.getJointId(name)]
+            entries = q[joint.idx_q : joint.idx_q + joint.nq]
+            result[other.idx_q : other.idx_q + other.nq] = entries
+    return result

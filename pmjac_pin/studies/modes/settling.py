@@ -1,0 +1,137 @@
+"""Settling: what a search found beside what is known otherwise to be all modes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.studies.modes.assembly_modes import Completeness
+from pmjac_pin.studies.modes.closed_pose import closed_pose
+from pmjac_pin.studies.modes.proof import Proof
+from pmjac_pin.studies.modes.recognition import Recognition
+
+if TYPE_CHECKING:
+    from pmjac_pin.mechanism import Mechanism
+    from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
+
+Array = NDArray[np.float64]
+
+
+class Census(Protocol):
+    """All modes at given motor values, known otherwise than by a search.
+
+    Attributes
+    ----------
+    whole : bool
+        Whether these are all: others are of no use here.
+    """
+
+    @property
+    def whole(self) -> bool: ...  # noqa: D102
+
+    def completeness(self, count: int) -> Completeness:
+        """Return what it rests on that they are all, the rows being so many modes."""
+        ...
+
+    def rows(self) -> list[Array]:
+        """Return the modes as rows of q."""
+        ...
+
+    def found_as(self, found: Sequence[Configuration]) -> list[int | None]:
+        """Return for each row which of the found modes it is, None for none."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ProofCensus:
+    """The modes that interval arithmetic has proven.
+
+    It counts values of joints: two of its rows may be one mode, a leg's universal joint being
+    turned over.
+    """
+
+    mechanism: Mechanism
+    proof: Proof
+
+    @property
+    def whole(self) -> bool:
+        """Whether it is settled."""
+        return self.proof.complete
+
+    def completeness(self, count: int) -> Completeness:
+        """Return a proof; it says where joint values are more than modes."""
+        turned = (
+            ""
+            if count == len(self.proof.q)
+            else f": {count} modes, universal joints turned over or not"
+        )
+        return Completeness("proof", f"proof: {self.proof.statement}{turned}", 0.0, 1.0)
+
+    def rows(self) -> list[Array]:
+        """Return the middles of the enclosures."""
+        return list(self.proof.q)
+
+    def found_as(self, found: Sequence[Configuration]) -> list[int | None]:
+        """Return which found mode is in each one's neighbourhood, or has its bodies there."""
+        places: list[int | None] = [None] * len(self.proof.q)
+        for index, row in enumerate(self._enclosures(found)):
+            if row is not None:
+                places[row] = index
+        recognition = Recognition(found)
+        for row, q in enumerate(self.proof.q):
+            if places[row] is None and (pose := closed_pose(self.mechanism, q, limits=False)):
+                places[row] = recognition.index(pose)
+        return places
+
+    def _enclosures(self, found: Sequence[Configuration]) -> Sequence[int | None]:
+        """Return in whose neighbourhood each found mode is."""
+        if not self.proof.names:
+            return range(len(found))
+        coordinates = self.mechanism._parts.coordinates
+        columns = coordinates.columns(self.proof.names)
+        rows = np.array([coordinates.values(one.q)[columns] for one in found])
+        return self.proof.match(rows.reshape(len(found), columns.size))
+
+
+class HomotopyCensus:
+    """The real ones of all complex solutions, within the joints' limits or not."""
+
+    def __init__(self, mechanism: Mechanism, modes: ComplexModes, limits: bool) -> None:
+        rows = [closed_pose(mechanism, mode.q, limits) for mode in modes.real]
+        self._modes = [mode for mode in rows if mode is not None]
+        self._complete = modes.complete
+
+    @property
+    def whole(self) -> bool:
+        """Whether no path was lost."""
+        return self._complete.kind == "tolerance"
+
+    def completeness(self, count: int) -> Completeness:
+        """Return a tolerance."""
+        return self._complete
+
+    def rows(self) -> list[Array]:
+        """Return the real solutions."""
+        return [mode.q for mode in self._modes]
+
+    def found_as(self, found: Sequence[Configuration]) -> list[int | None]:
+        """Return which found mode has all bodies where each real solution has them."""
+        recognition = Recognition(found)
+        return [recognition.index(mode) for mode in self._modes]
+
+
+def missing(census: Census, found: Sequence[Configuration]) -> list[Array]:
+    """Return the modes of a census that are not among the found ones."""
+    places = census.found_as(found)
+    return [row for row, place in zip(census.rows(), places, strict=True) if place is None]
+
+
+def settled(census: Census, found: Sequence[Configuration]) -> Completeness | None:
+    """Return what the census rests on, where it says that the found modes are all; else None."""
+    places = census.found_as(found)
+    return census.completeness(len(found)) if {*places} == {*range(len(found))} else None

@@ -1,0 +1,86 @@
+"""Checking the numbers and names that a caller gives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.values.named_values import named_values
+
+Array = NDArray[np.float64]
+
+#: m, rad, kg, kg m²; squared twice it is still far from overflowing.
+LARGEST = 1e9
+
+#: m, of what must not be zero: its square must not vanish beside rounding.
+SMALLEST = 1e-9
+
+
+def as_numbers(given: object, what: str, largest: float = LARGEST) -> Array:
+    """Return a float array of what the caller gave, or say what is wrong with it.
+
+    Raises
+    ------
+    ArgumentError
+        Strings, complex numbers, ragged lists, NaN, infinities and numbers beyond `largest`;
+        values with names, which must not be taken by their order.
+    """
+    if type(given) is not np.ndarray and named_values(given, what) is not None:
+        message = f"{what} must be plain numbers in their order, got names, too"
+        raise ArgumentError(f"{message}: {quoted(given)}")
+    try:
+        raw = np.asarray(given)
+        if raw.dtype.kind not in "iuf":
+            raise TypeError
+    except (TypeError, ValueError):
+        raise ArgumentError(f"{what} must be real numbers, got {quoted(given)}") from None
+    if np.ma.is_masked(given):
+        raise ArgumentError(f"{what} must have no masked entries, got {quoted(given)}")
+    array = raw.astype(np.float64)
+    if not np.isfinite(array).all():
+        raise ArgumentError(f"{what} must be finite, got {quoted(given)}")
+    if np.abs(array).max(initial=0.0) > largest:
+        got = f"{array.flat[np.abs(array).argmax()]:g}"
+        raise ArgumentError(f"{what} must be of magnitude {largest:g} or less, got {got}")
+    return array
+
+
+def as_number(given: object, what: str, largest: float = LARGEST) -> float:
+    """Return one number that the caller gave, or say what is wrong with it.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    try:
+        array = as_numbers(given, what, largest)
+    except ArgumentError:
+        if isinstance(given, int | float):
+            raise
+        raise ArgumentError(f"{what} must be a number, got {quoted(given)}") from None
+    if array.ndim:
+        raise ArgumentError(f"{what} must be one number, got {quoted(given)}")
+    return float(array)
+
+
+def as_names(given: object, wanted: str) -> tuple[str, ...]:
+    """Return the names that the caller gave, or say what was wanted.
+
+    Raises
+    ------
+    ArgumentError
+        A single string, or a list that holds anything but strings.
+    """
+    if isinstance(given, str) or not isinstance(given, Iterable):
+        raise ArgumentError(f"{wanted}, got {quoted(given)}")
+    try:
+        names = tuple(given)
+    except TypeError:  # NumPy's arrays without axes call themselves iterable
+        raise ArgumentError(f"{wanted}, got {quoted(given)}") from None
+    for name in names:
+        if not isinstance(name, str):
+            raise ArgumentError(f"{wanted}, it holds {quoted(name)}")
+    return names

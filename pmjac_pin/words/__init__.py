@@ -1,0 +1,1 @@
+"""Words: what is known, as plain data, tables and text."""

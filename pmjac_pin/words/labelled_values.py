@@ -1,0 +1,95 @@
+"""Values of a mechanism and of a pose as plain data with names and units, for every report."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.rates.jacobian import SplitJacobian
+from pmjac_pin.words.labelled import Powers, joint_powers, quotient, row_powers, unit
+from pmjac_pin.words.report import BeyondLimits, JointValue, ParameterValue, Quantity, ToolPose
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Labels:
+    """Names and units of one mechanism's motors, passive joints and loop equations."""
+
+    actuated: tuple[str, ...]
+    passive: tuple[str, ...]
+    equations: tuple[str, ...]
+    actuated_powers: tuple[Powers, ...]
+    passive_powers: tuple[Powers, ...]
+    equation_powers: tuple[Powers, ...]
+
+    @classmethod
+    def of(cls, mechanism: Mechanism) -> Labels:
+        """Return the labels of a mechanism."""
+        names = (mechanism.actuated, mechanism.passive, mechanism.rows)
+        return cls(*names, *joint_powers(mechanism), row_powers(mechanism))
+
+
+def parameter_values(mechanism: Mechanism) -> tuple[ParameterValue, ...]:
+    """Return the parameters of a mechanism."""
+    declared = mechanism.spec.parameters
+    return tuple(
+        ParameterValue(
+            name, value, declared[name].unit, declared[name].meaning, declared[name].default
+        )
+        for name, value in mechanism.parameters.items()
+    )
+
+
+def motor_values(values: Array, labels: Labels) -> tuple[JointValue, ...]:
+    """Return the values (n,) of the actuated degrees of freedom."""
+    return _joint_values(values, labels.actuated, labels.actuated_powers, "actuated")
+
+
+def joint_values(configuration: Configuration, labels: Labels) -> tuple[JointValue, ...]:
+    """Return the values of all degrees of freedom, motors first."""
+    passive = (labels.passive, labels.passive_powers, "passive")
+    motors = motor_values(configuration.actuated, labels)
+    return motors + _joint_values(configuration.passive, *passive)
+
+
+def beyond_limits(configuration: Configuration, labels: Labels) -> tuple[BeyondLimits, ...]:
+    """Return the joints outside their limits, motors first."""
+    found = configuration.limits_violated
+    return tuple(
+        BeyondLimits(joint.name, joint.role, joint.value, one.lower, one.upper, joint.unit)
+        for joint in joint_values(configuration, labels)
+        if (one := found.get(joint.name)) is not None
+    )
+
+
+def _joint_values(
+    values: Array, names: tuple[str, ...], powers: tuple[Powers, ...], role: str
+) -> tuple[JointValue, ...]:
+    joints = zip(names, values.tolist(), powers, strict=True)
+    return tuple(JointValue(name, role, value, unit(power)) for name, value, power in joints)
+
+
+def tool_pose(configuration: Configuration) -> ToolPose:
+    """Return the tool's pose in the world."""
+    pose = configuration.tool_pose
+    return ToolPose(vector(pose.translation), tuple(map(vector, pose.rotation)))
+
+
+def determinant(split: SplitJacobian, labels: Labels) -> Quantity | None:
+    """Return det K* with its unit, None where K* is not square."""
+    value = split.det_K_star
+    if value is None:
+        return None
+    rows = (labels.equation_powers[k] for k in split.rows)
+    return Quantity("det K*", value, unit(quotient(rows, labels.passive_powers)))
+
+
+def vector(values: NDArray[np.floating[Any]]) -> tuple[float, ...]:
+    """Return an array of one dimension as plain data."""
+    return tuple(map(float, values))

@@ -1,0 +1,136 @@
+"""The assembly modes as headings, paragraphs and tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scipy.spatial.transform import Rotation
+
+from pmjac_pin.values.brief import brief
+from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table, numbers
+from pmjac_pin.words.modes_report import ModeReport, ModesReport
+from pmjac_pin.words.solutions_report import SolutionsReport
+from pmjac_pin.words.tables import motor_values
+
+_SIGNS = {1: "+", -1: "-", 0: "0", None: ""}
+
+LEGEND = (
+    "σ is the smallest singular value of K*, relative to the size of [K K*]; share, of the random "
+    "starts that led here; proven, that an exact solution is no farther away than this."
+)
+
+
+def modes_blocks(report: ModesReport) -> Iterator[Block]:
+    """Show all modes, and what their completeness rests on."""
+    yield Heading(modes_title(report))
+    if report.description:
+        yield Paragraph(report.description)
+    yield Paragraph(count(report))
+    if report.modes:
+        yield _table(report)
+        yield Paragraph(_legend(report))
+        yield _tools(report)
+    yield Paragraph(f"Complete? {report.complete.statement}.")
+    if report.solutions is not None:
+        yield from _solutions(report.solutions, report.complete.statement)
+
+
+def modes_title(report: ModesReport) -> str:
+    """Return what is shown: the mechanism and its motor values."""
+    return f"Assembly modes of {report.mechanism} at {motor_values(report.motors)}"
+
+
+def count(report: ModesReport) -> str:
+    """Say in a sentence how many modes there are.
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> from pmjac_pin.words.modes_report import make_modes_report
+    >>> mechanism = pj.load("four_bar")
+    >>> modes = pj.assembly_modes(mechanism, [0.9], rng=0)
+    >>> count(make_modes_report(mechanism, [0.9], modes))
+    '2 assembly modes within the limits of the joints.'
+    """
+    found = len(report.modes)
+    within = "within the limits of the joints" if report.limits else "with limits left aside"
+    poses = sum(mode.ways for mode in report.modes)
+    turned = f"; {poses} poses, bodies turned over or not" if poses > found else ""
+    return f"{found or 'No'} assembly mode{'s' * (found != 1)} {within}{turned}."
+
+
+def _legend(report: ModesReport) -> str:
+    if all(mode.ways == 1 for mode in report.modes):
+        return LEGEND
+    return f"{LEGEND[:-1]}; ways, in how many its bodies fit: some turn over unseen."
+
+
+def _solutions(found: SolutionsReport, complete: str) -> Iterator[Block]:
+    """Say how many solutions there are over the complex numbers, and how they hang together."""
+    many = "is 1 solution" if found.count == 1 else f"are {found.count} solutions"
+    text = f"Over the complex numbers there {many}; {found.real} real, limits left aside; "
+    text += f"{found.certified} proven to be there"
+    # Where it settles the modes, its statement has just been made.
+    yield Paragraph(text + ("." if found.statement == complete else f" ({found.statement})."))
+    if found.operation_modes:
+        sizes = ", ".join(map(str, found.operation_modes))
+        yield Paragraph(
+            "Operation modes, by how many of the solutions at almost all motor values they have: "
+            f"{sizes} ({found.operation_statement})."
+        )
+
+
+def _table(report: ModesReport) -> Table:
+    header: tuple[str, ...] = (
+        "mode",
+        "residual\n[m]",
+        "σ",
+        "sign of\ndet K*",
+        "share\n[%]",
+        "mirror\nimage",
+        "proven\n[rad]",
+    )
+    rows = [_row(mode) for mode in report.modes]
+    if any(mode.operation_mode for mode in report.modes):
+        header = (*header, "oper-\nation\nmode")
+        numbers = [mode.operation_mode or "" for mode in report.modes]
+        rows = [(*row, str(number)) for row, number in zip(rows, numbers, strict=True)]
+    if any(mode.ways > 1 for mode in report.modes):
+        header = (*header, "ways")
+        rows = [(*row, str(mode.ways)) for row, mode in zip(rows, report.modes, strict=True)]
+    named = tuple((*row, _names(mode)) for row, mode in zip(rows, report.modes, strict=True))
+    return Table("", (*header, "which is"), named, ">" * len(header) + "<")
+
+
+def _row(mode: ModeReport) -> tuple[str, ...]:
+    mirror = "" if mode.mirror_image is None else str(mode.mirror_image)
+    return (
+        str(mode.number),
+        f"{mode.residual_norm:.1e}",
+        brief(mode.smallest),
+        _SIGNS[mode.sign],
+        f"{100.0 * mode.share:.2f}",
+        mirror,
+        f"{mode.certificate.existence_radius:.0e}" if mode.certificate.certified else "no",
+    )
+
+
+def _names(mode: ModeReport) -> str:
+    singular = () if mode.kind == "regular" else (f"singular ({mode.kind})",)
+    beyond = tuple(f"{joint.name} beyond its limits" for joint in mode.limits_violated)
+    return ", ".join((*mode.poses, *singular, *beyond))
+
+
+def _tools(report: ModesReport) -> Table:
+    rotations = Rotation.from_matrix([mode.tool.rotation for mode in report.modes])
+    places = numbers(
+        [mode.tool.position for mode in report.modes], size=report.characteristic_length
+    )
+    turns = numbers(rotations.as_rotvec(), size=1.0)
+    rows = zip(report.modes, places, turns, strict=True)
+    return Table(
+        "Tool in the world: its place, and the turn from the world's axes (angle times axis)",
+        ("mode", "position [m]\nx", "\ny", "\nz", "turn [rad]\nx", "\ny", "\nz"),
+        tuple((str(mode.number), *place, *turn) for mode, place, turn in rows),
+        "<>>>>>>",
+    )

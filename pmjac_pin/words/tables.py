@@ -1,0 +1,260 @@
+"""A report as headings, paragraphs and tables with units, in the lecture's order."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+from pmjac_pin.model.limits import Violation
+from pmjac_pin.values.brief import brief
+from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table, matrix_table, number, numbers
+from pmjac_pin.words.report import (
+    BeyondLimits,
+    EllipsoidReport,
+    JointValue,
+    Report,
+    SingularityReport,
+)
+
+TITLES = {
+    "K": "K = ∂η/∂θ (loop equations by motors)",
+    "K_star": "K* = ∂η/∂φ (loop equations by passive joints)",
+    "Jv": "J_v (linear velocity of the tool by motor rates, cut tree)",
+    "Jv_star": "J_v* (linear velocity by passive rates, cut tree)",
+    "Jw": "J_ω (angular velocity by motor rates, cut tree)",
+    "Jw_star": "J_ω* (angular velocity by passive rates, cut tree)",
+    "passive_rates": "Φ = −K*⁻¹ K (passive rates by motor rates)",
+    "Jv_eq": "[J_v]eq = J_v − J_v* K*⁻¹ K (linear velocity by motor rates, loops closed)",
+    "Jw_eq": "[J_ω]eq = J_ω − J_ω* K*⁻¹ K (angular velocity by motor rates, loops closed)",
+    "gv_eq": "g_v = [J_v]eqᵀ [J_v]eq",
+    "gw_eq": "g_ω = [J_ω]eqᵀ [J_ω]eq",
+}
+
+SYMBOLS = {"K_star": "K*", "Jv_eq": "[J_v]eq", "Jw_eq": "[J_ω]eq"}
+
+ELLIPSOIDS = {
+    "velocity": "Linear velocity of the tool, all motor rates together of length 1",
+    "angular": "Angular velocity of the tool, all motor rates together of length 1",
+    "force": "Force at the tool that motor efforts of length 1 together can hold",
+}
+
+LEGEND = "The unit of an entry is its row's unit over its column's."
+
+
+def report_blocks(report: Report) -> Iterator[Block]:
+    """Show all of a report."""
+    yield Heading(title(report))
+    if report.description:
+        yield Paragraph(report.description)
+    if report.notes:
+        yield Paragraph("\n".join(f"Note: {note}" for note in report.notes))
+    yield Paragraph(_sizes(report))
+    yield Paragraph(_origin(report))
+    if report.limits_violated:
+        yield Paragraph(limits_warning(report.limits_violated))
+    yield from _pose(report)
+    yield Heading("Loop closure and tool Jacobian")
+    yield Paragraph(LEGEND)
+    yield from matrix_blocks(report, ("K", "K_star"))
+    yield from matrix_blocks(report, ("Jv", "Jv_star", "Jw", "Jw_star"))
+    yield Heading("Equivalent Jacobian")
+    if report.refusal:
+        yield Paragraph(f"J_eq does not exist here: {report.refusal}")
+    if report.dimensions.m_p:
+        yield from matrix_blocks(report, ("passive_rates", "Jv_eq", "Jw_eq"))
+    else:
+        yield Paragraph("Nothing is passive: [J_v]eq = J_v and [J_ω]eq = J_ω.")
+    yield from matrix_blocks(report, ("gv_eq", "gw_eq"))
+    yield Heading("Singularity")
+    yield from _singularity(report)
+    yield singular_values_table(report)
+    yield from ellipsoid_blocks(report, ("velocity", "angular", "force"))
+
+
+def title(report: Report) -> str:
+    """Return what is shown: the mechanism and its pose."""
+    if report.pose is not None:
+        return f"{report.mechanism}, pose {report.pose}"
+    return f"{report.mechanism} at {motor_values(report.joints)}"
+
+
+def motor_values(joints: Iterable[JointValue]) -> str:
+    """Return the values of the motors among these joints in one line."""
+    motors = (joint for joint in joints if joint.role == "actuated")
+    return ", ".join(f"{joint.name} = {joint.value:.6g} {joint.unit}" for joint in motors)
+
+
+def matrix_blocks(report: Report, names: tuple[str, ...]) -> Iterator[Block]:
+    """Show these matrices; without rows or columns there is nothing to show."""
+    for name in names:
+        matrix = getattr(report.matrices, name)
+        if matrix is not None and matrix.rows and matrix.columns:
+            yield matrix_table(TITLES[name], matrix)
+        if name == "K_star" and report.dimensions.p:
+            yield Paragraph(_determinant(report))
+
+
+def singular_values_table(report: Report) -> Table:
+    """Show the singular values in one table, matrix by matrix."""
+    rows = []
+    for name, found in report.singular_values.items():
+        if found is None or not found.values:
+            continue
+        unit = found.unit or "mixed units"
+        rows.append((f"{SYMBOLS[name]} [{unit}]", *numbers([found.values])[0]))
+    if relative := report.singularity.singular_values:
+        rows.append(("K*, dimensionless, relative to [K K*]", *numbers([relative])[0]))
+    count = max((len(row) for row in rows), default=1)
+    padded = tuple((*row, *[""] * (count - len(row))) for row in rows)
+    header = ("", *(f"σ{k}" for k in range(1, count)))
+    return Table("Singular values", header, padded, "<" + ">" * (count - 1))
+
+
+def ellipsoid_blocks(report: Report, names: tuple[str, ...]) -> Iterator[Block]:
+    """Show the principal values and directions of these ellipsoids, where they exist."""
+    for name in names:
+        ellipsoid = report.ellipsoids[name]
+        if ellipsoid is not None:
+            yield ellipsoid_table(ELLIPSOIDS[name], ellipsoid)
+
+
+def ellipsoid_table(heading: str, ellipsoid: EllipsoidReport) -> Table:
+    """Show an ellipsoid: one principal axis a row.
+
+    Where several radii are zero, or infinite, their directions are any in a plane or in space.
+    """
+    radii = numbers([ellipsoid.radii])[0]
+    ends = [radius for radius in ellipsoid.radii if radius in (0.0, math.inf)]
+    directions = [
+        ["-"] * 3 if ends.count(radius) > 1 else axis
+        for radius, axis in zip(ellipsoid.radii, numbers(ellipsoid.directions), strict=True)
+    ]
+    rows = zip(radii, directions, strict=True)
+    return Table(
+        heading,
+        ("axis", f"radius\n[{ellipsoid.unit}]", "direction\nx", "\ny", "\nz"),
+        tuple((str(k), radius, *axis) for k, (radius, axis) in enumerate(rows, start=1)),
+        "<>>>>",
+    )
+
+
+def _sizes(report: Report) -> str:
+    size = report.dimensions
+    mobility = "not known" if size.mobility is None else size.mobility
+    return (
+        f"n = {size.n} motors, m_p = {size.m_p} passive; p = {size.p} loop equations, "
+        f"m = {size.m} of them independent; mobility {mobility}; nq = {size.nq}, "
+        f"nv = {size.nv}."
+    )
+
+
+def limits_warning(found: Sequence[BeyondLimits]) -> str:
+    """Return the warning that joints are outside their limits."""
+    told = "; ".join(
+        f"{joint.name} = {Violation(joint.value, joint.lower, joint.upper).words} {joint.unit}"
+        for joint in found
+    )
+    return f"Warning: {told}. The loops close here, but the machine cannot be here."
+
+
+def _origin(report: Report) -> str:
+    walked = f"Reached from the pose {report.start!r}. " if report.start else ""
+    return f"{walked}The tool's twist is in the frame {report.frame}."
+
+
+def _pose(report: Report) -> Iterator[Block]:
+    if report.parameters:
+        yield Table(
+            "Parameters",
+            ("name", "value", "unit", "meaning"),
+            tuple((p.name, number(p.value), p.unit, p.meaning) for p in report.parameters),
+            "<><<",
+        )
+    yield Table(
+        "Joints",
+        ("joint", "role", "value", "unit"),
+        tuple(
+            (joint.name, joint.role, value, joint.unit)
+            for joint, [value] in zip(
+                report.joints, numbers([j.value] for j in report.joints), strict=True
+            )
+        ),
+        "<<><",
+    )
+    if report.residual:
+        yield Table(
+            f"Loop equations η (Newton iterations: {report.iterations}, "
+            f"gap: {brief(report.residual_norm)} m)",
+            ("equation", "value", "unit"),
+            tuple((row.name, brief(row.value), row.unit) for row in report.residual),
+            "<><",
+        )
+    yield _tool(report)
+
+
+def _tool(report: Report) -> Table:
+    size = report.singularity.characteristic_length
+    position = numbers([[x] for x in report.tool.position], size)
+    rows = zip("xyz", position, numbers(report.tool.rotation), strict=True)
+    return Table(
+        "Tool in the world",
+        ("", "position\n[m]", "rotation\nx", "\ny", "\nz"),
+        tuple((axis, *place, *direction) for axis, place, direction in rows),
+        "<>>>>",
+    )
+
+
+def _determinant(report: Report) -> str:
+    if report.det_K_star is None:
+        size = report.dimensions
+        return f"K* is {size.m} × {size.m_p}, not square: it has no determinant."
+    return f"det K* = {number(report.det_K_star.value)} {report.det_K_star.unit}"
+
+
+def _singularity(report: Report) -> Iterator[Block]:
+    found = report.singularity
+    yield Table("", ("", ""), tuple(_ranks(found)), "<<")
+    if found.free_motions:
+        heading = "Passive motions that come free here with all motors locked (largest rate 1)"
+        yield _motions(report, heading, [_largest_one(rates) for rates in found.free_motions])
+    if found.idle_motions:
+        heading = "Idle passive motions, free at every pose (largest rate 1)"
+        yield _motions(report, heading, [_largest_one(rates) for rates in found.idle_motions])
+    if found.forbidden_rates:
+        heading = "Motor rates that the loops forbid"
+        yield _motions(report, heading, found.forbidden_rates)
+
+
+def _ranks(found: SingularityReport) -> Iterator[tuple[str, str]]:
+    yield "kind", found.kind
+    yield "rank of K*", f"{found.rank} of {found.generic_rank}"
+    yield "rank of [K K*]", f"{found.constraint_rank} of {found.generic_constraint_rank}"
+    more = found.tool_rank > found.generic_tool_rank
+    rank = f"{found.tool_rank}, more than the" if more else f"{found.tool_rank} of"
+    yield "tool motions", f"{rank} {found.generic_tool_rank}"
+    yield "judged on", str(found.judged)
+    yield "idle passive motions", str(found.idle)
+    yield "motions gained here", str(found.gained)
+    yield "motions lost here", str(found.lost)
+    if found.generic_rank:
+        yield "smallest σ of K* relative to [K K*]", brief(found.smallest)
+    yield "counts as zero up to", brief(found.tolerance)
+    yield "a radian counts as", f"{brief(found.characteristic_length)} m"
+
+
+def _largest_one(rates: Mapping[str, float]) -> dict[str, float]:
+    largest = max(rates.values(), key=abs)
+    return {name: rate / largest for name, rate in rates.items()}
+
+
+def _motions(report: Report, heading: str, motions: Sequence[Mapping[str, float]]) -> Table:
+    """Show motions side by side, one joint a row."""
+    units = {joint.name: joint.unit for joint in report.joints}
+    names = tuple(motions[0])
+    rates = numbers([[motion[name] for motion in motions] for name in names])
+    return Table(
+        heading,
+        ("", *(str(k) for k in range(1, len(motions) + 1))),
+        tuple((f"{name} [{units[name]}/s]", *row) for name, row in zip(names, rates, strict=True)),
+        "<" + ">" * len(motions),
+    )

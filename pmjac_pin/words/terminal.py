@@ -1,0 +1,217 @@
+"""Drawing blocks in a terminal, a pipe or a file, in whatever encoding it has."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import sys
+import unicodedata
+from collections.abc import Iterable, Sequence
+from typing import TextIO
+
+import rich.box
+import rich.table
+from rich.cells import cell_len
+from rich.console import Console
+from rich.text import Text
+
+from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table, Verbatim
+
+_GAP = 3  # blanks between columns
+_NARROWEST, _USUAL, _WIDEST = 20, 80, 10_000  # characters of a line
+_WIDEST_NAME = 24  # longer column names are folded in wide tables
+
+# Headings underlined, nothing else: a box that needs no Unicode, and one that does.
+_RULE = rich.box.Box("    \n    \n ── \n    \n    \n    \n    \n    \n")
+_ASCII_RULE = rich.box.Box("    \n    \n -- \n    \n    \n    \n    \n    \n", ascii=True)
+
+# For terminals without Unicode; what is not here loses its accents, or becomes a "?".
+_ASCII = {
+    "²": "^2",
+    "³": "^3",
+    "∂": "d ",
+    "η": "eta",
+    "θ": "theta",
+    "φ": "phi",
+    "Φ": "Phi",
+    "ω": "w",
+    "σ": "sigma",
+    "ᵀ": "^T",
+    "⁻¹": "^-1",
+    "∞": "inf",
+    "−": "-",
+    "–": "-",
+    "—": "-",
+    "×": "x",
+    "·": "*",
+    "√": "sqrt",
+    "’": "'",
+    "“": '"',
+    "”": '"',
+    "…": "...",
+    "Δ": "Delta ",
+    "═": "=",
+    "→": "->",
+}
+_SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789")
+
+
+def new_console() -> Console:
+    """Return a console that draws plain text unless on a terminal, and if NO_COLOR is set."""
+    plain = bool(os.environ.get("NO_COLOR"))
+    console = Console(
+        markup=False, highlight=False, emoji=False, color_system=None if plain else "auto"
+    )
+    # Of `COLUMNS`, rich takes any number as it is: with 0 it would print nothing.
+    console.width = min(max(console.width, _NARROWEST), _WIDEST) if console.width else _USUAL
+    return console
+
+
+def draw(console: Console, blocks: Iterable[Block]) -> None:
+    """Print blocks, no line wider than the console."""
+    for index, block in enumerate(blocks):
+        if index:
+            console.print()
+        match block:
+            case Heading():
+                _draw_heading(console, block.text)
+            case Paragraph():
+                console.print(_text(console, block.text))
+            case Verbatim():
+                console.print(Text(one_line(block.text)), soft_wrap=True)
+            case Table():
+                _draw_table(console, block)
+
+
+def one_line(text: str) -> str:
+    """Return text without line breaks and control characters."""
+    joined = " ".join(map(str.strip, text.splitlines()))
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in joined)
+
+
+def write(text: str) -> None:
+    """Write to standard output what its encoding can hold, without blanks at line ends."""
+    if sys.stdout is not None:
+        _write(sys.stdout, re.sub(r"[ ]+$", "", text, flags=re.MULTILINE))
+
+
+def complain(text: str) -> None:
+    """Write to standard error, where that can be written to."""
+    if sys.stderr is not None:
+        with contextlib.suppress(OSError):  # the exit status says it, too
+            _write(sys.stderr, text)
+
+
+def _write(stream: TextIO, text: str) -> None:
+    encoding = stream.encoding or "utf-8"
+    try:
+        stream.write(text.encode(encoding, "backslashreplace").decode(encoding))
+        stream.flush()
+    except OSError:
+        # What is left in the buffer would fail again, with a traceback, when Python exits.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+        raise
+
+
+def to_ascii(text: str) -> str:
+    """Return text in ASCII, as readable as that allows.
+
+    Examples
+    --------
+    >>> to_ascii("K* = ∂η/∂φ [m²/rad], naïve")
+    'K* = d eta/d phi [m^2/rad], naive'
+    """
+    for symbol, replacement in _ASCII.items():
+        text = text.replace(symbol, replacement)
+    text = re.sub("[⁰¹²³⁴⁵⁶⁷⁸⁹]+", lambda match: "^" + match[0].translate(_SUPERSCRIPTS), text)
+    decomposed = unicodedata.normalize("NFKD", text)
+    bare = "".join(c for c in decomposed if not unicodedata.combining(c))
+    return bare.encode("ascii", "replace").decode()
+
+
+def _text(console: Console, text: str) -> Text:
+    lines = "\n".join(map(one_line, text.split("\n")))
+    return Text(to_ascii(lines) if console.options.ascii_only else lines)
+
+
+def _draw_heading(console: Console, text: str) -> None:
+    heading = _text(console, text)
+    width = min(heading.cell_len, console.width)
+    console.print(heading, style="bold cyan")
+    console.print(_text(console, "═" * width), style="cyan")
+
+
+def _draw_table(console: Console, table: Table) -> None:
+    header = [_text(console, cell) for cell in table.header]
+    rows = [[_text(console, cell) for cell in row] for row in table.rows]
+    if table.title:
+        console.print(_text(console, table.title), style="bold")
+    widths = _natural_widths(header, rows)
+    if sum(widths) + _GAP * (len(widths) - 1) <= console.width or "<" in table.align[1:]:
+        _draw_grid(console, header, rows, table.align, widths)
+        return
+    _draw_folded(console, header, rows, widths)
+
+
+def _draw_folded(
+    console: Console, header: list[Text], rows: list[list[Text]], widths: list[int]
+) -> None:
+    """Draw a wide table of numbers as several, each with the first column of labels."""
+    digits = _natural_widths([Text()] * len(header), rows)
+    label = min(widths[0], console.width // 2)
+    room = console.width - label - _GAP
+    column = max(*digits[1:], min(max(widths[1:]), _WIDEST_NAME, room))
+    fitting = max(1, (console.width - label) // (_GAP + column))
+    count = len(header) - 1
+    parts = -(-count // fitting)
+    for part in range(parts):
+        columns = [0, *range(1 + part * count // parts, 1 + (part + 1) * count // parts)]
+        if part:
+            console.print()
+        _draw_grid(
+            console,
+            [header[k] for k in columns],
+            [[row[k] for k in columns] for row in rows],
+            "<" + ">" * (len(columns) - 1),
+            [label, *[column] * (len(columns) - 1)],
+        )
+
+
+def _draw_grid(
+    console: Console,
+    header: Sequence[Text],
+    rows: Sequence[Sequence[Text]],
+    align: str,
+    widths: Sequence[int],
+) -> None:
+    grid = rich.table.Table(
+        box=_ASCII_RULE if console.options.ascii_only else _RULE,
+        show_edge=False,
+        pad_edge=False,
+        header_style="",
+        show_header=any(text.plain for text in header),
+    )
+    names_stay_whole = widths[0] <= console.width // 3
+    for k, (text, side, width) in enumerate(zip(header, align, widths, strict=True)):
+        number = side == ">"
+        grid.add_column(
+            text,
+            justify="right" if number else "left",
+            vertical="top",
+            overflow="fold",
+            no_wrap=k == 0 and names_stay_whole,
+            min_width=width if number else None,
+            max_width=width,
+        )
+    for row in rows:
+        grid.add_row(*row)
+    console.print(grid)
+
+
+def _natural_widths(header: Sequence[Text], rows: Sequence[Sequence[Text]]) -> list[int]:
+    cells = [header, *rows]
+    return [
+        max(cell_len(line) for row in cells for line in row[k].plain.split("\n"))
+        for k in range(len(header))
+    ]
