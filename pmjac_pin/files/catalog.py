@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pmjac_pin.errors import ArgumentError, ModelFileError, UnknownNameError, did_you_mean, quoted
 from pmjac_pin.files.text_file import at_file
-from pmjac_pin.files.user_path import is_file, real, told, user_path
+from pmjac_pin.files.user_path import followed, is_file, told, user_path
 
 SUFFIXES = (".toml", ".urdf", ".sdf", ".xml", ".mjcf")  # of files that tell of a mechanism
 _EXAMPLE_ROBOTS = "example-robot-data:"
@@ -73,9 +73,8 @@ def find_urdf(urdf: str, model_file: Path) -> Path:
     if urdf.startswith(_EXAMPLE_ROBOTS):
         places = [_example_robots(model_file) / urdf.removeprefix(_EXAMPLE_ROBOTS)]
     else:
-        given, followed = _urdf_path(urdf, model_file), [model_file]
-        followed += [real(model_file)] if model_file.is_symlink() else []
-        folders = [file.parent for file in followed]
+        given = _urdf_path(urdf, model_file)
+        folders = dict.fromkeys(file.parent for file in (model_file, followed(model_file)))
         places = [
             place / given
             for folder in folders

@@ -54,6 +54,11 @@ def is_file(path: Path) -> bool:
         return False
 
 
+def followed(path: Path) -> Path:
+    """Return where a link leads; another path as it is."""
+    return real(path) if os.path.islink(path) else path  # noqa: PTH114 - True or False for any name
+
+
 def real(path: Path) -> Path:
     """Return where links lead, as far as they lead somewhere."""
     return Path(os.path.realpath(path))

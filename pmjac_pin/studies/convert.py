@@ -15,7 +15,7 @@ from pmjac_pin.files.model_file import parse_model_file
 from pmjac_pin.files.output_file import check_place, write_files
 from pmjac_pin.files.source import Source, read_source
 from pmjac_pin.files.urdf.robot import Urdf, parse_urdf
-from pmjac_pin.files.user_path import is_file, readable, real, told, user_path
+from pmjac_pin.files.user_path import followed, is_file, readable, real, told, user_path
 from pmjac_pin.loading import adjusted, build
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.spec import JointValue, MechanismSpec, encode_spec
@@ -68,13 +68,16 @@ def convert(
     ...     pj.load(model_file)
     Mechanism(mine, actuated=(theta1), 2 passive, 1 loop, mobility 1)
     """
-    path, target = find_model_file(name_or_path), _followed(user_path(output))
+    path, given = find_model_file(name_or_path), user_path(output)
+    _check_name(given)
+    check_place(given)
+    target = followed(given)  # the URDF goes beside the file that a link leads to
     _check_name(target)
     source = adjusted(read_source(path, actuated, tool), locked, tool_rows, tool_axes, tolerance)
     read = {real(path), real(Path(source.urdf.path))}
     tree = _urdf_beside(target, read)
     _check_places(target, tree, read, force)
-    _check_beside(user_path(output), tree)
+    _check_beside(given, tree)
     mechanism = build(source)
     spec = msgspec.structs.replace(
         source.spec, name="", urdf=tree.name, poses=_closed_poses(mechanism)
@@ -87,11 +90,6 @@ def convert(
 
 def _comments(path: Path, source: Source) -> Iterable[str]:
     return (f"From {path.name}.", *source.all_notes)
-
-
-def _followed(output: Path) -> Path:
-    """Return the file that a link leads to: its URDF goes beside that, not beside the link."""
-    return real(output) if output.is_symlink() else output
 
 
 def _urdf_beside(target: Path, read: Set[Path]) -> Path:

@@ -104,7 +104,9 @@ def recut(mechanism: Mechanism, joint: str) -> Mechanism:
 def _lost_limits(parts: Parts, joint: str) -> list[str]:
     """Say that a joint which becomes a loop closure has no limits there; a motor keeps its own."""
     coordinates = parts.coordinates
-    if joint not in coordinates.names or _keeps_its_value(parts.spec, joint):
+    if not isinstance(joint, str) or joint not in coordinates.names:
+        return []
+    if _keeps_its_value(parts.spec, joint):
         return []
     lost = coordinates.columns([joint])
     if np.isinf([coordinates.lower[lost], coordinates.upper[lost]]).all():
