@@ -513,6 +513,8 @@ def test_no_file_at_all(tmp_path) -> None:
 def test_any_number_of_geoms_is_read(read) -> None:
     found = read(world(body("a", '<geom size=".1"/>' * 3000)))
     assert found.notes == ("only the first 2000 geoms are kept for the picture",)
+    drawn = [bool(visual.pieces) for visual in read_visuals(found.urdf)]
+    assert drawn == [True] * 2000 + [False]  # what is left out is there to be seen
 
 
 def swapped(text: str, rng: np.random.Generator) -> str:

@@ -13,6 +13,7 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
+from pmjac_pin.files.urdf.robot import parse_urdf
 from pmjac_pin.studies.modes import find
 from pmjac_pin.studies.modes.recognition import Recognition
 from pmjac_pin.studies.modes.same_machine import _Looks, same_machines
@@ -88,7 +89,7 @@ def with_axle(parts, visual):
     """The delta's parts with another drawing of the first leg's axle."""
     before, rest = parts.urdf.text.split('<visual name="axle1_bar">')
     drawn = f'{before}<visual name="axle1_bar">{visual}</visual>{rest.split("</visual>", 1)[1]}'
-    return replace(parts, urdf=replace(parts.urdf, text=drawn))
+    return replace(parts, urdf=parse_urdf(drawn, parts.urdf.path))
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ from pmjac_pin.files.mjcf.joints import MjcfJoint, joint_of
 from pmjac_pin.files.mjcf.mujoco import Compiled
 from pmjac_pin.files.mjcf.names import KINDS, Names
 from pmjac_pin.files.mjcf.shapes import shape
+from pmjac_pin.files.tree_urdf import undrawn
 from pmjac_pin.files.xml_text import written
 
 Array = NDArray[np.float64]
@@ -38,7 +39,7 @@ class Body:
     sites : list of (str, pin.SE3)
         Each one's link, and its pose on the body.
     shapes : list of (Element, pin.SE3, str or None)
-        What can be drawn, with its pose on the body and its colour.
+        What is there to be seen, with its pose on the body and its colour.
     """
 
     name: str
@@ -64,8 +65,11 @@ def read_bodies(compiled: Compiled, names: Names) -> list[Body]:
         placement = place(model.site_pos[number], model.site_quat[number])
         bodies[model.site_bodyid[number]].sites.append((name, placement))
     for number in range(min(model.ngeom, MAXIMAL_GEOMS)):
-        if number not in compiled.meshes:
-            _draw(bodies[model.geom_bodyid[number]], model, number)
+        body, kind = bodies[model.geom_bodyid[number]], int(model.geom_type[number])
+        drawn = shape(kind, model.geom_size[number].tolist())
+        _draw(body, model, number, undrawn("mesh") if number in compiled.meshes else drawn)
+    for number in sorted(set(model.geom_bodyid[MAXIMAL_GEOMS:].tolist())):
+        bodies[number].shapes.append((undrawn("more geoms"), pin.SE3.Identity(), None))
     return bodies
 
 
@@ -86,8 +90,7 @@ def place(position: Array, wxyz: Array) -> pin.SE3:
     return pin.SE3(pin.Quaternion(*wxyz.tolist()).toRotationMatrix(), position.copy())
 
 
-def _draw(body: Body, model: Any, number: int) -> None:
-    drawn = shape(int(model.geom_type[number]), model.geom_size[number].tolist())
+def _draw(body: Body, model: Any, number: int, drawn: Element) -> None:
     rgba = tuple(round(float(value), _DIGITS) for value in model.geom_rgba[number])
     colour = None if rgba == _NO_COLOUR else written(rgba)
     body.shapes.append((drawn, place(model.geom_pos[number], model.geom_quat[number]), colour))
