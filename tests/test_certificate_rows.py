@@ -11,10 +11,10 @@ from test_linkage import BALL
 from test_loops import LOOPS
 
 import pmjac_pin as pj
+from pmjac_pin.algebra.balls import middles, uppers
 from pmjac_pin.kinematics.rows import across
 from pmjac_pin.model.linkage import edges_of, with_spherical
 from pmjac_pin.studies.certificates.equations import LoopEquations
-from pmjac_pin.studies.certificates.intervals import middles, uppers
 
 STEP = 1e-4  # of second differences: their error is about 1e-16 / STEP²
 
@@ -80,7 +80,7 @@ def random_q(model, rng):
 
 
 def moved(model, q, x, edges):
-    """q with the unknowns' steps: slides along what carries the joint, rotation vectors."""
+    """q with the unknowns' steps: slides along the axes that the joint has at q, rotation vectors."""
     q = q.copy()
     for edge in edges:
         joint = model.joints[edge.child]
@@ -92,12 +92,13 @@ def moved(model, q, x, edges):
             case "continuous":
                 entries[:] = turned(entries, step[0])
             case "planar":
-                entries[:2] += step[:2]
+                c, s = entries[2:]
+                entries[:2] += np.array([[c, -s], [s, c]]) @ step[:2]
                 entries[2:] = turned(entries[2:], step[2])
             case "spherical":
                 entries[:] = (Rotation.from_quat(entries) * Rotation.from_rotvec(step)).as_quat()
             case "free":
-                entries[:3] += step[:3]
+                entries[:3] += Rotation.from_quat(entries[3:]).apply(step[:3])
                 ball = Rotation.from_quat(entries[3:]) * Rotation.from_rotvec(step[3:])
                 entries[3:] = ball.as_quat()
     return q

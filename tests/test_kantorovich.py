@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from pmjac_pin.studies.certificates.intervals import exactly
+from pmjac_pin.algebra.balls import exactly
 from pmjac_pin.studies.certificates.kantorovich import System, radii
 
 

@@ -68,6 +68,10 @@ class Algebra(Protocol):
         """Return a matrix (m, n) of doubles times the n first components of x."""
         ...
 
+    def directed(self, directions: Array, x: Number) -> Number:
+        """Return a model's unit vectors, one a row, as far as these are known, times x."""
+        ...
+
     def dot(self, u: Number, v: Number) -> Number:
         """Return the sum of products over the first components."""
         ...

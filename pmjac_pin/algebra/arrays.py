@@ -58,6 +58,10 @@ class Arrays:
         product = self.exact(matrix) @ x.reshape(len(x), -1)
         return np.asarray(product).reshape(len(matrix), *x.shape[1:])
 
+    def directed(self, directions: Array, x: Numbers) -> Numbers:
+        """Return directions @ x."""
+        return self.times(directions, x)
+
     def dot(self, u: Numbers, v: Numbers) -> Numbers:
         """Return u·v."""
         total = u[0] * v[0]

@@ -55,6 +55,10 @@ class Balls(Arrays):
         found.ravel()[:] = [arb(x, PLACEMENT_WIDTH * abs(x)) for x in flat.ravel().tolist()]
         return found[..., None, None]
 
+    def directed(self, directions: Array, x: BallArray) -> BallArray:
+        """Return directions @ x for axes x, as wide as unit vectors may be."""
+        return widened(self.times(directions, x), rotation_width(directions))
+
     def cos(self, x: BallArray) -> BallArray:
         """Return cos x."""
         return _each(x, arb.cos)

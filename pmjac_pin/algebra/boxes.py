@@ -63,6 +63,10 @@ class Boxes:
         shape = (len(matrix), *x.shape[1:])
         return Intervals(product.lower.reshape(shape), product.upper.reshape(shape))
 
+    def directed(self, directions: Array, x: Intervals) -> Intervals:
+        """Return directions @ x."""
+        return self.times(directions, x)
+
     def dot(self, u: Intervals, v: Intervals) -> Intervals:
         """Return u·v."""
         return (u * v).sum(0)

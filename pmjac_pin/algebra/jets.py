@@ -147,6 +147,10 @@ class Jets:
         """Return matrix @ x."""
         return x._each(lambda part: self.base.times(matrix, part))
 
+    def directed(self, directions: Array, x: Jet) -> Jet:
+        """Return directions @ x."""
+        return x._each(lambda part: self.base.directed(directions, part))
+
     def dot(self, u: Jet, v: Jet) -> Jet:
         """Return u·v."""
         return u.product(v, self.base.dot)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, assert_never
 
 import numpy as np
 import pinocchio as pin
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.kinematics.loops import loop_blocks
-from pmjac_pin.kinematics.rows import Along, Distance, Gap, RightAngle, Rows, Tilt, Turn
+from pmjac_pin.kinematics.rows import Rows
 from pmjac_pin.model.frames import Frame, find_frame
 from pmjac_pin.model.linkage import Kind, known_kind
 from pmjac_pin.model.loop_spec import JointLoop, Loop
@@ -199,17 +199,18 @@ def _chain(model: pin.Model, groups: _Groups, joints: list[int], frame: Frame) -
 
 def _block(rows: Rows, first: list[Segment], second: list[Segment]) -> Block:
     count = len(rows.names)
-    match rows:
-        case Gap():
+    match rows.measures:
+        case "gap":
             return Block(count, (*first, *second), exact=False)
-        case Distance():
-            return Block(count, (*first, *second), rod=rows.length)
-        case Along():
+        case "distance":
+            rod: float = rows.length  # type: ignore[attr-defined]
+            return Block(count, (*first, *second), rod=rod)
+        case "gap from second":
             return Block(count, _from_second(first, second))
-        case Turn() | Tilt() | RightAngle():
+        case "turns":
             every = first[-1].turns + second[-1].turns
             return Block(count, (Segment(every, 1.0),), exact=False)
-    raise ArgumentError(f"rows of {type(rows).__name__}: how they bend is not known here")
+    assert_never(rows.measures)
 
 
 def _from_second(first: list[Segment], second: list[Segment]) -> tuple[Segment, ...]:

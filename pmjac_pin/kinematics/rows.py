@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar, NamedTuple, Protocol
+from typing import ClassVar, Literal, NamedTuple, Protocol
 
 import numpy as np
 import pinocchio as pin
@@ -23,6 +23,8 @@ from pmjac_pin.algebra.jets import Jet, Jets, half_skew
 from pmjac_pin.values.ties import first_smallest
 
 Array = NDArray[np.float64]
+
+Measures = Literal["gap", "distance", "gap from second", "turns"]
 
 HALF = np.array([[0.5]])
 HALF_A_TURN = 1e-12  # 1 + cos(angle) below which the direction of a tilt is lost
@@ -89,6 +91,9 @@ class Rows(Protocol):
         "m", "rad" or "m²".
     vector : bool
         The rows are a vector's components and turn with the axes.
+    measures : str
+        What they measure, for bounds on how much they can bend: the gap between the frames'
+        origins, its square, the gap in axes of the second frame, or a product of turns.
     """
 
     @property
@@ -97,6 +102,8 @@ class Rows(Protocol):
     def unit(self) -> str: ...  # noqa: D102
     @property
     def vector(self) -> bool: ...  # noqa: D102
+    @property
+    def measures(self) -> Measures: ...  # noqa: D102
 
     def __call__(self, pose: Relative) -> tuple[Array, Array]:
         """Return the residual (rows,) and its derivative by the joint rates (rows, nv)."""
@@ -114,6 +121,7 @@ class Gap:
     names: ClassVar = ("x", "y", "z")
     unit: ClassVar = "m"
     vector: ClassVar = True
+    measures: ClassVar[Measures] = "gap"
 
     def __call__(self, pose: Relative) -> tuple[Array, Array]:
         """Return p and P."""
@@ -132,6 +140,7 @@ class Along:
     names: tuple[str, ...]
     unit: ClassVar = "m"
     vector: ClassVar = False
+    measures: ClassVar[Measures] = "gap from second"
 
     def __call__(self, pose: Relative) -> tuple[Array, Array]:
         """Return D p and D P."""
@@ -151,6 +160,7 @@ class Distance:
     names: ClassVar = ("distance²",)
     unit: ClassVar = "m²"
     vector: ClassVar = False
+    measures: ClassVar[Measures] = "distance"
 
     def __call__(self, pose: Relative) -> tuple[Array, Array]:
         """Return |p|² − length² and 2 pᵀ P."""
@@ -170,6 +180,7 @@ class Turn:
     names: ClassVar = ("turn x", "turn y", "turn z")
     unit: ClassVar = "rad"
     vector: ClassVar = True
+    measures: ClassVar[Measures] = "turns"
 
     def __call__(self, pose: Relative) -> tuple[Array, Array]:
         """Return log R and J_log(R) Rᵀ W: Pinocchio's J_log takes the rate in R's own axes."""
@@ -199,6 +210,7 @@ class Tilt:
     names: ClassVar = ("tilt 1", "tilt 2")
     unit: ClassVar = "rad"
     vector: ClassVar = False
+    measures: ClassVar[Measures] = "turns"
 
     def __call__(self, pose: Relative) -> tuple[Array, Array]:
         """Return η and its derivative."""
@@ -248,6 +260,7 @@ class RightAngle:
     names: ClassVar = ("right angle",)
     unit: ClassVar = "rad"
     vector: ClassVar = False
+    measures: ClassVar[Measures] = "turns"
 
     def __call__(self, pose: Relative) -> tuple[Array, Array]:
         """Return b·R a and its derivative."""

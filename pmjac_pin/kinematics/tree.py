@@ -146,6 +146,13 @@ class Poses:
         self._bodies: dict[tuple[int, int], tuple[Pose, Columns]] = {}
         self._freedoms: dict[tuple[int, int], list[Freedom]] = {}
 
+    def motion(self, link: Link) -> Motion:
+        """Return how a joint moves."""
+        body = link.edge.child
+        if body not in self._motions:
+            self._motions[body] = self._motion(link)
+        return self._motions[body]
+
     def body(self, base: int, body: int) -> tuple[Pose, Columns]:
         """Return a body's frame behind its joint's motion, and the freedoms whose rates ride."""
         key = (base, body)
@@ -197,10 +204,8 @@ class Poses:
         parent = link.edge.parent
         pose, columns = self.body(base, parent)
         places = link.from_base if parent == base else link.from_parent
-        if body not in self._motions:
-            self._motions[body] = self._motion(link)
         pose = through(self.algebra, pose, places)
-        pose = moved(self.algebra, pose, link.kind, self._motions[body])
+        pose = moved(self.algebra, pose, link.kind, self.motion(link))
         own = [k for k in range(link.kind.nv) if link.column + k in self._riding]
         if not own:
             return pose, columns
@@ -264,7 +269,7 @@ class Riding:
     def carried(self, directions: Array) -> Jet:
         """Return R d for each row d, components (3, m)."""
         algebra = self._algebra
-        whole = algebra.times(directions, algebra.stack(self._pose[:3]))
+        whole = algebra.directed(directions, algebra.stack(self._pose[:3]))
         return self._split(algebra.swapped(whole))
 
     def _split(self, whole: Number) -> Jet:
@@ -299,7 +304,7 @@ class Twisted:
     def carried(self, directions: Array) -> Jet:
         """Return R d for each row d, components (3, m), moved by ω × R d."""
         algebra = self._algebra
-        axes = algebra.swapped(algebra.times(directions, algebra.stack(self._pose[:3])))
+        axes = algebra.swapped(algebra.directed(directions, algebra.stack(self._pose[:3])))
         if not self._turns:
             return Jet(algebra, axes, None, ())
         rates = algebra.cross(self._turning[:, None], axes)

@@ -13,12 +13,12 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from pmjac_pin.algebra.balls import OUTWARDS, middles, precise, uppers
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.partition import Partition, independent_rows
 from pmjac_pin.studies.certificates.equations import LoopEquations
-from pmjac_pin.studies.certificates.intervals import OUTWARDS, middles, precise, uppers
 from pmjac_pin.studies.certificates.kantorovich import System, radii
 
 Array = NDArray[np.float64]

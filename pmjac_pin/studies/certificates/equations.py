@@ -10,14 +10,14 @@ import pinocchio as pin
 from flint import arb
 from numpy.typing import NDArray
 
-from pmjac_pin.kinematics.loops import loop_blocks
+from pmjac_pin.algebra.balls import ZERO, exactly
+from pmjac_pin.kinematics.joints import Motion
+from pmjac_pin.kinematics.loops import pair_of
 from pmjac_pin.kinematics.rows import Rows
+from pmjac_pin.kinematics.tree import Link, Poses, Tree
 from pmjac_pin.model.coupling import Coupling, couple
-from pmjac_pin.model.frames import find_frame
-from pmjac_pin.model.linkage import edges_of
 from pmjac_pin.model.loop_spec import JointLoop, Loop
-from pmjac_pin.studies.certificates.chains import Chain, chains_of
-from pmjac_pin.studies.certificates.intervals import ZERO, exactly
+from pmjac_pin.studies.certificates.chains import BALLS, Chain
 from pmjac_pin.studies.certificates.kantorovich import System
 from pmjac_pin.studies.certificates.rows import Bend, Enclosed, enclosed_rows
 from pmjac_pin.studies.certificates.unknowns import Unknowns
@@ -47,7 +47,7 @@ class LoopEquations:
     unknowns : Unknowns
     """
 
-    __slots__ = ("_couplings", "_loops", "_model", "_passive", "unknowns")
+    __slots__ = ("_loops", "_passive", "_tree", "unknowns")
 
     def __init__(
         self,
@@ -56,13 +56,14 @@ class LoopEquations:
         values: Mapping[str, float],
         passive: Sequence[int],
     ) -> None:
-        edges = {edge.child: edge for edge in edges_of(model).values()}
-        self._model = model
+        self._tree = Tree(model)
         self._passive = {column: k for k, column in enumerate(passive)}
+        links = self._tree.links
+        edges = {body: link.edge for body, link in links.items()}
         starts = {
-            joint.id: self._passive[joint.idx_v]
-            for joint in list(model.joints)[1:]
-            if joint.idx_v in self._passive
+            body: self._passive[link.column]
+            for body, link in links.items()
+            if link.column in self._passive
         }
         self.unknowns = Unknowns(edges, starts)
         self._loops: list[tuple[Chain, Chain, list[Rows]] | Coupling] = []
@@ -70,21 +71,28 @@ class LoopEquations:
             if isinstance(loop, JointLoop):
                 self._loops.append(couple(model, loop))
                 continue
-            first, second = (find_frame(model, name) for name in loop.frames)
-            chains = chains_of(model, edges, self.unknowns, first, second)
-            self._loops.append((*chains, loop_blocks(loop, values)))
+            pair = pair_of(model, self._tree, loop, values)
+            one, other = (
+                Chain(self._tree, pair.base, frame, self.unknowns)
+                for frame in (pair.first, pair.second)
+            )
+            self._loops.append((one, other, [block for _, block in pair.blocks]))
 
     def enclosed(self, q: Array) -> list[Enclosed]:
         """Enclose the blocks of rows at q, in the order of `Mechanism.rows`."""
-        blocks = []
+        entries = exactly(q)[:, None, None]
+
+        def motion(link: Link) -> Motion:
+            return link.kind.motion(BALLS, entries[link.entries], link.edge.pitch)
+
+        poses, blocks = Poses(self._tree, BALLS, motion), []
         for loop in self._loops:
             if isinstance(loop, Coupling):
                 blocks.append(self._coupled(loop, q))
                 continue
             first, second, rows = loop
-            one, other = first.pose(q), second.pose(q)
-            count = self.unknowns.count
-            blocks += [enclosed_rows(block, one, other, count) for block in rows]
+            one, other = first.seen(poses), second.seen(poses)
+            blocks += [enclosed_rows(block, one, other, self._passive) for block in rows]
         return blocks
 
     def system(self, blocks: Sequence[Enclosed], length: float) -> System:
@@ -118,6 +126,6 @@ class LoopEquations:
 
     def _value(self, column: int, q: Array) -> arb:
         """Return the value of a joint of one degree of freedom."""
-        joint = next(one for one in list(self._model.joints)[1:] if one.idx_v == column)
-        entries = exactly(q[joint.idx_q : joint.idx_q + joint.nq])
+        link = next(one for one in self._tree.links.values() if one.column == column)
+        entries = exactly(q[link.entries])
         return entries[0] if entries.size == 1 else arb.atan2(entries[1], entries[0])

@@ -20,9 +20,9 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from pmjac_pin.studies.certificates.intervals import (
+from pmjac_pin.algebra.balls import (
     OUTWARDS,
-    Intervals,
+    BallArray,
     exactly,
     middles,
     norm,
@@ -43,7 +43,7 @@ class System:
 
     Attributes
     ----------
-    residual, jacobian : Intervals, shapes (p,) and (p, n)
+    residual, jacobian : BallArray, shapes (p,) and (p, n)
         F and DF.
     groups : sequence of sequence of int
         The unknowns of each group, whose Euclidean norms make the norm of all.
@@ -53,8 +53,8 @@ class System:
         For each block, a bound on its second derivative over all unit steps, in the distance.
     """
 
-    residual: Intervals
-    jacobian: Intervals
+    residual: BallArray
+    jacobian: BallArray
     groups: Sequence[Sequence[int]]
     blocks: NDArray[np.intp]
     bends: Sequence[Polynomial]

@@ -1,32 +1,24 @@
 """Rows: blocks of loop equations enclosed at a pose, with a bound on their second derivative.
 
-Where the equations of `loop_rows` hold a logarithm or a root, polynomials in the entries of the
-rotations stand here that vanish at the same poses less than half a turn away;
-`docs/certificates.md` derives each and its bound.
+The rows are the polynomial ones, which vanish at the same poses less than half a turn away;
+`docs/certificates.md` derives the bound of each.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import assert_never
 
 import numpy as np
 from flint import arb
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from pmjac_pin.kinematics.rows import Along, Distance, Gap, RightAngle, Rows, Tilt, Turn
-from pmjac_pin.studies.certificates.chains import Pose
-from pmjac_pin.studies.certificates.intervals import (
-    ZERO,
-    Intervals,
-    cross,
-    exactly,
-    norm,
-    rod_length,
-    unit_rows,
-    upper,
-)
+from pmjac_pin.algebra.balls import ZERO, BallArray, norm, upper
+from pmjac_pin.algebra.jets import Jets
+from pmjac_pin.kinematics.rows import Equations, Rows
+from pmjac_pin.studies.certificates.chains import BALLS, Seen
 from pmjac_pin.studies.certificates.paths import Path
 
 Array = NDArray[np.float64]
@@ -82,15 +74,15 @@ class Enclosed:
 
     Attributes
     ----------
-    residual, jacobian : Intervals, shapes (k,) and (k, unknowns)
+    residual, jacobian : BallArray, shapes (k,) and (k, unknowns)
     bend : Bend
     away : arb
         How far the two frames are from where the rows vanish, as a chord; beyond 2 may be a
         false zero, half a turn away.
     """
 
-    residual: Intervals
-    jacobian: Intervals
+    residual: BallArray
+    jacobian: BallArray
     bend: Bend
     away: arb = ZERO
 
@@ -99,77 +91,40 @@ class Enclosed:
         return upper(self.away) + radius * len(self.bend.turns) if self.bend.turns else 0.0
 
 
-def enclosed_rows(block: Rows, one: Pose, other: Pose, unknowns: int) -> Enclosed:
-    """Enclose a block of rows between two frames that are seen from one body."""
-    gap = one.origin() - other.origin()
-    rates = _columns(one.linear, other.linear, unknowns)
-    paths = (one.path(), other.path())
-    match block:
-        case Gap():
-            return Enclosed(gap, rates, Bend(paths))
-        case Distance():
-            rod = rod_length(block.length)
-            square = np.array([gap @ gap - rod * rod], dtype=object)
-            return Enclosed(square, (2 * (gap @ rates))[None], Bend(paths, gap=upper(norm(gap))))
-        case Along():
-            turning = _columns({}, other.angular, unknowns)  # minus the second's
-            axes = _carried(other, block.directions)
-            residual = axes @ gap
-            jacobian = axes @ rates + np.array([cross(gap, u) for u in axes]) @ turning
-            return Enclosed(residual, jacobian, Bend((one.path_from(other),)))
-    return _orientation(block, one, other, unknowns)
+def enclosed_rows(block: Rows, one: Seen, other: Seen, places: Mapping[int, int]) -> Enclosed:
+    """Enclose a block of rows between two frames that are seen from one body.
 
-
-def _orientation(block: Rows, one: Pose, other: Pose, unknowns: int) -> Enclosed:
-    bend = Bend(turns=(*one.turns, *other.turns))
-    turning = _columns(one.angular, other.angular, unknowns)
-    match block:
-        case Turn():
-            return _turn(one, other, unknowns, bend)
-        case Tilt():
-            axis = _carried(one, block.axis[None])[0]
-            across = _carried(other, block.across)
-            swing = np.array([cross(axis, u) for u in across], dtype=object)
-            away = norm(axis - _carried(other, block.axis[None])[0])
-            return Enclosed(across @ axis, swing @ turning, bend, away)
-        case RightAngle():
-            axis, normal = (
-                _carried(pose, given[None])[0]
-                for pose, given in ((one, block.first), (other, block.second))
-            )
-            cosine = np.array([axis @ normal], dtype=object)
-            return Enclosed(cosine, (cross(axis, normal) @ turning)[None], bend)
-    raise NotImplementedError(type(block).__name__)
-
-
-def _turn(one: Pose, other: Pose, unknowns: int, bend: Bend) -> Enclosed:
-    """Enclose η = ½ vee(Q − Qᵀ) with Q = R₁R₂ᵀ: sin(angle) times the axis.
-
-    Mᵀ[ω] + [ω]M = [(tr M − M) ω] gives its derivative.
+    `places` are those of the columns of v among the unknowns.
     """
-    Q = one.axes() @ other.axes().T
-    skew = (Q - Q.T) / 2
-    residual = np.array([skew[2, 1], skew[0, 2], skew[1, 0]], dtype=object)
-    trace = exactly(np.eye(3)) * Q.trace()
-    first, second = _columns(one.angular, {}, unknowns), _columns({}, other.angular, unknowns)
-    jacobian = np.asarray((trace - Q) @ first + (trace - Q.T) @ second, dtype=np.object_) / 2
-    return Enclosed(residual, jacobian, bend, norm((Q - np.eye(3)).ravel()))
+    found = block.equations(Jets(BALLS), one.frame, other.frame)
+    rows = found.rows
+    jacobian = np.full((len(block.names), len(places)), ZERO, dtype=object)
+    if rows.columns:
+        jacobian[:, [places[column] for column in rows.columns]] = rows.rates[:, :, 0]
+    return Enclosed(rows.value[:, 0, 0], jacobian, _bend(block, one, other), _away(found))
 
 
-def _columns(plus: dict[int, Intervals], minus: dict[int, Intervals], unknowns: int) -> Intervals:
-    """Return the rates of first less second, shape (3, unknowns)."""
-    rates = np.full((3, unknowns), ZERO, dtype=object)
-    for column, rate in plus.items():
-        rates[:, column] = rate
-    for column, rate in minus.items():
-        rates[:, column] = -rate
-    return rates
+def _bend(block: Rows, one: Seen, other: Seen) -> Bend:
+    match block.measures:
+        case "gap":
+            return Bend((one.path(), other.path()))
+        case "distance":
+            gap = one.points[-1] - other.points[-1]
+            return Bend((one.path(), other.path()), gap=upper(norm(gap.ravel())))
+        case "gap from second":
+            return Bend((one.path_from(other),))
+        case "turns":
+            return Bend(turns=(*one.turns, *other.turns))
+    assert_never(block.measures)
 
 
-def _carried(pose: Pose, directions: Array) -> Intervals:
-    """Return unit vectors that a frame carries, one a row, seen from the base."""
-    carried: Intervals = unit_rows(directions) @ pose.axes().T
-    return carried
+def _away(found: Equations) -> arb:
+    """Return the chord 2 sin(α/2) between what the rows want to coincide."""
+    if found.cosine is None:
+        return ZERO
+    square: arb = 2 - 2 * found.cosine.value[0, 0]
+    chord: arb = square.nonnegative_part().sqrt()
+    return chord
 
 
 def _linear(at: Callable[[int, float], Array], groups: int, length: float) -> tuple[Array, Array]:

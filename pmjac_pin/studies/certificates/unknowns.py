@@ -2,7 +2,7 @@
 
 One number for each passive degree of freedom: an angle, a slide along a fixed direction, or a
 component of a rotation vector x, by which a ball turns to R exp[x]. A free body slides along
-the axes of what carries it, and turns so.
+the axes that it has at the pose, which stand still, and turns so.
 """
 
 from __future__ import annotations
@@ -13,19 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.model.linkage import Edge, Kind
+from pmjac_pin.kinematics.joints import JOINT_KINDS
+from pmjac_pin.model.linkage import Edge
 
 Array = NDArray[np.float64]
-
-# How many coordinates slide and turn, in this order.
-_FREEDOMS: Mapping[Kind, tuple[int, int]] = {
-    "revolute": (0, 1),
-    "continuous": (0, 1),
-    "prismatic": (1, 0),
-    "spherical": (0, 3),
-    "planar": (2, 1),
-    "free": (3, 3),
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +59,8 @@ class Unknowns:
         groups: list[Group] = []
         self.of_joint: dict[int, JointUnknowns] = {}
         for joint, start in starts.items():
-            slides, turns = _FREEDOMS[edges[joint].kind]
+            kind = JOINT_KINDS[edges[joint].kind]
+            slides, turns = kind.slides, kind.turns
             middle, end = start + slides, start + slides + turns
             slide = turn = None
             if slides:

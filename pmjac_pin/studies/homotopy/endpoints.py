@@ -24,7 +24,7 @@ import numpy as np
 from flint import acb, arb
 from numpy.typing import NDArray
 
-from pmjac_pin.studies.certificates.intervals import precise
+from pmjac_pin.algebra.balls import precise
 from pmjac_pin.studies.homotopy.polynomial_loops import PolynomialLoops
 
 Complex = NDArray[np.complex128]
