@@ -80,7 +80,7 @@ def random_q(model, rng):
 
 
 def moved(model, q, x, edges):
-    """q with the unknowns' steps: slides along the axes that the joint has at q, rotation vectors."""
+    """q with the unknowns' steps: slides along a joint's axes at q, rotation vectors."""
     q = q.copy()
     for edge in edges:
         joint = model.joints[edge.child]

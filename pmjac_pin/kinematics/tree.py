@@ -7,7 +7,7 @@ the base moves nothing here.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -73,16 +73,28 @@ class Freedom(NamedTuple):
 class Tree:
     """The joints of a model.
 
+    Parameters
+    ----------
+    model : pin.Model
+    placed : callable, optional
+        What is taken for each placement.
+
     Attributes
     ----------
     links : mapping of int to Link
         By Pinocchio's index of the joint, which is that of its body.
     """
 
-    __slots__ = ("_supports", "_ways", "links")
+    __slots__ = ("_placed", "_supports", "_ways", "links")
 
-    def __init__(self, model: pin.Model) -> None:
-        edges = {edge.child: edge for edge in edges_of(model).values()}
+    def __init__(
+        self, model: pin.Model, placed: Callable[[pin.SE3], pin.SE3] = lambda place: place
+    ) -> None:
+        self._placed = placed
+        edges = {
+            edge.child: replace(edge, before=placed(edge.before), after=placed(edge.after))
+            for edge in edges_of(model).values()
+        }
         self._supports: list[tuple[int, ...]] = [tuple(support) for support in model.supports]
         self.links: dict[int, Link] = {}
         self._ways: dict[tuple[bool, int], tuple[Place, ...]] = {}
@@ -114,7 +126,7 @@ class Tree:
         key = (frame.joint == base, frame.index)
         if key not in self._ways:
             after = () if frame.joint == base else (self.links[frame.joint].edge.after,)
-            self._ways[key] = steps(*after, frame.placement)
+            self._ways[key] = steps(*after, self._placed(frame.placement))
         return self._ways[key]
 
 
@@ -197,14 +209,18 @@ class Poses:
             ),
         ]
 
+    def before(self, base: int, link: Link) -> tuple[Pose, Columns]:
+        """Return where a joint's motion begins, and the freedoms whose rates ride there."""
+        parent = link.edge.parent
+        pose, columns = self.body(base, parent)
+        places = link.from_base if parent == base else link.from_parent
+        return through(self.algebra, pose, places), columns
+
     def _body(self, base: int, body: int) -> tuple[Pose, Columns]:
         if body == base:
             return standing(self.algebra), ()
         link = self.tree.links[body]
-        parent = link.edge.parent
-        pose, columns = self.body(base, parent)
-        places = link.from_base if parent == base else link.from_parent
-        pose = through(self.algebra, pose, places)
+        pose, columns = self.before(base, link)
         pose = moved(self.algebra, pose, link.kind, self.motion(link))
         own = [k for k in range(link.kind.nv) if link.column + k in self._riding]
         if not own:

@@ -12,30 +12,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import pinocchio as pin
 from flint import Ordering, acb, fmpq_mpoly, fmpq_mpoly_ctx
 from numpy.typing import NDArray
 
+from pmjac_pin.algebra.polynomials import Symbols, symbols
 from pmjac_pin.errors import ArgumentError
-from pmjac_pin.kinematics.loops import loop_blocks
-from pmjac_pin.kinematics.rows import Distance
-from pmjac_pin.model.frames import find_frame
+from pmjac_pin.kinematics.loops import pair_of
 from pmjac_pin.model.linkage import edges_of
 from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.rates.partition import independent_rows
-from pmjac_pin.studies.homotopy.joint_unknowns import (
-    Numbers,
-    Symbols,
-    joint_unknowns,
-    symbols,
-)
-from pmjac_pin.studies.homotopy.polynomial_rows import (
-    Place,
-    block_rows,
-    exact,
-    rational,
-    turned_over_rows,
-)
+from pmjac_pin.studies.homotopy.joint_unknowns import Numbers, joint_unknowns
+from pmjac_pin.studies.homotopy.polynomial_rows import PolynomialRows
 from pmjac_pin.studies.homotopy.polynomial_table import PolynomialTable
 from pmjac_pin.studies.modes.distinct import scaled_passive
 from pmjac_pin.studies.modes.search_problem import SearchProblem
@@ -80,7 +67,7 @@ class PolynomialLoops:
         self._motors = [joint for joint in self._joints if joint.motor]
         self._passive = [joint for joint in self._joints if not joint.motor]
         self._units = [joint.unit for joint in self._passive if joint.unit is not None]
-        self._free = [joint.columns for joint in self._passive if joint.edge.kind == "free"]
+        self._free = [joint.columns for joint in self._passive if joint.floating]
         self.count = max((joint.columns.stop for joint in self._passive), default=0)
         kept = _independent_rows(problem)
         self.rows = kept.size
@@ -217,43 +204,21 @@ class PolynomialLoops:
         self, problem: SearchProblem, variables: Symbols, driven: int, rods: Sequence[int]
     ) -> tuple[list[fmpq_mpoly], list[fmpq_mpoly]]:
         """Return all rows of η, and what is 0 at a closed pose and not at half a turn."""
-        bodies = self._bodies(variables)
-        lengths = {loop: variables[driven + place] for place, loop in enumerate(rods)}
+        polynomials = PolynomialRows(problem.model, self._joints, variables, self.length)
+        lengths = {loop: driven + place for place, loop in enumerate(rods)}
         rows: list[fmpq_mpoly] = []
         turned_over: list[fmpq_mpoly] = []
         for index, loop in enumerate(problem.closures):
             if isinstance(loop, JointLoop):
                 why = "geared joints are no polynomials in their cosines and sines"
                 raise ArgumentError(f"{problem.model.name}: no homotopy for this mechanism: {why}")
-            frames = [find_frame(problem.model, name) for name in loop.frames]
-            one, other = (bodies[frame.joint].at(frame.placement, self.length) for frame in frames)
-            for block in loop_blocks(loop, problem.values):
-                if isinstance(block, Distance):
-                    fixed = rational(block.length / self.length) ** 2
-                    square = lengths.get(index, fixed)
-                    ends = (one, other) if one.floating or not other.floating else (other, one)
-                    rows.append(ends[0].rod(ends[1], square, self.length))
-                    continue
-                rows += block_rows(block, one, other)
-                turned_over += turned_over_rows(block, one, other)
+            pair = pair_of(problem.model, polynomials.tree, loop, problem.values)
+            place = lengths.get(index)
+            square = None if place is None else variables[place : place + 1, None]
+            more, over = polynomials.of(pair, square)
+            rows += more
+            turned_over += over
         return rows, turned_over
-
-    def _bodies(self, variables: Symbols) -> list[Place]:
-        origin = Place(exact(np.eye(3)), exact(np.zeros((3, 1))))
-        bodies = [origin]
-        for joint in self._joints:
-            edge = joint.edge
-            base = bodies[edge.parent].at(edge.before, self.length)
-            turn, slide = joint.motion(variables)
-            own = variables[joint.columns]
-            floating = (base, own[:4], own[4:], pin.SE3.Identity())
-            moved = Place(
-                base.turn @ turn,
-                base.origin + base.turn @ slide,
-                floating if edge.kind == "free" else None,
-            )
-            bodies.append(moved.at(edge.after, self.length))
-        return bodies
 
 
 def _homogeneous(one: fmpq_mpoly, context: fmpq_mpoly_ctx, unknowns: int) -> fmpq_mpoly:

@@ -1,96 +1,108 @@
-"""Places of frames in polynomials, and the rows of η that loops ask of them.
+"""The rows of η in polynomials, in characteristic lengths.
 
 Tilts and turns are taken as t·a = 0 and as the skew part of R, which vanish at half a turn as well.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pinocchio as pin
-from flint import fmpq
-from numpy.typing import NDArray
+from flint import fmpq_mpoly
 
-from pmjac_pin.kinematics.rows import Along, Distance, Gap, RightAngle, Rows, Tilt
-from pmjac_pin.studies.homotopy.joint_unknowns import Symbols, quaternion_of_gap
+from pmjac_pin.algebra.jets import Jets
+from pmjac_pin.algebra.polynomials import Polynomials, Symbols, rational
+from pmjac_pin.kinematics.joints import Motion
+from pmjac_pin.kinematics.loops import Pair
+from pmjac_pin.kinematics.rows import Distance
+from pmjac_pin.kinematics.tree import Link, Poses, Tree
+from pmjac_pin.model.frames import Frame
+from pmjac_pin.studies.homotopy.joint_unknowns import JointUnknowns, quaternion_of_gap
 
-Array = NDArray[np.float64]
-
+_POLYNOMIALS = Polynomials()
 _ROUNDING = 1e-15  # of an entry of a rotation, which is of size 1
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Place:
-    """A rotation (3, 3) and an origin (3, 1) in polynomials, in characteristic lengths.
+class PolynomialRows:
+    """The rows between frames of a tree whose joints have these unknowns.
 
-    `floating` is, for a frame of a free body, that body's base, its g and e, and where the frame
-    is on the body.
+    Parameters
+    ----------
+    model : pin.Model
+    joints : sequence of JointUnknowns
+    variables : ndarray of fmpq_mpoly
+    length : float
+        The characteristic length, m.
     """
 
-    turn: Symbols
-    origin: Symbols
-    floating: tuple[Place, Symbols, Symbols, pin.SE3] | None = None
+    __slots__ = ("_joints", "_length", "_poses", "_variables", "tree")
 
-    def at(self, placement: pin.SE3, length: float) -> Place:
-        """Return a frame of a body."""
-        shift = exact(placement.translation[:, None] / length)
-        turn = np.where(np.abs(placement.rotation) < _ROUNDING, 0.0, placement.rotation)
-        floating = self.floating and (*self.floating[:3], self.floating[3] * placement)
-        return Place(self.turn @ exact(turn), self.origin + self.turn @ shift, floating)
+    def __init__(
+        self,
+        model: pin.Model,
+        joints: Sequence[JointUnknowns],
+        variables: Symbols,
+        length: float,
+    ) -> None:
+        self._variables, self._length = variables, length
+        self._joints: Mapping[int, JointUnknowns] = {one.edge.child: one for one in joints}
+        self.tree = Tree(model, self._placed)
+        self._poses = Poses(self.tree, _POLYNOMIALS, self._motion)
 
-    def seen_from(self, other: Place) -> Symbols:
-        """Return this rotation in another's axes."""
-        return np.asarray(other.turn.T @ self.turn)
+    def of(self, pair: Pair, square: Symbols | None) -> tuple[list[fmpq_mpoly], list[fmpq_mpoly]]:
+        """Return the rows of a loop, and what is 0 at a closed pose and not at half a turn.
 
-    def rod(self, other: Place, square: Any, length: float) -> Any:
+        `square` is that of a rod's length where this is a variable.
+        """
+        rows: list[Symbols] = []
+        turned_over: list[Symbols] = []
+        one, other = (self._poses.riding(pair.base, frame) for frame in (pair.first, pair.second))
+        for _, block in pair.blocks:
+            if isinstance(block, Distance):
+                length = _exact(rational(block.length / self._length) ** 2)
+                rows.append(self._rod(pair, length if square is None else square))
+                continue
+            found = block.equations(Jets(_POLYNOMIALS), one, other)
+            rows += list(found.rows.value)
+            if found.cosine is not None:
+                turned_over.append(found.cosine.value - _POLYNOMIALS.constant(1.0))
+        return [row[0, 0] for row in rows], [row[0, 0] for row in turned_over]
+
+    def _rod(self, pair: Pair, square: Symbols) -> Symbols:
         """Return |gap|² − square, for a free body times |e|² = 1: of lower degree so."""
-        if self.floating is None:
-            gap = self.origin - other.origin
-            return (gap * gap).sum() - square
-        base, g, e, placement = self.floating
-        b = (base.turn.T @ (other.origin - base.origin)).ravel()
-        gap = quaternion_of_gap(g, e, exact(placement.translation / length), b)
-        return (gap * gap).sum() - square * (e * e).sum()
+        ends = (pair.first, pair.second)
+        floating = [self._floating(pair.base, frame) for frame in ends]
+        if not any(floating):
+            one, other = (self._poses.riding(pair.base, frame).origin().value for frame in ends)
+            return np.asarray(_POLYNOMIALS.squared(one - other) - square)
+        own, other = ends if floating[0] else ends[::-1]
+        joint = self._joints[own.joint]
+        start, stop = joint.columns.start, joint.columns.stop
+        numbers = [self._variables[k : k + 1, None] for k in range(start, stop)]
+        link = self.tree.links[own.joint]
+        base, _ = self._poses.before(pair.base, link)
+        away = self._poses.riding(pair.base, other).origin().value - base.p
+        seen = _POLYNOMIALS.dot(_POLYNOMIALS.swapped(_POLYNOMIALS.stack(base[:3])), away[:, None])
+        place = self._placed(joint.edge.after * own.placement).translation
+        gap = quaternion_of_gap(numbers[:4], numbers[4:], _POLYNOMIALS.constant(place), seen)
+        e = _POLYNOMIALS.squared(_POLYNOMIALS.stack(numbers[4:]))
+        return np.asarray(_POLYNOMIALS.squared(_POLYNOMIALS.stack(gap)) - square * e)
+
+    def _floating(self, base: int, frame: Frame) -> bool:
+        return frame.joint != base and self._joints[frame.joint].floating
+
+    def _motion(self, link: Link) -> Motion:
+        return self._joints[link.edge.child].motion(self._variables)
+
+    def _placed(self, placement: pin.SE3) -> pin.SE3:
+        """Return a placement in characteristic lengths, entries below rounding zero."""
+        rotation = placement.rotation
+        turn = np.where(np.abs(rotation) < _ROUNDING, 0.0, rotation)
+        return pin.SE3(turn, placement.translation / self._length)
 
 
-def block_rows(block: Rows, one: Place, other: Place) -> Iterator[Any]:
-    """Yield the rows of a block."""
-    gap = one.origin - other.origin
-    match block:
-        case Gap():
-            yield from gap.ravel()
-        case Along():
-            yield from (exact(block.directions) @ other.turn.T @ gap).ravel()
-        case Tilt():
-            axis = one.seen_from(other) @ exact(block.axis)
-            yield from exact(block.across) @ axis
-        case RightAngle():
-            yield exact(block.second) @ one.seen_from(other) @ exact(block.first)
-        case _:
-            turn = one.turn @ other.turn.T
-            yield from (turn[i, j] - turn[j, i] for i, j in ((2, 1), (0, 2), (1, 0)))
-
-
-def turned_over_rows(block: Rows, one: Place, other: Place) -> Iterator[Any]:
-    """Yield what is 0 at a closed pose and not at half a turn."""
-    match block:
-        case Tilt():
-            axis = exact(block.axis)
-            yield axis @ one.seen_from(other) @ axis - 1
-        case Gap() | Distance() | Along() | RightAngle():
-            return
-        case _:
-            yield (one.turn @ other.turn.T).trace() - 3
-
-
-def exact(numbers: Array) -> Symbols:
-    """Return doubles as the rational numbers that they are."""
-    return np.asarray(np.vectorize(rational, otypes=[object])(numbers))
-
-
-def rational(number: float) -> fmpq:
-    """Return a double as the rational number that it is."""
-    return fmpq(*float(number).as_integer_ratio())
+def _exact(number: object) -> Symbols:
+    found = np.empty((1, 1), dtype=object)
+    found[0, 0] = number
+    return found
