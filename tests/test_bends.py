@@ -150,7 +150,7 @@ def test_loops_with_joints_that_are_not_known_are_followed_all_the_same():
 
 def test_rows_that_are_not_known_are_not_bounded():
     class Unknown:
-        names = ("x",)
+        names, measures = ("x",), "colours"
 
     with pytest.raises(pj.ArgumentError, match="rows of Unknown: how they bend is not known here"):
         _block(Unknown(), [Segment((), 1.0)], [Segment((), 1.0)])

@@ -44,7 +44,6 @@ JOINTS = {
     "planar": pin.JointModelPlanar(),
     "free": pin.JointModelFreeFlyer(),
 }
-COUNT = 2  # poses of each case
 
 
 def random_place(rng):
@@ -175,7 +174,7 @@ def by_boxes(loops, model, q, way):
     blocks = way(loops.pairs[0], poses)
     for block in blocks:
         for part in (block.rows.value, block.rows.rates):
-            assert part is None or (part.width <= 1e-12 * (1.0 + part.magnitude)).all()
+            assert part is None or part.width.max() < 1e-11
     return assembled(loops, blocks, model.nv, lambda x: x.middle)
 
 
@@ -239,11 +238,13 @@ NUMBERS = {
 }
 
 
+WITH_ROOTS = ("floats, twists", "floats, riding")
+
+
 def cases(model, kind, rng):
-    """A loop of the kind and a pose: off closure, on closure, with a frame on the common body."""
-    for _ in range(COUNT):
-        q = pin.integrate(model, pin.neutral(model), rng.normal(size=model.nv))
-        yield LOOPS[kind](("one", "two")), q
+    """A loop of the kind and a pose: off closure, with a frame on the common body, on closure."""
+    q = pin.integrate(model, pin.neutral(model), rng.normal(size=model.nv))
+    yield LOOPS[kind](("one", "two")), q
     yield LOOPS[kind](("on base", "one")), q
     shut = closed_frame(model, q)
     yield LOOPS[kind]((shut, "one")), q
@@ -251,21 +252,21 @@ def cases(model, kind, rng):
 
 @pytest.mark.parametrize("joint", JOINTS)
 @pytest.mark.parametrize("kind", LOOPS)
-@pytest.mark.parametrize("number", NUMBERS)
-def test_value_and_derivative_are_pinocchios(number, kind, joint, rng):
+def test_value_and_derivative_are_pinocchios(kind, joint, rng):
     model = machine(joint, rng)
     for loop, q in cases(model, kind, rng):
-        loops = Loops(model, Tree(model), [loop], {})
-        expected = (*(exact := pinocchios(model, loop, q)), None)
-        residual, jacobian, cosine = NUMBERS[number](loops, model, q)
-        if not (number.startswith("floats,")):
-            expected = without_roots(*exact)
-            assert (cosine is None) == (expected[2] is None)
-            assert cosine is None or cosine == pytest.approx(expected[2], abs=1e-12)
-        np.testing.assert_allclose(residual, expected[0], atol=1e-12)
+        exact = pinocchios(model, loop, q)
         # Near half a turn Pinocchio's own derivative of the logarithm loses digits.
-        near = np.pi - np.linalg.norm(exact[0][[w == "turn" for w in exact[2]]])
-        np.testing.assert_allclose(jacobian, expected[1], atol=1e-11 / min(near, 1.0) ** 2)
+        near = np.pi - np.linalg.norm(exact[0][[word == "turn" for word in exact[2]]])
+        bound = 1e-11 / min(near, 1.0) ** 2
+        loops = Loops(model, Tree(model), [loop], {})
+        for number, evaluated in NUMBERS.items():
+            expected = (*exact[:2], None) if number in WITH_ROOTS else without_roots(*exact)
+            residual, jacobian, cosine = evaluated(loops, model, q)
+            np.testing.assert_allclose(residual, expected[0], atol=1e-12, err_msg=number)
+            np.testing.assert_allclose(jacobian, expected[1], atol=bound, err_msg=number)
+            assert (cosine is None) == (expected[2] is None), number
+            assert cosine is None or cosine == pytest.approx(expected[2], abs=1e-12), number
 
 
 def test_every_kind_of_joint_is_tried():

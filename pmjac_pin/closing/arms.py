@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, assert_never
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -210,7 +210,7 @@ def _block(rows: Rows, first: list[Segment], second: list[Segment]) -> Block:
         case "turns":
             every = first[-1].turns + second[-1].turns
             return Block(count, (Segment(every, 1.0),), exact=False)
-    assert_never(rows.measures)
+    raise ArgumentError(f"rows of {type(rows).__name__}: how they bend is not known here")
 
 
 def _from_second(first: list[Segment], second: list[Segment]) -> tuple[Segment, ...]:
