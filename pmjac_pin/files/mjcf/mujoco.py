@@ -112,15 +112,12 @@ def _with_attribute(said: str, element: Element) -> str:
 
 def _lines(root: Element) -> str:
     """Return the XML with each element's start on a line of its own, in order."""
-    return "".join(_written(root)).lstrip()
-
-
-def _written(element: Element) -> Iterator[str]:
-    start = tostring(Element(element.tag, element.attrib), encoding="unicode")
-    yield f"\n{start.removesuffix('/>').rstrip()}>"
-    for child in element:
-        yield from _written(child)
-    yield f"</{element.tag}>"
+    for element in root.iter():
+        if len(element):
+            element.text = "\n"
+        for child in element[:-1]:
+            child.tail = "\n"
+    return tostring(root, encoding="unicode")
 
 
 def _attached(file: MjcfFile) -> Iterator[tuple[str, bytes]]:
