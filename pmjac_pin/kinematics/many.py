@@ -43,6 +43,19 @@ class WorldPoses:
     linear: Array
     angular: Array
 
+    def seen_from(self, body: int) -> WorldPoses:
+        """Return the same in the axes of one of the bodies, and at its origin."""
+        if body == 0:
+            return self
+        back, origin = self.rotations[body].swapaxes(1, 2), self.positions[body]
+        moved = np.cross(origin[:, :, None], self.angular, axis=1)
+        return WorldPoses(
+            rotations=back @ self.rotations,
+            positions=(back @ (self.positions - origin)[..., None])[..., 0],
+            linear=back @ (self.linear - moved),
+            angular=back @ self.angular,
+        )
+
 
 class ManyPoses:
     """The kinematics of a tree over rows of q.

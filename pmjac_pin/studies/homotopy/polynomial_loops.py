@@ -24,7 +24,7 @@ from pmjac_pin.rates.partition import independent_rows
 from pmjac_pin.studies.homotopy.joint_unknowns import Numbers, joint_unknowns
 from pmjac_pin.studies.homotopy.polynomial_rows import PolynomialRows
 from pmjac_pin.studies.homotopy.polynomial_table import PolynomialTable
-from pmjac_pin.studies.modes.distinct import scaled_passive
+from pmjac_pin.studies.modes.idling import scaled_passive
 from pmjac_pin.studies.modes.search_problem import SearchProblem
 
 Array = NDArray[np.float64]

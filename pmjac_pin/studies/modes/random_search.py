@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from pmjac_pin.studies.modes.aim import Aim
 from pmjac_pin.studies.modes.assembly_modes import Completeness
-from pmjac_pin.studies.modes.distinct import Distinct, Signatures, isolated
+from pmjac_pin.studies.modes.distinct import Distinct, Signatures
+from pmjac_pin.studies.modes.idling import isolated
 from pmjac_pin.studies.modes.search import ManyClosures, unseen_share
 from pmjac_pin.studies.modes.search_problem import SearchProblem
 from pmjac_pin.studies.modes.starts import StartSpace
@@ -33,8 +34,8 @@ class RandomSearch:
 
     def __init__(self, problem: SearchProblem, space: StartSpace, rng: np.random.Generator) -> None:
         self._closures = ManyClosures(problem, space.strides(problem))
-        self._space, self._rng = space, rng
-        self.met = Distinct(Signatures.of(problem, problem.base[None]))
+        self._problem, self._space, self._rng = problem, space, rng
+        self.met = Distinct(Signatures.of(problem, problem.base[None][:0]))
         self.starts = 0
         self.moving = False
         self._in_a_row, self._question = 0, 0
@@ -44,15 +45,17 @@ class RandomSearch:
         modes = [(q, hits / self.starts) for q, hits in zip(self.met.q, self.met.hits, strict=True)]
         if not self.moving:
             return modes
-        separate = isolated(self._closures.problem, np.array(self.met.q))
+        separate = isolated(self._problem, np.array(self.met.q))
         return [mode for mode, alone in zip(modes, separate, strict=True) if alone]
 
     def run(self, count: int) -> None:
         """Try that many further starts."""
         closed = self._closures.closed(self._space.draw(self._rng, count))
-        if not self.starts:
-            self.met = Distinct(Signatures.of(self._closures.problem, closed))
+        if not self.met.q:
+            self.met = Distinct(Signatures.of(self._problem, closed))
         new = self.met.add(closed)
+        if new and self._problem.idle:  # each mode shows what idles
+            self.met = self.met.by(Signatures.of(self._problem, np.array(self.met.q)))
         self.starts += count
         if new or not self._question:
             self._in_a_row, self._question = 0, self._question + 1

@@ -109,6 +109,7 @@ class ManyClosures:
         problem = self.problem
         sizes = np.sqrt(np.einsum("bij,bij->bj", rows, rows))
         sizes = np.maximum(sizes, _IDLE * sizes.max(axis=1, initial=0.0, keepdims=True))
+        sizes = np.where(sizes > 0.0, sizes, 1.0)  # no passive joint moves the loops at all
         rows = rows / sizes[:, None, :]
         across = rows.transpose(0, 2, 1)
         square = across @ rows

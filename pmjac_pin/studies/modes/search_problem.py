@@ -18,7 +18,8 @@ from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.many import ManyLoops, ManyPoses
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.linkage import Edge, build, edges_of
-from pmjac_pin.model.loop_spec import DistanceLoop, Loop
+from pmjac_pin.model.loop_spec import DistanceLoop, JointLoop, Loop
+from pmjac_pin.model.spec import Tool
 from pmjac_pin.studies.modes.leg_reach import reached
 from pmjac_pin.studies.modes.legs import Leg, find_legs, names_of
 
@@ -52,7 +53,11 @@ class SearchProblem:
     length : float
         The characteristic length, m.
     idle : int
-        The most degrees of freedom that can idle at every pose.
+        How many degrees of freedom idle at every pose.
+    tool : Tool
+        Its frames are in `model`.
+    sensed : frozenset of str
+        The joints whose axes have a sense: motors, and what is geared.
     """
 
     model: pin.Model
@@ -69,6 +74,8 @@ class SearchProblem:
     tolerance: float
     length: float
     idle: int
+    tool: Tool
+    sensed: frozenset[str]
 
 
 def search_problem(parts: Parts, base: Array) -> tuple[SearchProblem, list[Leg]]:
@@ -133,10 +140,13 @@ def _problem(
     edges = edges_of(model)
     passive = [name for name in edges if name not in parts.spec.actuated]
     tree = ManyPoses(model)
+    geared = [name for loop in loops if isinstance(loop, JointLoop) for name in loop.ends]
     entries = []
     for name in passive:
         joint = model.joints[model.getJointId(name)]
         entries.append((slice(joint.idx_q, joint.idx_q + joint.nq), edges[name]))
+    rows = row_scale(system, columns, length, sizes)
+    unknown = coordinates.columns(passive)
     return SearchProblem(
         model=model,
         base=base,
@@ -145,13 +155,16 @@ def _problem(
         closures=tuple(loops),
         values=parts.values,
         passive=tuple(entries),
-        columns=coordinates.columns(passive),
-        row_scale=row_scale(system, columns, length, sizes),
+        columns=unknown,
+        row_scale=rows,
         column_scale=columns,
         rank_tolerance=partition.rank_tolerance,
         tolerance=parts.problem.tolerance,
         length=length,
-        idle=partition.passive.size - partition.passive_rank,
+        # The rows that a rod has less than the leg in its place are independent of all others.
+        idle=unknown.size - partition.passive_rank + partition.row_scale.size - rows.size,
+        tool=parts.spec.tool,
+        sensed=frozenset([*parts.spec.actuated, *geared]),
     )
 
 
