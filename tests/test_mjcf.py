@@ -545,3 +545,23 @@ def test_mutilated_files_are_read_or_refused(read, rng, name) -> None:
 def test_sites_give_loops_their_frames(read) -> None:
     frames = [loop.frames for loop in read(SITES).loops]
     assert frames == [("tip", "end"), ("a_site", "ground"), ("tip", "end")]
+
+
+@pytest.mark.parametrize(
+    ("tendon", "told"),
+    [
+        ('<fixed name="t" range="0 1e-6"><joint joint="j" coef="1"/></fixed>', True),
+        ('<fixed name="t"><joint joint="j" coef="1"/></fixed>', False),
+        ('<fixed name="t" limited="false" range="0 1"><joint joint="j" coef="1"/></fixed>', False),
+        ('<spatial name="t" range="0.5 0.5"><site site="s"/><site site="o"/></spatial>', True),
+    ],
+)
+def test_limits_of_tendons_are_told(tmp_path, tendon, told):
+    path = tmp_path / "m.xml"
+    body = '<body name="b"><joint name="j"/><site name="s"/><geom size="1"/></body>'
+    world = f"<worldbody>{body}<site name='o'/></worldbody>"
+    path.write_text(f"<mujoco>{world}<tendon>{tendon}</tendon></mujoco>")
+    unread = pj.load(path, actuated=["j"], tool="b").unread
+    kind = tendon[1:].split()[0]
+    sentence = f"not read: the range of {kind} 't', which may hold joints together"
+    assert unread == ((sentence,) if told else ())

@@ -57,7 +57,8 @@ def kept(file: MjcfFile) -> Kept:
     """
     others = {name: kept(attached) for name, attached in file.attached.items()}
     with at_file(str(file.path)):
-        unread, equalities = MJCF_WORDS.unread(file.root), list(_equalities(file.root))
+        equalities = list(_equalities(file.root))
+        unread = (*MJCF_WORDS.unread(file.root), *_limited_tendons(file.root))
         root = MJCF_WORDS.known(file.root)
         notes, total = (*equalities, *_motors(root)), _bounded_masses(root)
         _keep_keyframe(root)
@@ -85,6 +86,18 @@ def _equalities(root: Element) -> Iterator[str]:
                 todo = 'set active="false" to leave it out'
                 raise ModelFileError(f"{where} is not read, only {', '.join(_READ)} are; {todo}")
             yield f"{where} is not active, and left out"
+
+
+def _limited_tendons(root: Element) -> Iterator[str]:
+    """Yield what is to be said of tendons whose limits hold joints together.
+
+    A range may be that of a class, so a limited tendon is told of wherever it has it from.
+    """
+    by_class = any(element.get("range") for element in root.iterfind("default//tendon"))
+    for element in root.iterfind("tendon/*"):
+        given = element.get("range") or element.get("limited") == "true" or by_class
+        if given and element.get("limited") != "false":
+            yield f"not read: the range of {called(element)}, which may hold joints together"
 
 
 def _bounded_masses(root: Element) -> float:

@@ -21,7 +21,7 @@ name joint jointinparent class* actdim* actearly* actlimited* actrange* area* ar
 MJCF_WORDS = Vocabulary(
     """
 mujoco model : compiler option default worldbody equality actuator keyframe asset tendon contact*
-  custom* deformable* extension* sensor* size* statistic* visual*
+  custom* deformable! extension! sensor* size* statistic* visual*
 asset : model mesh* hfield* skin* texture* material*
 model name file content_type*
 worldbody : body frame geom site joint freejoint inertial camera* light* plugin! attach composite
