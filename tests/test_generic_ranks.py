@@ -14,7 +14,7 @@ import pmjac_pin as pj
 from pmjac_pin.closing.nearby_poses import FARTHEST
 
 
-def taut_four_bar(motors):
+def taut_four_bar(motors, **options):
     """Ground as long as the three bars together: it is assembled and cannot move at all."""
     tree = Tree()
     a = tree.joint(0, "a", at([0, 0, 0]))
@@ -23,7 +23,7 @@ def taut_four_bar(motors):
     tree.frame(b, "bt", at([2, 0, 0]))
     tree.frame(c, "ct", at([2, 0, 0]))
     loops = [pj.PointLoop(frames=("bt", "ct"))]
-    return pj.Mechanism.from_pinocchio(tree.model, loops, motors, "bt", name="taut")
+    return pj.Mechanism.from_pinocchio(tree.model, loops, motors, "bt", name="taut", **options)
 
 
 @pytest.mark.parametrize("motors", [["a"], ["a", "b"], ["c"]])
@@ -62,6 +62,14 @@ def test_what_moves_beside_a_structure_does_not_make_it_a_mechanism(motor):
     assert mechanism.home.singularity().kind == "isolated"
     with pytest.raises(pj.SingularError, match="no pose near home closes: a structure"):
         mechanism.home.jacobian()
+
+
+@pytest.mark.parametrize("tolerance", [1e-8, 1e-6, 1e-5])
+def test_a_tolerance_does_not_make_a_structure_move(tolerance):
+    """The gap grows with the square of a displacement: near home it is below any tolerance."""
+    mechanism = taut_four_bar(["a"], tolerance=tolerance)
+    assert mechanism.mobility is None
+    assert mechanism.home.singularity().kind == "isolated"
 
 
 def taut_bars_on_a_crank(motors):

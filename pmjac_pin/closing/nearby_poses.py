@@ -25,6 +25,7 @@ _PROBES = 2  # times three poses along allowed rates or with displaced motors
 #: How far joints are displaced at most, rad or a share of the characteristic length.
 FARTHEST = 0.05
 _DISTANCES = (FARTHEST, 0.005, 0.0005)
+_SEEN = 100.0  # tolerances: a gap of the square of a distance may have a small factor
 _AWAY = 0.1  # of a probe's distance: nearer to home, the loops have only pulled it back
 _TOO_FAR = 20.0  # times a probe's distance: another assembly mode
 _SHAKEN = 3  # starts of each joint that is displaced and held
@@ -43,7 +44,7 @@ def nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
     rng = np.random.default_rng(0)
     allowed = _allowed(problem, home_q)
     directions = list(_directions(problem, allowed, rng))
-    for distance in _DISTANCES:
+    for distance in _distances(problem):
         starts = ((distance * step, weights) for step, weights in directions)
         found = _closed(problem, home_q, starts, distance)
         if not found:
@@ -83,12 +84,19 @@ def _reach(
     tries = [step, *(step + weights * rng.normal(size=step.size) for _ in range(_SHAKEN))]
     moved = (
         distance
-        for distance in _DISTANCES
+        for distance in _distances(problem)
         for one in tries
         for way in (1.0, -1.0)
         if _closed(problem, q, [(way * distance * one, weights)], distance)
     )
     return next(moved, 0.0)
+
+
+def _distances(problem: ClosureProblem) -> tuple[float, ...]:
+    """Return the distances at which a gap of second order would be seen under the tolerance."""
+    least = _SEEN * problem.tolerance / problem.partition.length
+    first, *nearer = _DISTANCES
+    return (first, *(distance for distance in nearer if distance**2 >= least))
 
 
 def _allowed(problem: ClosureProblem, q: Array) -> Array:
