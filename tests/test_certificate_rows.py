@@ -12,8 +12,8 @@ from test_loops import LOOPS
 
 import pmjac_pin as pj
 from pmjac_pin.algebra.balls import middles, uppers
-from pmjac_pin.kinematics.rows import across
 from pmjac_pin.model.linkage import edges_of, with_spherical
+from pmjac_pin.model.rows import across
 from pmjac_pin.studies.certificates.equations import LoopEquations
 
 STEP = 1e-4  # of second differences: their error is about 1e-16 / STEP²

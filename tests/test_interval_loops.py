@@ -12,7 +12,7 @@ import pmjac_pin as pj
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.closing.scales import row_scale
 from pmjac_pin.kinematics.loop_system import LoopSystem
-from pmjac_pin.kinematics.loops import loop_blocks, pair_of
+from pmjac_pin.kinematics.loops import pair_of
 from pmjac_pin.studies.modes.interval_loops import IntervalLoops, PairRows, tolerances
 from pmjac_pin.studies.modes.interval_tree import IntervalTree
 
@@ -118,7 +118,7 @@ def test_a_box_holds_its_parts(model, kind, rng):
 
 def test_tolerances_are_those_of_the_gap_in_metres():
     for loop in LOOPS.values():
-        sizes = [size for block in loop_blocks(loop, {}) for size in tolerances(block, CLOSED, 4.0)]
+        sizes = [size for block in loop.rows({}) for size in tolerances(block, CLOSED, 4.0)]
         model = pin.buildModelFromXML(mechanisms.tree(*JOINTS))
         system = LoopSystem(model, [loop], {})
         scales = row_scale(system, np.ones(model.nv), 4.0, [4.0] * len(system.slices))

@@ -8,8 +8,8 @@ import pytest
 import scipy.linalg
 
 import pmjac_pin as pj
-from pmjac_pin.kinematics.rows import across
 from pmjac_pin.model.linkage import aligned
+from pmjac_pin.model.rows import across
 from pmjac_pin.rates.actuation import analyse_actuation
 from pmjac_pin.rates.ellipsoid import velocity_ellipsoid
 from pmjac_pin.rates.partition import independent_rows

@@ -18,11 +18,11 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError
-from pmjac_pin.kinematics.loops import loop_blocks
-from pmjac_pin.kinematics.rows import Rows
 from pmjac_pin.model.frames import Frame, find_frame
-from pmjac_pin.model.linkage import Kind, known_kind
+from pmjac_pin.model.joint_form import Kind
+from pmjac_pin.model.linkage import known_kind
 from pmjac_pin.model.loop_spec import JointLoop, Loop
+from pmjac_pin.model.rows import Rows
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -118,7 +118,7 @@ def arms_of(model: pin.Model, loops: Sequence[Loop], values: Mapping[str, float]
             continue
         one, other = (find_frame(model, name) for name in loop.frames)
         chains = _chains(model, groups, one, other)
-        blocks += [_block(rows, *chains) for rows in loop_blocks(loop, values)]
+        blocks += [_block(rows, *chains) for rows in loop.rows(values)]
     return Arms(np.array(groups.rates), np.array(groups.values), tuple(blocks))
 
 

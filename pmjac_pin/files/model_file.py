@@ -14,7 +14,7 @@ from pmjac_pin.files.text_file import at_file, read_text
 from pmjac_pin.files.user_path import readable
 from pmjac_pin.model.loop_spec import LOOP_KINDS
 from pmjac_pin.model.parameter import Move, Parameter
-from pmjac_pin.model.spec import MechanismSpec, Tool
+from pmjac_pin.model.spec import MechanismSpec, Tool, converted
 
 MAXIMAL_SIZE = 1 << 20  # bytes; the largest of our own model files has a few thousand
 _LONGEST = 400  # characters of one of msgspec's messages
@@ -64,7 +64,7 @@ def parse_model_file(text: str, path: Path) -> MechanismSpec:
 def _spec(text: str) -> MechanismSpec:
     given = bounded_table(text)
     try:
-        spec = msgspec.convert(given, MechanismSpec)
+        spec = converted(given)
     except msgspec.ValidationError as error:
         raise ModelFileError(_explained(error, given)) from None
     except OverflowError as error:

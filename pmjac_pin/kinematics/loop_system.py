@@ -18,13 +18,40 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError
-from pmjac_pin.kinematics.loops import loop_blocks
-from pmjac_pin.kinematics.rows import Distance, Gap, Relative, Rows
 from pmjac_pin.model.coupling import Coupling, couple
 from pmjac_pin.model.frames import find_frame, moving_columns
 from pmjac_pin.model.loop_spec import JointLoop, Loop, LoopBetweenFrames
+from pmjac_pin.model.rows import Distance, Gap, Rows
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Relative:
+    """The first frame seen from the second, (R, p), with ṗ = P v and Ṙ = [W v]ₓ R.
+
+    Attributes
+    ----------
+    gap, gap_rates : ndarray, shapes (3,) and (3, nv)
+        p and P, m.
+    rotation, turning : ndarray, shapes (3, 3) and (3, nv)
+        R and W, rad; for frames only.
+    """
+
+    gap: Array
+    gap_rates: Array
+    rotation: Array | None = None
+    turning: Array | None = None
+
+    def axis(self, given: Array) -> tuple[Array, Array]:
+        """Return R·given (3,), and its derivative (3, nv)."""
+        axis = np.asarray(self.rotation) @ given
+        return axis, -pin.skew(axis) @ np.asarray(self.turning)
+
+    def turn(self) -> tuple[Array, Array]:
+        """Return log R and J_log(R) Rᵀ W: Pinocchio's J_log takes the rate in R's own axes."""
+        rotation = np.asarray(self.rotation)
+        return pin.log3(rotation), pin.Jlog3(rotation) @ rotation.T @ self.turning
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +142,7 @@ class LoopSystem:
                 moving.append(np.zeros(0, dtype=np.intp))
                 continue
             blocks = []
-            for block in loop_blocks(loop, values):
+            for block in loop.rows(values):
                 rows = slice(len(names), len(names) + len(block.names))
                 blocks.append((rows, block))
                 if isinstance(block, Distance):

@@ -4,74 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import assert_never
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.algebra.jets import Jets
-from pmjac_pin.kinematics.rows import (
-    Along,
-    Distance,
-    Equations,
-    Gap,
-    RightAngle,
-    Rows,
-    Tilt,
-    Turn,
-    across,
-)
 from pmjac_pin.kinematics.tree import Poses, Tree
 from pmjac_pin.model.coupling import Coupling, couple
 from pmjac_pin.model.frames import Frame, find_frame
-from pmjac_pin.model.loop_spec import (
-    CylindricalLoop,
-    DistanceLoop,
-    FrameLoop,
-    JointLoop,
-    Loop,
-    LoopBetweenFrames,
-    PlanarLoop,
-    PointLoop,
-    PrismaticLoop,
-    RevoluteLoop,
-    SphericalLoop,
-    UniversalLoop,
+from pmjac_pin.model.loop_spec import JointLoop, Loop, LoopBetweenFrames
+from pmjac_pin.model.rows import (
+    Equations,
+    Rows,
 )
 
 Array = NDArray[np.float64]
-
-
-def loop_blocks(loop: LoopBetweenFrames, values: Mapping[str, float]) -> list[Rows]:
-    """Return the blocks of rows that a loop between frames consists of."""
-    return [*_position(loop, values), *_orientation(loop)]
-
-
-def _position(loop: LoopBetweenFrames, values: Mapping[str, float]) -> list[Rows]:
-    match loop:
-        case DistanceLoop():
-            return [Distance(loop.resolved_length(values))]
-        case PointLoop() | SphericalLoop() | FrameLoop() | RevoluteLoop() | UniversalLoop():
-            return [Gap()]
-        case PrismaticLoop() | CylindricalLoop():
-            return [Along(across(np.array(loop.axis)), ("across 1", "across 2"))]
-        case PlanarLoop():
-            return [Along(np.array([loop.axis]), ("height",))]
-    assert_never(loop)
-
-
-def _orientation(loop: LoopBetweenFrames) -> list[Rows]:
-    match loop:
-        case PointLoop() | SphericalLoop() | DistanceLoop():
-            return []
-        case FrameLoop() | PrismaticLoop():
-            return [Turn()]
-        case RevoluteLoop() | CylindricalLoop() | PlanarLoop():
-            return [Tilt(np.array(loop.axis), across(np.array(loop.axis)))]
-        case UniversalLoop():
-            return [RightAngle(np.array(loop.axes[0]), np.array(loop.axes[1]))]
-    assert_never(loop)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -134,7 +82,7 @@ def pair_of(
     """Return a loop's frames and rows, numbered from `start`."""
     first, second = (find_frame(model, name) for name in loop.frames)
     blocks = []
-    for block in loop_blocks(loop, values):
+    for block in loop.rows(values):
         rows = slice(start, start + len(block.names))
         blocks.append((rows, block))
         start = rows.stop

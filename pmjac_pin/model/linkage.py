@@ -14,17 +14,16 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.model.joint_form import Kind
 from pmjac_pin.values.ties import first_smallest
 
 Array = NDArray[np.float64]
-Kind = Literal["revolute", "continuous", "prismatic", "spherical", "planar", "free", "fixed"]
 
 _JOINTS = {
     "revolute": pin.JointModelRZ,

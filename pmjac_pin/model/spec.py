@@ -7,19 +7,26 @@ the parameters move the origins of that URDF. Nothing in it is evaluated.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sized
+from functools import cache, reduce
 from numbers import Real
-from types import MappingProxyType
-from typing import Annotated, Any
+from operator import or_
+from types import GenericAlias, MappingProxyType
+from typing import TYPE_CHECKING, Annotated, Any
 
 import msgspec
 from msgspec.structs import force_setattr, replace
 
 from pmjac_pin.errors import ArgumentError, did_you_mean, enumerated, quoted, unknown_name
-from pmjac_pin.model.loop_spec import MAXIMAL_LOOPS, DistanceLoop, Loop
+from pmjac_pin.model.loop_spec import LOOP_KINDS, MAXIMAL_LOOPS, DistanceLoop, Loop
 from pmjac_pin.model.parameter import Move, Parameter
 from pmjac_pin.model.table import LONGEST_NAME, Name, Table
 from pmjac_pin.model.tool_rows import WHOLE_TWIST, WORLD_AXES, ToolRows, checked_axes, checked_rows
 from pmjac_pin.values.checks import as_names, as_number
+
+if TYPE_CHECKING:
+    Loops = tuple[Loop, ...]
+else:
+    Loops = tuple[Any, ...]  # which kinds there are is known when a file is read: `converted`
 
 LARGEST_TOLERANCE = 1e-2  # m
 MAXIMAL_ENTRIES = 1000  # poses, and parameters: each pose is assembled, and takes milliseconds
@@ -105,7 +112,7 @@ class MechanismSpec(Table, frozen=True, kw_only=True):
     actuated: tuple[Name, ...]
     passive: tuple[Name, ...] | None = None
     tool: Tool
-    loops: tuple[Loop, ...] = msgspec.field(default=(), name="loop")
+    loops: Loops = msgspec.field(default=(), name="loop")
     locked: dict[Name, JointValue] = msgspec.field(default_factory=dict)
     spherical: tuple[Name, ...] = ()
     tolerance: float | None = None
@@ -233,7 +240,28 @@ def encode_spec(spec: MechanismSpec) -> bytes:
 
 def decode_spec(encoded: bytes) -> MechanismSpec:
     """Decode what `encode_spec` made."""
-    return msgspec.json.decode(encoded, type=MechanismSpec)
+    return converted(msgspec.json.decode(encoded))
+
+
+def converted(contents: Any) -> MechanismSpec:
+    """Return the specification that a model file's contents are.
+
+    Raises
+    ------
+    msgspec.ValidationError
+        A key or value that is none; loops of all registered kinds are known.
+    """
+    if isinstance(contents, Mapping) and "loop" in contents:
+        loops = msgspec.convert({"loop": contents["loop"]}, _loops_of(tuple(LOOP_KINDS.values())))
+        contents = {**contents, "loop": loops.loops}
+    return msgspec.convert(contents, MechanismSpec)
+
+
+@cache
+def _loops_of(kinds: tuple[type[Loop], ...]) -> Any:
+    """Return the table of a model file's loops, of these kinds."""
+    loops = GenericAlias(tuple, (reduce(or_, kinds), ...))
+    return msgspec.defstruct("Loops", [("loops", loops, msgspec.field(name="loop"))])
 
 
 def _builtin(value: Any) -> dict[str, Any] | float | str:

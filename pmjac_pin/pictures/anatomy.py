@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import assert_never
 
 import numpy as np
 import pinocchio as pin
@@ -16,19 +15,7 @@ from pmjac_pin.files.shapes import Array
 from pmjac_pin.files.visuals import read_visuals
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
-from pmjac_pin.model.loop_spec import (
-    CylindricalLoop,
-    DistanceLoop,
-    FrameLoop,
-    JointLoop,
-    Loop,
-    PlanarLoop,
-    PointLoop,
-    PrismaticLoop,
-    RevoluteLoop,
-    SphericalLoop,
-    UniversalLoop,
-)
+from pmjac_pin.model.loop_spec import JointLoop, LoopBetweenFrames
 from pmjac_pin.pictures.bodies import Bodies, Point, Points
 
 # Joints whose own origin is no place of the mechanism but where its coordinates start.
@@ -44,7 +31,7 @@ class Anchors:
 
     Attributes
     ----------
-    loop : Loop
+    loop : LoopBetweenFrames
     first, second : Point
     length : float
         Of the rod between them, m; 0 without.
@@ -52,7 +39,7 @@ class Anchors:
         The axis that each of them carries, in the frame of its body's joint.
     """
 
-    loop: Loop
+    loop: LoopBetweenFrames
     first: Point
     second: Point
     length: float
@@ -103,7 +90,7 @@ class Anatomy:
                 loop,
                 self.point(loop.frames[0]),
                 self.point(loop.frames[1]),
-                loop.resolved_length(values) if isinstance(loop, DistanceLoop) else 0.0,
+                loop.rod(values),
                 self._axes(loop),
             )
             for loop in self.mechanism.spec.loops
@@ -138,19 +125,12 @@ class Anatomy:
         found = find_frame(self.model, frame)
         return Point(found.joint, found.placement.translation.copy())
 
-    def _axes(self, loop: Loop) -> tuple[Array, Array] | None:
-        match loop:
-            case RevoluteLoop() | PrismaticLoop() | CylindricalLoop() | PlanarLoop():
-                axes = loop.axis, loop.axis
-            case UniversalLoop():
-                axes = loop.axes
-            case PointLoop() | SphericalLoop() | FrameLoop() | DistanceLoop() | JointLoop():
-                return None
-            case _:
-                assert_never(loop)
+    def _axes(self, loop: LoopBetweenFrames) -> tuple[Array, Array] | None:
+        if loop.lines is None:
+            return None
         first, second = (
             find_frame(self.model, frame).placement.rotation @ np.array(axis)
-            for frame, axis in zip(loop.frames, axes, strict=True)
+            for frame, axis in zip(loop.frames, loop.lines, strict=True)
         )
         return first, second
 

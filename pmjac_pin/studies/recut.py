@@ -33,7 +33,6 @@ from pmjac_pin.model.loop_spec import (
     PrismaticLoop,
     RevoluteLoop,
     SphericalLoop,
-    UniversalLoop,
 )
 from pmjac_pin.model.spec import JointValue, MechanismSpec
 
@@ -167,11 +166,10 @@ def _held_by(parts: Parts, joint: str, loose: set[int]) -> tuple[Loop, LoopJoint
         first, second = (Anchor(end.joint, end.placement) for end in ends)
         if (first.body in loose) == (second.body in loose):
             continue
-        seen: Loop = loop
+        seen = loop
         if first.body in loose:
             first, second = second, first
-            if isinstance(loop, UniversalLoop):
-                seen = replace(loop, axes=loop.axes[::-1])
+            seen = loop.exchanged
         label = _unused("-".join(loop.frames), set(model.names))
         return loop, loop_joint(seen, parts.values, first, second, name=label, link=model.njoints)
     why = "cut there, nothing would hold what it carries"

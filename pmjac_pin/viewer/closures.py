@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from pmjac_pin.files.shapes import Array, Cylinder, Sphere, scaled, translation
-from pmjac_pin.model.loop_spec import CylindricalLoop, PlanarLoop, PrismaticLoop
+from pmjac_pin.model.loop_spec import Opening
 from pmjac_pin.pictures.anatomy import Anatomy, Anchors
 from pmjac_pin.pictures.bodies import Points
 from pmjac_pin.viewer.items import Part, between
@@ -59,7 +59,7 @@ def gap_layer(anatomy: Anatomy) -> Gaps:
         firsts=Points.of([anchor.first for anchor in anchors]),
         seconds=Points.of([anchor.second for anchor in anchors]),
         axes=np.array(unlimited).reshape(-1, 3),
-        weights=np.array([_weights(anchor) for anchor in anchors]).reshape(-1, 2),
+        weights=np.array([_WEIGHTS[anchor.loop.opening] for anchor in anchors]).reshape(-1, 2),
         lengths=np.array([anchor.length for anchor in anchors]),
         radius=GAP_RADIUS * anatomy.size,
         smallest=SPECK * anatomy.size,
@@ -136,15 +136,14 @@ def _pins(anatomy: Anatomy) -> Iterator[_Piece]:
 
 
 def _rod_radius(anchors: Anchors) -> float:
-    if isinstance(anchors.loop, PrismaticLoop | CylindricalLoop):
+    if anchors.loop.opening == "along":
         return SLIDE_RADIUS
     return ROD_RADIUS if anchors.length > 0.0 else 0.0
 
 
-def _weights(anchors: Anchors) -> tuple[float, float]:
-    match anchors.loop:
-        case PrismaticLoop() | CylindricalLoop():
-            return 1.0, -1.0
-        case PlanarLoop():
-            return 0.0, 1.0
-    return 1.0, 0.0
+#: The weights of d and of (b·d) b in the gap of a loop that lets this of d be.
+_WEIGHTS: Mapping[Opening, tuple[float, float]] = {
+    "nothing": (1.0, 0.0),
+    "along": (1.0, -1.0),
+    "across": (0.0, 1.0),
+}

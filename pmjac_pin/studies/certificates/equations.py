@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from pmjac_pin.algebra.balls import ZERO, exactly
 from pmjac_pin.kinematics.joints import Motion
 from pmjac_pin.kinematics.loops import pair_of
-from pmjac_pin.kinematics.rows import Rows
 from pmjac_pin.kinematics.tree import Link, Poses, Tree
 from pmjac_pin.model.coupling import Coupling, couple
 from pmjac_pin.model.loop_spec import JointLoop, Loop
+from pmjac_pin.model.rows import Rows
 from pmjac_pin.studies.certificates.chains import BALLS, Chain
 from pmjac_pin.studies.certificates.kantorovich import System
 from pmjac_pin.studies.certificates.rows import Bend, Enclosed, enclosed_rows

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.algebra.balls import ZERO, BallArray, norm, upper
 from pmjac_pin.algebra.jets import Jets
-from pmjac_pin.kinematics.rows import Equations, Rows
+from pmjac_pin.model.rows import Equations, Rows
 from pmjac_pin.studies.certificates.chains import BALLS, Seen
 from pmjac_pin.studies.certificates.paths import Path
 

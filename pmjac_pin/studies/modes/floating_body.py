@@ -24,10 +24,10 @@ from scipy.spatial.transform import Rotation
 from pmjac_pin.algebra.boxes import Boxes
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.algebra.jets import Jet, Jets
-from pmjac_pin.kinematics.rows import Gap, Rows, Tilt
 from pmjac_pin.kinematics.tree import Poses
 from pmjac_pin.model.frames import Frame
 from pmjac_pin.model.linkage import Edge
+from pmjac_pin.model.rows import Gap, Rows, Tilt
 from pmjac_pin.studies.modes.interval_loops import Truth, ahead
 
 Array = NDArray[np.float64]

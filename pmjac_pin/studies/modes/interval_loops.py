@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.algebra.jets import Jet
 from pmjac_pin.kinematics.loops import Pair, riding
-from pmjac_pin.kinematics.rows import Distance, Gap, Rows
 from pmjac_pin.kinematics.tree import Poses
 from pmjac_pin.model.frames import Frame
+from pmjac_pin.model.rows import Distance, Gap, Rows
 from pmjac_pin.studies.modes.interval_tree import IntervalTree
 
 Array = NDArray[np.float64]

@@ -40,8 +40,7 @@ def _loops(problem: SearchProblem) -> Iterator[Mark]:
     for loop in problem.closures:
         if isinstance(loop, JointLoop):
             continue
-        axes = getattr(loop, "axes", (getattr(loop, "axis", None),) * 2)
-        for name, axis in zip(loop.frames, axes, strict=True):
+        for name, axis in zip(loop.frames, loop.lines or (None, None), strict=True):
             frame = find_frame(problem.model, name)
             yield partial(_point, frame, problem.length)
             if axis is not None:

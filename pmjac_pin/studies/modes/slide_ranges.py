@@ -18,11 +18,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.kinematics.loops import loop_blocks
-from pmjac_pin.kinematics.rows import Distance, Gap
 from pmjac_pin.model.frames import Frame, find_frame
 from pmjac_pin.model.linkage import Edge, edges_of
 from pmjac_pin.model.loop_spec import JointLoop
+from pmjac_pin.model.rows import Distance, Gap
 from pmjac_pin.studies.modes.search_problem import SearchProblem
 
 Array = NDArray[np.float64]
@@ -185,7 +184,7 @@ def _spans(problem: SearchProblem) -> Iterator[Span]:
         if isinstance(loop, JointLoop):
             continue
         first, second = (find_frame(problem.model, name) for name in loop.frames)
-        for block in loop_blocks(loop, problem.values):
+        for block in loop.rows(problem.values):
             if isinstance(block, Gap | Distance):
                 yield first, second, block.length if isinstance(block, Distance) else 0.0
 

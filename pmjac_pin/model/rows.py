@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal, NamedTuple, Protocol
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.algebra.jets import Jet, Jets, half_skew
@@ -30,27 +29,27 @@ HALF = np.array([[0.5]])
 HALF_A_TURN = 1e-12  # 1 + cos(angle) below which the direction of a tilt is lost
 
 
-@dataclass(frozen=True, slots=True)
-class Relative:
-    """The first frame seen from the second, and how that changes; the last two for frames only.
+class Relative(Protocol):
+    """The first frame seen from the second, and how that changes; turns for frames only.
 
     Attributes
     ----------
     gap, gap_rates : ndarray, shapes (3,) and (3, nv)
         p and P, m.
-    rotation, turning : ndarray, shapes (3, 3) and (3, nv)
-        R and W, rad.
     """
 
-    gap: Array
-    gap_rates: Array
-    rotation: Array | None = None
-    turning: Array | None = None
+    @property
+    def gap(self) -> Array: ...  # noqa: D102
+    @property
+    def gap_rates(self) -> Array: ...  # noqa: D102
 
     def axis(self, given: Array) -> tuple[Array, Array]:
         """Return R·given (3,), and its derivative (3, nv)."""
-        axis = np.asarray(self.rotation) @ given
-        return axis, -pin.skew(axis) @ np.asarray(self.turning)
+        ...
+
+    def turn(self) -> tuple[Array, Array]:
+        """Return log R (3,), and its derivative (3, nv)."""
+        ...
 
 
 class Seen(Protocol):
@@ -183,9 +182,8 @@ class Turn:
     measures: ClassVar[Measures] = "turns"
 
     def __call__(self, pose: Relative) -> tuple[Array, Array]:
-        """Return log R and J_log(R) Rᵀ W: Pinocchio's J_log takes the rate in R's own axes."""
-        rotation = np.asarray(pose.rotation)
-        return pin.log3(rotation), pin.Jlog3(rotation) @ rotation.T @ pose.turning
+        """Return log R and its derivative."""
+        return pose.turn()
 
     def equations(self, jets: Jets, one: Seen, other: Seen) -> Equations:
         """Return log R₁R₂ᵀ, or ½ vee(R₁R₂ᵀ − R₂R₁ᵀ) of length sin α."""
