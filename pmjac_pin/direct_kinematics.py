@@ -39,10 +39,10 @@ def close(
     mechanism: Mechanism, actuated: Any, guess: Guess, enforce_limits: bool | str
 ) -> Configuration:
     """Close the loops at these motor values; see `Mechanism.close`."""
-    parts = mechanism._parts
-    values, whose = motor_values(parts, actuated), enforced(enforce_limits)
+    parts, whose = mechanism._parts, enforced(enforce_limits)
+    values = motor_values(parts.spec, parts.coordinates, actuated)
     if whose != "none":
-        check_limits(parts, values)
+        check_limits(mechanism, values)
     start = _start(mechanism, guess, values)
 
     displacement = _displacement(parts, start, values)
@@ -56,8 +56,9 @@ def close(
     return closed
 
 
-def check_limits(parts: Parts, values: Array) -> None:
+def check_limits(mechanism: Mechanism, values: Array) -> None:
     """Raise LimitError where a motor value is outside its joint's limits."""
+    parts = mechanism._parts
     for name in parts.coordinates.outside(values, parts.problem.partition.actuated):
         value = float(values[parts.spec.actuated.index(name)])
         found = {name: Violation(value, *parts.coordinates.limits(name))}

@@ -16,7 +16,7 @@ _LONGEST_NAME = 200  # characters: near matches of longer ones take for ever
 _MOST_NAMES = 12  # listed in one message
 _LONGEST_LIST = 400  # characters of them
 _LONGEST_QUOTE = 200  # characters of what somebody gave
-_NOT_PICKLED = ("parts", "source")
+_NOT_PICKLED = ("built_of", "source")
 
 
 class PmjacError(Exception):
@@ -31,13 +31,14 @@ class PmjacError(Exception):
 
     Attributes
     ----------
-    parts : Parts or None
-        What was known of the mechanism when it could not be built, for `check`; not pickled.
+    built_of : tuple or None
+        The Pinocchio model, the spec and the parameters' values of a mechanism whose home pose
+        does not assemble, for `check`; not pickled.
     source : Source or None
         What the file says, as far; not pickled.
     """
 
-    parts: Any = None
+    built_of: Any = None
     source: Any = None
 
     def __init__(self, message: str, **details: Any) -> None:

@@ -12,10 +12,13 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.closing.assembly import build_parts
+from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.nearby_poses import FARTHEST
 from pmjac_pin.closing.parts import Parts
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.files.urdf.robot import Urdf
+from pmjac_pin.kinematics.pinocchio import Kinematics
+from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.values.read_only import read_only
 
@@ -62,6 +65,37 @@ class MechanismValue:
     def parameters(self) -> Mapping[str, float]:
         """The parameters' values, m or rad."""
         return self._parts.values
+
+    @property
+    def coordinates(self) -> JointCoordinates:
+        """The joints' values in q by name, their limits and units."""
+        return self._parts.coordinates
+
+    @property
+    def kinematics(self) -> Kinematics:
+        """The tree, its loops and its tool at any q, beside `place`; not to be changed.
+
+        `kinematics.model` is the Pinocchio model that everything is computed with: `model` less
+        `place`, and the same where the mechanism stands near the world's origin.
+        """
+        return self._parts.kinematics
+
+    @property
+    def problem(self) -> ClosureProblem:
+        """The closure problem: loop equations, split into motors and passive joints, tolerance.
+
+        `problem.partition` has the split, the scales and the generic ranks; what asks a question
+        of a mechanism starts here.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> mechanism = pj.load("four_bar")
+        >>> residual, jacobian = mechanism.problem.evaluate(mechanism.home.q)
+        >>> jacobian[:, mechanism.problem.partition.passive].shape
+        (3, 2)
+        """
+        return self._parts.problem
 
     @property
     def actuated(self) -> tuple[str, ...]:

@@ -15,8 +15,8 @@ LENGTHS = np.array([2 / 3, 3 / 5, 3 / 4])
 
 @pytest.fixture(scope="module")
 def problem():
-    parts = pj.load("three_rps_ss")._parts
-    return box_problem(parts, given_values(parts, LENGTHS), False)
+    mechanism = pj.load("three_rps_ss")
+    return box_problem(mechanism, given_values(mechanism, LENGTHS), False)
 
 
 @pytest.fixture(scope="module")

@@ -74,7 +74,7 @@ def test_every_named_pose_is_certified(name):
         assert certificate.existence_radius < 1e-12
         assert certificate.uniqueness_radius > 0.01
         assert certificate.left_out_gap < 1e-12
-        partition = mechanism._parts.problem.partition
+        partition = mechanism.problem.partition
         assert len(mechanism.rows) - len(certificate.left_out) == partition.passive_rank
         assert len(mechanism.passive) - len(certificate.held) == partition.passive_rank
 
@@ -167,7 +167,7 @@ def tolerant(tolerance):
 def test_nothing_is_certified_where_the_loops_cannot_close(offset):
     mechanism = tolerant(0.01)
     values = fold(mechanism, offset)
-    q = mechanism._parts.coordinates.q(values, mechanism.home.q)
+    q = mechanism.coordinates.q(values, mechanism.home.q)
     certificate = pj.certify(mechanism.configuration(q))
     assert not certificate
     assert certificate.existence_radius == math.inf
@@ -180,7 +180,7 @@ def test_towards_a_singularity_the_radii_close_in_and_the_inequality_is_named():
     mechanism = tolerant(1e-9)
     numbers, unique = [], []
     for offset in (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-14):
-        q = mechanism._parts.coordinates.q(fold(mechanism, -offset), mechanism.home.q)
+        q = mechanism.coordinates.q(fold(mechanism, -offset), mechanism.home.q)
         certificate = pj.certify(mechanism.configuration(q))
         if not certificate:
             break

@@ -179,7 +179,7 @@ def test_other_frames_turn_with_the_error_of_the_pose(frame, rng):
 def test_a_pose_that_is_given_is_as_far_off_as_its_gap(rng):
     """Within the tolerance, but not to the last digits, as from a file."""
     mechanism, fold = rocker(4.0, 3.0, 2.5, 2.0)
-    passive = mechanism._parts.problem.partition.passive
+    passive = mechanism.problem.partition.passive
     poses = []
     with mp.workdps(hand.DIGITS):
         for pose in beside(mechanism, fold - mp.mpf("0.01"), rng, 4):
@@ -268,7 +268,7 @@ def test_too_near_to_a_fold_nothing_is_known():
         tolerance=1e-5,
     )
     q = near.q.copy()
-    q[loose._parts.problem.partition.passive] += 1e-6
+    q[loose.problem.partition.passive] += 1e-6
     pose = loose.configuration(q)
     assert np.isinf(pose.jacobian().error_estimate).all()
     assert np.isfinite(near.jacobian().error_estimate).all()

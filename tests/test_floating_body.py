@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pinocchio as pin
@@ -21,9 +21,9 @@ POSES = {
 
 def at_pose(name, pose):
     configuration = pj.load(name).pose(pose)
-    parts = configuration.mechanism._parts
-    motors = given_values(parts, configuration.actuated)
-    problem = box_problem(parts, motors, False)
+    mechanism = configuration.mechanism
+    motors = given_values(mechanism, configuration.actuated)
+    problem = box_problem(mechanism, motors, False)
     values = np.array([configuration.joint_values[joint] for joint in problem.names])
     return configuration, problem, values
 
@@ -39,10 +39,11 @@ def test_closed_poses_are_within_the_tolerances(name, pose):
 @pytest.mark.parametrize(("name", "pose"), [(n, p) for n, poses in POSES.items() for p in poses])
 def test_the_body_is_put_where_it_is_held(name, pose):
     configuration, problem, values = at_pose(name, pose)
-    parts = configuration.mechanism._parts
-    columns, neutral = parts.problem.partition.actuated, pin.neutral(parts.model)
-    q = parts.coordinates.with_values(neutral, columns, configuration.actuated)
-    found = configuration.mechanism.configuration(start(parts, problem, q, values))
+    mechanism = configuration.mechanism
+    columns = mechanism.problem.partition.actuated
+    neutral = pin.neutral(mechanism.kinematics.model)
+    q = mechanism.coordinates.with_values(neutral, columns, configuration.actuated)
+    found = configuration.mechanism.configuration(start(mechanism, problem, q, values))
     np.testing.assert_allclose(
         found.tool_pose.homogeneous, configuration.tool_pose.homogeneous, atol=1e-10
     )
@@ -69,10 +70,16 @@ def test_a_hinge_the_wrong_way_up_is_no_pose():
     """The same legs and points; one leg's frame turned over, so that its hinge points down."""
     configuration, problem, values = at_pose("planar_3rpr", "home")
     assert problem.loops.evaluate(Intervals.exact(values[None])).possible.all()
-    parts = configuration.mechanism._parts
-    model = configuration.mechanism.model
+    mechanism, model = configuration.mechanism, configuration.mechanism.model
     frame = model.frames[model.getFrameId("leg1_rod")]
     frame.placement = frame.placement * pin.SE3(np.diag([1.0, -1.0, -1.0]), np.zeros(3))
-    turned = replace(parts, model=model)
+    turned = SimpleNamespace(
+        spec=mechanism.spec,
+        parameters=mechanism.parameters,
+        coordinates=mechanism.coordinates,
+        problem=mechanism.problem,
+        home=mechanism.home,
+        kinematics=SimpleNamespace(model=model),
+    )
     over = box_problem(turned, given_values(turned, configuration.actuated), False)
     assert not over.loops.evaluate(Intervals.exact(values[None])).possible.any()

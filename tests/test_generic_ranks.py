@@ -260,5 +260,5 @@ def test_ranks_that_rest_on_the_nearest_poses_alone_are_told():
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_the_joints_of_the_catalogue_are_seen_to_move(name):
     mechanism = pj.load(name)
-    assert mechanism._parts.problem.partition.reach >= FARTHEST
+    assert mechanism.problem.partition.reach >= FARTHEST
     assert "seen no further" not in repr(mechanism)

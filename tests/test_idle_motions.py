@@ -268,7 +268,7 @@ def test_where_branches_meet():
 def test_regular_poses_nearby_tell_the_same(seed):
     """The other way to find it, where K* changes to second order only."""
     fold, rods = random_fold(seed)
-    pose, problem = same_with_rods(fold, rods), rods._parts.problem
+    pose, problem = same_with_rods(fold, rods), rods.problem
     partition, q = problem.partition, np.array(pose.q)
     scaled = partition.scaled(problem.evaluate(q)[1])
     passive = partition.factorise(scaled[:, partition.passive], norm(scaled))

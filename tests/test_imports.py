@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -70,6 +71,17 @@ PLACES = {
 }
 
 
+FOLDERS = ("pmjac_pin", "tests", "benchmarks", "docs", "scripts")
+
+
+def examples(path):
+    """Return the lines of code that a file shows: in fences of a page, after >>> elsewhere."""
+    text = path.read_text(encoding="utf-8")
+    if path.suffix == ".md":
+        return "\n".join(re.findall(r"```python\n(.*?)```", text, re.DOTALL)).splitlines()
+    return re.findall(r"^ *(?:>>>|\.\.\.) (.*)$", text, re.MULTILINE)
+
+
 def place(module):
     """Return the level and the group of a module."""
     return PLACES[module.split(".")[1]]
@@ -95,6 +107,35 @@ def test_no_module_imports_itself_by_way_of_others():
     circular = {module for module in IMPORTS if module in reached(module)}
     names = "configuration mechanism direct_kinematics pose_rounding"
     assert circular == {f"pmjac_pin.{name}" for name in names.split()}
+
+
+def of_parts(path):
+    """Return whether a file asks for what a mechanism is made of: `Parts`, or `_parts` of one."""
+    asked = any(
+        isinstance(node, ast.Attribute) and node.attr == "_parts"
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+    )
+    return asked or any(name.startswith("pmjac_pin.closing.parts") for name in imported(path))
+
+
+def test_what_a_mechanism_is_made_of_is_known_in_its_own_room_only():
+    room = (*PACKAGE.glob("*.py"), *(PACKAGE / "closing").glob("*.py"))
+    root = PACKAGE.parent
+    files = [path for name in FOLDERS for path in (root / name).rglob("*.py")]
+    assert len(files) > len(room)
+    assert [path for path in files if path not in room and of_parts(path)] == []
+
+
+def test_no_documentation_asks_for_a_private_name():
+    """In the examples of docstrings and of pages, code is run as a user would write it."""
+    root = PACKAGE.parent
+    lines = [
+        line
+        for path in (*PACKAGE.rglob("*.py"), root / "README.md", *(root / "docs").rglob("*.md"))
+        for line in examples(path)
+    ]
+    assert len(lines) > 100
+    assert [line for line in lines if re.search(r"[\w)\]]\._[a-z]|import .*\b_[a-z]", line)] == []
 
 
 def test_few_modules_are_in_no_folder():

@@ -61,7 +61,7 @@ def target(mechanism, way, share):
     length = mechanism.characteristic_length
     slides = np.array([mechanism.units[name] == "m" for name in mechanism.actuated])
     size = np.where(slides, length, 1.0)
-    natural = mechanism._parts.problem.partition
+    natural = mechanism.problem.partition
     size = size * natural.column_scale[natural.actuated] / np.where(slides, 1.0, 1.0 / length)
     step = share * size * rng.uniform(-1.0, 1.0, slides.size)
     if way.startswith("in "):

@@ -234,7 +234,7 @@ def test_a_leg_is_a_rod_only_where_it_can_point_everywhere():
 
     for name, count in (("three_rps", 0), ("four_bar", 0), ("ur5", 0), ("stewart_gough", 6)):
         mechanism = pj.load(name)
-        legs = find_legs(mechanism._parts, mechanism.home.q)
+        legs = find_legs(mechanism, mechanism.home.q)
         assert len(legs) == count
         lengths = [leg.length for leg in legs]
         np.testing.assert_allclose(lengths, mechanism.home.actuated[:count], atol=1e-12)

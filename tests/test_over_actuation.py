@@ -63,7 +63,7 @@ def rates_that_the_loops_allow_are_those_of_the_ties(machine):
     split = machine.home.split_jacobian()
     matrices = split.constraint_jacobian, split.tool_jacobian
     allowed = analyse_actuation(*matrices, split.partition).allowed
-    found = lead(machine._parts.problem, machine.home._point)
+    found = lead(machine.problem, machine.home._point)
     followed = found.ratios @ allowed[found.leading]
     np.testing.assert_allclose(allowed[found.led], followed, atol=1e-8 * np.abs(allowed).max())
 
@@ -93,7 +93,7 @@ def test_a_motor_that_the_loops_hold_is_told_to_be_held():
 
 def test_motors_that_are_free_are_not_called_tied():
     home = pj.load("four_bar").home
-    assert ties_in_words(home.mechanism._parts.problem, home._point) == ""
+    assert ties_in_words(home.mechanism.problem, home._point) == ""
 
 
 def test_it_says_where_the_loops_lead_the_motor_that_does_not_fit():

@@ -30,8 +30,8 @@ def test_closed_poses_solve_them_at_any_motor_values(name, rng):
         *mechanisms.random_closed(mechanism, rng, 3, spread=0.1),
     ]:
         machine, form = machines.at(configuration.actuated)
-        problem, _ = search_problem(mechanism._parts, form.base)
-        row = without_legs(mechanism._parts, problem, configuration.q)[None]
+        problem, _ = search_problem(mechanism, form.base)
+        row = without_legs(mechanism, problem, configuration.q)[None]
         x = machines.loops.unknowns(row)
         numbers = machine.numbers[None]
         for size in (1.0, 0.3 - 0.4j):

@@ -139,8 +139,7 @@ def test_a_flat_start_is_left(size):
 
 def guesses(mechanism, rng, count):
     """Poses with the motors of home and passive joints anywhere."""
-    parts = mechanism._parts
-    passive, angular = parts.problem.partition.passive, parts.coordinates.rotational
+    passive, angular = mechanism.problem.partition.passive, mechanism.coordinates.rotational
     for _ in range(count):
         v = np.zeros(mechanism.nv)
         v[passive] = rng.uniform(-1, 1, passive.size) * np.where(angular[passive], np.pi, 0.3)
@@ -160,7 +159,7 @@ def at(mechanism, **poses):
         else loop
         for loop in spec.loops
     )
-    given = {name: mechanism._parts.coordinates.pose(q) for name, q in poses.items()}
+    given = {name: mechanism.coordinates.pose(q) for name, q in poses.items()}
     poses = {"home": spec.poses["home"], **given}
     return msgspec.structs.replace(spec, loops=loops, parameters={}, poses=poses)
 
@@ -181,7 +180,7 @@ def test_a_poor_guess_in_words_is_closed_with_the_motors_at_rest(rng):
     names = mechanism.spec.passive
     motors, refused = mechanism.home.actuated, 0
     for q in guesses(mechanism, rng, 30):
-        values = mechanism._parts.coordinates.joint_values(q, names)
+        values = mechanism.coordinates.joint_values(q, names)
         try:
             assert mechanism.close(motors, guess=values).actuated.tolist() == motors.tolist()
         except pj.ClosureError:
@@ -200,7 +199,7 @@ def test_a_named_pose_keeps_its_motors_too(rng):
 def test_what_closes_at_once_costs_no_more(rng):
     """Counted in evaluations of the loops: further starts are for what stays wide open."""
     mechanism = pj.load("planar_3rrr")
-    problem, counts = mechanism._parts.problem, []
+    problem, counts = mechanism.problem, []
 
     def counted(q):
         counts[-1] += 1
@@ -222,7 +221,7 @@ def test_the_end_of_the_reach_is_not_left_for_another_mode():
         mechanism.close(mechanism.home.actuated + 2.0)
     end = caught.value.reached
     beyond = 1e-6 * (mechanism.home.actuated + 2.0 - end.actuated)
-    columns = mechanism._parts.problem.partition.actuated
-    q = mechanism._parts.coordinates.with_values(end.q, columns, end.actuated + beyond)
+    columns = mechanism.problem.partition.actuated
+    q = mechanism.coordinates.with_values(end.q, columns, end.actuated + beyond)
     home = at_guess(mechanism, q).home
     assert np.abs(home.q - end.q).max() < 0.01

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import json
-from dataclasses import replace
 
 import mechanisms
 import numpy as np
@@ -12,6 +11,7 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
+from pmjac_pin.closing.assembly import build_parts
 from pmjac_pin.files.urdf.robot import parse_urdf
 from pmjac_pin.studies.modes import find
 from pmjac_pin.studies.modes.recognition import Recognition
@@ -55,9 +55,9 @@ def found_of(mechanism, theta, monkeypatch):
     """The modes, and the poses that they were made of."""
     poses = []
 
-    def kept(parts, found):
+    def kept(mechanism, found):
         poses.extend(found)
-        return same_machines(parts, found)
+        return same_machines(mechanism, found)
 
     monkeypatch.setattr(find, "same_machines", kept)
     return pj.assembly_modes(mechanism, theta, rng=0, **QUICKLY), poses
@@ -84,11 +84,12 @@ def deltas(motors=(0.3, 0.45, 0.2)):
     return [turned_over(pose, legs) for legs in subsets]
 
 
-def with_axle(parts, visual):
-    """The delta's parts with another drawing of the first leg's axle."""
-    before, rest = parts.urdf.text.split('<visual name="axle1_bar">')
+def with_axle(delta, visual):
+    """The delta with another drawing of the first leg's axle."""
+    before, rest = delta.urdf.text.split('<visual name="axle1_bar">')
     drawn = f'{before}<visual name="axle1_bar">{visual}</visual>{rest.split("</visual>", 1)[1]}'
-    return replace(parts, urdf=parse_urdf(drawn, parts.urdf.path))
+    urdf = parse_urdf(drawn, delta.urdf.path)
+    return pj.Mechanism(build_parts(delta.model, delta.spec, dict(delta.parameters), urdf))
 
 
 @pytest.mark.parametrize(
@@ -151,11 +152,11 @@ def test_the_deltas_legs_turn_over_one_by_one():
         assert pose.residual_norm <= 1e-11
         assert same_place(pose, poses[0])
         np.testing.assert_allclose(pose.jacobian().J_eq, poses[0].jacobian().J_eq, atol=1e-9)
-    parts = poses[0].mechanism._parts
-    [group] = same_machines(parts, poses)
+    mechanism = poses[0].mechanism
+    [group] = same_machines(mechanism, poses)
     assert (sorted(group), group[0]) == ([*range(8)], 0)
     other = deltas((0.3, 0.45, 0.25))
-    assert list(map(len, same_machines(parts, [*other, *poses]))) == [8, 8]
+    assert list(map(len, same_machines(mechanism, [*other, *poses]))) == [8, 8]
 
 
 @pytest.mark.parametrize(
@@ -174,8 +175,8 @@ def test_the_deltas_legs_turn_over_one_by_one():
 )
 def test_what_is_drawn_tells_turned_bodies_apart(visual, groups):
     poses = deltas()
-    parts = with_axle(poses[0].mechanism._parts, visual)
-    assert len(same_machines(parts, poses)) == groups
+    redrawn = with_axle(poses[0].mechanism, visual)
+    assert len(same_machines(redrawn, poses)) == groups
 
 
 @pytest.mark.parametrize("geared", [False, True])
@@ -190,7 +191,7 @@ def test_the_axis_of_a_motor_or_a_geared_joint_has_a_sense(geared):
         sensed = pj.Mechanism.from_pinocchio(
             delta.model, [*spec.loops, gear], spec.actuated, spec.tool.frame, home=home.q
         )
-    assert sorted(map(len, same_machines(sensed._parts, poses))) == [4, 4]
+    assert sorted(map(len, same_machines(sensed, poses))) == [4, 4]
 
 
 @pytest.mark.parametrize(("angle", "same"), [(0.0, True), (np.pi, True), (5e-5, False)])

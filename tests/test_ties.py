@@ -77,7 +77,7 @@ def test_bases_across_an_axis_do_not_depend_on_rounding(axis, rng):
 def test_what_is_free_is_told_alike_after_rounding(name, rng):
     """At home, or where the catalogue's own singular poses are."""
     mechanism = pj.load(name)
-    partition = mechanism._parts.problem.partition
+    partition = mechanism.problem.partition
     for pose in mechanism.poses:
         split = mechanism.pose(pose).split_jacobian()
         C, J = split.constraint_jacobian, split.tool_jacobian
@@ -97,7 +97,7 @@ def test_what_is_free_is_told_alike_after_rounding(name, rng):
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_rows_and_motors_that_are_chosen_stay_after_rounding(name, rng):
     mechanism = pj.load(name)
-    partition = mechanism._parts.problem.partition
+    partition = mechanism.problem.partition
     for pose in mechanism.poses:
         split = mechanism.pose(pose).split_jacobian()
         C, J = split.constraint_jacobian, split.tool_jacobian

@@ -64,11 +64,11 @@ def build_parts(
     ClosureError
         The home pose does not assemble.
     """
-    parts = _unassembled(model, spec, values, urdf)
+    parts = unassembled(model, spec, values, urdf)
     try:
         return _ranked(_assembled(parts, start))
     except PmjacError as error:
-        error.parts = parts
+        error.built_of = (model, spec, values)
         raise
 
 
@@ -118,7 +118,7 @@ def home_pose(
         With the motors where they are, the loops stay open, or the rank or σ_min, which is
         relative to the size of [K K*], is below `least`.
     """
-    parts = _unassembled(model, spec, values, None)
+    parts = unassembled(model, spec, values)
     problem, q = parts.problem, parts.home_q if start is None else start
     found = assemble(problem, q, motor_weights(problem, 0.0))
     factors = closed_point(problem, found.q).factors
@@ -136,9 +136,19 @@ def _assembled(parts: Parts, start: Array | None) -> Parts:
     return replace(parts, home_q=assemble_pose(parts, given if start is None else start, "home"))
 
 
-def _unassembled(
-    model: pin.Model, spec: MechanismSpec, values: Mapping[str, float], urdf: Urdf | None
+def unassembled(
+    model: pin.Model,
+    spec: MechanismSpec,
+    values: Mapping[str, float],
+    urdf: Urdf | None = None,
 ) -> Parts:
+    """Resolve all names, the home pose left as it is given and the generic ranks unknown.
+
+    Raises
+    ------
+    UnknownNameError, ArgumentError
+        As `build_parts`, but for what the home pose has.
+    """
     coordinates = JointCoordinates(model)
     given = coordinates.q(spec.poses["home"])
     size = _size(_kinematics(model, spec, values), spec, given)

@@ -8,8 +8,9 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pmjac_pin.closing.parts import Parts
 from pmjac_pin.errors import ArgumentError, unknown_name
+from pmjac_pin.model.coordinates import JointCoordinates
+from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.values.checks import as_numbers
 from pmjac_pin.values.named_values import named_values
 
@@ -17,12 +18,13 @@ Array = NDArray[np.float64]
 MotorValues: TypeAlias = ArrayLike | Mapping[str, float]
 
 
-def motor_values(parts: Parts, actuated: Any) -> Array:
+def motor_values(spec: MechanismSpec, coordinates: JointCoordinates, actuated: Any) -> Array:
     """Return the motor values as an array (n,), or say what was expected.
 
     Parameters
     ----------
-    parts : Parts
+    spec, coordinates
+        Which joints are motors, and all that there are.
     actuated : array_like, shape (n,), or mapping of str to float
         m or rad. What has names, as a mapping or a pandas Series, is taken by them; the rest in
         the motors' order.
@@ -34,9 +36,9 @@ def motor_values(parts: Parts, actuated: Any) -> Array:
     ArgumentError
         Another number of values, a motor without a value, or values that are no finite numbers.
     """
-    names = parts.spec.actuated
+    names = spec.actuated
     if (by_name := named_values(actuated, "motor values")) is not None:
-        return _in_order(parts, by_name)
+        return _in_order(names, coordinates, by_name)
     values = np.atleast_1d(as_numbers(actuated, "motor values"))
     if values.shape != (len(names),):
         got = str(values.size) if values.ndim == 1 else f"shape {values.shape}"
@@ -46,11 +48,12 @@ def motor_values(parts: Parts, actuated: Any) -> Array:
     return values
 
 
-def _in_order(parts: Parts, by_name: dict[Any, Any]) -> Array:
-    names = parts.spec.actuated
+def _in_order(
+    names: tuple[str, ...], coordinates: JointCoordinates, by_name: dict[Any, Any]
+) -> Array:
     for name in by_name:
         if name not in names:
-            if name in parts.coordinates.names:
+            if name in coordinates.names:
                 message = f"joint {name!r} is passive; motors are: {', '.join(names)}"
                 raise ArgumentError(message)
             raise unknown_name("motor", name, names)

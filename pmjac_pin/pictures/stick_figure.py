@@ -68,7 +68,7 @@ class StickFigures:
 
     def __init__(self, mechanism: Mechanism) -> None:
         self._anatomy = anatomy = Anatomy(mechanism)
-        self._parts = [(kind, Points.of(points)) for kind, points in _parts(anatomy)]
+        self._drawn = [(kind, Points.of(points)) for kind, points in _drawn(anatomy)]
 
     def __call__(self, configuration: Configuration) -> StickFigure:
         """Return a pose as it is drawn."""
@@ -76,12 +76,12 @@ class StickFigures:
         pose, length = self._anatomy.tool_pose(configuration), TOOL_LENGTH * self._anatomy.size
         ends = pose.translation + length * pose.rotation.T
         return StickFigure(
-            tuple(Stroke(kind, points.at(placements)) for kind, points in self._parts),
+            tuple(Stroke(kind, points.at(placements)) for kind, points in self._drawn),
             np.vstack([pose.translation, ends]),
         )
 
 
-def _parts(anatomy: Anatomy) -> Iterator[tuple[Kind, list[Point]]]:
+def _drawn(anatomy: Anatomy) -> Iterator[tuple[Kind, list[Point]]]:
     """Yield what is drawn, as points fixed to bodies: first what lies below."""
     for body in range(anatomy.model.njoints):
         kind: Kind = "link" if body else "ground"

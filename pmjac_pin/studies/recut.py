@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 
 from pmjac_pin.closing.assembly import build_parts
 from pmjac_pin.closing.machine_size import shifted
-from pmjac_pin.closing.parts import Parts
 from pmjac_pin.errors import ArgumentError, quoted, unknown_name
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
@@ -96,16 +95,17 @@ def recut(mechanism: Mechanism, joint: str) -> Mechanism:
     if not isinstance(mechanism, Mechanism):
         raise ArgumentError(f"a Mechanism is wanted, got {type(mechanism).__name__}")
     poses = {name: mechanism.pose(name).q for name in mechanism.poses}
-    notes = (*mechanism.notes, *_lost_limits(mechanism._parts, joint))
-    return Mechanism(_recut(mechanism._parts, joint, poses), notes=notes, unread=mechanism.unread)
+    notes = (*mechanism.notes, *_lost_limits(mechanism, joint))
+    parts = build_parts(*_recut(mechanism, joint, poses), {}, mechanism.urdf)
+    return Mechanism(parts, notes=notes, unread=mechanism.unread)
 
 
-def _lost_limits(parts: Parts, joint: str) -> list[str]:
+def _lost_limits(mechanism: Mechanism, joint: str) -> list[str]:
     """Say that a joint which becomes a loop closure has no limits there; a motor keeps its own."""
-    coordinates = parts.coordinates
+    coordinates = mechanism.coordinates
     if not isinstance(joint, str) or joint not in coordinates.names:
         return []
-    if _keeps_its_value(parts.spec, joint):
+    if _keeps_its_value(mechanism.spec, joint):
         return []
     lost = coordinates.columns([joint])
     if np.isinf([coordinates.lower[lost], coordinates.upper[lost]]).all():
@@ -113,21 +113,23 @@ def _lost_limits(parts: Parts, joint: str) -> list[str]:
     return [f"joint {joint!r} is cut: a loop closure has no limits, so its own are not kept"]
 
 
-def _recut(parts: Parts, joint: str, poses: Mapping[str, Array]) -> Parts:
-    model, spec = parts.model, parts.spec
-    if not isinstance(joint, str) or joint not in parts.coordinates.names:
-        raise unknown_name("joint", joint, parts.coordinates.names)
+def _recut(
+    mechanism: Mechanism, joint: str, poses: Mapping[str, Array]
+) -> tuple[pin.Model, MechanismSpec]:
+    model, spec = mechanism.kinematics.model, mechanism.spec
+    if not isinstance(joint, str) or joint not in mechanism.coordinates.names:
+        raise unknown_name("joint", joint, mechanism.coordinates.names)
     edges = edges_of(model)
     loose = _behind(edges.values(), edges[joint].child)
-    opened, held = _held_by(parts, joint, loose)
+    opened, held = _held_by(mechanism, joint, loose)
     turned = _turned_round(edges, held.edges[-1].child, edges[joint].child)
     cut = _cut(edges[joint], model.njoints + 1, _keeps_its_value(spec, joint), _frame_names(model))
     stay = [turned.get(name, edge) for name, edge in edges.items() if name != joint]
-    tree = shifted(build(model, [*stay, *cut.edges, *held.edges], cut.frames), parts.place)
-    loops = [_resolved(loop, parts.values) for loop in spec.loops if loop is not opened]
+    tree = shifted(build(model, [*stay, *cut.edges, *held.edges], cut.frames), mechanism.place)
+    loops = [_resolved(loop, mechanism.parameters) for loop in spec.loops if loop is not opened]
 
     def pose(q: Array) -> dict[str, JointValue]:
-        values = parts.coordinates.pose(q) | _new_values(model, q, held, turned)
+        values = mechanism.coordinates.pose(q) | _new_values(model, q, held, turned)
         return {name: value for name, value in values.items() if tree.existJointName(name)}
 
     recut = replace(
@@ -138,7 +140,7 @@ def _recut(parts: Parts, joint: str, poses: Mapping[str, Array]) -> Parts:
         parameters={},
         poses={name: pose(q) for name, q in poses.items()},
     )
-    return build_parts(tree, recut, {}, parts.urdf)
+    return tree, recut
 
 
 def _keeps_its_value(spec: MechanismSpec, joint: str) -> bool:
@@ -156,10 +158,10 @@ def _behind(edges: Iterable[Edge], body: int) -> set[int]:
     return loose
 
 
-def _held_by(parts: Parts, joint: str, loose: set[int]) -> tuple[Loop, LoopJoint]:
+def _held_by(mechanism: Mechanism, joint: str, loose: set[int]) -> tuple[Loop, LoopJoint]:
     """Return the first loop that holds what hung on the joint, and the joint that it becomes."""
-    model, name = parts.model, parts.spec.name
-    for loop in parts.spec.loops:
+    model, name = mechanism.kinematics.model, mechanism.spec.name
+    for loop in mechanism.spec.loops:
         if isinstance(loop, JointLoop):
             continue
         ends = [find_frame(model, frame) for frame in loop.frames]
@@ -171,7 +173,8 @@ def _held_by(parts: Parts, joint: str, loose: set[int]) -> tuple[Loop, LoopJoint
             first, second = second, first
             seen = loop.exchanged
         label = _unused("-".join(loop.frames), set(model.names))
-        return loop, loop_joint(seen, parts.values, first, second, name=label, link=model.njoints)
+        values = mechanism.parameters
+        return loop, loop_joint(seen, values, first, second, name=label, link=model.njoints)
     why = "cut there, nothing would hold what it carries"
     raise ArgumentError(f"{name}: joint {quoted(joint)} is in no loop: {why}")
 

@@ -193,6 +193,7 @@ def make_modes_report(
     [(1, (), -1), (2, ('home',), 1)]
     """
     labels, complete = Labels.of(mechanism), modes.complete
+    motors = given_values(mechanism.spec, mechanism.coordinates, actuated)
     numbers: tuple[int | None, ...] = (None,) * len(modes)
     if solutions is not None and operation_modes is not None:
         numbers = operation_mode_numbers(modes, solutions, operation_modes)
@@ -201,7 +202,7 @@ def make_modes_report(
         description=mechanism.spec.description,
         parameters=parameter_values(mechanism),
         characteristic_length=mechanism.characteristic_length,
-        motors=motor_values(given_values(mechanism._parts, actuated), labels),
+        motors=motor_values(motors, labels),
         limits=limits,
         starts=modes.starts,
         complete=CompletenessReport(

@@ -124,12 +124,12 @@ def certify(configuration: Configuration) -> Certificate:
     """
     if not isinstance(configuration, Configuration):
         raise ArgumentError(f"a Configuration is wanted, got {type(configuration).__name__}")
-    parts = configuration.mechanism._parts
+    mechanism = configuration.mechanism
     try:
-        equations = _equations(configuration.mechanism)
+        equations = _equations(mechanism)
     except ArgumentError as error:
         return _nothing(str(error))
-    names, partition = parts.kinematics.loops.row_names, parts.problem.partition
+    names, partition = mechanism.rows, mechanism.problem.partition
     # Where A is beyond all bounds, so are Y and Z₁, and nothing is proven.
     with precise(), np.errstate(over="ignore", invalid="ignore"):
         return _certified(equations, configuration.q, partition, names)
@@ -137,9 +137,9 @@ def certify(configuration: Configuration) -> Certificate:
 
 def _equations(mechanism: Mechanism) -> LoopEquations:
     if mechanism not in _EQUATIONS:
-        parts = mechanism._parts
-        passive = parts.problem.partition.passive.tolist()
-        equations = LoopEquations(parts.model, parts.spec.loops, parts.values, passive)
+        passive = mechanism.problem.partition.passive.tolist()
+        model, loops = mechanism.kinematics.model, mechanism.spec.loops
+        equations = LoopEquations(model, loops, mechanism.parameters, passive)
         _EQUATIONS[mechanism] = equations
     return _EQUATIONS[mechanism]
 

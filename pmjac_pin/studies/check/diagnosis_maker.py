@@ -10,9 +10,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from pmjac_pin.closing.assembly import unassembled
 from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.nearby_poses import nearby
-from pmjac_pin.closing.parts import Parts
 from pmjac_pin.closing.pose_assembly import motor_weights
 from pmjac_pin.errors import ClosureError, LimitError, PmjacError
 from pmjac_pin.files.source import Source
@@ -41,6 +41,7 @@ from pmjac_pin.studies.check.diagnosis_structure import (
     mobility,
 )
 from pmjac_pin.studies.check.findings import find
+from pmjac_pin.studies.check.machine import Machine
 from pmjac_pin.values.encodable import encodable
 
 Array = NDArray[np.float64]
@@ -91,33 +92,32 @@ def check(source: str | Path | Mechanism | PmjacError, **options: Any) -> Diagno
 
 
 def _of_mechanism(mechanism: Mechanism) -> Diagnosis:
-    parts = mechanism._parts
-    structure, partition = Structure.of(parts), parts.problem.partition
-    q = _regular(parts)
-    scaled = partition.scaled(parts.kinematics.snapshot(q).constraint_jacobian)
-    ranks = loop_ranks(scaled, parts.kinematics.loops.slices, partition)
+    structure, partition = Structure.of(mechanism, mechanism.home.q), mechanism.problem.partition
+    q = _regular(mechanism)
+    scaled = partition.scaled(mechanism.kinematics.snapshot(q).constraint_jacobian)
+    ranks = loop_ranks(scaled, mechanism.kinematics.loops.slices, partition)
     diagnosis = Diagnosis(
         mechanism=encodable(mechanism.name),
         description=mechanism.spec.description,
         failure=None,
         bodies=bodies(structure),
         freedoms=freedoms(structure, mechanism.moved()),
-        tool=parts.spec.tool.names,
+        tool=mechanism.spec.tool.names,
         tool_rows=partition.tool_rows.names,
         tool_axes=partition.tool_rows.axes,
         tool_rank=partition.tool_rank,
         loops=loops(structure, ranks),
         mobility=mobility(structure, None if partition.isolated else partition.constraint_rank),
-        redundancy=_redundancy(scaled, ranks, parts),
+        redundancy=_redundancy(scaled, ranks, mechanism),
         actuation=None
         if partition.isolated
-        else _actuation(parts, q, mechanism.home.singularity().gained),
+        else _actuation(mechanism, q, mechanism.home.singularity().gained),
         poses=tuple(_pose(mechanism, name) for name in mechanism.poses),
         characteristic_length=partition.length,
         tolerance=mechanism.spec.tolerance,
-        far=_far(parts),
-        closed=parts.problem.tolerance,
-        rounding=_rounding(parts),
+        far=_far(mechanism),
+        closed=mechanism.problem.tolerance,
+        rounding=_rounding(mechanism),
         notes=tuple(map(encodable, mechanism.notes)),
         unread=tuple(map(encodable, mechanism.unread)),
     )
@@ -126,49 +126,49 @@ def _of_mechanism(mechanism: Mechanism) -> Diagnosis:
 
 def _of_error(error: PmjacError) -> Diagnosis:
     """Show what was known when the mechanism could not be built, or raise the error again."""
-    cause = error.__cause__ if error.parts is None else error
-    if not isinstance(cause, PmjacError) or cause.parts is None:
+    cause = error.__cause__ if error.built_of is None else error
+    if not isinstance(cause, PmjacError) or cause.built_of is None:
         raise error
-    parts: Parts = cause.parts
+    machine = unassembled(*cause.built_of)
     source: Source | None = error.source
-    structure = Structure.of(parts)
+    structure = Structure.of(machine, machine.home_q)
     diagnosis = Diagnosis(
-        mechanism=encodable(parts.spec.name),
-        description=parts.spec.description,
+        mechanism=encodable(machine.spec.name),
+        description=machine.spec.description,
         failure=_failure(cause),
         bodies=bodies(structure),
         freedoms=freedoms(structure, None),
-        tool=parts.spec.tool.names,
-        tool_rows=parts.spec.tool.judged.names,
-        tool_axes=parts.spec.tool.judged.axes,
+        tool=machine.spec.tool.names,
+        tool_rows=machine.spec.tool.judged.names,
+        tool_axes=machine.spec.tool.judged.axes,
         tool_rank=None,
         loops=loops(structure, None, getattr(cause, "q", None)),
         mobility=mobility(structure, None),
         redundancy=None,
         actuation=None,
         poses=tuple(
-            PoseEntry(name, _gap_given(parts, name), None, None, None, None, None)
-            for name in parts.spec.poses
+            PoseEntry(name, _gap_given(machine, machine.home_q, name), None, None, None, None, None)
+            for name in machine.spec.poses
         ),
-        characteristic_length=parts.problem.partition.length,
-        tolerance=parts.spec.tolerance,
-        far=_far(parts),
-        closed=parts.problem.tolerance,
+        characteristic_length=machine.problem.partition.length,
+        tolerance=machine.spec.tolerance,
+        far=_far(machine),
+        closed=machine.problem.tolerance,
         notes=tuple(map(encodable, source.all_notes)) if source else (),
         unread=tuple(map(encodable, source.unread)) if source else (),
     )
     return msgspec.structs.replace(diagnosis, findings=find(diagnosis))
 
 
-def _far(parts: Parts) -> float | None:
+def _far(machine: Machine) -> float | None:
     """Return how far a mechanism stands from the origin where that decides what is closed."""
-    decides = parts.problem.tolerance == parts.problem.rounding and parts.place.any()
-    return float(np.linalg.norm(parts.place)) if decides else None
+    decides = machine.problem.tolerance == machine.problem.rounding and machine.place.any()
+    return float(np.linalg.norm(machine.place)) if decides else None
 
 
-def _redundancy(scaled: Array, ranks: tuple[LoopRank, ...], parts: Parts) -> Redundancy:
-    names, inside = parts.kinematics.loops.row_names, sum(loop.redundant_inside for loop in ranks)
-    dependent = dependent_rows(scaled, parts.problem.partition)
+def _redundancy(scaled: Array, ranks: tuple[LoopRank, ...], mechanism: Mechanism) -> Redundancy:
+    names, inside = mechanism.rows, sum(loop.redundant_inside for loop in ranks)
+    dependent = dependent_rows(scaled, mechanism.problem.partition)
     return Redundancy(
         rows=len(dependent),
         inside=inside,
@@ -180,32 +180,32 @@ def _redundancy(scaled: Array, ranks: tuple[LoopRank, ...], parts: Parts) -> Red
     )
 
 
-def _regular(parts: Parts) -> Array:
+def _regular(mechanism: Mechanism) -> Array:
     """Return the home pose or, where that is singular, one near it that is less so."""
-    partition = parts.problem.partition
+    partition = mechanism.problem.partition
     generic = (partition.constraint_rank, partition.passive_rank)
 
     def ranks(q: Array) -> tuple[int, int]:
-        found = _singularity(parts, q)
+        found = _singularity(mechanism, q)
         return found.constraint_rank, found.rank
 
-    if ranks(parts.home_q) == generic:
-        return parts.home_q
-    return max((parts.home_q, *nearby(parts.problem, parts.home_q)), key=ranks)
+    if ranks(mechanism.home.q) == generic:
+        return mechanism.home.q
+    return max((mechanism.home.q, *nearby(mechanism.problem, mechanism.home.q)), key=ranks)
 
 
-def _singularity(parts: Parts, q: Array) -> Singularity:
-    snapshot, partition = parts.kinematics.snapshot(q), parts.problem.partition
+def _singularity(mechanism: Mechanism, q: Array) -> Singularity:
+    snapshot, partition = mechanism.kinematics.snapshot(q), mechanism.problem.partition
     judged = snapshot.judged_jacobian(partition.tool_rows)
     return analyse_singularity(snapshot.constraint_jacobian, judged, partition)
 
 
-def _actuation(parts: Parts, q: Array, gained: int) -> ActuationEntry:
-    partition, snapshot = parts.problem.partition, parts.kinematics.snapshot(q)
+def _actuation(mechanism: Mechanism, q: Array, gained: int) -> ActuationEntry:
+    partition, snapshot = mechanism.problem.partition, mechanism.kinematics.snapshot(q)
     motors, passive = partition.actuated_names, partition.passive_names
     found = analyse_actuation(snapshot.constraint_jacobian, snapshot.tool_jacobian, partition)
-    singularity = _singularity(parts, q)
-    moving = _moving_bodies(parts, q, found.free)
+    singularity = _singularity(mechanism, q)
+    moving = _moving_bodies(mechanism, q, found.free)
     return ActuationEntry(
         motors=len(motors),
         allowed_rates=tuple(_by_name(motors, rates) for rates in found.allowed.T),
@@ -221,9 +221,9 @@ def _actuation(parts: Parts, q: Array, gained: int) -> ActuationEntry:
     )
 
 
-def _moving_bodies(parts: Parts, q: Array, free: Array) -> list[tuple[str, ...]]:
+def _moving_bodies(mechanism: Mechanism, q: Array, free: Array) -> list[tuple[str, ...]]:
     """Return the bodies that each passive motion moves."""
-    model, partition = parts.model, parts.problem.partition
+    model, partition = mechanism.kinematics.model, mechanism.problem.partition
     data, names = model.createData(), body_names(model)
     pin.computeJointJacobians(model, data, q)
     rates = np.zeros((model.nv, free.shape[1]))
@@ -238,11 +238,11 @@ def _moving_bodies(parts: Parts, q: Array, free: Array) -> list[tuple[str, ...]]
     return list(map(tuple, moving))
 
 
-def _rounding(parts: Parts) -> float | None:
+def _rounding(mechanism: Mechanism) -> float | None:
     """Return the gap that stays a little away from home, where rounded numbers are its cause."""
-    problem, q = parts.problem, parts.home_q
+    problem, q = mechanism.problem, mechanism.home.q
     partition = problem.partition
-    scaled = partition.scaled(parts.kinematics.snapshot(q).constraint_jacobian)
+    scaled = partition.scaled(mechanism.kinematics.snapshot(q).constraint_jacobian)
     allowed = partition.factorise(scaled, partition.size_of(scaled)).null_space
     gaps = []
     for direction in (*allowed.T, *-allowed.T):
@@ -255,7 +255,7 @@ def _rounding(parts: Parts) -> float | None:
 
 
 def _pose(mechanism: Mechanism, name: str) -> PoseEntry:
-    gap = _gap_given(mechanism._parts, name)
+    gap = _gap_given(mechanism, mechanism.home.q, name)
     try:
         closed, moved = mechanism.pose(name), mechanism.moved(name)
         singularity = closed.singularity()
@@ -266,10 +266,9 @@ def _pose(mechanism: Mechanism, name: str) -> PoseEntry:
     return PoseEntry(name, gap, dict(moved), singularity.kind, smallest, condition, None, beyond)
 
 
-def _gap_given(parts: Parts, pose: str) -> float:
-    base = None if pose == "home" else parts.home_q
-    q = parts.coordinates.q(parts.spec.poses[pose], base)
-    return float(np.linalg.norm(loop_gaps(parts, q)))
+def _gap_given(machine: Machine, home: Array, pose: str) -> float:
+    q = machine.coordinates.q(machine.spec.poses[pose], None if pose == "home" else home)
+    return float(np.linalg.norm(loop_gaps(machine, q)))
 
 
 def _failure(error: PmjacError) -> Failure:

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.machine_size import Size
 from pmjac_pin.closing.nearby_poses import FARTHEST
-from pmjac_pin.closing.parts import Parts
 from pmjac_pin.closing.pose_assembly import motor_weights, shaken
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.linkage import known_kind
@@ -24,36 +23,40 @@ from pmjac_pin.model.loop_spec import JointLoop, Loop
 from pmjac_pin.rates.redundancy import LoopRank
 from pmjac_pin.studies.check.diagnosis_parts import Body, Freedom, LoopEntry, Mobility
 from pmjac_pin.studies.check.loop_motion import LoopMotion, loop_motions
+from pmjac_pin.studies.check.machine import Machine
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Structure:
-    """The parts of a mechanism, and how its loops move.
+    """A mechanism, assembled or not, and how its loops move.
 
     Attributes
     ----------
-    parts : Parts
+    machine : Machine
+    home : ndarray, shape (nq,)
+        Its home pose; the file's where that does not assemble.
     given : ndarray, shape (nq,)
         The file's home pose.
     motions : tuple of LoopMotion
     """
 
-    parts: Parts
+    machine: Machine
+    home: Array
     given: Array
     motions: tuple[LoopMotion, ...]
 
     @classmethod
-    def of(cls, parts: Parts) -> Structure:
-        """Look at the loops in the pose that the parts have."""
-        given = parts.coordinates.q(parts.spec.poses["home"])
-        return cls(parts, given, loop_motions(parts, parts.home_q))
+    def of(cls, machine: Machine, home: Array) -> Structure:
+        """Look at the loops in this home pose."""
+        given = machine.coordinates.q(machine.spec.poses["home"])
+        return cls(machine, home, given, loop_motions(machine, home))
 
     @property
     def loop_names(self) -> tuple[str, ...]:
         """What each loop joins."""
-        return tuple("-".join(loop.ends) for loop in self.parts.spec.loops)
+        return tuple("-".join(loop.ends) for loop in self.machine.spec.loops)
 
     def names_along(self, joint: str) -> tuple[str, ...]:
         """Return the loops that a joint is part of."""
@@ -63,12 +66,12 @@ class Structure:
 
 def bodies(structure: Structure) -> tuple[Body, ...]:
     """Return the ground and the body that each joint carries."""
-    model, spec = structure.parts.model, structure.parts.spec
+    model, spec = structure.machine.kinematics.model, structure.machine.spec
     on: dict[int, list[str]] = {}
     for name, loop in zip(structure.loop_names, spec.loops, strict=True):
         for body in _ends(model, loop):
             on.setdefault(body, []).append(name)
-    tools = {find_frame(model, name).joint for name in structure.parts.spec.tool.names}
+    tools = {find_frame(model, name).joint for name in spec.tool.names}
     names = body_names(model)
     return tuple(
         Body(
@@ -92,9 +95,9 @@ def body_names(model: pin.Model) -> tuple[str, ...]:
 
 def freedoms(structure: Structure, moved: Mapping[str, float] | None) -> tuple[Freedom, ...]:
     """Return every degree of freedom, motors first; with how far each moved where that is known."""
-    parts, model = structure.parts, structure.parts.model
-    coordinates, partition = parts.coordinates, parts.problem.partition
-    given, home = coordinates.values(structure.given), coordinates.values(parts.home_q)
+    machine, model = structure.machine, structure.machine.kinematics.model
+    coordinates, partition = machine.coordinates, machine.problem.partition
+    given, home = coordinates.values(structure.given), coordinates.values(structure.home)
     joints = {coordinates.columns([name])[k]: name
               for name in coordinates.names
               for k in range(coordinates.degrees_of_freedom(name))}  # fmt: skip
@@ -123,10 +126,9 @@ def loops(
 
     `best` is then the pose of the smallest gap that was found, if any.
     """
-    parts = structure.parts
-    system, spec = parts.kinematics.loops, parts.spec
-    gaps, tool = loop_gaps(parts, structure.given), parts.kinematics.tool
-    sizes = Size(parts.model, spec, system, tool, parts.home_q).arms
+    kinematics, spec = structure.machine.kinematics, structure.machine.spec
+    system, gaps = kinematics.loops, loop_gaps(structure.machine, structure.given)
+    sizes = Size(kinematics.model, spec, system, kinematics.tool, structure.home).arms
     return tuple(
         LoopEntry(
             name=name,
@@ -140,7 +142,7 @@ def loops(
             needed=ranks[k].needed if ranks else None,
             size=sizes[k],
             gap_given=gaps[k],
-            gap_alone=None if ranks else _gap_alone(parts, rows, best),
+            gap_alone=None if ranks else _gap_alone(structure, rows, best),
         )
         for k, (name, loop, motion, rows) in enumerate(
             zip(structure.loop_names, spec.loops, structure.motions, system.slices, strict=True)
@@ -150,8 +152,8 @@ def loops(
 
 def mobility(structure: Structure, rank: int | None) -> Mobility:
     """Return the mobility, by rank where that is known, and as Grübler-Kutzbach count it."""
-    reach = structure.parts.problem.partition.reach
-    freedom, rows = structure.parts.model.nv, len(structure.parts.kinematics.loops.row_names)
+    kinematics, reach = structure.machine.kinematics, structure.machine.problem.partition.reach
+    freedom, rows = kinematics.model.nv, len(kinematics.loops.row_names)
     in_groups = sum(motion.rows for motion in structure.motions)
     return Mobility(
         freedoms=freedom,
@@ -165,19 +167,19 @@ def mobility(structure: Structure, rank: int | None) -> Mobility:
     )
 
 
-def loop_gaps(parts: Parts, q: Array) -> tuple[float, ...]:
+def loop_gaps(machine: Machine, q: Array) -> tuple[float, ...]:
     """Return how open each loop is at q, m."""
-    partition, slices = parts.problem.partition, parts.kinematics.loops.slices
-    gaps = parts.problem.evaluate(q)[0] * partition.row_scale
+    partition, slices = machine.problem.partition, machine.kinematics.loops.slices
+    gaps = machine.problem.evaluate(q)[0] * partition.row_scale
     sizes = np.array(partition.loop_sizes) / partition.length
     return tuple(
         float(size * np.linalg.norm(gaps[rows])) for rows, size in zip(slices, sizes, strict=True)
     )
 
 
-def _gap_alone(parts: Parts, rows: slice, best: Array | None) -> float:
+def _gap_alone(structure: Structure, rows: slice, best: Array | None) -> float:
     """Return the smallest gap that one loop reaches, all joints free and the others left open."""
-    problem, least = parts.problem, math.inf
+    problem, least = structure.machine.problem, math.inf
 
     def evaluate(q: Array) -> tuple[Array, Array]:
         residual, jacobian = problem.evaluate(q)
@@ -185,9 +187,9 @@ def _gap_alone(parts: Parts, rows: slice, best: Array | None) -> float:
 
     partition = replace(problem.partition, row_scale=problem.partition.row_scale[rows])
     alone = replace(problem, evaluate=evaluate, partition=partition)
-    weights, room = motor_weights(problem, 1.0), parts.coordinates.room
-    known = [parts.home_q] if best is None else [parts.home_q, best]
-    for start in (*known, *shaken(problem, parts.home_q)):
+    weights, room = motor_weights(problem, 1.0), structure.machine.coordinates.room
+    known = [structure.home] if best is None else [structure.home, best]
+    for start in (*known, *shaken(problem, structure.home)):
         least = min(least, assemble(alone, start, weights, room=room).gap)
         if least <= problem.tolerance:
             break

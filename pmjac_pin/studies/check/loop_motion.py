@@ -8,10 +8,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.closing.parts import Parts
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.loop_spec import JointLoop, Loop
 from pmjac_pin.rates.screw_group import generated_algebra, group_name
+from pmjac_pin.studies.check.machine import Machine
 
 Array = NDArray[np.float64]
 
@@ -36,13 +36,14 @@ class LoopMotion:
     rows: int
 
 
-def loop_motions(parts: Parts, q: Array) -> tuple[LoopMotion, ...]:
+def loop_motions(machine: Machine, q: Array) -> tuple[LoopMotion, ...]:
     """Return the motion of every loop; q need not be closed."""
-    data = parts.model.createData()
-    twists = pin.computeJointJacobians(parts.model, data, q).reshape(6, -1)
+    model = machine.kinematics.model
+    data = model.createData()
+    twists = pin.computeJointJacobians(model, data, q).reshape(6, -1)
     return tuple(
-        _coupled(loop) if isinstance(loop, JointLoop) else _between(parts, data, twists, k, loop)
-        for k, loop in enumerate(parts.spec.loops)
+        _coupled(loop) if isinstance(loop, JointLoop) else _between(machine, data, twists, k, loop)
+        for k, loop in enumerate(machine.spec.loops)
     )
 
 
@@ -50,12 +51,12 @@ def _coupled(loop: JointLoop) -> LoopMotion:
     return LoopMotion(loop.joints, None, 1)
 
 
-def _between(parts: Parts, data: pin.Data, twists: Array, index: int, loop: Loop) -> LoopMotion:
-    model, partition = parts.model, parts.problem.partition
+def _between(machine: Machine, data: pin.Data, twists: Array, index: int, loop: Loop) -> LoopMotion:
+    model, partition = machine.kinematics.model, machine.problem.partition
     first, second = (find_frame(model, name) for name in loop.ends)
     one, other = (set(model.supports[end.joint]) for end in (first, second))
     joints = sorted(one ^ other)
-    columns = parts.coordinates.columns(model.names[joint] for joint in joints)
+    columns = machine.coordinates.columns(model.names[joint] for joint in joints)
     point = (data.oMi[first.joint] * first.placement).translation
     relative = twists[:, columns].copy()
     relative[:3] -= pin.skew(point) @ relative[3:]  # at the first frame's origin
@@ -64,8 +65,8 @@ def _between(parts: Parts, data: pin.Data, twists: Array, index: int, loop: Loop
     algebra = generated_algebra(relative, tolerance)
     metres = algebra.copy()
     metres[:3] *= partition.length
-    rows = parts.kinematics.loops.rows_by_twists(model, data, index, metres)
-    scaled = rows * partition.row_scale[parts.kinematics.loops.slices[index], None]
+    rows = machine.kinematics.loops.rows_by_twists(model, data, index, metres)
+    scaled = rows * partition.row_scale[machine.kinematics.loops.slices[index], None]
     scaled /= partition.length
     rank = int(np.linalg.matrix_rank(scaled, tol=tolerance))
     names = tuple(model.names[joint] for joint in joints)

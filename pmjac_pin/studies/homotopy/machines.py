@@ -14,8 +14,8 @@ from flint import acb
 from numpy.typing import NDArray
 
 from pmjac_pin.closing.motor_values import MotorValues, motor_values
-from pmjac_pin.closing.parts import Parts
 from pmjac_pin.errors import ArgumentError
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.homotopy.joint_unknowns import Numbers
 from pmjac_pin.studies.homotopy.polynomial_loops import PolynomialLoops
 from pmjac_pin.studies.modes.legs import Leg, names_of
@@ -90,11 +90,10 @@ class Machines:
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
-        self._parts = mechanism._parts
-        problem, self._legs = search_problem(self._parts, self._parts.home_q)
-        _refuse_over_actuated(self._parts)
+        problem, self._legs = search_problem(mechanism, mechanism.home.q)
+        _refuse_over_actuated(mechanism)
         # The legs' rods come last; those without a motor keep their length.
-        plain, motors = len(problem.closures) - len(self._legs), self._parts.spec.actuated
+        plain, motors = len(problem.closures) - len(self._legs), mechanism.spec.actuated
         self._driven = [
             index
             for index, leg in enumerate(self._legs)
@@ -105,13 +104,13 @@ class Machines:
 
     def at(self, actuated: MotorValues) -> tuple[Machine, ClosedForm]:
         """Return the machine with these motor values, and the way back from its unknowns."""
-        parts = self._parts
-        values = motor_values(parts, actuated)
-        columns = parts.problem.partition.actuated
-        base = parts.coordinates.with_values(parts.home_q, columns, values)
-        problem, legs = search_problem(parts, base)
+        mechanism = self.mechanism
+        values = motor_values(mechanism.spec, mechanism.coordinates, actuated)
+        columns = mechanism.problem.partition.actuated
+        base = mechanism.coordinates.with_values(mechanism.home.q, columns, values)
+        problem, legs = search_problem(mechanism, base)
         if names_of(legs) != names_of(self._legs):
-            name, given = self.mechanism.name, ", ".join(f"{value:g}" for value in values)
+            name, given = mechanism.name, ", ".join(f"{value:g}" for value in values)
             raise ArgumentError(f"{name}: at {given} its legs are not those of its home pose")
         squares = [acb(square) for square in self._squares(problem, legs)]
         driven = np.concatenate([self.loops.driven_balls(problem.base), squares])
@@ -146,17 +145,17 @@ class ClosedForm:
 
     def poses(self, x: Array) -> list[Array]:
         """Return the q of each row of x."""
-        parts = self.machines.mechanism._parts
         rows = self.machines.loops.poses(x, self.problem.base)
-        return [with_legs(parts, self.legs, self.problem, self.base, q) for q in rows]
+        mechanism = self.machines.mechanism
+        return [with_legs(mechanism, self.legs, self.problem, self.base, q) for q in rows]
 
 
-def _refuse_over_actuated(parts: Parts) -> None:
+def _refuse_over_actuated(mechanism: Mechanism) -> None:
     """Raise where the loops close at special motor values only."""
-    partition = parts.problem.partition
+    partition = mechanism.problem.partition
     if partition.constraint_rank > partition.passive_rank:
         why = "its motors cannot be moved one by one: the loops forbid it"
-        raise ArgumentError(f"{parts.model.name}: no homotopy for this mechanism: {why}")
+        raise ArgumentError(f"{mechanism.name}: no homotopy for this mechanism: {why}")
 
 
 def _normal(rng: np.random.Generator, size: int) -> Complex:

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.algebra.intervals import Intervals
-from pmjac_pin.closing.parts import Parts
 from pmjac_pin.errors import ArgumentError
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.linkage import Edge
 from pmjac_pin.studies.modes.interval_loops import BoxRows
 from pmjac_pin.studies.modes.slide_ranges import Polygons
@@ -28,7 +28,7 @@ class NoBoxesError(ArgumentError):
 
 
 def box_domain(
-    parts: Parts,
+    mechanism: Mechanism,
     motors: Mapping[str, float],
     unknowns: Sequence[Edge],
     rows: Sequence[BoxRows],
@@ -38,7 +38,7 @@ def box_domain(
 
     Parameters
     ----------
-    parts : Parts
+    mechanism : Mechanism
     motors : mapping of str to float
         Their values.
     unknowns : sequence of Edge
@@ -51,7 +51,7 @@ def box_domain(
     NoBoxesError
         Nothing bounds a slide.
     """
-    coordinates, names = parts.coordinates, [edge.name for edge in unknowns]
+    coordinates, names = mechanism.coordinates, [edge.name for edge in unknowns]
     slides = np.array([edge.kind == "prismatic" for edge in unknowns], dtype=bool)
     lower, upper = np.full(len(names), -np.inf), np.full(len(names), np.inf)
     if limits:
@@ -62,8 +62,8 @@ def box_domain(
     upper = np.where(endless, _CUT + FULL_TURN.upper + 1e-14, upper)
     columns, values = coordinates.columns(list(motors)), np.array([*motors.values()])
     polygons = Polygons(
-        parts.model,
-        coordinates.with_values(parts.home_q, columns, values),
+        mechanism.kinematics.model,
+        coordinates.with_values(mechanism.home.q, columns, values),
         [edge for edge, slide in zip(unknowns, slides, strict=True) if slide],
         [span for row in rows for span in row.spans],
     )

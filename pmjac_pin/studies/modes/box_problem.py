@@ -10,9 +10,9 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.algebra.intervals import Intervals
-from pmjac_pin.closing.parts import Parts
 from pmjac_pin.kinematics.loops import pair_of
 from pmjac_pin.kinematics.tree import Tree
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import Frame
 from pmjac_pin.model.linkage import Edge, edges_of
 from pmjac_pin.model.loop_spec import JointLoop
@@ -68,12 +68,12 @@ class BoxProblem:
     floating: tuple[Floating, ...]
 
 
-def box_problem(parts: Parts, motors: Mapping[str, float], limits: bool) -> BoxProblem:
+def box_problem(mechanism: Mechanism, motors: Mapping[str, float], limits: bool) -> BoxProblem:
     """Return the equations of a mechanism at these motor values.
 
     Parameters
     ----------
-    parts : Parts
+    mechanism : Mechanism
     motors : mapping of str to float
         Each motor joint's value, m or rad.
     limits : bool
@@ -85,7 +85,8 @@ def box_problem(parts: Parts, motors: Mapping[str, float], limits: bool) -> BoxP
         Geared joints; passive joints of several degrees of freedom that are not held at points;
         slides without a bound; passive joints that the motors leave free.
     """
-    partition, edges = parts.problem.partition, edges_of(parts.model)
+    model, partition = mechanism.kinematics.model, mechanism.problem.partition
+    edges = edges_of(model)
     if partition.passive_rank < partition.passive.size:
         raise NoBoxesError("passive joints can move with all motors locked, at every pose")
     if not partition.passive.size:
@@ -94,9 +95,9 @@ def box_problem(parts: Parts, motors: Mapping[str, float], limits: bool) -> BoxP
     names = tuple(
         name for name, edge in edges.items() if name not in motors and edge not in several
     )
-    tree = IntervalTree(parts.model, names, motors)
-    rows, floating = _rows(parts, tree.tree, edges, several)
-    domain, endless = box_domain(parts, motors, [edges[name] for name in names], rows, limits)
+    tree = IntervalTree(model, names, motors)
+    rows, floating = _rows(mechanism, tree.tree, edges, several)
+    domain, endless = box_domain(mechanism, motors, [edges[name] for name in names], rows, limits)
     slides = np.array([edges[name].kind == "prismatic" for name in names], dtype=bool)
     return BoxProblem(
         names=names,
@@ -109,17 +110,17 @@ def box_problem(parts: Parts, motors: Mapping[str, float], limits: bool) -> BoxP
 
 
 def _rows(
-    parts: Parts, tree: Tree, edges: Mapping[str, Edge], several: Sequence[Edge]
+    mechanism: Mechanism, tree: Tree, edges: Mapping[str, Edge], several: Sequence[Edge]
 ) -> tuple[list[BoxRows], tuple[Floating, ...]]:
     """Return all rows, and the floating joints that are no longer in them."""
-    closed, length = parts.problem.tolerance, parts.problem.partition.length
+    closed, length = mechanism.problem.tolerance, mechanism.problem.partition.length
     rows: list[BoxRows] = []
     bodies = {edge.child: edge for edge in several}
     holds: dict[int, list[Held]] = {body: [] for body in bodies}
-    for loop in parts.spec.loops:
+    for loop in mechanism.spec.loops:
         if isinstance(loop, JointLoop):
             raise NoBoxesError(f"joints {loop.joints[0]!r} and {loop.joints[1]!r} are geared")
-        pair = pair_of(parts.model, tree, loop, parts.values)
+        pair = pair_of(mechanism.kinematics.model, tree, loop, mechanism.parameters)
         blocks = [block for _, block in pair.blocks]
         first, second = pair.first, pair.second
         if first.joint in bodies or second.joint in bodies:
@@ -163,7 +164,7 @@ def _not_at_points(edge: Edge) -> str:
     )
 
 
-def given_values(parts: Parts, values: Array) -> Mapping[str, float]:
+def given_values(mechanism: Mechanism, values: Array) -> Mapping[str, float]:
     """Return the motors' values by name.
 
     Raises
@@ -171,25 +172,27 @@ def given_values(parts: Parts, values: Array) -> Mapping[str, float]:
     NoBoxesError
         A motor joint of several degrees of freedom.
     """
-    for name in parts.spec.actuated:
-        joint = parts.model.joints[parts.model.getJointId(name)]
+    model = mechanism.kinematics.model
+    for name in mechanism.spec.actuated:
+        joint = model.joints[model.getJointId(name)]
         if joint.nv != 1:
             raise NoBoxesError(f"motor {name!r} has {joint.nv} degrees of freedom")
-    return dict(zip(parts.spec.actuated, values.tolist(), strict=True))
+    return dict(zip(mechanism.spec.actuated, values.tolist(), strict=True))
 
 
-def start(parts: Parts, problem: BoxProblem, q: Array, values: Array) -> Array:
+def start(mechanism: Mechanism, problem: BoxProblem, q: Array, values: Array) -> Array:
     """Return q with the unknowns at these values, and floating bodies where they are held."""
-    columns = parts.coordinates.columns(problem.names)
-    q = parts.coordinates.with_values(q, columns, values)
-    data = parts.model.createData()
-    pin.forwardKinematics(parts.model, data, q)
+    columns = mechanism.coordinates.columns(problem.names)
+    q = mechanism.coordinates.with_values(q, columns, values)
+    model = mechanism.kinematics.model
+    data = model.createData()
+    pin.forwardKinematics(model, data, q)
     for floating in problem.floating:
         edge = floating.edge
         frames = [data.oMi[hold.other.joint] * hold.other.placement for hold in floating.holds]
         if floating.plane is not None:
             frames.append(data.oMi[floating.plane.joint] * floating.plane.placement)
         entries = edge.entries(data.oMi[edge.parent], placed(edge, floating.holds, frames))
-        joint = parts.model.joints[parts.model.getJointId(edge.name)]
+        joint = model.joints[model.getJointId(edge.name)]
         q[joint.idx_q : joint.idx_q + joint.nq] = entries
     return q

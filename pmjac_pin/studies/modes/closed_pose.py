@@ -21,14 +21,13 @@ Array = NDArray[np.float64]
 
 def closed_pose(mechanism: Mechanism, q: Array, limits: bool) -> Configuration | None:
     """Return the closed pose by Pinocchio's measure, None where it is none or beyond limits."""
-    parts = mechanism._parts
-    problem, coordinates = parts.problem, parts.coordinates
+    problem, coordinates = mechanism.problem, mechanism.coordinates
     weights = motor_weights(problem, 0.0)
     closed = assemble(problem, q, weights)
     if closed.gap > problem.tolerance:
         return None
     columns = problem.partition.passive
-    trains = gear_trains(parts.model, parts.spec.loops, parts.spec.actuated)
+    trains = gear_trains(mechanism.kinematics.model, mechanism.spec.loops, mechanism.spec.actuated)
     q = unwound(coordinates, trains, closed.q, columns, limits)
     if limits and coordinates.outside(coordinates.values(q)[columns], columns):
         return None
@@ -41,7 +40,7 @@ def closed_pose(mechanism: Mechanism, q: Array, limits: bool) -> Configuration |
 
 def open_by(mechanism: Mechanism, q: Array) -> float:
     """Return the least gap near what a search took for closed, m; 0 within the tolerance."""
-    problem = mechanism._parts.problem
+    problem = mechanism.problem
     gap = assemble(problem, q, motor_weights(problem, 0.0)).gap
     return gap if gap > problem.tolerance else 0.0
 

@@ -8,11 +8,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.closing.parts import Parts
 from pmjac_pin.errors import UnknownNameError
 from pmjac_pin.files.shapes import Box, Cone, Cylinder, Shape, Sphere, Text
 from pmjac_pin.files.visuals import read_visuals
 from pmjac_pin.kinematics.many import WorldPoses
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import Frame, find_frame
 
 Array = NDArray[np.float64]
@@ -29,18 +29,18 @@ class Drawings:
 
     Parameters
     ----------
-    parts : Parts
+    mechanism : Mechanism
     model : pin.Model
-        The parts' own, or what a search leaves of it.
+        The mechanism's own, or what a search leaves of it.
     length : float
         Characteristic length, m.
     """
 
-    def __init__(self, parts: Parts, model: pin.Model, length: float) -> None:
+    def __init__(self, mechanism: Mechanism, model: pin.Model, length: float) -> None:
         self._length = length
         self._pieces: list[tuple[int, int, Shape | None, Array]] = []
         sorts: dict[object, int] = {}
-        for visual in read_visuals(parts.urdf) if parts.urdf else []:
+        for visual in read_visuals(mechanism.urdf) if mechanism.urdf else []:
             frame = _frame(model, visual.link)
             if frame is None or frame.joint == 0:
                 continue

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.motor_values import MotorValues, motor_values
-from pmjac_pin.closing.parts import Parts
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.direct_kinematics import check_limits
 from pmjac_pin.errors import ArgumentError
@@ -113,19 +112,19 @@ def find_modes(
     mechanism: Mechanism, actuated: MotorValues, rng: np.random.Generator, limits: bool, aim: Aim
 ) -> AssemblyModes:
     """Find the assembly modes; see `assembly_modes`."""
-    parts = mechanism._parts
-    values = motor_values(parts, actuated)
+    values = motor_values(mechanism.spec, mechanism.coordinates, actuated)
     if limits:
-        check_limits(parts, values)
-    _refuse_felt_idle_motion(parts)
-    base = parts.coordinates.with_values(parts.home_q, parts.problem.partition.actuated, values)
-    problem, legs = search_problem(parts, base)
+        check_limits(mechanism, values)
+    _refuse_felt_idle_motion(mechanism)
+    columns = mechanism.problem.partition.actuated
+    base = mechanism.coordinates.with_values(mechanism.home.q, columns, values)
+    problem, legs = search_problem(mechanism, base)
     search = RandomSearch(problem, StartSpace.of(problem, limits), rng)
     search.run(_FIRST_STARTS)
     censuses = [one for one in _censuses(mechanism, values, limits, aim) if one.whole]
 
     def rows() -> list[Array]:
-        return [with_legs(parts, legs, problem, base, q) for q, _ in search.modes()]
+        return [with_legs(mechanism, legs, problem, base, q) for q, _ in search.modes()]
 
     def judged() -> tuple[list[_Found], Completeness | None]:
         shares = [share for _, share in search.modes()]
@@ -137,7 +136,7 @@ def find_modes(
         found, complete = judged()
     if complete is None:
         complete = _without_open(mechanism, rows(), search.completeness(aim))
-    return _modes(parts, found, search.starts, complete)
+    return _modes(mechanism, found, search.starts, complete)
 
 
 def _without_open(mechanism: Mechanism, rows: list[Array], complete: Completeness) -> Completeness:
@@ -150,11 +149,13 @@ def _without_open(mechanism: Mechanism, rows: list[Array], complete: Completenes
     return replace(complete, statement=f"{complete.statement}; {left_out}")
 
 
-def _modes(parts: Parts, found: list[_Found], starts: int, complete: Completeness) -> AssemblyModes:
+def _modes(
+    mechanism: Mechanism, found: list[_Found], starts: int, complete: Completeness
+) -> AssemblyModes:
     """Return the poses found as modes, those that are the same machine as one."""
-    groups = same_machines(parts, [configuration for configuration, _ in found])
+    groups = same_machines(mechanism, [configuration for configuration, _ in found])
     ways = [[found[index] for index in group] for group in groups]
-    ways.sort(key=lambda group: order(group[0][0], parts.problem.partition.length))
+    ways.sort(key=lambda group: order(group[0][0], mechanism.problem.partition.length))
     poses = tuple(tuple(configuration for configuration, _ in group) for group in ways)
     modes = tuple(group[0] for group in poses)
     if len(modes) < len(found):
@@ -165,7 +166,7 @@ def _modes(parts: Parts, found: list[_Found], starts: int, complete: Completenes
         shares=tuple(sum(share for _, share in group) for group in ways),
         starts=starts,
         complete=complete,
-        mirror_images=mirror_images(parts, modes),
+        mirror_images=mirror_images(mechanism, modes),
         poses=poses,
     )
 
@@ -210,10 +211,10 @@ def _closed(
     return [(found[index][0], share) for index, share in shared.items()]
 
 
-def _refuse_felt_idle_motion(parts: Parts) -> None:
+def _refuse_felt_idle_motion(mechanism: Mechanism) -> None:
     """Raise IdleMotionError where the tool moves with all motors locked, at every pose."""
-    partition = parts.problem.partition
-    factors = closed_point(parts.problem, parts.home_q).factors
+    partition = mechanism.problem.partition
+    factors = closed_point(mechanism.problem, mechanism.home.q).factors
     if factors.rank == partition.passive_rank < partition.passive.size:
-        tool_jacobian = parts.kinematics.snapshot(parts.home_q).tool_jacobian
+        tool_jacobian = mechanism.kinematics.snapshot(mechanism.home.q).tool_jacobian
         refuse_felt_idle_motion(factors, tool_jacobian, partition)

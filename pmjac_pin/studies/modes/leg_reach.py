@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.closing.parts import Parts
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import Frame, find_frame
 from pmjac_pin.model.linkage import Edge
 from pmjac_pin.studies.modes.legs import Leg
@@ -20,22 +20,22 @@ from pmjac_pin.studies.modes.legs import Leg
 Array = NDArray[np.float64]
 
 
-def reached(parts: Parts, leg: Leg, q: Array) -> Array:
+def reached(mechanism: Mechanism, leg: Leg, q: Array) -> Array:
     """Return q with the leg's passive joints such that its end meets its loop's other frame.
 
     A universal joint can do that in two ways, its cross turned by half a turn; they are one
     mode: the one within the joints' limits, or the one nearer to home.
     """
-    coordinates = parts.coordinates
-    passive = [edge for edge in leg.edges if edge.name not in parts.spec.actuated]
+    coordinates = mechanism.coordinates
+    passive = [edge for edge in leg.edges if edge.name not in mechanism.spec.actuated]
     columns = coordinates.columns([edge.name for edge in passive])
     if len(passive) == 1:
-        return _ball_turned(parts, leg, passive[0].name, q)
+        return _ball_turned(mechanism, leg, passive[0].name, q)
     zero = coordinates.with_values(q, columns, np.zeros(2))
-    home = coordinates.values(parts.home_q)[columns]
+    home = coordinates.values(mechanism.home.q)[columns]
     poses = [
         coordinates.unwound(coordinates.with_values(zero, columns, np.array(pair)), columns, True)
-        for pair in _hinge_angles(parts, leg, passive, zero)
+        for pair in _hinge_angles(mechanism, leg, passive, zero)
     ]
 
     def cost(pose: Array) -> tuple[int, float]:
@@ -45,9 +45,9 @@ def reached(parts: Parts, leg: Leg, q: Array) -> Array:
     return min(poses, key=cost)
 
 
-def _ends(parts: Parts, leg: Leg, q: Array) -> tuple[pin.Data, Array, Array, Array]:
+def _ends(mechanism: Mechanism, leg: Leg, q: Array) -> tuple[pin.Data, Array, Array, Array]:
     """Return the kinematics at q, and centre, end and target of a leg in the world."""
-    model = parts.model
+    model = mechanism.kinematics.model
     data = model.createData()
     pin.forwardKinematics(model, data, q)
 
@@ -60,10 +60,10 @@ def _ends(parts: Parts, leg: Leg, q: Array) -> tuple[pin.Data, Array, Array, Arr
 
 
 def _hinge_angles(
-    parts: Parts, leg: Leg, passive: list[Edge], zero: Array
+    mechanism: Mechanism, leg: Leg, passive: list[Edge], zero: Array
 ) -> list[tuple[float, float]]:
     """Return both pairs of angles (second hinge, first hinge)."""
-    data, centre, end, target = _ends(parts, leg, zero)
+    data, centre, end, target = _ends(mechanism, leg, zero)
     b, a = ((data.oMi[edge.child] * edge.after.inverse()).rotation[:, 2] for edge in passive)
     w, d = end - centre, target - centre
     aside = np.cross(b, a)
@@ -78,12 +78,13 @@ def _hinge_angles(
     return pairs
 
 
-def _ball_turned(parts: Parts, leg: Leg, name: str, q: Array) -> Array:
+def _ball_turned(mechanism: Mechanism, leg: Leg, name: str, q: Array) -> Array:
     """Return q with a ball turned the shortest way from where its leg points."""
-    data, centre, end, target = _ends(parts, leg, q)
+    data, centre, end, target = _ends(mechanism, leg, q)
     turn = pin.Quaternion.FromTwoVectors(end - centre, target - centre).matrix()
-    joint = parts.model.joints[parts.model.getJointId(name)]
+    model = mechanism.kinematics.model
+    joint = model.joints[model.getJointId(name)]
     local = data.oMi[joint.id].rotation.T @ turn @ data.oMi[joint.id].rotation
-    velocity = np.zeros(parts.model.nv)
+    velocity = np.zeros(model.nv)
     velocity[joint.idx_v : joint.idx_v + 3] = pin.log3(local)
-    return np.asarray(pin.integrate(parts.model, q, velocity))
+    return np.asarray(pin.integrate(model, q, velocity))

@@ -15,7 +15,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.closing.parts import Parts
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import Frame, find_frame
 from pmjac_pin.model.linkage import Edge, edges_of
 from pmjac_pin.model.loop_spec import JointLoop, Loop, PointLoop, SphericalLoop
@@ -53,29 +53,29 @@ class Leg:
     length: float
 
 
-def find_legs(parts: Parts, q: Array) -> list[Leg]:
+def find_legs(mechanism: Mechanism, q: Array) -> list[Leg]:
     """Return the mechanism's legs, with the motors as in q."""
-    model = parts.model
+    model = mechanism.kinematics.model
     data = model.createData()
     pin.forwardKinematics(model, data, q)
     joints = {edge.child: edge for edge in edges_of(model).values()}
-    lonely = _lonely_bodies(parts, joints)
+    lonely = _lonely_bodies(mechanism, joints)
     legs = []
-    for loop in parts.spec.loops:
+    for loop in mechanism.spec.loops:
         if isinstance(loop, PointLoop | SphericalLoop):
             ends = [find_frame(model, name) for name in loop.frames]
             for end, other in ((ends[0], loop.frames[1]), (ends[1], loop.frames[0])):
-                chain = _chain(parts, joints, lonely, end.joint)
-                if chain and (leg := _leg(parts, data, chain, end)):
+                chain = _chain(mechanism, joints, lonely, end.joint)
+                if chain and (leg := _leg(mechanism, data, chain, end)):
                     centre, length = leg
                     legs.append(Leg(chain, loop, other, chain[-1].parent, centre, length))
                     break
     return legs
 
 
-def _lonely_bodies(parts: Parts, joints: dict[int, Edge]) -> set[int]:
+def _lonely_bodies(mechanism: Mechanism, joints: dict[int, Edge]) -> set[int]:
     """Return the bodies that nothing but a chain of joints and one loop at its end holds."""
-    model, spec = parts.model, parts.spec
+    model, spec = mechanism.kinematics.model, mechanism.spec
     tool = spec.tool.names
     uses = [find_frame(model, name).joint for name in tool]
     branches = [edge.parent for edge in joints.values()]
@@ -91,7 +91,7 @@ def _lonely_bodies(parts: Parts, joints: dict[int, Edge]) -> set[int]:
 
 
 def _chain(
-    parts: Parts, joints: dict[int, Edge], lonely: set[int], end: int
+    mechanism: Mechanism, joints: dict[int, Edge], lonely: set[int], end: int
 ) -> tuple[Edge, ...] | None:
     """Return the joints from a leg's end up to its ball or universal joint, or None."""
     chain: list[Edge] = []
@@ -100,7 +100,7 @@ def _chain(
     while body in lonely:
         edge = joints[body]
         chain.append(edge)
-        if edge.name not in parts.spec.actuated:
+        if edge.name not in mechanism.spec.actuated:
             freedoms += {"spherical": 3, "revolute": 2, "continuous": 2}.get(edge.kind, 9)
             if freedoms in (3, 4):
                 return tuple(chain)
@@ -113,16 +113,16 @@ def _chain(
 
 
 def _leg(
-    parts: Parts, data: pin.Data, chain: tuple[Edge, ...], end: Frame
+    mechanism: Mechanism, data: pin.Data, chain: tuple[Edge, ...], end: Frame
 ) -> tuple[Array, float] | None:
     """Return the centre of a chain's ball or universal joint and its reach, if it is a leg."""
-    length = parts.problem.partition.length
+    length = mechanism.problem.partition.length
     tip = data.oMi[end.joint].act(end.placement.translation)
     places = [data.oMi[edge.child] * edge.after.inverse() for edge in chain]
     hinges = [
         (place.translation, place.rotation[:, 2])
         for place, edge in zip(places, chain, strict=True)
-        if edge.kind != "spherical" and edge.name not in parts.spec.actuated
+        if edge.kind != "spherical" and edge.name not in mechanism.spec.actuated
     ]
     if hinges:
         (second, b), (first, a) = hinges

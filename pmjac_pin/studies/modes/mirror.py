@@ -8,8 +8,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.closing.parts import Parts
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.loop_spec import JointLoop
 
@@ -18,19 +18,19 @@ Array = NDArray[np.float64]
 _SAME = 1e-5  # of the characteristic length
 
 
-def mirror_images(parts: Parts, modes: Sequence[Configuration]) -> tuple[int | None, ...]:
+def mirror_images(mechanism: Mechanism, modes: Sequence[Configuration]) -> tuple[int | None, ...]:
     """Return for each mode the index of its mirror image, None where it has none.
 
     The plane is that of the points where the base carries joints and loops; without one, when
     they lie on a line or not in a plane, there are no mirror images.
     """
     none = (None,) * len(modes)
-    length = parts.problem.partition.length
-    plane = _plane(_base_points(parts), length)
+    length = mechanism.problem.partition.length
+    plane = _plane(_base_points(mechanism), length)
     if plane is None or not modes:
         return none
     middle, normal = plane
-    points = np.array([_points(parts, mode) for mode in modes])
+    points = np.array([_points(mechanism, mode) for mode in modes])
     heights = (points - middle) @ normal
     reflected = points - 2.0 * heights[:, :, None] * normal
     found: list[int | None] = []
@@ -42,8 +42,8 @@ def mirror_images(parts: Parts, modes: Sequence[Configuration]) -> tuple[int | N
     return tuple(found)
 
 
-def _base_points(parts: Parts) -> Array:
-    model = parts.model
+def _base_points(mechanism: Mechanism) -> Array:
+    model = mechanism.kinematics.model
     roots = [
         model.jointPlacements[joint].translation
         for joint in range(1, model.njoints)
@@ -51,7 +51,7 @@ def _base_points(parts: Parts) -> Array:
     ]
     anchors = [
         frame.placement.translation
-        for loop in parts.spec.loops
+        for loop in mechanism.spec.loops
         if not isinstance(loop, JointLoop)
         for frame in (find_frame(model, name) for name in loop.frames)
         if frame.joint == 0
@@ -70,14 +70,14 @@ def _plane(points: Array, length: float) -> tuple[Array, Array] | None:
     return middle, axes[2]
 
 
-def _points(parts: Parts, mode: Configuration) -> Array:
+def _points(mechanism: Mechanism, mode: Configuration) -> Array:
     """Return the tool's origin and all loop anchors, shape (k, 3)."""
-    model = parts.model
+    model = mechanism.kinematics.model
     data = model.createData()
     pin.forwardKinematics(model, data, mode.q)
     frames = [
         find_frame(model, name)
-        for loop in parts.spec.loops
+        for loop in mechanism.spec.loops
         if not isinstance(loop, JointLoop)
         for name in loop.frames
     ]

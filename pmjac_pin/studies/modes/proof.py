@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.closing.motor_values import MotorValues, motor_values
-from pmjac_pin.closing.parts import Parts
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.modes.box_domain import NoBoxesError
 from pmjac_pin.studies.modes.box_problem import BoxProblem, box_problem, given_values, start
@@ -129,14 +128,14 @@ def prove(
     >>> [enclosure.mode.middle.round(4).tolist() for enclosure in proof.enclosures]
     [[-2.4793, -2.2632], [2.0236, 0.0075]]
     """
-    began, parts = time.monotonic(), mechanism._parts
-    values = motor_values(parts, actuated)
-    if not (parts.problem.partition.passive.size or parts.spec.loops):
-        return _open_chain(parts, values)
+    began = time.monotonic()
+    values = motor_values(mechanism.spec, mechanism.coordinates, actuated)
+    if not (mechanism.problem.partition.passive.size or mechanism.spec.loops):
+        return _open_chain(mechanism, values)
     try:
-        problem = box_problem(parts, given_values(parts, values), limits)
+        problem = box_problem(mechanism, given_values(mechanism, values), limits)
     except NoBoxesError as error:
-        return _nothing(parts, str(error))
+        return _nothing(mechanism, str(error))
     with np.errstate(over="ignore", invalid="ignore"):  # what is not a number excludes nothing
         pruned = branch_and_prune(
             problem.loops, problem.domain[None], problem.scale, budget or Budget()
@@ -144,8 +143,8 @@ def prove(
         enclosures, unsettled, reason = _settled(problem, pruned.small)
     if len(pruned.unfinished.lower):
         reason = f"{len(pruned.unfinished.lower)} boxes were not looked at within the budget"
-    base = parts.coordinates.with_values(parts.home_q, parts.problem.partition.actuated, values)
-    rows = [start(parts, problem, base, one.mode.middle) for one in enclosures]
+    base = _home_with(mechanism, values)
+    rows = [start(mechanism, problem, base, one.mode.middle) for one in enclosures]
     return Proof(
         names=problem.names,
         enclosures=enclosures,
@@ -158,18 +157,24 @@ def prove(
     )
 
 
-def _open_chain(parts: Parts, values: Array) -> Proof:
+def _open_chain(mechanism: Mechanism, values: Array) -> Proof:
     """Return the proof that motors alone leave one pose, their own."""
     none, no_joint = Intervals.exact(np.zeros((0, 0))), Intervals.exact(np.zeros(0))
-    q = parts.coordinates.with_values(parts.home_q, parts.problem.partition.actuated, values)
+    q = _home_with(mechanism, values)
     only = Enclosure(no_joint, no_joint, (), 0.0)
     return Proof((), (only,), none, "", 0, 0.0, q[None], np.zeros(0, dtype=bool))
 
 
-def _nothing(parts: Parts, reason: str) -> Proof:
+def _home_with(mechanism: Mechanism, values: Array) -> Array:
+    """Return the home pose with the motors at these values."""
+    columns = mechanism.problem.partition.actuated
+    return mechanism.coordinates.with_values(mechanism.home.q, columns, values)
+
+
+def _nothing(mechanism: Mechanism, reason: str) -> Proof:
     """Return the proof of nothing, where intervals do not apply."""
     none = Intervals.exact(np.zeros((0, 0)))
-    q, endless = np.zeros((0, parts.home_q.size)), np.zeros(0, dtype=bool)
+    q, endless = np.zeros((0, mechanism.nq)), np.zeros(0, dtype=bool)
     return Proof((), (), none, reason, 0, 0.0, q, endless)
 
 

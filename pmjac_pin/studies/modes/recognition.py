@@ -35,8 +35,8 @@ class Recognition:
         self._modes = modes
         if len(modes) == 0:
             return
-        self._parts = modes[0].mechanism._parts
-        self._problem, _ = search_problem(self._parts, modes[0].q)
+        self._mechanism = modes[0].mechanism
+        self._problem, _ = search_problem(self._mechanism, modes[0].q)
         rows = np.array([self._row(mode) for mode in modes])
         self._signatures = Signatures.of(self._problem, rows)
         self._known = self._signatures(rows)
@@ -53,4 +53,4 @@ class Recognition:
         return self._numbers[int(same[0])] if same.size else None
 
     def _row(self, configuration: Configuration) -> Array:
-        return without_legs(self._parts, self._problem, configuration.q)
+        return without_legs(self._mechanism, self._problem, configuration.q)

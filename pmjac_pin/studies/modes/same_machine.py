@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.closing.parts import Parts
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.kinematics.many import WorldPoses
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.modes.drawings import Drawings
 from pmjac_pin.studies.modes.idling import Idling
 from pmjac_pin.studies.modes.marks import marks
@@ -24,18 +24,18 @@ from pmjac_pin.studies.modes.search_problem import search_problem, without_legs
 Array = NDArray[np.float64]
 
 
-def same_machines(parts: Parts, found: Sequence[Configuration]) -> list[list[int]]:
+def same_machines(mechanism: Mechanism, found: Sequence[Configuration]) -> list[list[int]]:
     """Return the poses in groups that are the same machine, in each the nearest to home first.
 
     Parameters
     ----------
-    parts : Parts
+    mechanism : Mechanism
     found : sequence of Configuration
         Closed poses at the same motor values, each once.
     """
     if len(found) < 2:
         return [[index] for index in range(len(found))]
-    looks = _all_looks(parts, found)
+    looks = _all_looks(mechanism, found)
     groups: list[list[int]] = []
     for index in _from_home([bodies[0] for bodies in looks]):
         for group in groups:
@@ -47,16 +47,16 @@ def same_machines(parts: Parts, found: Sequence[Configuration]) -> list[list[int
     return groups
 
 
-def _all_looks(parts: Parts, found: Sequence[Configuration]) -> list[list[_Looks]]:
+def _all_looks(mechanism: Mechanism, found: Sequence[Configuration]) -> list[list[_Looks]]:
     """Return what poses look like from the world, and from the bodies of each group that idles.
 
     From any body of a group: which of them is not turned over, is not known.
     """
-    problem, _ = search_problem(parts, found[0].q)
-    rows = np.array([without_legs(parts, problem, one.q) for one in found])
-    home = problem.tree.poses(without_legs(parts, problem, parts.home_q)[None])
+    problem, _ = search_problem(mechanism, found[0].q)
+    rows = np.array([without_legs(mechanism, problem, one.q) for one in found])
+    home = problem.tree.poses(without_legs(mechanism, problem, mechanism.home.q)[None])
     idling = Idling.of(problem, rows)
-    drawings, marked = Drawings(parts, problem.model, problem.length), marks(problem)
+    drawings, marked = Drawings(mechanism, problem.model, problem.length), marks(problem)
     poses = problem.tree.poses(rows)
 
     def looks(body: int) -> _Looks:

@@ -12,10 +12,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.closing.parts import Parts
 from pmjac_pin.closing.scales import column_scale, row_scale
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.many import ManyLoops, ManyPoses
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.linkage import Edge, build, edges_of
 from pmjac_pin.model.loop_spec import DistanceLoop, JointLoop, Loop
@@ -78,67 +78,73 @@ class SearchProblem:
     sensed: frozenset[str]
 
 
-def search_problem(parts: Parts, base: Array) -> tuple[SearchProblem, list[Leg]]:
+def search_problem(mechanism: Mechanism, base: Array) -> tuple[SearchProblem, list[Leg]]:
     """Return the problem of a mechanism with its motors as in `base`, and the legs left out."""
-    legs = find_legs(parts, base)
+    legs = find_legs(mechanism, base)
     if not legs:
-        sizes = parts.problem.partition.loop_sizes
-        return _problem(parts, parts.model, parts.spec.loops, sizes, base), legs
-    return _problem(parts, *_without(parts, legs, base)), legs
+        sizes = mechanism.problem.partition.loop_sizes
+        model, loops = mechanism.kinematics.model, mechanism.spec.loops
+        return _problem(mechanism, model, loops, sizes, base), legs
+    return _problem(mechanism, *_without(mechanism, legs, base)), legs
 
 
 def with_legs(
-    parts: Parts, legs: list[Leg], problem: SearchProblem, base: Array, q: Array
+    mechanism: Mechanism, legs: list[Leg], problem: SearchProblem, base: Array, q: Array
 ) -> Array:
     """Return the whole mechanism's q for one of the problem's, its legs reaching their ends."""
     if not legs:
         return q
-    whole = _copied(problem.model, q, parts.model, base)
+    whole = _copied(problem.model, q, mechanism.kinematics.model, base)
     for leg in legs:
-        whole = reached(parts, leg, whole)
+        whole = reached(mechanism, leg, whole)
     return whole
 
 
-def without_legs(parts: Parts, problem: SearchProblem, q: Array) -> Array:
+def without_legs(mechanism: Mechanism, problem: SearchProblem, q: Array) -> Array:
     """Return the problem's q for one of the whole mechanism's."""
-    return _copied(parts.model, q, problem.model, problem.base)
+    return _copied(mechanism.kinematics.model, q, problem.model, problem.base)
 
 
 def _without(
-    parts: Parts, legs: list[Leg], base: Array
+    mechanism: Mechanism, legs: list[Leg], base: Array
 ) -> tuple[pin.Model, Sequence[Loop], Sequence[float], Array]:
     """Return model, loops, their sizes and q with rods in place of the legs."""
     gone = set(names_of(legs))
-    edges = [edge for name, edge in edges_of(parts.model).items() if name not in gone]
+    whole, everything = mechanism.kinematics.model, mechanism.spec.loops
+    edges = [edge for name, edge in edges_of(whole).items() if name not in gone]
     centres = {
         f"centre of {'-'.join(leg.loop.ends)}": (leg.body, pin.SE3(np.eye(3), leg.centre))
         for leg in legs
     }
-    model = build(parts.model, edges, centres)
+    model = build(whole, edges, centres)
     ended = [leg.loop for leg in legs]
     rods = [
         DistanceLoop(frames=(leg.frame, centre), length=leg.length)
         for leg, centre in zip(legs, centres, strict=True)
     ]
-    loops = [loop for loop in parts.spec.loops if not any(loop is end for end in ended)]
-    sizes = dict(zip(map(id, parts.spec.loops), parts.problem.partition.loop_sizes, strict=True))
+    loops = [loop for loop in everything if not any(loop is end for end in ended)]
+    sizes = dict(zip(map(id, everything), mechanism.problem.partition.loop_sizes, strict=True))
     return (
         model,
         [*loops, *rods],
         [sizes[id(loop)] for loop in (*loops, *ended)],
-        _copied(parts.model, base, model, pin.neutral(model)),
+        _copied(whole, base, model, pin.neutral(model)),
     )
 
 
 def _problem(
-    parts: Parts, model: pin.Model, loops: Sequence[Loop], sizes: Sequence[float], base: Array
+    mechanism: Mechanism,
+    model: pin.Model,
+    loops: Sequence[Loop],
+    sizes: Sequence[float],
+    base: Array,
 ) -> SearchProblem:
-    partition = parts.problem.partition
+    partition = mechanism.problem.partition
     coordinates, length = JointCoordinates(model), partition.length
-    system = LoopSystem(model, loops, parts.values)
+    system = LoopSystem(model, loops, mechanism.parameters)
     columns = column_scale(system, coordinates.rotational, length, sizes)
     edges = edges_of(model)
-    passive = [name for name in edges if name not in parts.spec.actuated]
+    passive = [name for name in edges if name not in mechanism.spec.actuated]
     tree = ManyPoses(model)
     geared = [name for loop in loops if isinstance(loop, JointLoop) for name in loop.ends]
     entries = []
@@ -151,20 +157,20 @@ def _problem(
         model=model,
         base=base,
         tree=tree,
-        loops=ManyLoops(model, tree, loops, parts.values),
+        loops=ManyLoops(model, tree, loops, mechanism.parameters),
         closures=tuple(loops),
-        values=parts.values,
+        values=mechanism.parameters,
         passive=tuple(entries),
         columns=unknown,
         row_scale=rows,
         column_scale=columns,
         rank_tolerance=partition.rank_tolerance,
-        tolerance=parts.problem.tolerance,
+        tolerance=mechanism.problem.tolerance,
         length=length,
         # The rows that a rod has less than the leg in its place are independent of all others.
         idle=unknown.size - partition.passive_rank + partition.row_scale.size - rows.size,
-        tool=parts.spec.tool,
-        sensed=frozenset([*parts.spec.actuated, *geared]),
+        tool=mechanism.spec.tool,
+        sensed=frozenset([*mechanism.spec.actuated, *geared]),
     )
 
 

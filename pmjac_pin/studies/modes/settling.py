@@ -92,7 +92,7 @@ class ProofCensus:
         """Return in whose neighbourhood each found mode is."""
         if not self.proof.names:
             return range(len(found))
-        coordinates = self.mechanism._parts.coordinates
+        coordinates = self.mechanism.coordinates
         columns = coordinates.columns(self.proof.names)
         rows = np.array([coordinates.values(one.q)[columns] for one in found])
         return self.proof.match(rows.reshape(len(found), columns.size))
