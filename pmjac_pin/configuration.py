@@ -22,6 +22,7 @@ from pmjac_pin.model.limits import Violation, violations
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.pose_rounding import PoseRounding
 from pmjac_pin.rates.jacobian import EquivalentJacobian, SplitJacobian, equivalent_jacobian
+from pmjac_pin.rates.partition import LoopRates
 from pmjac_pin.rates.singularity import Singularity, analyse_singularity
 from pmjac_pin.values.read_only import read_only
 
@@ -175,7 +176,9 @@ class Configuration:
         >>> pj.load("serial_2r").home.jacobian().Jw_eq[2].tolist()
         [1.0, 1.0]
         """
-        return equivalent_jacobian(self.split_jacobian(frame), self.singularity)
+        return equivalent_jacobian(
+            self.split_jacobian(frame), self.singularity, loops=self._loop_rates
+        )
 
     def split_jacobian(
         self, frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED"
@@ -213,6 +216,7 @@ class Configuration:
             self._snapshot.judged_jacobian(problem.partition.tool_rows),
             problem.partition,
             functools.partial(gained_and_idle, problem, self.q),
+            loops=self._loop_rates,
         )
 
     def _jacobians(self, snapshot: Snapshot, frame: FrameName) -> tuple[Array, Array]:
@@ -224,6 +228,10 @@ class Configuration:
     @cached_property
     def _point(self) -> Closed:
         return closed_point(self._parts.problem, self.q)
+
+    @cached_property
+    def _loop_rates(self) -> LoopRates:
+        return self._parts.problem.partition.loop_rates(self._snapshot.constraint_jacobian)
 
     @cached_property
     def _snapshot(self) -> Snapshot:

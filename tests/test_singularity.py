@@ -10,7 +10,7 @@ import pytest
 
 import pmjac_pin as pj
 from pmjac_pin.model.tool_rows import TWIST_ROWS
-from pmjac_pin.rates.factorisation import RANK_TOLERANCE
+from pmjac_pin.rates.factorisation import RANK_TOLERANCE, factorise
 
 STRETCHED = (4.0, 3.0, 2.5, 2.0)
 FOLDED = (2.0, 1.5, 2.6, 1.0)
@@ -260,3 +260,21 @@ def test_a_path_through_a_branch_point_stops_there():
     assert caught.value.reached.actuated[0] == pytest.approx(np.pi, abs=1e-4)
     # The path ends beside the generic size of [K K*], the value is told beside the size here.
     assert caught.value.singular_value < 10.0 * RANK_TOLERANCE
+
+
+@pytest.mark.parametrize("name", ["four_bar", "three_rps", "delta"])
+def test_jacobian_and_singularity_share_one_factorisation_of_K_star(name, monkeypatch):
+    configuration = pj.load(name).home
+    partition = configuration.mechanism.problem.partition
+    scaled = partition.scaled(configuration.split_jacobian().constraint_jacobian)
+    looked_at = []
+
+    def counted(matrix, *others):
+        looked_at.append(np.array_equal(matrix, scaled[:, partition.passive]))
+        return factorise(matrix, *others)
+
+    monkeypatch.setattr("pmjac_pin.rates.partition.factorise", counted)
+    configuration.jacobian()
+    configuration.singularity()
+    configuration.jacobian("LOCAL")
+    assert sum(looked_at) == 1

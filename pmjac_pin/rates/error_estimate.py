@@ -64,8 +64,7 @@ def error_estimate(
     pose may be anywhere, or none.
     """
     passive, rank = partition.passive, partition.passive_rank
-    scaled = partition.scaled(constraint_jacobian)
-    factors = partition.factorise(scaled.take(passive, axis=1), partition.size_of(scaled))
+    scaled, _, factors = partition.loop_rates(constraint_jacobian)
     tool = tool_jacobian * partition.column_scale
     rates = motion_map / partition.column_scale[:, None]
     felt = tool.take(passive, axis=1) @ (factors.right[:rank].T / factors.singular_values[:rank])

@@ -23,7 +23,7 @@ from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.rates.ellipsoid import Ellipsoid, force_ellipsoid, velocity_ellipsoid
 from pmjac_pin.rates.error_estimate import Pose, error_estimate
 from pmjac_pin.rates.factorisation import Factorisation
-from pmjac_pin.rates.partition import Partition, TwistRanks
+from pmjac_pin.rates.partition import LoopRates, Partition, TwistRanks
 from pmjac_pin.rates.singularity import Singularity, analyse_singularity, forbidden_rates
 from pmjac_pin.values.norm import norm
 from pmjac_pin.values.read_only import ReadOnlyArrays, read_only
@@ -242,7 +242,10 @@ class EquivalentJacobian(SplitJacobian):
 
 
 def equivalent_jacobian(
-    split: SplitJacobian, singularity: Callable[[], Singularity] | None = None
+    split: SplitJacobian,
+    singularity: Callable[[], Singularity] | None = None,
+    *,
+    loops: LoopRates | None = None,
 ) -> EquivalentJacobian:
     """Eliminate the passive rates: J_eq = J − J* K*⁻¹ K on all rows, by singular values.
 
@@ -253,6 +256,8 @@ def equivalent_jacobian(
     singularity : callable, optional
         Returns the singularity there, for the error that says so: one that knows more than these
         matrices tell.
+    loops : LoopRates, optional
+        Of the constraint Jacobian, where these are known.
 
     Raises
     ------
@@ -267,8 +272,7 @@ def equivalent_jacobian(
         raise ArgumentError(f"a SplitJacobian is needed, got {quoted(split)}")
     partition, J = split.partition, split.tool_jacobian
     actuated, passive = partition.actuated, partition.passive
-    scaled = partition.scaled(split.constraint_jacobian)
-    factors = partition.factorise(scaled.take(passive, axis=1), partition.size_of(scaled))
+    scaled, _, factors = loops or partition.loop_rates(split.constraint_jacobian)
     if factors.rank < partition.passive_rank or partition.isolated:
         here = singularity or partial(analyse_singularity, split.constraint_jacobian, J, partition)
         raise _singular(here())

@@ -37,6 +37,14 @@ class TwistRanks(NamedTuple):
     angular: int
 
 
+class LoopRates(NamedTuple):
+    """What the loops allow at one pose: [K K*] without dimension, its size, K* factorised."""
+
+    scaled: Array
+    size: float
+    passive: Factorisation
+
+
 @dataclass(frozen=True, eq=False)
 class Partition(ReadOnlyArrays):
     """The split of the nv rates into n actuated and m_p passive ones.
@@ -186,6 +194,12 @@ class Partition(ReadOnlyArrays):
         """
         return max(norm(scaled), _LEAST_SIZE * self.size)
 
+    def loop_rates(self, constraint_jacobian: Array) -> LoopRates:
+        """Return [K K*] without dimension at one pose, and K* factorised."""
+        scaled = self.scaled(constraint_jacobian)
+        size = self.size_of(scaled)
+        return LoopRates(scaled, size, self.factorise(scaled.take(self.passive, axis=1), size))
+
     def scaled_tool(self, tool_jacobian: Array) -> Array:
         """Return the tool Jacobian (6, nv) on the scaled columns, angular rows times length."""
         scaled: Array = tool_jacobian * self.column_scale
@@ -273,10 +287,8 @@ class Partition(ReadOnlyArrays):
 
     def _ranks(self, constraint_jacobian: Array, tool_jacobian: Array) -> tuple[int, int, int]:
         """Return the ranks of [K K*], of K* and of the tool's motion."""
-        scaled = self.scaled(constraint_jacobian)
-        size = self.size_of(scaled)
+        scaled, size, passive = self.loop_rates(constraint_jacobian)
         whole = self.factorise(scaled, size)
-        passive = self.factorise(scaled[:, self.passive], size)
         tool = self.judged_rank(tool_jacobian, whole.null_space)
         return whole.rank, passive.rank, tool
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.model.tool_rows import ToolRows
 from pmjac_pin.rates.factorisation import Factorisation
-from pmjac_pin.rates.partition import Partition
+from pmjac_pin.rates.partition import LoopRates, Partition
 from pmjac_pin.values.norm import norm
 from pmjac_pin.values.read_only import ReadOnlyArrays
 from pmjac_pin.values.ties import first_largest
@@ -163,6 +163,8 @@ def analyse_singularity(
     tool_jacobian: Array,
     partition: Partition,
     split: Split | None = None,
+    *,
+    loops: LoopRates | None = None,
 ) -> Singularity:
     """Read the ranks off the constraint and tool Jacobians of one closed pose.
 
@@ -175,10 +177,10 @@ def analyse_singularity(
     split : callable, optional
         Tells what is idle at a singular pose, as `gained_and_idle` does, where these matrices do
         not.
+    loops : LoopRates, optional
+        Of the constraint Jacobian, where these are known.
     """
-    scaled = partition.scaled(constraint_jacobian)
-    size = partition.size_of(scaled)
-    passive = partition.factorise(scaled[:, partition.passive], size)
+    scaled, size, passive = loops or partition.loop_rates(constraint_jacobian)
     whole = partition.factorise(scaled, size)
     tool = partition.tool_ranks(tool_jacobian, whole.null_space)
     forbidden = forbidden_rates(passive.left_null_space, scaled, partition)
