@@ -31,6 +31,7 @@ screenshots: .venv/ready
 
 readme: .venv/ready
 	$(BIN)/python scripts/update_readme.py
+	$(BIN)/python docs/draw_architecture.py
 
 lint: .venv/ready
 	$(BIN)/ruff check .

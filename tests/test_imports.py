@@ -6,43 +6,16 @@ import ast
 import re
 import subprocess
 import sys
-from pathlib import Path
 
+import draw_architecture
 import pytest
+from draw_architecture import IMPORTS, PACKAGE, imported
 
 import pmjac_pin
 
-PACKAGE = Path(__file__).resolve().parent.parent / "pmjac_pin"
-
-
-def name_of(path):
-    parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
-    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
-
-
-def imported(path):
-    """Return the names of all modules that a file imports, in functions too."""
-    found = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            found.update(alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            found.add(node.module)
-            found.update(f"{node.module}.{alias.name}" for alias in node.names)
-    return found
-
-
-IMPORTS = {name_of(path): imported(path) for path in PACKAGE.rglob("*.py")}
-
 
 def reached(module):
-    """Return all modules that a module imports, directly or through others of the package."""
-    found, ahead = set(), [module]
-    while ahead:
-        new = IMPORTS.get(ahead.pop(), set()) - found
-        found |= new
-        ahead += new
-    return found
+    return draw_architecture.reached(module, IMPORTS)
 
 
 # Lowest first. What stands in one line may not import each other, except within a folder, and the
