@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 from draw_architecture import DRAWING, IMPORTS, PACKAGE, direct, drawing, levels, rooms
 
-from pmjac_pin.kinematics.loops import loop_blocks
 from pmjac_pin.model.loop_spec import LOOP_KINDS, JointLoop
 
 ROOT = Path(__file__).parent.parent
@@ -82,5 +81,5 @@ def test_the_table_of_loops_has_their_rows_and_keys(row):
         fields = LOOP_KINDS[kind].__struct_fields__
         assert re.findall(r"`(\w+)`", row[3]) == list(fields)
         loop = LOOP_KINDS[kind](**{name: given[name] for name in fields if name in given})
-        blocks = [] if isinstance(loop, JointLoop) else loop_blocks(loop, {})
+        blocks = [] if isinstance(loop, JointLoop) else loop.rows({})
         assert sum(len(block.names) for block in blocks) == int(row[2]) - (not blocks)

@@ -13,6 +13,7 @@ import pmjac_pin as pj
 from pmjac_pin.files.catalog import SUFFIXES
 from pmjac_pin.files.source import READERS, read_source
 from pmjac_pin.files.urdf.looped_urdf import read_looped_urdf
+from pmjac_pin.model.spec import Tool
 
 
 @pytest.fixture
@@ -29,7 +30,7 @@ def test_every_suffix_has_a_reader():
 def test_a_model_file_takes_other_motors_and_another_tool():
     given = pj.load("four_bar", actuated=["phi1"], tool="crank")
     assert (given.actuated, given.passive) == (("phi1",), ("theta1", "phi2"))
-    assert given.spec.tool == pj.spec.Tool(frame="crank")
+    assert given.spec.tool == Tool(frame="crank")
     kept = pj.load("four_bar", tool="crank")
     assert kept.passive == ("phi1", "phi2")
     assert kept.notes == ()
