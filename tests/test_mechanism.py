@@ -417,3 +417,19 @@ class TestFromPinocchio:
         assert mechanism.actuated == ("theta1",)
         loop = pj.DistanceLoop(frames=("crank", "rocker"), length=np.float32(2.0))
         assert loop.length == 2.0
+
+
+def test_what_is_built_on_cannot_be_written_to(three_rps):
+    coordinates, partition = three_rps.coordinates, three_rps.problem.partition
+    shown = {name: getattr(coordinates, name) for name in coordinates.__slots__ if name[0] != "_"}
+    arrays = [*shown.values(), *vars(partition).values(), three_rps.place, three_rps.home.q]
+    arrays = [array for array in arrays if isinstance(array, np.ndarray)]
+    assert len(arrays) > 10
+    assert not any(array.flags.writeable for array in arrays)
+    with pytest.raises(AttributeError):
+        three_rps.problem = None
+
+
+def test_near_the_origin_the_model_to_compute_with_is_the_model(three_rps):
+    assert three_rps.kinematics.model == three_rps.model
+    assert three_rps.kinematics.model is not three_rps.model

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError, unknown_name
 from pmjac_pin.values.checks import LARGEST, as_numbers
+from pmjac_pin.values.read_only import read_only
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -56,6 +57,16 @@ class JointCoordinates:
     ----------
     model : pin.Model
         Kept, not copied: it must not be changed afterwards.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The joints, in Pinocchio's order.
+    rotational, angles, wraps : ndarray of bool, shape (nv,)
+        Which rates are in rad/s; which of these are of one angle in q, full turns and all; and
+        which of an angle that q has as (cos, sin).
+    lower, upper : ndarray, shape (nv,)
+        Limits, m or rad, infinite where there are none.
     """
 
     __slots__ = (
@@ -101,6 +112,8 @@ class JointCoordinates:
                 # Pinocchio writes the largest double where there is no limit.
                 self.lower[joint.idx_v] = lower if lower > -LARGEST else -np.inf
                 self.upper[joint.idx_v] = upper if upper < LARGEST else np.inf
+        for name in ("angles", "lower", "rotational", "upper", "wraps"):
+            setattr(self, name, read_only(getattr(self, name)))
 
     def columns(self, names: Iterable[str]) -> Index:
         """Return the velocity columns of these joints, in this order."""
