@@ -19,6 +19,7 @@ def mechanism():
     return mechanism
 
 
+@pytest.mark.slow
 def test_poses_that_do_not_close_are_left_out(mechanism):
     poses = assembled_poses(mechanism)
     assert list(poses) == ["home", "turned", "folded"]

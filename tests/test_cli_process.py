@@ -40,6 +40,7 @@ def test_as_a_module():
     assert done.stderr.startswith(b"pmjac: unknown mechanism 'nope'")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "environment",
     [{"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}, {"PYTHONIOENCODING": "ascii"}],

@@ -55,6 +55,7 @@ def test_irreducible_mechanisms_have_one(name, sizes):
     assert (found.sizes, len(found), found.complete.kind) == (sizes, 1, "tolerance")
 
 
+@pytest.mark.slow
 def test_a_parallelogram_has_two():
     """Parallelogram and crossed four-bar: they meet only where all bars are in line."""
     mechanism = pj.load("four_bar", {"l0": 3.0, "l1": 1.0, "l2": 3.0, "l3": 1.0})
@@ -115,6 +116,7 @@ def test_an_incomplete_homotopy_knows_no_operation_modes():
     assert "solutions are missing" in str(found.complete)
 
 
+@pytest.mark.slow
 def test_they_are_those_of_one_homotopy():
     mechanism = pj.load("four_bar")
     one, other = (pj.parameter_homotopy(mechanism, rng=seed) for seed in (0, 1))

@@ -92,6 +92,7 @@ def test_dietmaiers_forty_are_all_there_are(gough):
     assert (signs.count(1.0), signs.count(-1.0)) == (20, 20)
 
 
+@pytest.mark.slow
 def test_at_other_lengths_most_of_the_forty_are_complex(gough, rng):
     home = gough.mechanism.home.actuated
     found = gough.at(home * rng.uniform(0.9, 1.1, home.size))
@@ -149,6 +150,7 @@ def test_limits_leave_solutions_out():
     assert (len(within), len(beyond), len(homotopy.at(theta).real)) == (1, 2, 2)
 
 
+@pytest.mark.slow
 def test_a_homotopy_of_another_mechanism_is_refused(three_rps):
     with pytest.raises(pj.ArgumentError, match="another mechanism"):
         pj.assembly_modes(pj.load("four_bar"), [0.9], rng=0, homotopy=three_rps)
