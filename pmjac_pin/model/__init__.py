@@ -1,1 +1,1 @@
-"""Model: what a machine is. Nothing is computed here."""
+"""Model: what a machine is, and the equations of its loops."""
