@@ -135,6 +135,7 @@ def test_where_the_loops_are_cut_changes_nothing(name):
 MODES = (
     *("four_bar", "slider_crank", "five_bar", "bennett"),
     *("watt_six_bar", "planar_3rrr", "planar_3rpr", "bricard", "ankle", "three_rps"),
+    *("three_rps_ss", "agile_eye", "delta_rods", "stewart_gough", "stewart_gough_dietmaier"),
 )
 # Out of the world's planes, rows that follow from others do so to rounding only, and this proof
 # does not finish: the count is the same, and rests on less.

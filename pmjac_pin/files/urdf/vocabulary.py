@@ -9,7 +9,8 @@ robot name version : link joint material transmission ros2_control gazebo loop c
   loop_joint drake:ball_constraint drake:weld_constraint drake:coupler_constraint
   drake:collision_filter_group* frame*
   drake:linear_bushing_rpy! drake:linear_spring_damper! drake:tendon_constraint! drake:joint!
-  sensor* group* disable_collisions* mujoco*
+  sensor* group* disable_collisions* mujoco
+mujoco : compiler* option* size*
 link name type* : inertial visual collision* contact* self_filter* collision_checking* gravity*
   kinematic* surface* self_collision_checking* velocity_decay* laser_retro*
 inertial : origin mass inertia
