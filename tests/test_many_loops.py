@@ -49,24 +49,24 @@ def test_moved_is_pinocchios_integrate(name, rng):
         np.testing.assert_allclose(moved[row], pin.integrate(model, q[row], small[row]), atol=1e-7)
 
 
-def test_rows_vanish_with_pinocchios_and_so_do_their_derivatives(rng):
-    """At poses near closure, the derivative is the exact one up to the distance from it."""
+@pytest.mark.parametrize("gear_first", [False, True])
+def test_rows_are_pinocchios_in_the_order_of_the_loops(gear_first, rng):
+    """Exact off closure, seen from the base that carries all of them here, the world."""
     model = pj.load("three_rps").model
+    loops = LOOPS[-1:] + LOOPS[:-1] if gear_first else LOOPS
     values = {"a": 0.5}
-    system, tree = LoopSystem(model, LOOPS, values), ManyPoses(model)
-    many = ManyLoops(model, tree, LOOPS, values)
+    system, tree = LoopSystem(model, loops, values), ManyPoses(model)
     q = random_rows(model, rng)
-    residuals, jacobians = many.evaluate(q)
+    residuals, jacobians = ManyLoops(model, tree, loops, values).evaluate(q)
     data, scratch = model.createData(), system.create_data()
     for row in range(len(q)):
         pin.computeJointJacobians(model, data, q[row])
         residual, jacobian = system.evaluate(model, data, scratch, q[row])
         system.to_world(scratch, residual, jacobian)
         np.testing.assert_allclose(residuals[row], residual, atol=1e-12)
-        exact = [
-            k
-            for k, name in enumerate(system.row_names)
-            if not any(word in name for word in (" turn ", " tilt "))
-        ]
         system.add_turning(model, data, residual, jacobian)
-        np.testing.assert_allclose(jacobians[row][exact], jacobian[exact], atol=1e-12)
+        turns = [k for k, name in enumerate(system.row_names) if " turn " in name]
+        # Near half a turn Pinocchio's own derivative of the logarithm loses digits.
+        sizes = np.linalg.norm(residual[turns].reshape(-1, 3), axis=1)
+        near = min(1.0, float(np.pi - sizes.max()))
+        np.testing.assert_allclose(jacobians[row], jacobian, atol=1e-11 / near**2)

@@ -149,18 +149,6 @@ class Intervals:
             positive @ self.upper + negative @ self.lower + size,
         )
 
-    def before(self, matrix: Array) -> Intervals:
-        """Return self @ matrix, one matrix (m, n) of doubles for all."""
-        positive, negative = np.maximum(matrix, 0.0), np.minimum(matrix, 0.0)
-        flat = (-1, matrix.shape[0])  # one product of large matrices instead of many of small ones
-        lower, upper = self.lower.reshape(flat), self.upper.reshape(flat)
-        size = _spread(matrix.shape[0] + 1, self.magnitude.reshape(flat) @ np.abs(matrix))
-        shape = (*self.shape[:-1], matrix.shape[1])
-        return Intervals(
-            (lower @ positive + upper @ negative - size).reshape(shape),
-            (upper @ positive + lower @ negative + size).reshape(shape),
-        )
-
     def widened(self, by: float | Array) -> Intervals:
         """Return intervals that reach further by this much at both ends."""
         return _outward(self.lower - by, self.upper + by)

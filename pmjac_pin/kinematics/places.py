@@ -30,7 +30,6 @@ class Place:
 
     Attributes
     ----------
-    rotation, translation : ndarray, shapes (3, 3) and (3,)
     axes : tuple of (int, bool), or None
         For each column of the rotation which axis it is, and whether turned round; None where it
         is no permutation. Nothing is multiplied, and so nothing rounded, where it is one.
@@ -40,8 +39,6 @@ class Place:
         The axes along which the translation is, where only that is multiplied.
     """
 
-    rotation: Array
-    translation: Array
     axes: tuple[tuple[int, bool], ...] | None
     rows: Array
     used: tuple[int, ...]
@@ -49,13 +46,13 @@ class Place:
     @classmethod
     def of(cls, placement: pin.SE3) -> Place:
         """Return a placement of Pinocchio's."""
-        rotation, translation = placement.rotation.copy(), placement.translation.copy()
+        rotation, translation = placement.rotation, placement.translation
         axes, used = _permutation(rotation), np.flatnonzero(translation)
         if axes is not None:
             rows = translation[None, used]
         else:
             rows = np.vstack([rotation.T, translation]) if used.size else rotation.T.copy()
-        return cls(rotation, translation, axes, rows, tuple(used.tolist()))
+        return cls(axes, rows, tuple(used.tolist()))
 
     @property
     def pure(self) -> bool:

@@ -101,11 +101,17 @@ def radii(system: System) -> Radii:
 
 def group_norms(sizes: Array, groups: Sequence[Sequence[int]]) -> Array:
     """Return Frobenius norms of the groups' blocks of a square matrix, rounded up."""
-    squares = sizes**2
-    blocks = [
-        [squares[np.ix_(list(row), list(column))].sum() for column in groups] for row in groups
-    ]
-    return OUTWARDS * np.sqrt(np.array(blocks))
+    marks = _marks(groups, len(sizes))
+    norms: Array = OUTWARDS * np.sqrt(marks @ sizes**2 @ marks.T)
+    return norms
+
+
+def _marks(groups: Sequence[Sequence[int]], count: int) -> Array:
+    """Return 1 where an unknown is in a group, shape (groups, count)."""
+    marks = np.zeros((len(groups), count))
+    for row, group in zip(marks, groups, strict=True):
+        row[list(group)] = 1.0
+    return marks
 
 
 def _curvature(A: Array, system: System) -> Array:
@@ -115,12 +121,10 @@ def _curvature(A: Array, system: System) -> Array:
     bends = np.zeros((len(used), degree + 1))
     for row, block in zip(bends, used, strict=True):
         row[: system.bends[block].degree() + 1] = system.bends[block].coef
-    weights = [
-        [math.sqrt((A[np.ix_(list(group), system.blocks == block)] ** 2).sum()) for block in used]
-        for group in system.groups
-        if group
-    ]
-    curvature: Array = OUTWARDS**2 * (np.array(weights) @ bends)
+    groups = _marks([group for group in system.groups if group], len(A))
+    blocks = (system.blocks[:, None] == np.array(used)).astype(float)
+    weights = np.sqrt(groups @ A**2 @ blocks)
+    curvature: Array = OUTWARDS**2 * (weights @ bends)
     return curvature
 
 
