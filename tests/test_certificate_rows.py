@@ -1,4 +1,4 @@
-"""Enclosed loop equations against Pinocchio, and their bends against sampled second derivatives."""
+"""Enclosed loop equations and their derivatives around a pose, against independent formulas."""
 
 from __future__ import annotations
 
@@ -12,11 +12,13 @@ from test_loops import LOOPS
 
 import pmjac_pin as pj
 from pmjac_pin.algebra.balls import middles, uppers
+from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.model.linkage import edges_of, with_spherical
 from pmjac_pin.model.rows import across
 from pmjac_pin.studies.certificates.equations import LoopEquations
 
-STEP = 1e-4  # of second differences: their error is about 1e-16 / STEP²
+LENGTH = 0.7  # m, of a unit of slides
+RADII = np.array([0.0, 1e-6, 1e-3, 0.1, 0.5])
 
 
 def slider_above():
@@ -159,53 +161,56 @@ def case(request):
 def test_residuals_and_jacobians_are_enclosed(case, rng):
     model, loops, values, equations = case
     edges = edges_of(model).values()
+    unit = equations.unknowns.scale(LENGTH)
     for _ in range(3):
         q = random_q(model, rng)
-        blocks = equations.enclosed(q)
-        expected = residuals(model, loops, values, q)
-        assert len(blocks) == len(expected)
-        for k, (block, residual) in enumerate(zip(blocks, expected, strict=True)):
-            np.testing.assert_allclose(middles(block.residual), residual, atol=1e-13)
-            assert uppers(block.residual - middles(block.residual)).max() < 1e-12
-            for column in range(model.nv):
-                x = np.zeros(model.nv)
-                x[column] = 1e-6
-                ahead, behind = (
-                    residuals(model, loops, values, moved(model, q, s * x, edges))[k]
-                    for s in (1, -1)
-                )
-                slope = (ahead - behind) / 2e-6
-                np.testing.assert_allclose(
-                    middles(block.jacobian[:, column]), slope, atol=3e-9 * (1 + abs(slope).max())
-                )
+        at = equations.at(q)
+        found = equations.residual(at, q)
+        jacobian = equations.around(at, RADII[:1], LENGTH).jacobian
+        np.testing.assert_allclose(middles(found), rows(model, loops, values, q), atol=1e-13)
+        assert uppers(found - middles(found)).max() < 1e-12
+        assert jacobian.width.max() < 1e-11
+        for column in range(model.nv):
+            x = np.zeros(model.nv)
+            x[column] = 1e-6
+            ahead, behind = (
+                rows(model, loops, values, moved(model, q, s * x, edges)) for s in (1, -1)
+            )
+            slope = (ahead - behind) / 2e-6 * unit[column]
+            np.testing.assert_allclose(
+                jacobian.middle[0, :, column], slope, atol=3e-9 * (1 + abs(slope).max())
+            )
 
 
 @pytest.mark.slow
-def test_bends_bound_sampled_second_derivatives(case, rng):
-    """At random poses up to r away; and no bound is so loose that it would be of no use."""
+def test_steps_up_to_each_radius_change_the_rows_by_what_the_derivatives_allow(case, rng):
+    """η(x) − η(0) ∈ J(X) x for |x| ≤ r; and no derivative is so wide that it would be of no use."""
     model, loops, values, equations = case
-    length, groups, edges = 0.7, equations.unknowns.groups, edges_of(model).values()
-    unit = equations.unknowns.scale(length)
-    closest = np.zeros(len(residuals(model, loops, values, pin.neutral(model))))
-    for trial in range(20):
+    edges = edges_of(model).values()
+    groups, unit = equations.unknowns.groups, equations.unknowns.scale(LENGTH)
+    closest = np.zeros(len(RADII))
+    for trial in range(15):
         q = random_q(model, rng)
-        blocks = equations.enclosed(q)
-        for _ in range(10):
-            radius = 0.0 if trial % 2 else rng.uniform(0.0, 0.5)
-            x, h = np.zeros(model.nv), np.zeros(model.nv)
-            for group, size in zip(groups, unit, strict=True):
-                away, step = rng.normal(size=(2, len(group.columns)))
-                x[list(group.columns)] = radius * size * away / np.linalg.norm(away)
-                h[list(group.columns)] = rng.choice([0.0, 1.0, rng.normal()]) * step
-            steps = np.array([np.linalg.norm(h[list(group.columns)]) for group in groups])
-            here = [
-                residuals(model, loops, values, moved(model, q, x + s * STEP * h, edges))
-                for s in (1, 0, -1)
-            ]
-            for k, (ahead, middle, behind) in enumerate(zip(*here, strict=True)):
-                second = np.linalg.norm(ahead - 2 * middle + behind) / STEP**2
-                bound = blocks[k].bend.bound(steps, unit, length)(radius)
-                assert second <= bound + 1e-5 * (1 + steps @ steps) ** 2
-                if bound > 1e-2:
-                    closest[k] = max(closest[k], second / bound)
-    assert closest.min() > 0.25, closest
+        jacobian = equations.around(equations.at(q), RADII, LENGTH).jacobian
+        here = rows(model, loops, values, q)
+        for place, radius in enumerate(RADII[1:].tolist(), 1):
+            for _ in range(8):
+                x = rng.normal(size=model.nv)
+                for group in groups:
+                    size = rng.choice([0.0, 1.0, rng.uniform()]) * radius
+                    x[group > 0] *= size / np.linalg.norm(x[group > 0])
+                if trial % 2:
+                    x *= groups[rng.integers(len(groups))]
+                allowed = (jacobian[place] * Intervals.exact(x)).sum(axis=1)
+                change = rows(model, loops, values, moved(model, q, unit * x, edges)) - here
+                assert np.all(allowed.widened(1e-13).holds(change))
+                if allowed.magnitude.max() > 0.1 * radius:
+                    share = (abs(change) / allowed.magnitude.max()).max()
+                    closest[place] = max(closest[place], share)
+    assert closest[1] > 0.999
+    assert closest[2] > 0.9
+    assert closest[3] > 0.2
+
+
+def rows(model, loops, values, q):
+    return np.concatenate(residuals(model, loops, values, q))

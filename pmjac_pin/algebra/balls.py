@@ -16,6 +16,7 @@ from flint import arb, ctx
 from numpy.typing import ArrayLike, NDArray
 
 from pmjac_pin.algebra.arrays import Array, Arrays
+from pmjac_pin.algebra.intervals import Intervals
 
 BallArray = NDArray[np.object_]  # of flint.arb
 
@@ -134,3 +135,10 @@ def uppers(numbers: BallArray) -> NDArray[np.float64]:
 def middles(numbers: BallArray) -> NDArray[np.float64]:
     """Return the middles as doubles, of which nothing is promised."""
     return np.array([float(number.mid()) for number in numbers.ravel()]).reshape(numbers.shape)
+
+
+def enclosing(numbers: BallArray) -> Intervals:
+    """Return intervals between doubles that hold the balls."""
+    ends = [(-upper(-number), upper(number)) for number in numbers.ravel()]
+    lower, above = np.array(ends, dtype=float).T.reshape(2, *numbers.shape)
+    return Intervals(lower, above)

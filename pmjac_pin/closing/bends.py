@@ -6,7 +6,8 @@ of turns R₁⋯Rₖ is at most m! times the coefficient of sᵐ in the power se
     Eₖ(s) = exp(Σᵢ (wᵢ₁ s + wᵢ₂ s²/2 + wᵢ₃ s³/6)):
 
 for one turn because all derivatives of the exponential are at most 1, whether of an angle or of a
-ball's rotation vector (`docs/certificates.md`), for their product by Leibniz' rule. In the same way
+ball's rotation vector X: Dᵐ(exp X)[H, ..., H] is m! times an integral over a simplex of volume
+1/m! of products of rotations and m factors H. For their product by Leibniz' rule. In the same way
 that of a segment R₁⋯Rₖ dₖ is bounded by Pₖ = Eₖ·(|dₖ| + the series of the slides in dₖ). What a
 joint that turns moves is the sum over the segments that it turns; a slide moves by the turns
 before it.

@@ -226,7 +226,7 @@ class Poses:
         if not own:
             return pose, columns
         return (
-            _with_rates(self.algebra, pose, link, own),
+            with_rates(self.algebra, pose, pose, link, own),
             (*columns, *(link.column + k for k in own)),
         )
 
@@ -245,11 +245,14 @@ def moved(algebra: Algebra, pose: Pose, kind: JointKind, motion: Motion) -> Pose
     return Pose(x, y, z, p)
 
 
-def _with_rates(algebra: Algebra, pose: Pose, link: Link, own: Sequence[int]) -> Pose:
-    """Return a pose with the derivatives X ξ^ by some of its joint's own freedoms."""
-    here = Pose(*(column[..., :1, :] for column in pose))
+def with_rates(algebra: Algebra, pose: Pose, slid: Pose, link: Link, own: Sequence[int]) -> Pose:
+    """Return a pose with the derivatives X ξ^ by some of its joint's own freedoms.
+
+    Slides are along the axes of another pose, which turns move no more.
+    """
+    here, along = (Pose(*(column[..., :1, :] for column in one)) for one in (pose, slid))
     nothing = algebra.constant(np.zeros(3))
-    rates = [_own_rates(algebra, here, link, k) for k in own]
+    rates = [_own_rates(algebra, here, along, link, k) for k in own]
     columns = (
         algebra.join([column, *(rate.get(k, nothing) for rate in rates)])
         for k, column in enumerate(pose)
@@ -257,11 +260,13 @@ def _with_rates(algebra: Algebra, pose: Pose, link: Link, own: Sequence[int]) ->
     return Pose(*columns)
 
 
-def _own_rates(algebra: Algebra, pose: Pose, link: Link, freedom: int) -> Mapping[int, Number]:
+def _own_rates(
+    algebra: Algebra, pose: Pose, slid: Pose, link: Link, freedom: int
+) -> Mapping[int, Number]:
     """Return the columns of X ξ^ that are not zero."""
     kind = link.kind
     if freedom < kind.slides:
-        return {3: pose[kind.along[freedom]]}
+        return {3: slid[kind.along[freedom]]}
     axis = kind.about[freedom - kind.slides]
     j, k = (axis + 1) % 3, (axis + 2) % 3
     rates = {j: pose[k], k: -pose[j]}

@@ -1,6 +1,6 @@
 """Certificate: a proof that a pose which closes the loops exactly is near a computed one.
 
-The Newton–Kantorovich theorem with an approximate inverse; `docs/certificates.md` has the proof.
+Krawczyk's test with an approximate inverse; `docs/certificates.md` has the proof.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.algebra.balls import OUTWARDS, middles, precise, uppers
+from pmjac_pin.algebra.balls import OUTWARDS, precise, uppers
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.partition import Partition, independent_rows
 from pmjac_pin.studies.certificates.equations import LoopEquations
-from pmjac_pin.studies.certificates.kantorovich import System, radii
+from pmjac_pin.studies.certificates.krawczyk import RADII, block_norms, radii
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -27,7 +27,6 @@ Index = NDArray[np.intp]
 
 # Those of a mechanism are written once, for all its poses.
 _EQUATIONS: WeakKeyDictionary[Mechanism, LoopEquations] = WeakKeyDictionary()
-_HALF_A_TURN = 2.0  # the chord between an axis and itself turned over
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,8 +46,6 @@ class Certificate:
         No second solution is nearer than this, rad; zero where nothing is proven.
     failed : str
         The inequality that failed, with its numbers; empty where none did.
-    kantorovich : float
-        h = 2 Y Z₂ / (1 − Z₁)², which must be below 1; NaN where it was not reached.
     left_out : tuple of str
         Rows of the loop equations that depend on the others here. The proven solution solves
         the others exactly, and these to `left_out_gap`.
@@ -61,7 +58,6 @@ class Certificate:
     existence_radius: float
     uniqueness_radius: float
     failed: str = ""
-    kantorovich: float = math.nan
     left_out: tuple[str, ...] = ()
     left_out_gap: float = 0.0
     held: tuple[str, ...] = ()
@@ -89,15 +85,15 @@ class Certificate:
 def certify(configuration: Configuration) -> Certificate:
     """Return a proof that an exact solution of the loop equations is near this pose.
 
-    By the Newton–Kantorovich theorem, the motors held at exactly these values: with
-    Newton's step Y = |A η|, the defect Z₁ = ‖I − A K*‖ of an approximate inverse A of K*,
-    and a bound Z₂ on ‖A D²η‖ from the lengths of the links,
+    By Krawczyk's test, the motors held at exactly these values: with Newton's step Y = |A η| by
+    an approximate inverse A of K*, and M(r) a bound on ‖I − A K*‖ at poses up to r away, in the
+    mean along every way there,
 
-        h = 2 Y Z₂ / (1 − Z₁)² < 1.
+        Y + M(r) r < r.
 
-    All of it by interval arithmetic rounded outwards, from q and the model's numbers; it
-    covers every mechanism whose placements differ from the model's by a few units in the
-    last place.
+    All of it by arithmetic of balls and boxes that rounds outwards, from q and the model's
+    numbers; it covers every mechanism whose placements differ from the model's by a few units
+    in the last place.
 
     Parameters
     ----------
@@ -110,8 +106,8 @@ def certify(configuration: Configuration) -> Certificate:
 
     References
     ----------
-    Kantorovich, *Functional analysis and applied mathematics*, 1948; Rump, *Verification
-    methods*, Acta Numerica 19, 2010.
+    Krawczyk, *Newton-Algorithmen zur Bestimmung von Nullstellen mit Fehlerschranken*, Computing
+    4, 1969; Rump, *Verification methods*, Acta Numerica 19, 2010.
 
     Examples
     --------
@@ -136,12 +132,13 @@ def certify(configuration: Configuration) -> Certificate:
 
 
 def _equations(mechanism: Mechanism) -> LoopEquations:
-    if mechanism not in _EQUATIONS:
+    equations = _EQUATIONS.get(mechanism)
+    if equations is None:
         passive = mechanism.problem.partition.passive.tolist()
         model, loops = mechanism.kinematics.model, mechanism.spec.loops
         equations = LoopEquations(model, loops, mechanism.parameters, passive)
         _EQUATIONS[mechanism] = equations
-    return _EQUATIONS[mechanism]
+    return equations
 
 
 def _nothing(reason: str) -> Certificate:
@@ -151,29 +148,29 @@ def _nothing(reason: str) -> Certificate:
 def _certified(
     equations: LoopEquations, q: Array, partition: Partition, row_names: Sequence[str]
 ) -> Certificate:
-    blocks = equations.enclosed(q)
-    system = equations.system(blocks, partition.length)
-    scaled = middles(system.jacobian) * partition.row_scale[:, None]
+    at = equations.at(q)
+    residual, around = equations.residual(at, q), equations.around(at, RADII, partition.length)
+    scaled = around.jacobian.middle[0] * partition.row_scale[:, None]
     rows, columns = _independent(scaled, partition.passive_rank)
-    found = radii(system.part(rows, columns))
+    groups = equations.unknowns.groups
+    found = radii(residual[rows], around.jacobian[:, rows], columns, groups)
     if found.failed:
-        return Certificate(math.inf, 0.0, found.failed, found.number)
-    away = max((block.away_within(found.existence) for block in blocks), default=0.0)
-    if not away < _HALF_A_TURN:
+        return _nothing(found.failed)
+    if not around.cosine[found.ball] > 0.0:
         return _nothing(
-            f"axes of a loop differ by a chord of up to {away:.3g}, which may be half a turn (2)"
+            "axes of a loop must be less than a quarter turn apart, for its rows vanish at half "
+            f"a turn, too: the cosine between them may be {around.cosine[found.ball]:.3g}"
         )
-    others = np.setdiff1d(np.arange(len(row_names)), rows)
-    rest = system.part(others, columns)
+    others, free = _others(len(residual), rows), _others(len(partition.passive), columns)
+    slopes = around.jacobian[found.ball, others][:, columns].magnitude
+    steps = block_norms(slopes, np.eye(len(others)), groups[:, columns]).sum(axis=1)
+    gaps = (uppers(residual[others]) + steps * found.existence) * partition.row_scale[others]
     return Certificate(
         found.existence,
         found.uniqueness,
-        kantorovich=found.number,
-        left_out=tuple(row_names[row] for row in others),
-        left_out_gap=_gap(rest, partition.row_scale[others], found.existence),
-        held=tuple(
-            name for k, name in enumerate(partition.passive_names) if k not in columns.tolist()
-        ),
+        left_out=tuple(row_names[k] for k in others.tolist()),
+        left_out_gap=float(OUTWARDS * gaps.max(initial=0.0)),
+        held=tuple(partition.passive_names[k] for k in free.tolist()),
     )
 
 
@@ -183,12 +180,6 @@ def _independent(scaled: Array, rank: int) -> tuple[Index, Index]:
     return rows, independent_rows(scaled[rows].T, rank)
 
 
-def _gap(rest: System, row_scale: Array, radius: float) -> float:
-    """Return how large rows may be at most, in m, within a radius of the pose."""
-    if not rest.residual.size:
-        return 0.0
-    slopes = uppers(rest.jacobian)
-    steps = [np.linalg.norm(slopes[:, list(group)], axis=1) for group in rest.groups]
-    bend = [0.5 * rest.bends[block](radius) * radius**2 for block in rest.blocks.tolist()]
-    gaps = uppers(rest.residual) + sum(steps) * radius + bend
-    return float(OUTWARDS * (gaps * row_scale).max())
+def _others(count: int, taken: Index) -> Index:
+    """Return those of so many that are not taken."""
+    return np.flatnonzero(np.bincount(taken, minlength=count) == 0)

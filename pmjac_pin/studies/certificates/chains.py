@@ -1,19 +1,17 @@
-"""Chains: a frame seen from a body, enclosed at a pose as far as a model's placements are known."""
+"""Chains: a frame seen from a body, as wide as a model's placements are known."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from itertools import pairwise
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from pmjac_pin.algebra.balls import (
     OUTWARDS,
     PLACEMENT_WIDTH,
-    BallArray,
     Balls,
     exactly,
     norm,
@@ -21,13 +19,31 @@ from pmjac_pin.algebra.balls import (
     upper,
     widened,
 )
+from pmjac_pin.algebra.boxes import Boxes
+from pmjac_pin.algebra.intervals import Intervals
+from pmjac_pin.algebra.jets import Columns
 from pmjac_pin.kinematics.places import Pose, through
-from pmjac_pin.kinematics.tree import Freedom, Link, Poses, Tree, Twisted
+from pmjac_pin.kinematics.tree import Poses, Riding, Tree, Twisted
 from pmjac_pin.model.frames import Frame
-from pmjac_pin.studies.certificates.paths import Path
+from pmjac_pin.studies.certificates.neighbourhoods import Neighbourhoods
 from pmjac_pin.studies.certificates.unknowns import Unknowns
 
+Array = NDArray[np.float64]
+
 BALLS = Balls()
+
+
+class WideBoxes(Boxes):
+    """Boxes in which a model's directions are as wide as they are in balls."""
+
+    __slots__ = ()
+
+    def directed(self, directions: Array, x: Intervals) -> Intervals:
+        """Return directions @ x for axes x, or their rates, of length 1 at most."""
+        return self.times(directions, x).widened(rotation_width(directions))
+
+
+BOXES = WideBoxes()
 
 
 class Width(NamedTuple):
@@ -47,16 +63,21 @@ class Width(NamedTuple):
 class Known:
     """How far a pose may be from that of the stored placements.
 
+    A derivative of the pose by a turn of one of its joints is a product of the same matrices but
+    one, whose derivative has norm 1, and so no farther from that of the stored placements.
+
     Attributes
     ----------
-    tilt, shift : float
-        Of the rotation, in the spectral norm, and of the position, m.
+    tilt : float
+        Of the rotation, in the spectral norm.
+    shift : ndarray, shape (b,)
+        Of the position, m.
     """
 
-    tilt: float = 0.0
-    shift: float = 0.0
+    tilt: float
+    shift: Array
 
-    def slide(self, distance: float) -> None:
+    def slide(self, distance: float | Array) -> None:
         """Go on by an exact translation in the present axes."""
         self.shift = OUTWARDS * (self.shift + self.tilt * distance)
 
@@ -65,45 +86,6 @@ class Known:
         self.slide(width.distance)
         self.shift = OUTWARDS * (self.shift + PLACEMENT_WIDTH * width.distance)
         self.tilt = OUTWARDS * (self.tilt * (1.0 + width.tilt) + width.tilt)
-
-    def pose(self, stored: Pose) -> Pose:
-        """Return a pose wide enough for the true one."""
-        x, y, z = (widened(column, self.tilt) for column in stored[:3])
-        return Pose(x, y, z, widened(stored.p, self.shift))
-
-
-@dataclass(slots=True, eq=False)
-class Seen:
-    """A frame seen from the chain's base, moved by the unknowns, and the way there.
-
-    Attributes
-    ----------
-    frame : Twisted
-    points : list of BallArray, (3, 1, 1)
-        The base's origin, that of each unknown turn, the frame's.
-    turns : list of int
-        The groups that turn.
-    slides : list of list of int
-        The groups that slide between one point and the next.
-    """
-
-    frame: Twisted
-    points: list[BallArray]
-    turns: list[int] = field(default_factory=list)
-    slides: list[list[int]] = field(default_factory=lambda: [[]])
-
-    def path(self) -> Path:
-        """Return the path from the base to the frame."""
-        return _path(self.points, self.turns, self.slides)
-
-    def path_from(self, other: Seen) -> Path:
-        """Return the path from another chain's frame back to the common base and to this one."""
-        middle = other.slides[0] + self.slides[0]
-        return _path(
-            other.points[:0:-1] + self.points[1:],
-            other.turns[::-1] + self.turns,
-            [*other.slides[:0:-1], middle, *self.slides[1:]],
-        )
 
 
 class Chain:
@@ -119,43 +101,45 @@ class Chain:
         ]
         self._end = Width.of(frame.placement)
 
-    def seen(self, poses: Poses) -> Seen:
-        """Enclose the frame and its motions, seen from the base."""
-        known, freedoms = Known(), list[Freedom]()
-        points, turns, slides = [BALLS.constant(np.zeros(3))], list[int](), [list[int]()]
+    def at(self, poses: Poses) -> Twisted:
+        """Return the frame at a pose in balls, moved by nothing."""
+        pose, _ = self._pose(poses)
+        known = self._known(poses, np.zeros(1))
+        x, y, z = (widened(column, known.tilt) for column in pose[:3])
+        return Twisted(BALLS, Pose(x, y, z, widened(pose.p, float(known.shift[0]))), ())
+
+    def around(self, poses: Neighbourhoods) -> Riding:
+        """Return the frame over neighbourhoods of a pose, with its derivatives."""
+        pose, columns = self._pose(poses)
+        known = self._known(poses.at, poses.slides, poses.turns)
+        x, y, z = (column.widened(known.tilt) for column in pose[:3])
+        widths = np.stack([known.shift, *self._rate_widths(columns, known)])
+        return Riding(BOXES, Pose(x, y, z, pose.p.widened(widths)), columns)
+
+    def _pose(self, poses: Poses) -> tuple[Pose, Columns]:
+        pose, columns = poses.body(self._base, self._frame.joint)
+        way = poses.tree.way(self._base, self._frame)
+        return through(poses.algebra, pose, way), columns
+
+    def _known(self, at: Poses, slides: Array, turns: Array | float = 0.0) -> Known:
+        """Return how far the frame may be from the stored one, joints up to this far away."""
+        known = Known(0.0, np.zeros(slides.shape))
         for link, before, after in self._links:
             known.move(before)
-            for slide in poses.motion(link).slides:
+            for slide in at.motion(link).slides:
                 known.slide(upper(abs(slide[0, 0])))
-            unknown = self._unknowns.of_joint.get(link.edge.child)
-            if unknown is not None:
-                own = self._own(link, known, poses)
-                freedoms += own
-                slides[-1] += [] if unknown.slide is None else [unknown.slide]
-                if unknown.turn is not None:
-                    points.append(own[-1].origin)
-                    turns.append(unknown.turn)
-                    slides.append([])
+            if link.column in self._unknowns.places and link.kind.along:
+                known.slide(turns * abs(link.edge.pitch) if link.kind.screw else slides)
             known.move(after)
         known.move(self._end)
-        pose, _ = poses.body(self._base, self._frame.joint)
-        way = poses.tree.way(self._base, self._frame)
-        pose = known.pose(through(BALLS, pose, way))
-        return Seen(Twisted(BALLS, pose, freedoms), [*points, pose.p], turns, slides)
+        return known
 
-    def _own(self, link: Link, known: Known, poses: Poses) -> list[Freedom]:
-        """Return a joint's freedoms, wide enough for the true ones."""
-        return [
-            one._replace(
-                axis=widened(one.axis, known.tilt),
-                origin=None if one.origin is None else widened(one.origin, known.shift),
-            )
-            for one in poses.own_freedoms(self._base, link.edge.child)
-        ]
-
-
-def _path(
-    points: Sequence[BallArray], turns: Sequence[int], slides: Sequence[Sequence[int]]
-) -> Path:
-    ways = [upper(norm((end - start).ravel())) for start, end in pairwise(points)]
-    return Path(tuple(turns), tuple(ways), tuple(map(tuple, slides)))
+    def _rate_widths(self, columns: Columns, known: Known) -> list[Array]:
+        """Return how far derivatives of the position may be off: m for a turn, 1 for a slide."""
+        widths: dict[int, Array] = {}
+        for link, _, _ in self._links:
+            turn = OUTWARDS * (known.shift + known.tilt * abs(link.edge.pitch))
+            slide = np.full(turn.shape, known.tilt)
+            for k in range(link.kind.nv):
+                widths[link.column + k] = slide if k < link.kind.slides else turn
+        return [widths[column] for column in columns]

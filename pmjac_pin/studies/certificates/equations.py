@@ -1,28 +1,45 @@
-"""LoopEquations: all loop equations of a mechanism, enclosed at a pose."""
+"""LoopEquations: all loop equations of a mechanism at a pose, and their derivatives around it."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
 from flint import arb
 from numpy.typing import NDArray
 
-from pmjac_pin.algebra.balls import ZERO, exactly
+from pmjac_pin.algebra.balls import ZERO, BallArray, exactly
+from pmjac_pin.algebra.intervals import Intervals
+from pmjac_pin.algebra.jets import Jets
 from pmjac_pin.kinematics.joints import Motion
-from pmjac_pin.kinematics.loops import pair_of
+from pmjac_pin.kinematics.loops import Loops
 from pmjac_pin.kinematics.tree import Link, Poses, Tree
-from pmjac_pin.model.coupling import Coupling, couple
-from pmjac_pin.model.loop_spec import JointLoop, Loop
-from pmjac_pin.model.rows import Rows
-from pmjac_pin.studies.certificates.chains import BALLS, Chain
-from pmjac_pin.studies.certificates.kantorovich import System
-from pmjac_pin.studies.certificates.rows import Bend, Enclosed, enclosed_rows
+from pmjac_pin.model.coupling import Coupling
+from pmjac_pin.model.loop_spec import Loop
+from pmjac_pin.studies.certificates.chains import BALLS, BOXES, Chain
+from pmjac_pin.studies.certificates.neighbourhoods import Neighbourhoods
 from pmjac_pin.studies.certificates.unknowns import Unknowns
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Around:
+    """The derivatives of all rows over nested neighbourhoods of a pose.
+
+    Attributes
+    ----------
+    jacobian : Intervals, shape (b, p, n)
+        One unit of the unknowns is 1 rad or the characteristic length.
+    cosine : ndarray, shape (b,)
+        The least cosine between axes that the rows want to coincide.
+    """
+
+    jacobian: Intervals
+    cosine: Array
 
 
 class LoopEquations:
@@ -47,7 +64,7 @@ class LoopEquations:
     unknowns : Unknowns
     """
 
-    __slots__ = ("_loops", "_passive", "_tree", "unknowns")
+    __slots__ = ("_chains", "_loops", "_tree", "unknowns")
 
     def __init__(
         self,
@@ -57,72 +74,77 @@ class LoopEquations:
         passive: Sequence[int],
     ) -> None:
         self._tree = Tree(model)
-        self._passive = {column: k for k, column in enumerate(passive)}
-        links = self._tree.links
-        edges = {body: link.edge for body, link in links.items()}
-        starts = {
-            body: self._passive[link.column]
-            for body, link in links.items()
-            if link.column in self._passive
-        }
-        self.unknowns = Unknowns(edges, starts)
-        self._loops: list[tuple[Chain, Chain, list[Rows]] | Coupling] = []
-        for loop in loops:
-            if isinstance(loop, JointLoop):
-                self._loops.append(couple(model, loop))
-                continue
-            pair = pair_of(model, self._tree, loop, values)
-            one, other = (
+        self._loops = Loops(model, self._tree, loops, values)
+        self.unknowns = Unknowns(self._tree.links.values(), passive)
+        self._chains = [
+            tuple(
                 Chain(self._tree, pair.base, frame, self.unknowns)
                 for frame in (pair.first, pair.second)
             )
-            self._loops.append((one, other, [block for _, block in pair.blocks]))
+            for pair in self._loops.pairs
+        ]
 
-    def enclosed(self, q: Array) -> list[Enclosed]:
-        """Enclose the blocks of rows at q, in the order of `Mechanism.rows`."""
+    def at(self, q: Array) -> Poses:
+        """Return the poses at q, in balls."""
         entries = exactly(q)[:, None, None]
 
         def motion(link: Link) -> Motion:
             return link.kind.motion(BALLS, entries[link.entries], link.edge.pitch)
 
-        poses, blocks = Poses(self._tree, BALLS, motion), []
-        for loop in self._loops:
-            if isinstance(loop, Coupling):
-                blocks.append(self._coupled(loop, q))
-                continue
-            first, second, rows = loop
-            one, other = first.seen(poses), second.seen(poses)
-            blocks += [enclosed_rows(block, one, other, self._passive) for block in rows]
-        return blocks
+        return Poses(self._tree, BALLS, motion)
 
-    def system(self, blocks: Sequence[Enclosed], length: float) -> System:
-        """Return all rows together, one unit of the unknowns being 1 rad or the length in m."""
-        unit, count = self.unknowns.scale(length), self.unknowns.count
-        groups = [group.columns for group in self.unknowns.groups]
-        scale = np.empty(count)
-        for group, size in zip(groups, unit.tolist(), strict=True):
-            scale[list(group)] = size
-        nothing = np.zeros((0, count), dtype=object)
-        return System(
-            np.concatenate([np.zeros(0, dtype=object), *(block.residual for block in blocks)]),
-            np.vstack([nothing, *(block.jacobian for block in blocks)]) * exactly(scale),
-            groups,
-            np.repeat(np.arange(len(blocks)), [block.residual.size for block in blocks]),
-            [block.bend.bound(unit, unit, length) for block in blocks],
-        )
+    def residual(self, at: Poses, q: Array) -> BallArray:
+        """Return the rows at q, in the order of `Mechanism.rows`, shape (p,)."""
+        found = np.full(self._loops.count, ZERO, dtype=object)
+        jets = Jets(BALLS)
+        for pair, chains in zip(self._loops.pairs, self._chains, strict=True):
+            one, other = (chain.at(at) for chain in chains)
+            for rows, block in pair.blocks:
+                found[rows] = block.equations(jets, one, other).rows.value[:, 0, 0]
+        for row, coupling in self._loops.couplings.items():
+            found[row] = self._coupled(coupling, q)
+        return found
 
-    def _coupled(self, coupling: Coupling, q: Array) -> Enclosed:
+    def around(self, at: Poses, radii: Array, length: float) -> Around:
+        """Return the derivatives up to some radii, shape (b,), from a pose.
+
+        Parameters
+        ----------
+        at : Poses
+        radii : ndarray
+            rad
+        length : float
+            How far one unit slides, m.
+        """
+        places = self.unknowns.places
+        poses = Neighbourhoods(BOXES, at, places, radii, np.nextafter(radii * length, np.inf))
+        shape = (len(radii), self._loops.count, len(places))
+        lower, upper = np.zeros(shape), np.zeros(shape)
+        cosine, jets = np.ones(len(radii)), Jets(BOXES)
+        for pair, chains in zip(self._loops.pairs, self._chains, strict=True):
+            one, other = (chain.around(poses) for chain in chains)
+            for rows, block in pair.blocks:
+                found = block.equations(jets, one, other)
+                columns = [places[column] for column in found.rows.columns]
+                if columns:
+                    lower[:, rows, columns] = np.moveaxis(found.rows.rates.lower, -1, 0)
+                    upper[:, rows, columns] = np.moveaxis(found.rows.rates.upper, -1, 0)
+                if found.cosine is not None:
+                    cosine = np.minimum(cosine, found.cosine.value.lower[0])
+        for row, coupling in self._loops.couplings.items():
+            for column, place in places.items():
+                lower[:, row, place] = upper[:, row, place] = coupling.gradient[column]
+        scale = Intervals.exact(self.unknowns.scale(length))
+        return Around(Intervals(lower, upper) * scale, cosine)
+
+    def _coupled(self, coupling: Coupling, q: Array) -> arb:
         """Enclose a gear's equation, which is linear."""
         first, second = (self._value(column, q) for column in coupling.columns.tolist())
-        residual = second - arb(coupling.ratio) * first - arb(coupling.offset)
+        residual: arb = second - arb(coupling.ratio) * first - arb(coupling.offset)
         if coupling.coordinates.wraps[coupling.columns[1]]:
             turns = round((float(residual.mid())) / math.tau)
             residual -= 2 * turns * arb.pi()
-        jacobian = np.full((1, self.unknowns.count), ZERO, dtype=object)
-        for column, slope in enumerate(exactly(coupling.gradient)):
-            if column in self._passive:
-                jacobian[0, self._passive[column]] = slope
-        return Enclosed(np.array([residual], dtype=object), jacobian, Bend())
+        return residual
 
     def _value(self, column: int, q: Array) -> arb:
         """Return the value of a joint of one degree of freedom."""

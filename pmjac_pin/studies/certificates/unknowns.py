@@ -7,40 +7,14 @@ the axes that it has at the pose, which stand still, and turns so.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.kinematics.joints import JOINT_KINDS
-from pmjac_pin.model.linkage import Edge
+from pmjac_pin.kinematics.tree import Link
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True)
-class Group:
-    """Unknowns that are measured together, by the Euclidean norm.
-
-    Attributes
-    ----------
-    columns : tuple of int
-        Among the unknowns.
-    turns : bool
-        They are an angle or a rotation vector, rad; otherwise slides, m.
-    """
-
-    columns: tuple[int, ...]
-    turns: bool
-
-
-@dataclass(frozen=True, slots=True)
-class JointUnknowns:
-    """The groups of one passive joint."""
-
-    slide: int | None
-    turn: int | None
 
 
 class Unknowns:
@@ -48,35 +22,32 @@ class Unknowns:
 
     Attributes
     ----------
-    groups : tuple of Group
-    of_joint : mapping of int to JointUnknowns
-        By Pinocchio's index of the joint; joints that are held are not in it.
+    places : mapping of int to int
+        Each one's place among them, by its column of v.
+    groups : ndarray, shape (g, unknowns)
+        1 for those that are measured together, by the Euclidean norm: the slides of a joint, or
+        its turns.
     """
 
-    __slots__ = ("groups", "of_joint")
+    __slots__ = ("_slides", "groups", "places")
 
-    def __init__(self, edges: Mapping[int, Edge], starts: Mapping[int, int]) -> None:
-        groups: list[Group] = []
-        self.of_joint: dict[int, JointUnknowns] = {}
-        for joint, start in starts.items():
-            kind = JOINT_KINDS[edges[joint].kind]
-            slides, turns = kind.slides, kind.turns
-            middle, end = start + slides, start + slides + turns
-            slide = turn = None
-            if slides:
-                slide = len(groups)
-                groups.append(Group(tuple(range(start, middle)), False))
-            if turns:
-                turn = len(groups)
-                groups.append(Group(tuple(range(middle, end)), True))
-            self.of_joint[joint] = JointUnknowns(slide, turn)
-        self.groups = tuple(groups)
-
-    @property
-    def count(self) -> int:
-        """The number of unknowns."""
-        return sum(len(group.columns) for group in self.groups)
+    def __init__(self, links: Iterable[Link], passive: Sequence[int]) -> None:
+        self.places = {column: place for place, column in enumerate(passive)}
+        groups: list[tuple[int, ...]] = []
+        self._slides: list[int] = []
+        for link in links:
+            if link.column not in self.places:
+                continue
+            start, slides = self.places[link.column], link.kind.slides
+            parts = range(start, start + link.kind.nv)
+            self._slides += parts[:slides]
+            groups += [tuple(part) for part in (parts[:slides], parts[slides:]) if part]
+        self.groups = np.zeros((len(groups), len(passive)))
+        for marks, group in zip(self.groups, groups, strict=True):
+            marks[list(group)] = 1.0
 
     def scale(self, length: float) -> Array:
-        """Return what a step of norm 1 moves each group by: 1 rad, or the length in m."""
-        return np.array([1.0 if group.turns else length for group in self.groups])
+        """Return what each unknown moves by in a step of norm 1: 1 rad, or the length in m."""
+        scale = np.ones(len(self.places))
+        scale[self._slides] = length
+        return scale

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.rates.partition import independent_rows
+from pmjac_pin.studies.contraction import contraction
 from pmjac_pin.studies.modes.interval_loops import IntervalLoops
 
 Array = NDArray[np.float64]
@@ -91,8 +92,7 @@ def _krawczyk(loops: IntervalLoops, kept: Index, at: Array, boxes: Intervals) ->
     jacobian = loops.evaluate(boxes).jacobian[each, kept]
     residual = loops.residual(middle)[each, kept]
     inverse = np.asarray(np.linalg.pinv(jacobian.middle), dtype=np.float64)
-    rest = Intervals.exact(np.eye(kept.shape[1])) - jacobian.after(inverse)
-    spread = (rest * (boxes - middle)[:, None]).sum(axis=2)
+    spread = (contraction(inverse, jacobian) * (boxes - middle)[:, None]).sum(axis=2)
     image = middle - residual[:, :, None].after(inverse)[:, :, 0] + spread
     inside = np.asarray(boxes.holds(at).all(axis=1, keepdims=True))
     return Intervals(np.where(inside, image.lower, -np.inf), np.where(inside, image.upper, np.inf))

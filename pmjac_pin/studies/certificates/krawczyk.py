@@ -1,0 +1,162 @@
+"""Krawczyk's test over nested neighbourhoods of a point, in the largest norm of groups of unknowns.
+
+With an approximate inverse A of the derivative, let
+
+    Y ≥ |A F(0)|,    Z(r) ≥ ‖I − A J(x)‖ for all |x| ≤ r,    N(r) ≥ ‖A J(x)‖ there,
+
+and M(r) the mean of Z from 0 to r. Where Y + M(r) r ≤ r, x − A F(x) maps the ball of radius r into
+itself, so that it holds a solution; where moreover Z(r) + N(r) r/2 < 1, only one. All solutions
+up to u away are within Y / (1 − M(u)).
+`docs/certificates.md` has the proof.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.algebra.balls import OUTWARDS, BallArray, exactly, norm, upper
+from pmjac_pin.algebra.intervals import Intervals
+from pmjac_pin.studies.contraction import contraction
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+#: The point itself, and the radii that are tried, rad: a factor of 4 apart, then of √2.
+RADII = np.concatenate(
+    [[0.0], 4.0 ** np.arange(-22.0, -5.0), 2.0 ** np.arange(-10.0, 2.0, 0.5), [np.inf]]
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Radii:
+    """What is proven of a system; `failed` says which inequality did not hold.
+
+    Attributes
+    ----------
+    existence, uniqueness : float
+    ball : int
+        Which of the tried radii holds the solution.
+    """
+
+    existence: float
+    uniqueness: float
+    ball: int = 0
+    failed: str = ""
+
+
+def radii(
+    residual: BallArray,
+    jacobian: Intervals,
+    columns: Index,
+    groups: Array,
+    tried: Array = RADII,
+) -> Radii:
+    """Return what Krawczyk's test proves of as many equations as unknowns.
+
+    Parameters
+    ----------
+    residual : BallArray, shape (n,)
+        F at the point.
+    jacobian : Intervals, shape (b, n, m)
+        J, by all unknowns, up to each radius.
+    columns : ndarray of int, shape (n,)
+        The unknowns; the others are held.
+    groups : ndarray, shape (g, m)
+        1 for each unknown of a group, whose Euclidean norms make the norm of all.
+    tried : ndarray, shape (b,)
+        Radii, the first of them 0.
+    """
+    if not residual.size:
+        return Radii(0.0, math.inf)
+    own = jacobian[:, :, columns]
+    try:
+        A = np.asarray(np.linalg.inv(own.middle[0]), dtype=np.float64)
+    except np.linalg.LinAlgError:
+        return _nothing("K* has no inverse: its determinant is zero")
+    some = groups[:, columns]
+    correction = exactly(A) @ residual
+    Y = max(upper(norm(correction[row > 0.0])) for row in some if row.any())
+    Z = _norms(contraction(A, own), some, some)
+    N = _norms(jacobian.after(A), some, groups)
+    return _tested(Y, Z, N, tried)
+
+
+def _tested(Y: float, Z: Array, N: Array, tried: Array) -> Radii:
+    if not Z[0] < 1.0:
+        return _nothing(f"‖I − A K*‖ < 1 does not hold: it may be up to {Z[0]:.3g}")
+    M = _means(Z, tried)
+    # Where M is not a number, nothing holds.
+    reach = OUTWARDS * Y / np.where(M < 1.0, (1.0 - M) / OUTWARDS, np.nan)
+    holds = (reach <= tried) & (OUTWARDS * (Z + 0.5 * N * np.where(N > 0.0, tried, 0.0)) < 1.0)
+    holds[0] = False
+    if not holds.any():
+        return _nothing(_why(Y, M, tried))
+    inner = np.flatnonzero(holds)
+    # Up to the uniqueness radius, all solutions are in a ball that holds only one.
+    outer = int(np.flatnonzero(reach <= tried[inner[-1]])[-1])
+    largest = _between(float(Y / tried[inner[-1]]), Z, M, tried, outer)
+    return Radii(float(reach[inner[0]]), largest, int(inner[0]))
+
+
+def _means(Z: Array, tried: Array) -> Array:
+    """Return bounds on the means of Z from 0 to each radius: it does not decrease."""
+    finite = np.isfinite(tried) & (tried > 0.0)
+    ends = np.where(finite, tried, 0.0)
+    sums = np.cumsum(Z[1:] * np.maximum(np.diff(ends), 0.0))
+    means = Z.copy()
+    means[finite] = OUTWARDS * sums[finite[1:]] / tried[finite]
+    return means
+
+
+def _between(share: float, Z: Array, M: Array, tried: Array, outer: int) -> float:
+    """Return the largest radius, up to the next that was tried, of which M + share < 1 holds."""
+    here = float(tried[outer])
+    if outer + 1 == len(tried) or not np.isfinite(Z[outer + 1]):
+        return here
+    slope, sum_here = float(Z[outer + 1]), float(M[outer]) * here
+    least = 1.0 - OUTWARDS * share
+    if slope <= least:
+        return here
+    # The mean up to r is at most (M(here) here + Z(next) (r − here)) / r.
+    found = (slope * here - sum_here) / (slope - least) / OUTWARDS**10
+    proven = OUTWARDS * (sum_here + slope * (found - here)) <= least * found
+    return found if proven and here < found < tried[outer + 1] else here
+
+
+def _why(Y: float, M: Array, tried: Array) -> str:
+    """Return the inequality, with its numbers where it fails by least."""
+    lack = np.where(M < 1.0, Y - (1.0 - M) * tried, np.inf)
+    best = 1 + int(lack[1:-1].argmin())
+    return (
+        f"Y + M r < r does not hold for any r: Newton's step is Y = {Y:.3g} rad, and ‖I − A K*‖ "
+        f"up to r = {tried[best]:.3g} rad from the pose may be M = {M[best]:.3g} in the mean"
+    )
+
+
+def _norms(matrices: Intervals, rows: Array, columns: Array) -> Array:
+    """Return norms of (b, n, m), rounded up: the largest row of its blocks'."""
+    blocks = block_norms(matrices.magnitude, rows, columns)
+    norms: Array = OUTWARDS * blocks.sum(axis=2).max(axis=1)
+    return norms
+
+
+def block_norms(sizes: Array, rows: Array, columns: Array) -> Array:
+    """Return the Frobenius norms of the blocks of groups, rounded up, shape (..., rows, columns).
+
+    Parameters
+    ----------
+    sizes : ndarray, shape (..., n, m)
+        Not below the absolute values of a matrix.
+    rows, columns : ndarray, shapes (rows, n) and (columns, m)
+        1 for each member of a group.
+    """
+    blocks: Array = OUTWARDS * np.sqrt(rows @ sizes**2 @ columns.T)
+    return blocks
+
+
+def _nothing(failed: str) -> Radii:
+    return Radii(math.inf, 0.0, 0, failed)
