@@ -10,6 +10,7 @@ import math
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import lru_cache
 
 import numpy as np
 from flint import arb, ctx
@@ -98,9 +99,15 @@ def rotation_width(matrix: ArrayLike) -> float:
     factor U of P has ‖P − U‖ ≤ ‖PPᵀ − I‖, since each singular value σ of P has |σ − 1| ≤ |σ² − 1|.
     Fewer rows, of unit length and perpendicular, do as well.
     """
-    stored = exactly(matrix)
-    defect = upper(norm((stored @ stored.T - np.eye(len(stored))).ravel()))
-    return PLACEMENT_WIDTH + defect
+    stored = np.asarray(matrix, dtype=float)
+    return _rotation_width(stored.tobytes(), stored.shape)
+
+
+@lru_cache(maxsize=4096)
+def _rotation_width(entries: bytes, shape: tuple[int, ...]) -> float:
+    with precise():
+        stored = exactly(np.frombuffer(entries).reshape(shape))
+        return PLACEMENT_WIDTH + upper(norm((stored @ stored.T - np.eye(len(stored))).ravel()))
 
 
 def widened(numbers: BallArray, width: float) -> BallArray:
