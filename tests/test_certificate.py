@@ -326,3 +326,14 @@ def test_no_other_mode_is_within_the_uniqueness_radius(name, rng):
 def kinds_of(mechanism, names):
     model = mechanism.model
     return [model.joints[model.getJointId(name)].shortname() for name in names]
+
+
+def test_what_is_proven_does_not_depend_on_the_precision_of_the_process():
+    found = []
+    for precision in (53, 30, 200):
+        flint.ctx.prec = precision
+        try:
+            found.append(pj.certify(pj.load("three_rps_ss").home).existence_radius)
+        finally:
+            flint.ctx.prec = 53
+    assert found == [found[0]] * 3

@@ -136,7 +136,8 @@ def _equations(mechanism: Mechanism) -> LoopEquations:
     if equations is None:
         passive = mechanism.problem.partition.passive.tolist()
         model, loops = mechanism.kinematics.model, mechanism.spec.loops
-        equations = LoopEquations(model, loops, mechanism.parameters, passive)
+        with precise():  # or they would be as sharp as the process happens to be
+            equations = LoopEquations(model, loops, mechanism.parameters, passive)
         _EQUATIONS[mechanism] = equations
     return equations
 
