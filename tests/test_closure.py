@@ -67,7 +67,7 @@ def test_long_steps_end_where_short_ones_do(name, rng):
     """Beside singularities, too, and beyond the limits: at the target or at the same fold."""
     mechanism = mechanisms.rocker_rocker() if name == "rocker_rocker" else pj.load(name)
     start, outcomes = mechanism.home, {"closed": 0, "stopped": 0}
-    for _ in range(40):
+    for _ in range(25):
         target = start.actuated + rng.uniform(-1.5, 1.5, len(mechanism.actuated))
         expected, share = in_short_steps(start, target)
         try:

@@ -6,12 +6,20 @@ import importlib.metadata
 import os
 from pathlib import Path
 
-from pmjac_pin.errors import ArgumentError, ModelFileError, UnknownNameError, did_you_mean, quoted
+from pmjac_pin.errors import (
+    ArgumentError,
+    ModelFileError,
+    UnknownNameError,
+    did_you_mean,
+    quoted,
+    shortened,
+)
 from pmjac_pin.files.text_file import at_file
 from pmjac_pin.files.user_path import followed, is_file, told, user_path
 
 SUFFIXES = (".toml", ".urdf", ".sdf", ".xml", ".mjcf")  # of files that tell of a mechanism
 _EXAMPLE_ROBOTS = "example-robot-data:"
+_LONGEST = 300  # characters of all places in which a URDF was looked for
 
 
 def list_mechanisms() -> tuple[str, ...]:
@@ -83,7 +91,7 @@ def find_urdf(urdf: str, model_file: Path) -> Path:
     for place in places:
         if is_file(place):
             return place
-    looked = " nor ".join(map(told, places))
+    looked = " nor ".join(shortened(str(place), _LONGEST // len(places)) for place in places)
     neither = "neither" if len(places) > 1 else "no"
     message = f"the URDF {quoted(urdf)} does not exist: {neither} {looked}"
     raise ModelFileError(f"{told(model_file)}: {message}", path=str(model_file))
