@@ -195,8 +195,8 @@ def shortened(text: str, most: int = _LONGEST_QUOTE) -> str:
 
     Examples
     --------
-    >>> shortened("/home/me/four_bar.toml")
-    '/home/me/four_bar.toml'
+    >>> shortened("models/four_bar.toml")
+    'models/four_bar.toml'
     >>> shortened("the quick brown fox jumps over the lazy dog", 20)
     'the quick...lazy dog'
     """

@@ -281,8 +281,8 @@ def test_names_that_matplotlib_or_json_would_trip_over(shown, tmp_path):
     for name in ("a$b$_{c.toml", os.fsdecode(b"\xff.toml")):
         path = tmp_path / name
         path.write_text(model, encoding="utf-8")
-        json.loads(shown("report", str(path), "--json"))
-        shown("plot", str(path), "-o", "figure.png")
+        assert json.loads(shown("report", str(path), "--json"))["mechanism"]
+        assert shown("plot", str(path), "-o", "figure.png").strip() == "figure.png"
 
 
 # --- mistakes ----------------------------------------------------------------------------------

@@ -101,16 +101,18 @@ def follow(
             continue
         iterations += candidate.iterations
         point, velocity, share = candidate, arriving, 1.0 if last else share + stride
-        sinking, weakest = _weakest(candidate, partition) < weakest, _weakest(candidate, partition)
-        if last or _is_singular(point, partition):
-            break
-        if sinking and weakest <= partition.rank_tolerance * partition.size:
+        before, weakest = weakest, _weakest(point, partition)
+        if last or _is_singular(point, partition) or _sinks_away(before, weakest, partition):
             break
         step = 2.0 * stride
     ended = Followed(point, share, iterations, spent=tries == MOST_STEPS)
-    if share < 1.0 and (1.0 - share) * distance <= _HARDLY_ANYTHING * partition.length:
-        return _arrived(problem, ended, target) or ended
-    return ended
+    near = (1.0 - share) * distance <= _HARDLY_ANYTHING * partition.length
+    return (_arrived(problem, ended, target) if near and share < 1.0 else None) or ended
+
+
+def _sinks_away(before: float, weakest: float, partition: Partition) -> bool:
+    """Tell whether K* has come nearer to losing its rank and is beyond its tolerance already."""
+    return weakest < before and weakest <= partition.rank_tolerance * partition.size
 
 
 def _arrived(
