@@ -131,30 +131,30 @@ def test_where_the_loops_are_cut_changes_nothing(name):
         break
 
 
-# Machines whose modes are found within a second or two.
-MODES = (
-    *("four_bar", "slider_crank", "five_bar", "bennett"),
-    *("watt_six_bar", "planar_3rrr", "planar_3rpr", "bricard", "ankle", "three_rps"),
-    *("three_rps_ss", "agile_eye", "delta_rods", "stewart_gough", "stewart_gough_dietmaier"),
-)
+MODES = pj.list_mechanisms()
+MODE_WAYS = ("1e7 m away", "turned", "turned and far", "in mm", "in km")
+LONG = ("delta", "sarrus")  # a search of them takes five seconds or more
+QUICK_MODES = ("four_bar", "slider_crank", "five_bar", "bennett", "serial_2r")
 
 
-@pytest.mark.parametrize(
-    ("name", "way"),
-    [
-        pytest.param(
-            name, way, marks=[] if name in MODES[:4] and way in QUICK[:2] else pytest.mark.slow
-        )
-        for name in MODES
-        for way in ("1e7 m away", "turned", "turned and far", "in mm", "in km")
-    ],
-)
+def modes_and_ways():
+    """Every machine of the catalogue written in every way; each random one in one of them."""
+    for name in MODES:
+        for way in MODE_WAYS if name not in LONG else ("turned and far", "in km"):
+            quick = name in QUICK_MODES and way in QUICK
+            yield pytest.param(name, way, marks=[] if quick else pytest.mark.slow)
+    for seed in range(50):
+        way = MODE_WAYS[seed // 5 % len(MODE_WAYS)]  # five kinds take turns
+        yield pytest.param(f"random {seed}", way, marks=[] if seed in (4, 8) else pytest.mark.slow)
+
+
+@pytest.mark.parametrize(("name", "way"), list(modes_and_ways()))
 def test_how_many_modes_there_are_and_what_that_rests_on(name, way):
     """Beside the machine with the same tolerance: a proof is of poses that close to that."""
     mechanism = machine(name)
     other = WAYS[way](mechanism)
     if "far" in way or "away" in way:
-        mechanism = pj.load(name, tolerance=other.tolerance)
+        mechanism = transformed.rebuilt(mechanism, tolerance=other.tolerance)
     here, there = (pj.assembly_modes(one, one.home.actuated, rng=0) for one in (mechanism, other))
     assert (len(there), there.ways) == (len(here), here.ways)
     assert there.complete.kind == here.complete.kind

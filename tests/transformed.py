@@ -9,7 +9,7 @@ import pinocchio as pin
 import pmjac_pin as pj
 
 
-def rebuilt(mechanism, model=None, loops=None, home=None):
+def rebuilt(mechanism, model=None, loops=None, home=None, tolerance=None):
     """The mechanism of another model or other loops, else as it is."""
     spec = mechanism.spec
     return pj.Mechanism.from_pinocchio(
@@ -20,7 +20,7 @@ def rebuilt(mechanism, model=None, loops=None, home=None):
         passive=spec.passive,
         home=mechanism.home.q if home is None else home,
         name=mechanism.name,
-        tolerance=spec.tolerance,
+        tolerance=spec.tolerance if tolerance is None else tolerance,
     )
 
 

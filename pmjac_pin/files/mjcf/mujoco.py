@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import re
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -18,6 +19,7 @@ from pmjac_pin.files.mjcf.file import MjcfFile
 from pmjac_pin.files.mjcf.names import Places, called, check_name
 
 _LONGEST = 300  # characters of one of MuJoCo's messages
+_MASS_MATRIX = "Inertia matrix"  # what a warning of it begins with; nobody reads that here
 _KNOWN_MASS = ("PLANE", "HFIELD", "SPHERE", "CAPSULE", "ELLIPSOID", "CYLINDER", "BOX")
 
 
@@ -35,12 +37,15 @@ class Compiled:
         The geoms that would need another file.
     unknown_mass : frozenset of int
         Bodies of which a mesh would make the mass.
+    notes : tuple of str
+        What MuJoCo warns of.
     """
 
     model: Any
     equalities: tuple[str, ...]
     meshes: frozenset[int]
     unknown_mass: frozenset[int]
+    notes: tuple[str, ...]
 
 
 def compiled(file: MjcfFile) -> Compiled:
@@ -61,13 +66,20 @@ def compiled(file: MjcfFile) -> Compiled:
     meshes = _without_meshes(mujoco, spec)
     for joint in spec.joints:
         joint.armature = 1.0  # the mass matrix, which nobody reads, must not be singular
-    with _refusals(root):
+    with _refusals(root), warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always")
         model = spec.compile()
+    said = [str(one.message) for one in warned]
     return Compiled(
         model=model,
         equalities=labels,
         meshes=frozenset(geom.id for geom, _ in meshes),
         unknown_mass=frozenset(geom.parent.id for geom, heavy in meshes if heavy),
+        notes=tuple(
+            f"MuJoCo warns: {shortened(text, _LONGEST)}"
+            for text in said
+            if not text.startswith(_MASS_MATRIX)
+        ),
     )
 
 
