@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 import re
-import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -19,7 +18,7 @@ from pmjac_pin.files.mjcf.file import MjcfFile
 from pmjac_pin.files.mjcf.names import Places, called, check_name
 
 _LONGEST = 300  # characters of one of MuJoCo's messages
-_MASS_MATRIX = "Inertia matrix"  # what a warning of it begins with; nobody reads that here
+_HEAVY = 1e30  # kg m², beside all that a file may say
 _KNOWN_MASS = ("PLANE", "HFIELD", "SPHERE", "CAPSULE", "ELLIPSOID", "CYLINDER", "BOX")
 
 
@@ -37,15 +36,12 @@ class Compiled:
         The geoms that would need another file.
     unknown_mass : frozenset of int
         Bodies of which a mesh would make the mass.
-    notes : tuple of str
-        What MuJoCo warns of.
     """
 
     model: Any
     equalities: tuple[str, ...]
     meshes: frozenset[int]
     unknown_mass: frozenset[int]
-    notes: tuple[str, ...]
 
 
 def compiled(file: MjcfFile) -> Compiled:
@@ -65,21 +61,14 @@ def compiled(file: MjcfFile) -> Compiled:
     _check_values(spec)
     meshes = _without_meshes(mujoco, spec)
     for joint in spec.joints:
-        joint.armature = 1.0  # the mass matrix, which nobody reads, must not be singular
-    with _refusals(root), warnings.catch_warnings(record=True) as warned:
-        warnings.simplefilter("always")
+        joint.armature = _HEAVY  # the mass matrix, which nobody reads, must not be singular
+    with _refusals(root):
         model = spec.compile()
-    said = [str(one.message) for one in warned]
     return Compiled(
         model=model,
         equalities=labels,
         meshes=frozenset(geom.id for geom, _ in meshes),
         unknown_mass=frozenset(geom.parent.id for geom, heavy in meshes if heavy),
-        notes=tuple(
-            f"MuJoCo warns: {shortened(text, _LONGEST)}"
-            for text in said
-            if not text.startswith(_MASS_MATRIX)
-        ),
     )
 
 

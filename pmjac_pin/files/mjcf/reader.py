@@ -69,7 +69,7 @@ def _foreign_model(kept: Kept, path: Path) -> ForeignModel:
     motors, idle = read_motors(found.model, names.joints, joints, held)
     home, moved = read_home(found.model, joints.values(), held)
     fixed = [f"joint {joint!r} is held at {held[joint]:g}" for joint in held]
-    left_out = [*found.notes, *body_notes(found.model, names), *kept.notes, *left_out]
+    left_out = [*body_notes(found.model, names), *kept.notes, *left_out]
     return ForeignModel(
         name=name,
         urdf=lock_joints(Urdf.of(tree.urdf.robot, str(path)), held),
