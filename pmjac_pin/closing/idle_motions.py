@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.damped_closure import assemble
-from pmjac_pin.rates.factorisation import Factorisation
+from pmjac_pin.rates.factorisation import Factorisation, factorise
 from pmjac_pin.values.norm import norm
 
 Array = NDArray[np.float64]
@@ -79,11 +79,8 @@ def _by_what_changes(
     free, left = passive.right[rank:].T, passive.left[:, rank:]
     allowed = partition.factorise(scaled, partition.size_of(scaled)).null_space
     changes = [left.T @ _derivative(problem, q, v) @ free for v in allowed.T]
-    stacked = np.vstack(changes)
-    _, values, right = np.linalg.svd(np.pad(stacked, ((0, free.shape[1]), (0, 0))))
-    seen = int(np.count_nonzero(values > _SEEN * partition.size_of(scaled)))
-    turned: Array = right.T
-    return turned if seen == partition.passive_rank - rank else None
+    seen = factorise(np.vstack(changes), partition.size_of(scaled), _SEEN)
+    return seen.right.T if seen.rank == partition.passive_rank - rank else None
 
 
 def _derivative(problem: ClosureProblem, q: Array, v: Array) -> Array:
@@ -105,9 +102,8 @@ def _by_neighbours(problem: ClosureProblem, q: Array, scaled: Array, free: Array
     """Return an orthogonal matrix, its last columns those nearest to null K* at regular poses."""
     for distance in _DISTANCES:
         if found := list(_regular_null_spaces(problem, q, scaled, distance)):
-            order = np.linalg.svd(free.T @ np.hstack(found))[0]
-            nearest_last: Array = order[:, ::-1]
-            return nearest_last
+            nearest_first = factorise(free.T @ np.hstack(found), 1.0).left
+            return nearest_first[:, ::-1]
     return None
 
 

@@ -11,12 +11,12 @@ import math
 from collections.abc import Iterable, Iterator
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.values.norm import norm
+from pmjac_pin.values.ties import pivots
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -67,7 +67,7 @@ def reach_of_joints(problem: ClosureProblem, q: Array) -> float:
     """
     rng = np.random.default_rng(0)
     allowed = _allowed(problem, q)
-    leading = scipy.linalg.qr(allowed.T, mode="r", pivoting=True)[1][: allowed.shape[1]]
+    leading = pivots(allowed.T, allowed.shape[1])
     steps, farthest = allowed @ np.linalg.inv(allowed[leading]), math.inf
     for step in steps.T:
         farthest = min(farthest, _reach(problem, q, step, leading, rng))

@@ -14,6 +14,8 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
+from pmjac_pin.rates.factorisation import factorise
+
 Array = NDArray[np.float64]
 
 # By the ranks of the rotations and of the pure translations among the twists.
@@ -74,6 +76,5 @@ def _bracket(one: Array, other: Array) -> Array:
 
 
 def _orthonormal(columns: Array, tolerance: float) -> Array:
-    left, values, _ = np.linalg.svd(columns, full_matrices=False)
-    basis: Array = left[:, values > tolerance]
-    return basis
+    factors = factorise(columns, 1.0, tolerance)
+    return factors.left[:, : factors.rank]

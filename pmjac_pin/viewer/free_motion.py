@@ -11,6 +11,7 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.files.shapes import Array, Cone, Cylinder
 from pmjac_pin.pictures.anatomy import Anatomy
 from pmjac_pin.pictures.bodies import Point, Points
+from pmjac_pin.rates.factorisation import factorise
 from pmjac_pin.viewer.items import Part, between
 from pmjac_pin.viewer.layers import SPECK, Drawing, Pose, distinct, part_of_path, specks
 from pmjac_pin.viewer.palette import FREE
@@ -73,7 +74,7 @@ class FreeMotionLayer:
             moved.append(np.vstack([split.Jv_star @ rates, points]))
         if len(moved) == 1:
             return moved[0]
-        weights = np.linalg.svd(np.array(moved).reshape(len(moved), -1).T)[2][0]
+        weights = factorise(np.array(moved).reshape(len(moved), -1).T, 1.0).right[0]
         easiest: Array = np.tensordot(weights, np.array(moved), 1)
         return easiest
 
@@ -114,8 +115,8 @@ def easiest_motions(configuration: Configuration) -> Array:
     passive = partition.passive
     if singularity.smallest >= NEAR_SINGULAR:
         return np.zeros((passive.size, 0))
-    scaled = partition.scaled(configuration.split_jacobian().constraint_jacobian)[:, passive]
-    weakest = np.linalg.svd(scaled)[2][singularity.generic_rank - 1]
+    loops = partition.loop_rates(configuration.split_jacobian().constraint_jacobian)
+    weakest = loops.passive.right[singularity.generic_rank - 1]
     rates: Array = partition.column_scale[passive] * weakest
     return rates[:, None]
 

@@ -240,5 +240,5 @@ def _tool_share(configuration: Configuration, jacobian: EquivalentJacobian) -> f
     scaled = scaled[rows.linear + rows.angular]
     if not rank or not norm(scaled):
         return 1.0
-    values = np.linalg.svd(scaled, compute_uv=False)
+    values = partition.factorise(scaled, norm(scaled)).singular_values
     return float(values[rank - 1] / values[0]) if rank <= values.size else 1.0

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from pmjac_pin.errors import PmjacError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.tool_rows import ToolRows
+from pmjac_pin.rates.factorisation import factorise
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 
 Array = NDArray[np.float64]
@@ -54,8 +55,8 @@ class ToolRanks:
         (2, 1)
         """
         probes = list(_probes(mechanism))
-        found = [_singular_values(jacobian) for jacobian in probes]
-        sizes = [max((float(pair[half].max()) for pair in found), default=0.0) for half in (0, 1)]
+        found = [tuple(map(_largest, _halves(jacobian))) for jacobian in probes]
+        sizes = [max((pair[half] for pair in found), default=0.0) for half in (0, 1)]
         linear = max((jacobian.tool_ranks.linear for jacobian in probes), default=0)
         angular = max((jacobian.tool_ranks.angular for jacobian in probes), default=0)
         return cls((linear, angular), (sizes[0], sizes[1]))
@@ -65,8 +66,8 @@ class ToolRanks:
         (_, *ranks), rows = jacobian.tool_ranks, jacobian.partition.tool_rows
         if lost := self._drops(rows, ranks, "has"):
             return f"Here the tool cannot move in every way that it can elsewhere: {lost}."
-        of_both = zip(_singular_values(jacobian), self.sizes, strict=True)
-        large = [int((values > _NEARLY_ZERO * size).sum()) for values, size in of_both]
+        of_both = zip(_halves(jacobian), self.sizes, strict=True)
+        large = [factorise(half, size, _NEARLY_ZERO).rank for half, size in of_both]
         if almost := self._drops(rows, large, "is near"):
             return f"Here the tool almost loses a way to move: {almost}."
         return ""
@@ -81,15 +82,14 @@ class ToolRanks:
         )
 
 
-def _singular_values(jacobian: EquivalentJacobian) -> tuple[Array, Array]:
-    """Return three singular values for each half, of motor rates without dimension."""
-    partition = jacobian.partition
-    scale = partition.column_scale[partition.actuated]
-    halves = []
-    for half in (jacobian.Jv_eq, jacobian.Jw_eq):
-        values = np.linalg.svd(half * scale, compute_uv=False)
-        halves.append(np.pad(values, (0, 3 - values.size)))
-    return halves[0], halves[1]
+def _halves(jacobian: EquivalentJacobian) -> tuple[Array, Array]:
+    """Return [J_v]eq and [J_ω]eq, of motor rates without dimension."""
+    scale = jacobian.partition.column_scale[jacobian.partition.actuated]
+    return jacobian.Jv_eq * scale, jacobian.Jw_eq * scale
+
+
+def _largest(half: Array) -> float:
+    return float(factorise(half, 1.0).singular_values.max(initial=0.0))
 
 
 def _probes(mechanism: Mechanism) -> Iterator[EquivalentJacobian]:

@@ -68,6 +68,5 @@ def _between(machine: Machine, data: pin.Data, twists: Array, index: int, loop: 
     rows = machine.kinematics.loops.rows_by_twists(model, data, index, metres)
     scaled = rows * partition.row_scale[machine.kinematics.loops.slices[index], None]
     scaled /= partition.length
-    rank = int(np.linalg.matrix_rank(scaled, tol=tolerance))
     names = tuple(model.names[joint] for joint in joints)
-    return LoopMotion(names, group_name(algebra, tolerance), rank)
+    return LoopMotion(names, group_name(algebra, tolerance), partition.factorise(scaled, 1.0).rank)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.kinematics.many import WorldPoses
+from pmjac_pin.rates.factorisation import Factorisation
 from pmjac_pin.studies.modes.search import ManyClosures
 from pmjac_pin.studies.modes.search_problem import SearchProblem
 
@@ -56,7 +57,7 @@ class Idling:
             return cls(problem, (), 0.0)
         some = rows[np.unique(np.linspace(0, len(rows) - 1, _TRIED).astype(int))]
         rows = _regular(problem, _wandered(problem, some))
-        gaps = problem.loops.evaluate(rows)[0] * problem.row_scale / problem.length
+        gaps = problem.loops.evaluate(rows)[0] * problem.partition.row_scale / problem.length
         looseness = _LOOSE * float(np.linalg.norm(gaps, axis=1).max())
         return cls(problem, tuple(_steps(problem, rows)), looseness)
 
@@ -105,17 +106,14 @@ class Idling:
 
 def isolated(problem: SearchProblem, rows: Array) -> Mask:
     """Tell at which closed poses (b, nq) nothing moves but what idles at every pose."""
-    K_star, sizes = scaled_passive(problem, rows)
-    values = np.asarray(np.linalg.svd(K_star, compute_uv=False), float)
-    ranks = (values > problem.rank_tolerance * sizes[:, None]).sum(axis=1)
-    return np.asarray(ranks >= problem.columns.size - problem.idle)
+    ranks = np.array([factors.rank for factors in _passive(problem, rows)])
+    return np.asarray(ranks >= problem.partition.passive_rank)
 
 
-def scaled_passive(problem: SearchProblem, rows: Array) -> tuple[Array, Array]:
-    """Return K* (b, p, m_p), dimensionless, at rows of q, and the sizes (b,) of [K K*] there."""
-    _, jacobian = problem.loops.evaluate(rows)
-    scaled = jacobian * problem.row_scale[:, None] * problem.column_scale
-    return scaled[:, :, problem.columns], np.linalg.norm(scaled, axis=(1, 2))
+def _passive(problem: SearchProblem, rows: Array) -> list[Factorisation]:
+    """Return K*, without dimension, factorised at rows of q."""
+    jacobians = problem.loops.evaluate(rows)[1]
+    return [problem.partition.loop_rates(jacobian).passive for jacobian in jacobians]
 
 
 def _steps(problem: SearchProblem, rows: Array) -> list[tuple[WorldPoses, WorldPoses]]:
@@ -129,7 +127,7 @@ def _steps(problem: SearchProblem, rows: Array) -> list[tuple[WorldPoses, WorldP
 
 def _wandered(problem: SearchProblem, rows: Array) -> Array:
     """Return closed poses, and where they are after having idled for a while."""
-    strides = np.full(problem.columns.size, problem.length)
+    strides = np.full(problem.partition.passive.size, problem.length)
     rng, closures = np.random.default_rng(0), ManyClosures(problem, strides)
     there = [rows]
     for _ in range(_TURNS):
@@ -141,19 +139,20 @@ def _wandered(problem: SearchProblem, rows: Array) -> Array:
 
 def _regular(problem: SearchProblem, rows: Array) -> Array:
     """Return the regular ones of closed poses, at least the most regular one."""
-    K_star, sizes = scaled_passive(problem, rows)
-    values = np.linalg.svd(K_star, compute_uv=False)
-    rank = problem.columns.size - problem.idle
-    smallest = values[:, rank - 1] / sizes if rank else np.ones(len(rows))
+    rank, found = problem.partition.passive_rank, _passive(problem, rows)
+    if not rank:
+        return rows
+    smallest = np.array([one.singular_values[rank - 1] / one.size for one in found])
     return np.asarray(rows[smallest >= min(_REGULAR, float(smallest.max()))])
 
 
 def _motions(problem: SearchProblem, rows: Array) -> Array:
     """Return a basis of the idle motions at closed poses, v (b, idle, nv)."""
-    _, _, right = np.linalg.svd(scaled_passive(problem, rows)[0])
-    motions = np.zeros((len(rows), problem.idle, problem.column_scale.size))
-    rank = problem.columns.size - problem.idle
-    motions[:, :, problem.columns] = right[:, rank:] * problem.column_scale[problem.columns]
+    partition = problem.partition
+    passive, scale = partition.passive, partition.column_scale
+    motions = np.zeros((len(rows), problem.idle, scale.size))
+    for motion, factors in zip(motions, _passive(problem, rows), strict=True):
+        motion[:, passive] = factors.right[partition.passive_rank :] * scale[passive]
     return motions
 
 

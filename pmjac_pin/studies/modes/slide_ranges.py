@@ -22,6 +22,7 @@ from pmjac_pin.model.frames import Frame, find_frame
 from pmjac_pin.model.linkage import Edge, edges_of
 from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.model.rows import Distance, Gap
+from pmjac_pin.rates.factorisation import factorise
 from pmjac_pin.studies.modes.search_problem import SearchProblem
 
 Array = NDArray[np.float64]
@@ -238,8 +239,7 @@ def _tighten(
 def _independent(side: _Side, slides: Mapping[str, _Slide]) -> bool:
     """Tell whether the place at the end of a side gives what slides in it."""
     axes = np.column_stack([np.zeros((3, 0)), *(slides[name].axes for name, _ in side.slides)])
-    values = np.linalg.svd(axes, compute_uv=False)
-    return axes.shape[1] <= 3 and bool((values > _PARALLEL).all())
+    return bool(factorise(axes, 1.0, _PARALLEL).rank == axes.shape[1])
 
 
 def _bound(
@@ -255,7 +255,7 @@ def _bound(
     by d, and so |Z (d + Z⁺c)|² at most rest² − |c − Z Z⁺c|².
     """
     axes = np.column_stack([sense * slides[name].axes for name, sense in group])
-    inverse = np.linalg.pinv(axes)
+    inverse = factorise(axes, 1.0).inverse(axes.shape[1])
     middle = -inverse @ side.vector
     aside = side.vector + axes @ middle
     left = math.sqrt(max(0.0, rest**2 - float(aside @ aside)))

@@ -99,7 +99,7 @@ class StartSpace:
                 widest = float((reached.upper - reached.lower).max())
                 columns = slice(joint.idx_v, joint.idx_v + reached.lower.size)
                 found[columns] = max(problem.length, _STRIDE * widest)
-        return np.asarray(found[problem.columns])
+        return np.asarray(found[problem.partition.passive])
 
     def draw(self, rng: np.random.Generator, count: int) -> Array:
         """Return `count` random rows of q."""
