@@ -19,7 +19,7 @@ from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.partition import Partition, independent_rows
 from pmjac_pin.studies.certificates.equations import LoopEquations
-from pmjac_pin.studies.certificates.krawczyk import RADII, block_norms, radii
+from pmjac_pin.studies.krawczyk import RADII, block_norms, radii
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
