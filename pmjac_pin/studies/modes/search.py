@@ -4,6 +4,9 @@ Damped Newton (Levenberg–Marquardt) runs from all starts of a batch at once. T
 start space that leads to poses not seen yet is bounded with a confidence 1 − δ: had n starts in
 a row, drawn after the last new pose, met none, then (1 − p)ⁿ ≥ δ, hence p ≤ −ln δ / n. The k-th
 such question gets δₖ = 6δ/(πk)², so that all of them together err with probability δ at most.
+
+That of one pose, `closing/damped_closure.py`, is another one: here a single pose would take several
+times as long, and there hundreds of starts a hundred times, each of them by itself.
 """
 
 from __future__ import annotations
