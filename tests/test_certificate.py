@@ -176,7 +176,7 @@ def test_nothing_is_certified_where_the_loops_cannot_close(offset):
     assert certificate.existence_radius == math.inf
     assert certificate.uniqueness_radius == 0.0
     assert "does not hold" in certificate.failed or "determinant" in certificate.failed
-    assert certificate.statement.startswith("nothing is proven: ")
+    assert certificate.evidence.kind == "nothing"
 
 
 def test_towards_a_singularity_the_radii_close_in_and_the_inequality_is_named():
@@ -239,10 +239,10 @@ def test_held_and_left_out_are_named():
     spin = pj.certify(mechanisms.rssr().home)
     assert len(spin.held) == 1
     assert set(spin.held) <= {"rx", "ry", "rz"}
-    assert f"with {spin.held[0]} held" in spin.statement
+    assert f"with {spin.held[0]} held" in spin.evidence.statement
     planar = pj.certify(pj.load("four_bar").home)
     assert planar.left_out == ("coupler_tip-rocker_tip z",)
-    assert "1 dependent row" in planar.statement
+    assert "1 dependent row" in planar.evidence.statement
 
 
 def test_the_unit_of_length_changes_no_radius():

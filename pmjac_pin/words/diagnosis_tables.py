@@ -27,6 +27,7 @@ def diagnosis_blocks(diagnosis: Diagnosis) -> Iterator[Block]:
     yield Heading("Loops")
     yield from _loops(diagnosis)
     yield _mobility(diagnosis.mobility)
+    yield Paragraph(f"Mobility and ranks rest on {diagnosis.evidence}.")
     yield from _dependent(diagnosis)
     yield from _actuation(diagnosis)
     yield Heading("Poses and joints")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 import msgspec
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +11,7 @@ from pmjac_pin.closing.motor_values import motor_values as given_values
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.certificates.certificate import certify
+from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
 from pmjac_pin.studies.homotopy.operation_modes import OperationModes
 from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
@@ -53,13 +52,13 @@ class CertificateReport(msgspec.Struct, frozen=True):
         A solution is no farther than this, rad; infinite where none is proven.
     uniqueness_radius : float
         No second one is nearer than this, rad.
-    statement : str
+    evidence : Evidence
     """
 
     certified: bool
     existence_radius: float
     uniqueness_radius: float
-    statement: str
+    evidence: Evidence
 
 
 class ModeReport(msgspec.Struct, frozen=True, kw_only=True):
@@ -118,15 +117,6 @@ class ModeReport(msgspec.Struct, frozen=True, kw_only=True):
     certificate: CertificateReport
 
 
-class CompletenessReport(msgspec.Struct, frozen=True):
-    """What it rests on that no mode is missing: see `Completeness`."""
-
-    kind: Literal["proof", "statistics", "tolerance", "neither"]
-    statement: str
-    unseen: float
-    confidence: float
-
-
 class ModesReport(msgspec.Struct, frozen=True, kw_only=True):
     """The assembly modes of a mechanism at given motor values.
 
@@ -141,7 +131,8 @@ class ModesReport(msgspec.Struct, frozen=True, kw_only=True):
         Whether the joints had to be within their limits.
     starts : int
         Random starts that were tried.
-    complete : CompletenessReport
+    evidence : Evidence
+        What it rests on that no mode is missing.
     solutions : SolutionsReport or None
         All complex solutions, where they were asked for.
     modes : tuple of ModeReport
@@ -154,7 +145,7 @@ class ModesReport(msgspec.Struct, frozen=True, kw_only=True):
     motors: tuple[JointValue, ...]
     limits: bool
     starts: int
-    complete: CompletenessReport
+    evidence: Evidence
     solutions: SolutionsReport | None
     modes: tuple[ModeReport, ...]
 
@@ -192,7 +183,7 @@ def make_modes_report(
     >>> [(m.number, m.poses, m.sign) for m in make_modes_report(mechanism, [0.9], modes).modes]
     [(1, (), -1), (2, ('home',), 1)]
     """
-    labels, complete = Labels.of(mechanism), modes.complete
+    labels = Labels.of(mechanism)
     motors = given_values(mechanism.spec, mechanism.coordinates, actuated)
     numbers: tuple[int | None, ...] = (None,) * len(modes)
     if solutions is not None and operation_modes is not None:
@@ -205,9 +196,7 @@ def make_modes_report(
         motors=motor_values(motors, labels),
         limits=limits,
         starts=modes.starts,
-        complete=CompletenessReport(
-            complete.kind, complete.statement, complete.unseen, complete.confidence
-        ),
+        evidence=modes.evidence,
         solutions=None if solutions is None else make_solutions_report(solutions, operation_modes),
         modes=_modes(mechanism, modes, labels, numbers),
     )
@@ -275,4 +264,4 @@ def _mode(
 def _certificate(mode: Configuration) -> CertificateReport:
     found = certify(mode)
     radii = (found.existence_radius, found.uniqueness_radius)
-    return CertificateReport(bool(found), *radii, found.statement)
+    return CertificateReport(bool(found), *radii, found.evidence)

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from scipy.spatial.transform import Rotation
 
+from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.values.brief import brief
 from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table, numbers
 from pmjac_pin.words.modes_report import ModeReport, ModesReport
@@ -30,9 +31,9 @@ def modes_blocks(report: ModesReport) -> Iterator[Block]:
         yield _table(report)
         yield Paragraph(_legend(report))
         yield _tools(report)
-    yield Paragraph(f"Complete? {report.complete.statement}.")
+    yield Paragraph(no_more(report.evidence))
     if report.solutions is not None:
-        yield from _solutions(report.solutions, report.complete.statement)
+        yield from _solutions(report.solutions, report.evidence)
 
 
 def modes_title(report: ModesReport) -> str:
@@ -59,24 +60,29 @@ def count(report: ModesReport) -> str:
     return f"{found or 'No'} assembly mode{'s' * (found != 1)} {within}{turned}."
 
 
+def no_more(evidence: Evidence) -> str:
+    """Say in a sentence what it rests on that no mode is missing."""
+    return f"That there are no more rests on {evidence}."
+
+
 def _legend(report: ModesReport) -> str:
     if all(mode.ways == 1 for mode in report.modes):
         return LEGEND
     return f"{LEGEND[:-1]}; ways, in how many its bodies fit: some turn over unseen."
 
 
-def _solutions(found: SolutionsReport, complete: str) -> Iterator[Block]:
+def _solutions(found: SolutionsReport, of_modes: Evidence) -> Iterator[Block]:
     """Say how many solutions there are over the complex numbers, and how they hang together."""
     many = "is 1 solution" if found.count == 1 else f"are {found.count} solutions"
     text = f"Over the complex numbers there {many}; {found.real} real, limits left aside; "
     text += f"{found.certified} proven to be there"
-    # Where it settles the modes, its statement has just been made.
-    yield Paragraph(text + ("." if found.statement == complete else f" ({found.statement})."))
+    # Where it settles the modes, its evidence has just been told.
+    yield Paragraph(text + ("." if found.evidence == of_modes else f" ({found.evidence})."))
     if found.operation_modes:
         sizes = ", ".join(map(str, found.operation_modes))
         yield Paragraph(
             "Operation modes, by how many of the solutions at almost all motor values they have: "
-            f"{sizes} ({found.operation_statement})."
+            f"{sizes} ({found.operation_evidence})."
         )
 
 

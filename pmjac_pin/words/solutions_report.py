@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import msgspec
 
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
 from pmjac_pin.studies.homotopy.operation_modes import OperationModes
 from pmjac_pin.studies.modes.recognition import Recognition
@@ -18,11 +19,11 @@ class SolutionsReport(msgspec.Struct, frozen=True, kw_only=True):
     Attributes
     ----------
     count, real, certified, at_infinity, singular : int
-    statement : str
+    evidence : Evidence
         What it rests on that these are all.
     operation_modes : tuple of int
         How many of the solutions each has; empty where they were not asked for.
-    operation_statement : str
+    operation_evidence : Evidence or None
         What that rests on.
     """
 
@@ -31,9 +32,9 @@ class SolutionsReport(msgspec.Struct, frozen=True, kw_only=True):
     certified: int
     at_infinity: int
     singular: int
-    statement: str
+    evidence: Evidence
     operation_modes: tuple[int, ...]
-    operation_statement: str
+    operation_evidence: Evidence | None
 
 
 def make_solutions_report(
@@ -54,9 +55,9 @@ def make_solutions_report(
         certified=found.certified,
         at_infinity=found.at_infinity,
         singular=found.singular,
-        statement=found.complete.statement,
+        evidence=found.evidence,
         operation_modes=operation_modes.sizes if operation_modes else (),
-        operation_statement=operation_modes.complete.statement if operation_modes else "",
+        operation_evidence=operation_modes.evidence if operation_modes else None,
     )
 
 

@@ -19,6 +19,7 @@ from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.partition import Partition, independent_rows
 from pmjac_pin.studies.certificates.equations import LoopEquations
+from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.krawczyk import RADII, block_norms, radii
 
 Array = NDArray[np.float64]
@@ -66,10 +67,10 @@ class Certificate:
         return not self.failed
 
     @property
-    def statement(self) -> str:
-        """What is proven, in one sentence."""
+    def evidence(self) -> Evidence:
+        """What is proven."""
         if self.failed:
-            return f"nothing is proven: {self.failed}"
+            return Evidence("nothing", self.failed)
         parts = [
             f"an exact solution exists within {self.existence_radius:.2g} rad, "
             f"the only one within {self.uniqueness_radius:.2g} rad"
@@ -79,7 +80,7 @@ class Certificate:
         if self.left_out:
             rows = f"{len(self.left_out)} dependent row" + "s" * (len(self.left_out) > 1)
             parts.append(f"of all rows but {rows}, which it solves to {self.left_out_gap:.2g} m")
-        return "; ".join(parts)
+        return Evidence("proof", "; ".join(parts))
 
 
 def certify(configuration: Configuration) -> Certificate:

@@ -19,6 +19,7 @@ from pmjac_pin.files.source import Source
 from pmjac_pin.loading import load
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.actuation import analyse_actuation
+from pmjac_pin.rates.partition import Partition
 from pmjac_pin.rates.redundancy import LoopRank, dependent_rows, loop_ranks
 from pmjac_pin.rates.singularity import Singularity, analyse_singularity
 from pmjac_pin.studies.check.diagnosis import (
@@ -42,6 +43,7 @@ from pmjac_pin.studies.check.diagnosis_structure import (
 )
 from pmjac_pin.studies.check.findings import find
 from pmjac_pin.studies.check.machine import Machine
+from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.values.encodable import encodable
 
 Array = NDArray[np.float64]
@@ -108,6 +110,7 @@ def _of_mechanism(mechanism: Mechanism) -> Diagnosis:
         tool_rank=partition.tool_rank,
         loops=loops(structure, ranks),
         mobility=mobility(structure, None if partition.isolated else partition.constraint_rank),
+        evidence=_evidence(partition),
         redundancy=_redundancy(scaled, ranks, mechanism),
         actuation=None
         if partition.isolated
@@ -144,6 +147,7 @@ def _of_error(error: PmjacError) -> Diagnosis:
         tool_rank=None,
         loops=loops(structure, None, getattr(cause, "q", None)),
         mobility=mobility(structure, None),
+        evidence=Evidence("nothing", "the home pose could not be built"),
         redundancy=None,
         actuation=None,
         poses=tuple(
@@ -158,6 +162,13 @@ def _of_error(error: PmjacError) -> Diagnosis:
         unread=tuple(map(encodable, source.unread)) if source else (),
     )
     return msgspec.structs.replace(diagnosis, findings=find(diagnosis))
+
+
+def _evidence(partition: Partition) -> Evidence:
+    if partition.isolated:
+        return Evidence("nothing", "no pose near home closes")
+    zero = f"singular values up to {partition.rank_tolerance:.2g} of the size of [K K*]"
+    return Evidence("tolerance", f"at home and near it, {zero} count as zero")
 
 
 def _far(machine: Machine) -> float | None:
