@@ -92,7 +92,7 @@ def lead(problem: ClosureProblem, point: Closed) -> Lead:
     left = point.factors.left[:, partition.passive_rank :].T @ point.scaled[:, partition.actuated]
     led = pivots(left, count)
     leading = np.setdiff1d(motors, led)
-    ratios = -partition.factorise(left[:, led], point.factors.size).solve(left[:, leading], count)
+    ratios = -partition.factorise(left[:, led], point.factors.size).solve(left[:, leading])
     scale = partition.column_scale[partition.actuated]
     names = partition.actuated_names
     parted = replace(

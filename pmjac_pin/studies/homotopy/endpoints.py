@@ -1,8 +1,8 @@
 """Endpoints: a proof, one by one, that a computed complex solution is near an exact one.
 
-Krawczyk's test, by real and imaginary parts, in the largest absolute value of the unknowns: within
-some distance of x there is exactly one solution. The points that near to a real x are so with their
-conjugates, so that this one solution is real.
+Krawczyk's test, by real and imaginary parts, in the largest of these: within some distance of x
+there is exactly one solution. The points that near to a real x are so with their conjugates, so
+that this one solution is real.
 
 The equations are polynomials with rational coefficients: placements and lengths as doubles, in
 characteristic lengths. The motors' values are taken exactly, with enclosures of their cosines and
@@ -52,14 +52,15 @@ def proven(loops: PolynomialLoops, driven: Balls, x: Complex) -> Mask:
     x : ndarray, shape (r, n)
         Real where the solution is to be proven real.
     """
-    with precise():
+    # Where a derivative is beyond all bounds, nothing is proven.
+    with precise(), np.errstate(over="ignore", invalid="ignore"):
         found = [_radii(loops, driven, one) for one in x]
     existence = np.array([one.existence for one in found])
+    near = np.where(np.isfinite(existence), existence, -np.inf)  # what is not proven is near none
     certain: Mask = np.isfinite(existence) & _told(x, existence)
     for index, one in enumerate(x):
         for twin in loops.twins(one):
-            apart = np.abs(x[:index] - twin).max(axis=1, initial=0.0)
-            if (apart <= OUTWARDS * (existence[:index] + existence[index])).any():
+            if (_size(x[:index] - twin) <= OUTWARDS * (near[:index] + near[index])).any():
                 certain[index] = False
     return certain
 
@@ -80,18 +81,23 @@ def told_real(loops: PolynomialLoops, driven: Balls, x: Complex) -> Complex:
 
 def _radii(loops: PolynomialLoops, driven: Balls, x: Complex) -> Radii:
     """Return what Krawczyk's test proves of the solutions near x."""
-    value, slopes = loops.in_balls(_balls(x, 0.0), driven)
-    residual, at_x = np.concatenate(_parts(value)), _real(slopes)
-    columns, groups = np.arange(2 * len(x)), np.tile(np.eye(len(x)), 2)
+    value, _ = loops.in_balls(_balls(x, 0.0), driven)
+    residual, columns = np.concatenate(_parts(value)), np.arange(2 * len(x))
     found = Radii(math.inf, 0.0)
     for share in _RADII:
         radius = share * (1.0 + float(np.abs(x).max(initial=0.0)))
-        around = _real(loops.in_balls(_balls(x, radius), driven)[1])
-        jacobian = Intervals.stack([at_x, around], axis=0)
-        found = radii(residual, jacobian, columns, groups, np.array([0.0, radius]))
+        jacobian = _real(loops.in_balls(_balls(x, radius), driven)[1])
+        nested = Intervals.stack([jacobian, jacobian], axis=0)  # at x, too, if not as sharp
+        found = radii(residual, nested, columns, np.eye(columns.size), np.array([0.0, radius]))
         if not found.failed:
             break
     return found
+
+
+def _size(x: Complex) -> Array:
+    """Return the largest part of the unknowns (r, n), real or imaginary."""
+    parts = np.maximum(np.abs(x.real), np.abs(x.imag))
+    return np.asarray(parts.max(axis=1, initial=0.0))
 
 
 def _told(x: Complex, existence: Array) -> Mask:
