@@ -13,7 +13,7 @@ from test_loops import LOOPS
 import pmjac_pin as pj
 from pmjac_pin.algebra.balls import middles, uppers
 from pmjac_pin.algebra.intervals import Intervals
-from pmjac_pin.model.linkage import edges_of, with_spherical
+from pmjac_pin.model.linkage import edges_of, with_helical, with_spherical
 from pmjac_pin.model.rows import across
 from pmjac_pin.studies.certificates.equations import LoopEquations
 
@@ -45,6 +45,11 @@ def all_kinds():
     return with_spherical(pin.buildModelFromXML(BALL), ["ball"])
 
 
+def screws():
+    """Two screws, of either hand, and a ball between them."""
+    return with_helical(all_kinds(), {"motor": 0.3, "wheel": -0.15})
+
+
 def kinds(first, second):
     """One loop of each kind between two frames."""
     return [
@@ -70,6 +75,7 @@ CASES = {
     "all loops of three_rps": lambda: (pj.load("three_rps").model, LOOPS[:-1], {"a": 0.5}),
     "slides": lambda: (pin.buildModelFromXML(slider_above()), kinds("tip1", "tip2"), {}),
     "all joints": lambda: (all_kinds(), kinds("plate", "ground"), {}),
+    "screws": lambda: (screws(), kinds("plate", "ground"), {}),
 }
 
 
@@ -88,8 +94,8 @@ def moved(model, q, x, edges):
         joint = model.joints[edge.child]
         entries = q[joint.idx_q : joint.idx_q + joint.nq]
         step = x[joint.idx_v : joint.idx_v + joint.nv]
-        match edge.kind:
-            case "revolute" | "prismatic":
+        match edge.kind.name:
+            case "revolute" | "prismatic" | "helical":
                 entries += step
             case "continuous":
                 entries[:] = turned(entries, step[0])

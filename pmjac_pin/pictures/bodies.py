@@ -5,14 +5,18 @@ from __future__ import annotations
 import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.files.shapes import Array
+from pmjac_pin.model.joint_kinds import kind_of
 
 Index = NDArray[np.intp]
+
+_PARALLEL = 1e-9  # the sine of an angle, or a pitch in m/rad: less is rounding
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,6 +47,22 @@ class Points:
         return turned + chosen[:, :3, 3]
 
 
+class Axis(NamedTuple):
+    """The constant axis of a joint.
+
+    Attributes
+    ----------
+    direction : ndarray, shape (3,)
+        In the joint's own frame.
+    turns, slides : bool
+        What it does about it and along it: a screw both.
+    """
+
+    direction: Array
+    turns: bool
+    slides: bool
+
+
 class Bodies:
     """Placements and velocities of the bodies of a model; may be shared between threads.
 
@@ -53,18 +73,20 @@ class Bodies:
 
     Attributes
     ----------
-    axes : mapping of int to (ndarray of shape (3,), bool)
-        For each joint with one degree of freedom the axis in its own frame, where it is
-        constant, and whether the joint turns about it or slides along it.
+    kinds : list of JointKind or None
+        Of the joints, the universe first; None of those that are Pinocchio's alone.
+    axes : mapping of int to Axis
+        For each joint that moves along and about one axis only.
     """
 
-    __slots__ = ("_data", "_lock", "axes", "model")
+    __slots__ = ("_data", "_lock", "axes", "kinds", "model")
 
     def __init__(self, model: pin.Model) -> None:
         self.model = model
         self._data = model.createData()
         self._lock = threading.Lock()
-        self.axes: Mapping[int, tuple[Array, bool]] = _axes(model, self._data)
+        self.kinds = [None, *(kind_of(joint) for joint in list(model.joints)[1:])]
+        self.axes: Mapping[int, Axis] = _axes(model, self._data)
 
     def placements(self, q: Array) -> Array:
         """Return oMi of all joints, the universe first, shape (njoints, 4, 4)."""
@@ -84,13 +106,26 @@ class Bodies:
         return moved
 
 
-def _axes(model: pin.Model, data: pin.Data) -> dict[int, tuple[Array, bool]]:
-    motions = pin.computeJointJacobians(model, data, pin.neutral(model)).reshape(6, -1)
+def _axes(model: pin.Model, data: pin.Data) -> dict[int, Axis]:
+    jacobian = pin.computeJointJacobians(model, data, pin.neutral(model)).reshape(6, -1)
     found = {}
-    for index, joint in enumerate(model.joints):
-        if joint.nv == 1:
-            motion = data.oMi[index].actInv(pin.Motion(motions[:, joint.idx_v]))
-            turns = bool(np.abs(motion.angular).max() > 0.0)
-            axis = motion.angular if turns else motion.linear
-            found[index] = (axis / np.linalg.norm(axis), turns)
+    for index, joint in list(enumerate(model.joints))[1:]:
+        columns = jacobian[:, joint.idx_v : joint.idx_v + joint.nv].T
+        motions = [data.oMi[index].actInv(pin.Motion(column)) for column in columns]
+        if axis := _axis(motions):
+            found[index] = axis
     return found
+
+
+def _axis(motions: Sequence[pin.Motion]) -> Axis | None:
+    """Return the axis that all motions of a joint are along or about, in its frame."""
+    turning = [bool(motion.angular.any()) for motion in motions]
+    ways = [
+        motion.angular if turns else motion.linear
+        for motion, turns in zip(motions, turning, strict=True)
+    ]
+    first, *others = (way / np.linalg.norm(way) for way in ways)
+    if any(np.linalg.norm(np.cross(first, other)) > _PARALLEL for other in others):
+        return None
+    slides = any(abs(float(first @ motion.linear)) > _PARALLEL for motion in motions)
+    return Axis(first, any(turning), slides)

@@ -1,0 +1,131 @@
+"""The kinds of joint there are, each an entry of one table, and which one a joint is of."""
+
+from __future__ import annotations
+
+import pinocchio as pin
+
+from pmjac_pin.errors import ArgumentError, enumerated, quoted, unknown_name
+from pmjac_pin.model.joint_kind import JointKind
+from pmjac_pin.model.loop_spec import (
+    FrameLoop,
+    PlanarLoop,
+    PrismaticLoop,
+    RevoluteLoop,
+    SphericalLoop,
+)
+
+_Z, _PLANE, _ALL = (2,), (0, 1), (0, 1, 2)
+
+#: The kinds that are known, by name; `register` adds to them. The first that reads a joint counts.
+JOINT_KINDS: dict[str, JointKind] = {}
+
+
+def register(kind: JointKind) -> None:
+    """Let models have joints of a kind."""
+    JOINT_KINDS[kind.name] = kind
+
+
+for _kind in (
+    JointKind("fixed", "", None, loop=FrameLoop),
+    JointKind(
+        "revolute",
+        "R([XYZ]|evoluteUnaligned)",
+        pin.JointModelRZ,
+        about=_Z,
+        angle=True,
+        loop=RevoluteLoop,
+    ),
+    JointKind(
+        "continuous",
+        "R(UB[XYZ]|evoluteUnboundedUnaligned)",
+        pin.JointModelRUBZ,
+        about=_Z,
+        loop=RevoluteLoop,
+    ),
+    JointKind(
+        "prismatic",
+        "P([XYZ]|rismaticUnaligned)",
+        pin.JointModelPZ,
+        along=_Z,
+        loop=PrismaticLoop,
+    ),
+    JointKind(
+        "helical",
+        "H([XYZ]|elicalUnaligned)",
+        pin.JointModelHZ,
+        along=_Z,
+        about=_Z,
+        angle=True,
+        screw=True,
+    ),
+    JointKind("spherical", "Spherical", pin.JointModelSpherical, about=_ALL, loop=SphericalLoop),
+    JointKind("planar", "Planar", pin.JointModelPlanar, along=_PLANE, about=_Z, loop=PlanarLoop),
+    JointKind("translation", "Translation", pin.JointModelTranslation, along=_ALL),
+    JointKind(
+        "free", "FreeFlyer", pin.JointModelFreeFlyer, along=_ALL, about=_ALL, title="floating"
+    ),
+    JointKind("universal", "Universal", pin.JointModelUniversal, about=_PLANE, angle=True),
+    JointKind(
+        "spherical zyx", "SphericalZYX", pin.JointModelSphericalZYX, about=_ALL[::-1], angle=True
+    ),
+):
+    register(_kind)
+
+
+def kind_named(name: str) -> JointKind:
+    """Return a kind by its name.
+
+    Raises
+    ------
+    UnknownNameError
+
+    Examples
+    --------
+    >>> kind_named("helical").screw
+    True
+    """
+    if name not in JOINT_KINDS:
+        raise unknown_name("kind of joint", name, tuple(JOINT_KINDS))
+    return JOINT_KINDS[name]
+
+
+def kind_of(joint: pin.JointModel) -> JointKind | None:
+    """Return the kind of one of Pinocchio's joints; None for one that is Pinocchio's alone.
+
+    A screw without a pitch turns.
+    """
+    kind = next((kind for kind in JOINT_KINDS.values() if kind.reads(joint)), None)
+    if kind is not None and kind.screw and not pitch_of(joint):
+        return kind_named("revolute")
+    return kind
+
+
+def pitch_of(joint: pin.JointModel) -> float:
+    """Return how far a joint slides as it turns, m/rad; 0 for one that is no screw."""
+    own = joint.extract() if isinstance(joint, pin.JointModel) else joint
+    return float(getattr(own, "pitch", 0.0))
+
+
+def known_kind(joint: pin.JointModel, name: str, *, in_turn: bool = False) -> JointKind:
+    """Return the kind of a joint whose motion is known here, not to Pinocchio alone.
+
+    Parameters
+    ----------
+    joint : pin.JointModel
+    name : str
+        For messages.
+    in_turn : bool
+        Those that turn by several angles, one after the other, will do.
+
+    Raises
+    ------
+    ArgumentError
+        The joint is of no such kind; the message lists those that are known.
+    """
+    kind = kind_of(joint)
+    if kind is not None and (in_turn or not kind.in_turn):
+        return kind
+    kinds = [one for one in JOINT_KINDS.values() if one.nv and (in_turn or not one.in_turn)]
+    known = enumerated([one.name for one in kinds])
+    written = f"joint {quoted(name)} is a {joint.shortname()}"
+    raise ArgumentError(f"{written}, which cannot be taken apart; known kinds are: {known}")
