@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.model.joint_kind import JointKind
 from pmjac_pin.model.joint_kinds import kind_named, known_kind, pitch_of
+from pmjac_pin.values.checks import LARGEST
 from pmjac_pin.values.ties import first_smallest
 
 Array = NDArray[np.float64]
@@ -64,8 +65,9 @@ class Edge:
         """The limits of a joint with one entry in q; infinite for others."""
         if self.limits is None or self.kind.nq != 1:
             return -math.inf, math.inf
-        lower, upper = self.limits
-        return float(lower[0]), float(upper[0])
+        lower, upper = (float(limit[0]) for limit in self.limits)
+        # Pinocchio writes the largest double where there is no limit.
+        return lower if lower > -LARGEST else -math.inf, upper if upper < LARGEST else math.inf
 
     def turned(self) -> Edge:
         """Return the joint seen from its child; what moves along and about z keeps its values."""

@@ -132,7 +132,7 @@ class MechanismSpec(Table, frozen=True, kw_only=True):
         _refuse_repeated("passive", self.passive or ())
         _refuse_repeated("spherical", self.spherical)
         for name, pitch in self.helical.items():
-            _check_pitch(name, pitch)
+            checked_pitch(name, pitch)
         if not isinstance(self.tolerance, Real | None):
             raise ArgumentError(f"`tolerance` is a number in m, got {quoted(self.tolerance)}")
         if self.tolerance is not None and not 0.0 < self.tolerance <= LARGEST_TOLERANCE:
@@ -302,11 +302,19 @@ def _held_at_number(name: str, value: object) -> float:
     return as_number(value, f"the value of the locked joint {quoted(name)}")
 
 
-def _check_pitch(name: str, pitch: object) -> None:
-    size = abs(as_number(pitch, f"the pitch of joint {quoted(name)}"))
+def checked_pitch(name: str, pitch: object) -> float:
+    """Return how far a screw slides, m/rad, if that is neither nothing nor beyond measure.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    number = as_number(pitch, f"the pitch of joint {quoted(name)}")
+    size = abs(number)
     if not SMALLEST <= size <= LARGEST:
         limits = f"of magnitude {SMALLEST:g} to {LARGEST:g} m/rad"
-        raise ArgumentError(f"the pitch of joint {quoted(name)} is {limits}, got {size:g}")
+        raise ArgumentError(f"the pitch of joint {quoted(name)} is {limits}, got {number:g}")
+    return number
 
 
 def _check_length(loop: Loop, parameters: Mapping[str, Parameter]) -> None:
