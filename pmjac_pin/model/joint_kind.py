@@ -239,7 +239,7 @@ class JointKind:
 
     def _turned_slides(self, turn: Array, v: Array) -> Array:
         """Return slides in the moved axes as slides in those before."""
-        if self.axial or not self.turns:
+        if self.axial or not (self.slides and self.turns):
             return v
         if self.turns == 3:
             return np.asarray(_rotation().from_quat(turn).apply(v))
