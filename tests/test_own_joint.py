@@ -37,7 +37,7 @@ def cylinder():
 
 @pytest.fixture(scope="module", autouse=True)
 def registered():
-    register(Cylindrical("cylindrical", "", cylinder, along=(2,), about=(2,), angle=True))
+    register(Cylindrical("cylindrical", "", cylinder, (2,), (2,), angle=True))
     yield
     del JOINT_KINDS["cylindrical"]
 

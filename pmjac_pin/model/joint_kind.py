@@ -69,20 +69,20 @@ class JointKind:
         The axes it slides along.
     about : tuple of int
         The axes it turns about: none, z, or all three.
+    loop : type of loop, or None
+        What holds its two bodies as it does, with z as the axis; None where no loop does, so that
+        it is cut behind its hub.
     angle : bool
         q holds angles, not a cosine and sine or a quaternion. Where these are several, it turns
         by one after the other, about axes that move, which only Pinocchio computes (`in_turn`).
     screw : bool
         The slide is no freedom, but the pitch times the turn.
-    loop : type of loop, or None
-        What holds its two bodies as it does, with z as the axis; None where no loop does, so that
-        it is cut behind its hub.
     title : str
         What it is called where that is not its name: as in URDF.
 
     Examples
     --------
-    >>> kind = JointKind("planar", "Planar", pin.JointModelPlanar, along=(0, 1), about=(2,))
+    >>> kind = JointKind("planar", "Planar", pin.JointModelPlanar, (0, 1), (2,))
     >>> kind.nq, kind.nv, kind.letters
     (4, 3, ('x', 'y', 'rz'))
     """
@@ -90,12 +90,12 @@ class JointKind:
     name: str
     written: str
     model: Callable[..., pin.JointModel] | None
-    _: KW_ONLY
     along: tuple[int, ...] = ()
     about: tuple[int, ...] = ()
+    loop: type[LoopBetweenFrames] | None = None
+    _: KW_ONLY
     angle: bool = False
     screw: bool = False
-    loop: type[LoopBetweenFrames] | None = None
     title: str = ""
 
     @property

@@ -15,6 +15,7 @@ from pmjac_pin.model.loop_spec import (
 )
 
 _Z, _PLANE, _ALL = (2,), (0, 1), (0, 1, 2)
+_UNBOUNDED = "evoluteUnboundedUnaligned"
 
 #: The kinds that are known, by name; `register` adds to them. The first that reads a joint counts.
 JOINT_KINDS: dict[str, JointKind] = {}
@@ -26,48 +27,21 @@ def register(kind: JointKind) -> None:
 
 
 for _kind in (
-    JointKind("fixed", "", None, loop=FrameLoop),
+    JointKind("fixed", "", None, (), (), FrameLoop),
     JointKind(
-        "revolute",
-        "R([XYZ]|evoluteUnaligned)",
-        pin.JointModelRZ,
-        about=_Z,
-        angle=True,
-        loop=RevoluteLoop,
+        "revolute", "R([XYZ]|evoluteUnaligned)", pin.JointModelRZ, (), _Z, RevoluteLoop, angle=True
     ),
+    JointKind("continuous", f"R(UB[XYZ]|{_UNBOUNDED})", pin.JointModelRUBZ, (), _Z, RevoluteLoop),
+    JointKind("prismatic", "P([XYZ]|rismaticUnaligned)", pin.JointModelPZ, _Z, (), PrismaticLoop),
     JointKind(
-        "continuous",
-        "R(UB[XYZ]|evoluteUnboundedUnaligned)",
-        pin.JointModelRUBZ,
-        about=_Z,
-        loop=RevoluteLoop,
+        "helical", "H([XYZ]|elicalUnaligned)", pin.JointModelHZ, _Z, _Z, angle=True, screw=True
     ),
-    JointKind(
-        "prismatic",
-        "P([XYZ]|rismaticUnaligned)",
-        pin.JointModelPZ,
-        along=_Z,
-        loop=PrismaticLoop,
-    ),
-    JointKind(
-        "helical",
-        "H([XYZ]|elicalUnaligned)",
-        pin.JointModelHZ,
-        along=_Z,
-        about=_Z,
-        angle=True,
-        screw=True,
-    ),
-    JointKind("spherical", "Spherical", pin.JointModelSpherical, about=_ALL, loop=SphericalLoop),
-    JointKind("planar", "Planar", pin.JointModelPlanar, along=_PLANE, about=_Z, loop=PlanarLoop),
-    JointKind("translation", "Translation", pin.JointModelTranslation, along=_ALL),
-    JointKind(
-        "free", "FreeFlyer", pin.JointModelFreeFlyer, along=_ALL, about=_ALL, title="floating"
-    ),
-    JointKind("universal", "Universal", pin.JointModelUniversal, about=_PLANE, angle=True),
-    JointKind(
-        "spherical zyx", "SphericalZYX", pin.JointModelSphericalZYX, about=_ALL[::-1], angle=True
-    ),
+    JointKind("spherical", "Spherical", pin.JointModelSpherical, (), _ALL, SphericalLoop),
+    JointKind("planar", "Planar", pin.JointModelPlanar, _PLANE, _Z, PlanarLoop),
+    JointKind("translation", "Translation", pin.JointModelTranslation, _ALL),
+    JointKind("free", "FreeFlyer", pin.JointModelFreeFlyer, _ALL, _ALL, title="floating"),
+    JointKind("universal", "Universal", pin.JointModelUniversal, (), _PLANE, angle=True),
+    JointKind("spherical_zyx", "SphericalZYX", pin.JointModelSphericalZYX, (), _ALL, angle=True),
 ):
     register(_kind)
 

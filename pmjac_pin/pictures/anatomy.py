@@ -15,6 +15,7 @@ from pmjac_pin.files.shapes import Array
 from pmjac_pin.files.visuals import read_visuals
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
+from pmjac_pin.model.joint_kinds import kind_of
 from pmjac_pin.model.loop_spec import JointLoop, LoopBetweenFrames
 from pmjac_pin.pictures.bodies import Bodies, Point, Points
 
@@ -136,7 +137,7 @@ class Anatomy:
 
     def ball(self, joint: int) -> bool:
         """Tell whether a joint turns in several ways about one point."""
-        kind = self.bodies.kinds[joint]
+        kind = kind_of(self.model.joints[joint])
         return kind is not None and kind.ball
 
     def root(self, joint: int) -> Point:
@@ -205,7 +206,7 @@ class Anatomy:
         return np.array(found).reshape(-1, 3)
 
     def _loose(self, body: int) -> bool:
-        kind = self.bodies.kinds[body]
+        kind = kind_of(self.model.joints[body])
         return kind is not None and kind.loose
 
     def _links(self, body: int) -> Iterator[pin.Frame]:

@@ -12,7 +12,6 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.files.shapes import Array
-from pmjac_pin.model.joint_kinds import kind_of
 
 Index = NDArray[np.intp]
 
@@ -73,19 +72,16 @@ class Bodies:
 
     Attributes
     ----------
-    kinds : list of JointKind or None
-        Of the joints, the universe first; None of those that are Pinocchio's alone.
     axes : mapping of int to Axis
         For each joint that moves along and about one axis only.
     """
 
-    __slots__ = ("_data", "_lock", "axes", "kinds", "model")
+    __slots__ = ("_data", "_lock", "axes", "model")
 
     def __init__(self, model: pin.Model) -> None:
         self.model = model
         self._data = model.createData()
         self._lock = threading.Lock()
-        self.kinds = [None, *(kind_of(joint) for joint in list(model.joints)[1:])]
         self.axes: Mapping[int, Axis] = _axes(model, self._data)
 
     def placements(self, q: Array) -> Array:
@@ -107,25 +103,15 @@ class Bodies:
 
 
 def _axes(model: pin.Model, data: pin.Data) -> dict[int, Axis]:
-    jacobian = pin.computeJointJacobians(model, data, pin.neutral(model)).reshape(6, -1)
+    motions = pin.computeJointJacobians(model, data, pin.neutral(model)).reshape(6, -1)
     found = {}
     for index, joint in list(enumerate(model.joints))[1:]:
-        columns = jacobian[:, joint.idx_v : joint.idx_v + joint.nv].T
-        motions = [data.oMi[index].actInv(pin.Motion(column)) for column in columns]
-        if axis := _axis(motions):
-            found[index] = axis
+        own = slice(joint.idx_v, joint.idx_v + joint.nv)
+        linear, angular = np.split(data.oMi[index].actionInverse @ motions[:, own], 2)
+        ways = np.where(angular.any(axis=0), angular, linear)
+        ways = ways / np.linalg.norm(ways, axis=0)
+        axis = ways[:, 0]
+        if (np.abs(np.cross(axis, ways.T)) <= _PARALLEL).all():
+            slides = bool((np.abs(axis @ linear) > _PARALLEL).any())
+            found[index] = Axis(axis, bool(angular.any()), slides)
     return found
-
-
-def _axis(motions: Sequence[pin.Motion]) -> Axis | None:
-    """Return the axis that all motions of a joint are along or about, in its frame."""
-    turning = [bool(motion.angular.any()) for motion in motions]
-    ways = [
-        motion.angular if turns else motion.linear
-        for motion, turns in zip(motions, turning, strict=True)
-    ]
-    first, *others = (way / np.linalg.norm(way) for way in ways)
-    if any(np.linalg.norm(np.cross(first, other)) > _PARALLEL for other in others):
-        return None
-    slides = any(abs(float(first @ motion.linear)) > _PARALLEL for motion in motions)
-    return Axis(first, any(turning), slides)
