@@ -15,6 +15,7 @@ import pmjac_pin as pj
 from pmjac_pin.files.urdf.locking import lock_joints
 from pmjac_pin.files.urdf.robot import parse_urdf
 from pmjac_pin.model.linkage import aligned, edges_of
+from pmjac_pin.viewer.motors import motors_of
 
 # A loop of seven joints with axes anywhere: one degree of freedom.
 NUMBERS = np.random.default_rng(7)
@@ -253,6 +254,12 @@ def test_the_length_of_a_machine_is_not_its_pitch():
         lengths.append(jack.problem.partition.length)
         assert jack.close([3.0]).passive == pytest.approx([3.0 * pitch])
     assert lengths == [lengths[0]] * 3
+
+
+def test_a_screw_without_limits_has_a_slider_about_home():
+    (motor,) = motors_of(press("screw"))
+    turn, far = (slid(0.7, 1) - 0.2) / PITCH, 2.0 * press().characteristic_length / PITCH
+    assert (motor.lower, motor.upper) == pytest.approx((turn - far, turn + far))
 
 
 def test_drawing_and_page(tmp_path):
