@@ -147,6 +147,33 @@ def test_a_joint_that_is_of_no_kind_is_refused_and_closed_all_the_same(in_series
         kind_named("cylindricle")
 
 
+def composite(*joints):
+    first, *others = joints
+    whole = pin.JointModelComposite(first())
+    for joint in others:
+        whole.addJoint(joint(), pin.SE3.Identity())
+    return whole
+
+
+@pytest.mark.parametrize(
+    ("parts", "axes", "message"),
+    [
+        ((pin.JointModelRZ, pin.JointModelPZ), ((2,), (2,)), "Pinocchio's moves in another way"),
+        ((pin.JointModelPX, pin.JointModelRZ), ((0,), (2,)), "Pinocchio's moves in another way"),
+        ((pin.JointModelPZ,), ((2,), (2,)), "its sizes or its name differ"),
+    ],
+)
+def test_an_entry_that_is_not_what_pinocchio_does_is_refused(parts, axes, message):
+    class Own(JointKind):
+        def reads(self, joint):
+            return True
+
+    kind = Own("own", "", lambda: composite(*parts), *axes, angle=True)
+    with pytest.raises(pj.ArgumentError, match=message):
+        register(kind)
+    assert "own" not in JOINT_KINDS
+
+
 def placement(model, q):
     data = model.createData()
     pin.forwardKinematics(model, data, np.asarray(q))
@@ -166,6 +193,7 @@ def test_every_kind_says_all_of_itself(rng):
         assert (edge.kind, edge.pitch) == (kind, 0.3 if kind.screw else 0.0)
         assert (kind.nq, kind.nv) == (model.nq, model.nv)
         assert kind.nv == 1 or len(kind.letters) == kind.nv
+        register(kind)
         places = rng.uniform(-9.0, 9.0, (5, len(kind.along)))
         q, v = kind.drawn(rng, places, (-3.0, 3.0)), rng.uniform(-0.5, 0.5, (5, model.nv))
         sliding = np.arange(model.nv) < kind.slides

@@ -169,6 +169,12 @@ class JointKind:
         """Return how far it slides per unit of what q holds of that: 1, or the pitch, m/rad."""
         return pitch if self.screw else 1.0
 
+    def twists(self, pitch: float) -> Array:
+        """Return the unit twists in the moved frame, shape (6, nv), linear rows first."""
+        whole = np.eye(6)
+        whole[:3, 3:] = pitch * self.screw * np.eye(3)
+        return whole[:, [*self.along[: self.slides], *(3 + k for k in self.about)]]
+
     def motion(self, algebra: Entries, entries: Number, pitch: float = 0.0) -> Motion:
         """Return the motion at entries of q, their components."""
         slides = tuple(entries[k] for k in range(self.slides))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.errors import ArgumentError, enumerated, quoted, unknown_name
@@ -15,18 +16,10 @@ from pmjac_pin.model.loop_spec import (
 )
 
 _Z, _PLANE, _ALL = (2,), (0, 1), (0, 1, 2)
+_PITCH = 0.3  # m/rad, for what is tried
 _UNBOUNDED = "evoluteUnboundedUnaligned"
 
-#: The kinds that are known, by name; `register` adds to them. The first that reads a joint counts.
-JOINT_KINDS: dict[str, JointKind] = {}
-
-
-def register(kind: JointKind) -> None:
-    """Let models have joints of a kind."""
-    JOINT_KINDS[kind.name] = kind
-
-
-for _kind in (
+_TABLE = (
     JointKind("fixed", "", None, (), (), FrameLoop),
     JointKind(
         "revolute", "R([XYZ]|evoluteUnaligned)", pin.JointModelRZ, (), _Z, RevoluteLoop, angle=True
@@ -42,8 +35,40 @@ for _kind in (
     JointKind("free", "FreeFlyer", pin.JointModelFreeFlyer, _ALL, _ALL, title="floating"),
     JointKind("universal", "Universal", pin.JointModelUniversal, (), _PLANE, angle=True),
     JointKind("spherical_zyx", "SphericalZYX", pin.JointModelSphericalZYX, (), _ALL, angle=True),
-):
-    register(_kind)
+)
+#: The kinds that are known, by name; `register` adds to them. The first that reads a joint counts.
+JOINT_KINDS = {kind.name: kind for kind in _TABLE}
+
+
+def register(kind: JointKind) -> None:
+    """Let models have joints of a kind.
+
+    Raises
+    ------
+    ArgumentError
+        Pinocchio's joint is not read as the kind, or moves otherwise than the kind says.
+    """
+    if not kind.in_turn:
+        _check(kind)
+    JOINT_KINDS[kind.name] = kind
+
+
+def _check(kind: JointKind) -> None:
+    model = pin.Model()
+    model.addJoint(0, kind.built(_PITCH), pin.SE3.Identity(), kind.name)
+    if (model.nq, model.nv) != (kind.nq, kind.nv) or not kind.reads(model.joints[1]):
+        raise ArgumentError(
+            f"Pinocchio's joint is no {kind.name} one: its sizes or its name differ"
+        )
+    data, q = model.createData(), pin.neutral(model)
+    q = pin.integrate(model, q, np.linspace(0.3, 0.9, kind.nv))
+    pin.computeJointJacobians(model, data, q)
+    twists = pin.getJointJacobian(model, data, 1, pin.LOCAL).reshape(6, -1)
+    place = data.oMi[1].copy()
+    pin.forwardKinematics(model, data, np.array(kind.entries(place, _PITCH)))
+    if not (np.allclose(twists, kind.twists(_PITCH)) and data.oMi[1].isApprox(place)):
+        wanted = "slides along its axes and then turns about them, as they have moved"
+        raise ArgumentError(f"a {kind.name} joint {wanted}; Pinocchio's moves in another way")
 
 
 def kind_named(name: str) -> JointKind:
