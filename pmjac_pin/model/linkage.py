@@ -11,7 +11,7 @@ with some of them turned round, exchanged or of another kind.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -168,13 +168,8 @@ def with_spherical(model: pin.Model, names: Iterable[str]) -> pin.Model:
     ArgumentError
         A joint that is not `floating`.
     """
-    edges = edges_of(model)
-    for name in names:
-        if name not in edges or edges[name].kind.name != "free":
-            wanted = "`spherical` names joints that the URDF writes as floating"
-            raise ArgumentError(f"{wanted}, got {quoted(name)}")
-        edges[name] = replace(edges[name], kind=kind_named("spherical"), limits=None)
-    return build(model, edges.values(), {})
+    pitches = dict.fromkeys(names, 0.0)
+    return _with(model, pitches, "spherical", "floating", lambda kind: kind.name == "free")
 
 
 def with_helical(model: pin.Model, pitches: Mapping[str, float]) -> pin.Model:
@@ -191,13 +186,24 @@ def with_helical(model: pin.Model, pitches: Mapping[str, float]) -> pin.Model:
     ArgumentError
         A joint that is neither `revolute` nor `continuous`.
     """
-    edges = edges_of(model)
-    for name, pitch in pitches.items():
-        if name not in edges or not edges[name].kind.endless:
-            wanted = "`helical` names joints that the URDF writes as revolute or continuous"
-            raise ArgumentError(f"{wanted}, got {quoted(name)}")
-        limits = edges[name].limits if edges[name].kind.angle else None
-        edges[name] = replace(edges[name], kind=kind_named("helical"), limits=limits, pitch=pitch)
+    return _with(model, pitches, "helical", "revolute or continuous", lambda kind: kind.endless)
+
+
+def _with(
+    model: pin.Model,
+    pitches: Mapping[str, float],
+    name: str,
+    written: str,
+    fits: Callable[[JointKind], bool],
+) -> pin.Model:
+    """Return the model with these joints of another kind, which a URDF has no word for."""
+    edges, kind = edges_of(model), kind_named(name)
+    for joint, pitch in pitches.items():
+        if joint not in edges or not fits(edges[joint].kind):
+            wanted = f"`{name}` names joints that the URDF writes as {written}"
+            raise ArgumentError(f"{wanted}, got {quoted(joint)}")
+        limits = edges[joint].limits if edges[joint].kind.nq == kind.nq else None
+        edges[joint] = replace(edges[joint], kind=kind, limits=limits, pitch=pitch)
     return build(model, edges.values(), {})
 
 
