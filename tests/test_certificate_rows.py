@@ -13,7 +13,7 @@ from test_loops import LOOPS
 import pmjac_pin as pj
 from pmjac_pin.algebra.balls import middles, uppers
 from pmjac_pin.algebra.intervals import Intervals
-from pmjac_pin.model.linkage import edges_of, with_helical, with_spherical
+from pmjac_pin.model.linkage import edges_of, with_spherical
 from pmjac_pin.model.rows import across
 from pmjac_pin.studies.certificates.equations import LoopEquations
 
@@ -45,9 +45,14 @@ def all_kinds():
     return with_spherical(pin.buildModelFromXML(BALL), ["ball"])
 
 
-def screws():
-    """Two screws, of either hand, and a ball between them."""
-    return with_helical(all_kinds(), {"motor": 0.3, "wheel": -0.15})
+def fast_screw():
+    """A screw across a hinge, whose slide is nearly all that moves."""
+    model, aside = pin.Model(), pin.SE3(np.eye(3), np.array([0.01, 0.0, 0.02]))
+    hinge = model.addJoint(0, pin.JointModelRZ(), pin.SE3.Identity(), "hinge")
+    screw = model.addJoint(hinge, pin.JointModelHX(3.0), aside, "screw")
+    for name, joint in (("ground", 0), ("nut", screw)):
+        model.addFrame(pin.Frame(name, joint, aside, pin.FrameType.BODY))
+    return model
 
 
 def kinds(first, second):
@@ -75,7 +80,7 @@ CASES = {
     "all loops of three_rps": lambda: (pj.load("three_rps").model, LOOPS[:-1], {"a": 0.5}),
     "slides": lambda: (pin.buildModelFromXML(slider_above()), kinds("tip1", "tip2"), {}),
     "all joints": lambda: (all_kinds(), kinds("plate", "ground"), {}),
-    "screws": lambda: (screws(), kinds("plate", "ground"), {}),
+    "fast screw": lambda: (fast_screw(), kinds("nut", "ground"), {}),
 }
 
 
