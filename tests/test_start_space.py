@@ -208,7 +208,7 @@ def test_every_mode_is_in_the_start_space(name, rng):
         ranges = slide_ranges(problem, False)
         row = without_legs(mechanism, problem, configuration.q)
         assert legs or ranges.keys() == {
-            edge.name for _, edge in problem.passive if edge.kind in ("prismatic", "planar", "free")
+            edge.name for _, edge in problem.passive if edge.kind.along
         }
         for entries, edge in problem.passive:
             if edge.name in ranges:
@@ -290,7 +290,7 @@ def domain_of_slides(mechanism):
     given = given_values(mechanism, mechanism.home.actuated)
     problem = box_problem(mechanism, given, limits=False)
     edges = edges_of(mechanism.kinematics.model)
-    sliding = [edges[name].kind == "prismatic" for name in problem.names]
+    sliding = [edges[name].kind.name == "prismatic" for name in problem.names]
     assert any(sliding)
     return np.array([problem.domain.lower[sliding], problem.domain.upper[sliding]])
 

@@ -64,7 +64,7 @@ class Bends:
     def __init__(self, arms: Arms) -> None:
         segments = [segment for block in arms.blocks for segment in block.segments]
         count, blocks = len(arms.rates), np.arange(len(arms.blocks))
-        self._members, self._values = arms.rates.T, arms.values.T
+        self._members, self._values = arms.rates.T**2, arms.values.T**2
         self._above = _marks([segment.turns for segment in segments], count)
         self._inside = _marks([segment.slides for segment in segments], count)
         self._lies = _marks([segment.lies for segment in segments], count)

@@ -13,6 +13,7 @@ from pmjac_pin.model.loop_spec import MAXIMAL_LOOPS, Loop
 from pmjac_pin.model.spec import JointValue, MechanismSpec, Tool
 
 _NO_VALUES: Mapping[str, JointValue] = MappingProxyType({})
+_NO_PITCHES: Mapping[str, float] = MappingProxyType({})
 _MOST_CANDIDATES = 40
 
 
@@ -28,6 +29,8 @@ class ForeignModel:
     loops : tuple of Loop
     spherical : tuple of str
         Joints that `urdf` writes as ``floating`` and that only turn.
+    helical : mapping of str to float
+        Joints that `urdf` writes as ``revolute`` and that slide as they turn, m/rad.
     home : mapping of str to float or tuple of float
         Joint values near which the loops are closed; neutral for the others.
     actuated : tuple of str
@@ -46,6 +49,7 @@ class ForeignModel:
     urdf: Urdf
     loops: tuple[Loop, ...] = ()
     spherical: tuple[str, ...] = ()
+    helical: Mapping[str, float] = field(default_factory=lambda: _NO_PITCHES)
     home: Mapping[str, JointValue] = field(default_factory=lambda: _NO_VALUES)
     actuated: tuple[str, ...] = ()
     tool: str = ""
@@ -84,6 +88,7 @@ class ForeignModel:
             tool=Tool(frame=frame),
             loops=self.loops,
             spherical=self.spherical,
+            helical=dict(self.helical),
             tolerance=self.tolerance,
             poses={"home": dict(self.home)},
         )

@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from pmjac_pin.model.joint_kinds import kind_named
 from pmjac_pin.model.linkage import Edge
 from pmjac_pin.model.loop_spec import LoopBetweenFrames
 
@@ -87,7 +88,10 @@ def loop_joint(
     steps[0] = (steps[0][0], parent.place * steps[0][1], steps[0][2])
     steps[-1] = (*steps[-1][:2], steps[-1][2] * child.place.inverse())
     edges = [
-        Edge(f"{name}_{step.suffix}" if step.suffix else name, step.kind, start, end, before, after)
+        Edge(
+            *(f"{name}_{step.suffix}" if step.suffix else name, kind_named(step.kind)),
+            *(start, end, before, after),
+        )
         for (step, before, after), (start, end) in zip(steps, pairwise(ends), strict=True)
     ]
     return LoopJoint(tuple(edges), parent, child, between)

@@ -12,8 +12,16 @@ from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.model.coordinates import JointCoordinates
+from pmjac_pin.model.joint_kinds import pitch_of
 from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop
-from pmjac_pin.model.spec import JointValue, MechanismSpec, Tool, decode_spec, encode_spec
+from pmjac_pin.model.spec import (
+    JointValue,
+    MechanismSpec,
+    Tool,
+    checked_pitch,
+    decode_spec,
+    encode_spec,
+)
 from pmjac_pin.values.checks import as_names, as_numbers
 from pmjac_pin.values.named_values import named_values
 
@@ -73,6 +81,9 @@ def _refuse_what_is_not_finite(model: pin.Model) -> None:
     for name, place in zip(model.names, model.jointPlacements, strict=True):
         if not np.isfinite(place.homogeneous).all():
             raise ArgumentError(f"the placement of joint {quoted(name)} is not finite")
+    for name, joint in list(zip(model.names, model.joints, strict=True))[1:]:
+        if pitch := pitch_of(joint):
+            checked_pitch(name, pitch)
     for frame in model.frames:
         if not np.isfinite(frame.placement.homogeneous).all():
             raise ArgumentError(f"the placement of frame {quoted(frame.name)} is not finite")

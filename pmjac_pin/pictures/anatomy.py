@@ -15,13 +15,10 @@ from pmjac_pin.files.shapes import Array
 from pmjac_pin.files.visuals import read_visuals
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
+from pmjac_pin.model.joint_kinds import kind_of
 from pmjac_pin.model.loop_spec import JointLoop, LoopBetweenFrames
 from pmjac_pin.pictures.bodies import Bodies, Point, Points
 
-# Joints whose own origin is no place of the mechanism but where its coordinates start.
-_LOOSE = ("JointModelFreeFlyer", "JointModelPlanar", "JointModelTranslation")
-#: Joints that turn every way about one point.
-BALL_JOINTS = ("JointModelSpherical", "JointModelSphericalZYX", "JointModelUniversal")
 COINCIDENT = 1e-6  # of the mechanism's size: points nearer than this are one
 
 
@@ -135,8 +132,13 @@ class Anatomy:
         return first, second
 
     def slides(self, joint: int) -> bool:
-        """Tell whether a joint is prismatic."""
-        return joint in self.bodies.axes and not self.bodies.axes[joint][1]
+        """Tell whether a joint slides along one axis."""
+        return joint in self.bodies.axes and self.bodies.axes[joint].slides
+
+    def ball(self, joint: int) -> bool:
+        """Tell whether a joint turns in several ways about one point."""
+        kind = kind_of(self.model.joints[joint])
+        return kind is not None and kind.ball
 
     def root(self, joint: int) -> Point:
         """Return where a joint is fixed on the body before it."""
@@ -161,11 +163,11 @@ class Anatomy:
 
     def _rests(self, joint: int, place: Array) -> bool:
         if joint in self.bodies.axes:
-            axis, turns = self.bodies.axes[joint]
-            if not turns:
+            axis = self.bodies.axes[joint]
+            if axis.slides:
                 return False
-            place = place - (axis @ place) * axis
-        elif self.model.joints[joint].shortname() not in BALL_JOINTS:
+            place = place - (axis.direction @ place) * axis.direction
+        elif not self.ball(joint):
             return False
         return bool(np.abs(place).max() <= COINCIDENT * self.size)
 
@@ -204,7 +206,8 @@ class Anatomy:
         return np.array(found).reshape(-1, 3)
 
     def _loose(self, body: int) -> bool:
-        return self.model.joints[body].shortname() in _LOOSE
+        kind = kind_of(self.model.joints[body])
+        return kind is not None and kind.loose
 
     def _links(self, body: int) -> Iterator[pin.Frame]:
         for frame in self.model.frames:

@@ -12,7 +12,7 @@ from scipy.spatial import ConvexHull
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.pictures.anatomy import BALL_JOINTS, Anatomy
+from pmjac_pin.pictures.anatomy import Anatomy
 from pmjac_pin.pictures.bodies import Point, Points
 
 Array = NDArray[np.float64]
@@ -103,11 +103,11 @@ def _drawn(anatomy: Anatomy) -> Iterator[tuple[Kind, list[Point]]]:
 
 
 def _mark(anatomy: Anatomy, joint: int) -> Kind | None:
-    if anatomy.model.joints[joint].shortname() in BALL_JOINTS:
+    if anatomy.ball(joint):
         return "ball"
     if joint not in anatomy.bodies.axes:
         return None
-    if anatomy.slides(joint):
+    if not anatomy.bodies.axes[joint].turns:
         return "slider"
     return "motor" if joint in anatomy.motors else "joint"
 

@@ -31,6 +31,7 @@ _NAMES = {
     (3, 0): "spherical",
     (3, 3): "spatial",
 }
+_SCREWS = {(1, 0): "along a screw", (1, 2): "along parallel screws"}  # where the turns have a pitch
 
 
 def generated_algebra(twists: Array, tolerance: float) -> Array:
@@ -64,9 +65,11 @@ def generated_algebra(twists: Array, tolerance: float) -> Array:
 
 def group_name(algebra: Array, tolerance: float) -> str:
     """Return the name of the group of an algebra (6, λ)."""
-    turns = _orthonormal(algebra[3:], tolerance).shape[1]
-    dimension = algebra.shape[1]
-    return _NAMES.get((turns, dimension - turns), f"of dimension {dimension}")
+    directions, dimension = _orthonormal(algebra[3:], tolerance), algebra.shape[1]
+    ranks = (directions.shape[1], dimension - directions.shape[1])
+    if ranks in _SCREWS and np.abs(directions.T @ algebra[:3]).max() > tolerance:
+        return _SCREWS[ranks]
+    return _NAMES.get(ranks, f"of dimension {dimension}")
 
 
 def _bracket(one: Array, other: Array) -> Array:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from pmjac_pin.files.shapes import Array, Box, Colour, Cone, Cylinder, Shape, Sphere, scaled
-from pmjac_pin.pictures.anatomy import BALL_JOINTS, Anatomy
+from pmjac_pin.pictures.anatomy import Anatomy
 from pmjac_pin.pictures.bodies import Point, Points
 from pmjac_pin.viewer.items import Part, between
 from pmjac_pin.viewer.layers import SPECK, Attached, Labels, Lines, distinct, part_of_path, words
@@ -31,7 +31,7 @@ def joint_layer(anatomy: Anatomy) -> Attached:
 
 
 def rail_layer(anatomy: Anatomy) -> Lines:
-    """Return what prismatic joints slide on: a bar from where they are fixed to where they are.
+    """Return what joints slide on along an axis: a bar from where they are fixed to where they are.
 
     A slide whose body has visuals is seen without.
     """
@@ -79,12 +79,12 @@ def _glyphs(anatomy: Anatomy) -> Iterator[tuple[Part, int, Array]]:
         if joint in anatomy.bodies.axes:
             name, shape, place = _along_axis(anatomy, joint)
             yield Part(f"{path}/{name}", shape, colour), joint, place
-        elif anatomy.model.joints[joint].shortname() in BALL_JOINTS:
+        elif anatomy.ball(joint):
             yield Part(f"{path}/ball", Sphere(), colour), joint, scaled(BALL_RADIUS * anatomy.size)
 
 
 def _along_axis(anatomy: Anatomy, joint: int) -> tuple[str, Shape, Array]:
-    axis, turns = anatomy.bodies.axes[joint]
+    axis, turns, _ = anatomy.bodies.axes[joint]
     size = anatomy.size
     length = (PIN_LENGTH if turns else SLIDER) * size
     radius = (PIN_RADIUS if turns else SLIDER) * size

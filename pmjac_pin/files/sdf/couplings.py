@@ -15,6 +15,7 @@ from pmjac_pin.files.xml_text import label, numbers, numbers_in, only, shown
 from pmjac_pin.model.loop_spec import JointLoop
 
 _PARALLEL = 1e-6
+_TURNING = ("revolute", "continuous", "screw")
 
 
 def coupling(gearbox: SdfJoint, tree: Sequence[SdfJoint]) -> JointLoop:
@@ -62,7 +63,7 @@ def _turning(
     for joint in tree:
         if len(joint.axes) == 1 and {joint.parent, joint.child} == {body, link}:
             along = float(wanted @ joint.placement.rotation @ joint.axes[0].direction)
-            if abs(abs(along) - 1.0) < _PARALLEL and joint.kind != "prismatic":
+            if abs(abs(along) - 1.0) < _PARALLEL and joint.kind in _TURNING:
                 return joint.name, float(np.sign(along)) * (1.0 if joint.child == link else -1.0)
     what = f"{label(gearbox.element)}: no joint of the tree turns {link!r} against {body!r}"
     raise ModelFileError(f"{what} about the axis that the gearbox gives")

@@ -30,7 +30,8 @@ def read_sdf(path: Path, motors: Collection[str] = ()) -> ForeignModel:
     """Read an SDFormat file with one model.
 
     Of several joints with the same child the first in the file stays in the tree, and the others
-    become loops of their kind: revolute, prismatic, spherical, universal or frame. Where no joint
+    become loops of their kind: revolute, prismatic, spherical, universal or frame; a screw is cut
+    behind its hub. Where no joint
     holds a link to the world, the canonical link, or else the first that is no joint's child, is
     held at its pose in the file. Links that no joint joins to it are left out.
 
@@ -85,6 +86,7 @@ def _foreign_model(model: SdfModel, path: Path, motors: Collection[str]) -> Fore
         urdf=Urdf.of(tree.urdf.robot, str(path)),
         loops=(*tree.loops, *couplings, *_within(mimics, kept)),
         spherical=tuple(tree.spherical),
+        helical=tree.helical,
         home=tree.home,
         notes=(*model.notes, *_notes(graph, joints, tree)),
         unread=model.unread,
@@ -137,6 +139,8 @@ def _notes(graph: SpanningTree, joints: Sequence[SdfJoint], tree: SdfTree) -> It
     for joint in (joints[number] for number in graph.cut):
         other = f"joint {above[joint.child]!r}" if joint.child in above else "the base"
         cut = f"joint {joint.name!r} is cut into a loop of kind {joint.kind}, without its limits"
+        if joint.kind == "screw":
+            cut = f"joint {joint.name!r} is cut behind its hub, which a frame loop holds"
         yield f"{cut}: {other} holds its child {joint.child!r} already"
     for name, value in tree.home.items():
         yield f"the file has joint {name!r} at 0, outside its limits: home starts at {value:g}"

@@ -18,7 +18,7 @@ from pmjac_pin.closing.machine_size import Size
 from pmjac_pin.closing.nearby_poses import FARTHEST
 from pmjac_pin.closing.pose_assembly import motor_weights, shaken
 from pmjac_pin.model.frames import find_frame
-from pmjac_pin.model.linkage import known_kind
+from pmjac_pin.model.joint_kinds import kind_of
 from pmjac_pin.model.loop_spec import JointLoop, Loop
 from pmjac_pin.rates.redundancy import LoopRank
 from pmjac_pin.studies.check.diagnosis_parts import Body, Freedom, LoopEntry, Mobility
@@ -212,8 +212,9 @@ def _links(model: pin.Model, body: int) -> tuple[str, ...]:
 
 def _joint_kind(model: pin.Model, name: str) -> str:
     joint = model.joints[model.getJointId(name)]
-    kind = known_kind(joint) or joint.shortname().removeprefix("JointModel")
-    return "floating" if kind == "free" else kind  # as URDF calls it
+    if (kind := kind_of(joint)) is None:
+        return str(joint.shortname().removeprefix("JointModel"))
+    return kind.title or kind.name
 
 
 def _finite(value: float) -> float | None:

@@ -13,10 +13,10 @@ from flint import fmpq_mpoly
 
 from pmjac_pin.algebra.jets import Jets
 from pmjac_pin.algebra.polynomials import Polynomials, Symbols, rational
-from pmjac_pin.kinematics.joints import Motion
 from pmjac_pin.kinematics.loops import Pair
 from pmjac_pin.kinematics.tree import Link, Poses, Tree
 from pmjac_pin.model.frames import Frame
+from pmjac_pin.model.joint_kind import Motion
 from pmjac_pin.model.rows import Distance
 from pmjac_pin.studies.homotopy.joint_unknowns import JointUnknowns, quaternion_of_gap
 

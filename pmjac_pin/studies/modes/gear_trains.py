@@ -39,7 +39,7 @@ class GearTrain:
     columns : ndarray of int
     slopes, offsets : ndarray
     turning : bool
-        No joint slides.
+        No joint slides, nor is a screw.
     period : float
         After which, in t, all bodies are where they were; infinite where they never are.
     driver : int or None
@@ -148,7 +148,7 @@ def _train(
 ) -> GearTrain:
     columns = coordinates.columns(lines)
     slopes, offsets = (np.array(numbers) for numbers in zip(*lines.values(), strict=True))
-    turning = bool(coordinates.rotational[columns].all())
+    turning = bool((coordinates.angles | coordinates.wraps)[columns].all())
     driver = next((k for k, name in enumerate(lines) if name in motors and slopes[k]), None)
     period = _FULL_TURN * _turns(slopes.tolist()) if turning else math.inf
     return GearTrain(tuple(lines), columns, slopes, offsets, turning, period, driver)

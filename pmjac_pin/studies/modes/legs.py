@@ -95,18 +95,18 @@ def _chain(
 ) -> tuple[Edge, ...] | None:
     """Return the joints from a leg's end up to its ball or universal joint, or None."""
     chain: list[Edge] = []
-    freedoms = 0
+    hinges = 0
     body = end
     while body in lonely:
         edge = joints[body]
         chain.append(edge)
         if edge.name not in mechanism.spec.actuated:
-            freedoms += {"spherical": 3, "revolute": 2, "continuous": 2}.get(edge.kind, 9)
-            if freedoms in (3, 4):
-                return tuple(chain)
-            if freedoms > 4:
+            hinges += not edge.kind.ball
+            if edge.kind.along or (edge.kind.ball and hinges):
                 return None
-        elif freedoms:
+            if edge.kind.ball or hinges == 2:
+                return tuple(chain)
+        elif hinges:
             return None
         body = edge.parent
     return None
@@ -122,7 +122,7 @@ def _leg(
     hinges = [
         (place.translation, place.rotation[:, 2])
         for place, edge in zip(places, chain, strict=True)
-        if edge.kind != "spherical" and edge.name not in mechanism.spec.actuated
+        if not edge.kind.ball and edge.name not in mechanism.spec.actuated
     ]
     if hinges:
         (second, b), (first, a) = hinges
