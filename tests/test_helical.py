@@ -221,7 +221,7 @@ def test_a_screw_that_drives():
 def test_its_turns_count_in_the_modes():
     """Both of the rod's modes, and the screw as many turns apart as the slide is pitches apart."""
     modes = pj.assembly_modes(press(), [0.7], rng=0)
-    assert (len(modes), modes.complete.kind) == (2, "proof")
+    assert (len(modes), modes.evidence.kind) == (2, "proof")
     found = sorted(mode.joint_values["screw"] for mode in modes)
     assert found == pytest.approx([(slid(0.7, side) - 0.2) / PITCH for side in (-1, 1)])
     by_search = pj.assembly_modes(press(), [0.7], rng=0, proof=False)

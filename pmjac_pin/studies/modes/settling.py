@@ -52,7 +52,7 @@ class ProofCensus:
     """The modes that interval arithmetic has proven.
 
     It counts values of joints: two of its rows may be one mode, a leg's universal joint being
-    turned over.
+    turned over, or the two being nearer than modes are told apart.
     """
 
     mechanism: Mechanism
@@ -68,8 +68,8 @@ class ProofCensus:
         evidence = self.proof.evidence
         if count == len(self.proof.q):
             return evidence
-        turned = f"{count} modes, universal joints turned over or not"
-        return replace(evidence, statement=f"{evidence.statement}: {turned}")
+        same = f"{count} modes, all bodies of some being where those of others are, to 1e-5"
+        return replace(evidence, statement=f"{evidence.statement}: {same}")
 
     def rows(self) -> list[Array]:
         """Return the middles of the enclosures."""
