@@ -100,14 +100,14 @@ def test_all_modes_by_search_and_homotopy(bush, in_series):
         for one, way in zip((bush, in_series), ways, strict=True)
     )
     found = [np.sort([mode.passive[k] for mode in modes]) for k in (0, 1)]
-    assert modes.complete == expected.complete
+    assert modes.evidence == expected.evidence
     for k in (0, 1):
         np.testing.assert_allclose(found[k], np.sort([m.passive[k] for m in expected]), atol=1e-9)
 
 
 def test_a_proof_says_why_there_is_none(bush):
     proof = pj.prove(bush, [0.2])
-    assert not proof.complete
+    assert not proof
     assert "'bush' is cylindrical: of several degrees of freedom" in proof.statement
 
 
