@@ -108,7 +108,7 @@ def test_all_modes_by_search_and_homotopy(bush, in_series):
 def test_a_proof_says_why_there_is_none(bush):
     proof = pj.prove(bush, [0.2])
     assert not proof
-    assert "'bush' is cylindrical: of several degrees of freedom" in proof.statement
+    assert "'bush' is cylindrical: of several degrees of freedom" in str(proof.evidence)
 
 
 def test_certificate_and_findings(bush):
