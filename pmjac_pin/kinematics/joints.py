@@ -82,6 +82,11 @@ class JointKind:
         return len(self.about)
 
     @property
+    def curved(self) -> bool:
+        """Whether its freedoms do not commute."""
+        return self.turns == 3 or bool(self.slides and self.turns)
+
+    @property
     def nv(self) -> int:
         """The number of freedoms."""
         return self.slides + self.turns
@@ -116,6 +121,38 @@ class JointKind:
         slid = entries[:, :s] + self._turned_slides(entries[:, s:], v[:, :s])
         return np.hstack([slid, self._turned(entries[:, s:], v[:, s:])])
 
+    def between(self, entries: Array, other: Array) -> Array:
+        """Return v with entries ⊕ v = other for each row."""
+        s = self.slides
+        back = self._turned_back(entries[:, s:], other[:, :s] - entries[:, :s])
+        return np.hstack([back, self._turn_between(entries[:, s:], other[:, s:])])
+
+    def arriving(self, way: Array, v: Array) -> Array:
+        """Return the rates of `between` at its end: x' where entries ⊕ x moves on by v."""
+        s = self.slides
+        turn = np.asarray(Rotation.from_rotvec(way[:, s:]).as_quat()) if self.turns == 3 else None
+        if turn is None and s and self.turns:
+            turn = np.column_stack([np.cos(way[:, s]), np.sin(way[:, s])])
+        slid = v[:, :s] if turn is None else self._turned_slides(turn, v[:, :s])
+        return np.hstack([slid, _log_rates(way[:, s:], v[:, s:]) if self.turns == 3 else v[:, s:]])
+
+    def _turned_back(self, turn: Array, slid: Array) -> Array:
+        if not (self.slides and self.turns):
+            return slid
+        if self.turns == 3:
+            return np.asarray(Rotation.from_quat(turn).inv().apply(slid))
+        (x, y), (c, s) = slid.T, turn.T
+        return np.column_stack([c * x + s * y, c * y - s * x])
+
+    def _turn_between(self, turn: Array, other: Array) -> Array:
+        if self.turns == 3:
+            way = Rotation.from_quat(turn).inv() * Rotation.from_quat(other)
+            return np.asarray(way.as_rotvec())
+        if self.angle or not self.turns:
+            return other - turn
+        (a, b), (c, s) = turn.T, other.T
+        return np.arctan2(a * s - b * c, a * c + b * s)[:, None]
+
     def _turned_slides(self, turn: Array, v: Array) -> Array:
         """Return slides in the moved axes as slides in those before."""
         if not (self.slides and self.turns):
@@ -144,6 +181,20 @@ JOINT_KINDS: dict[str, JointKind] = {
     "planar": JointKind((0, 1), (_Z,)),
     "free": JointKind((0, 1, _Z), (0, 1, _Z)),
 }
+
+
+def _log_rates(vector: Array, omega: Array) -> Array:
+    """Return the rates of a rotation vector x for an angular velocity in the moved frame.
+
+    x' = ω + ½ x × ω + (1/α² − (1 + cos α) / (2 α sin α)) x × (x × ω), with α = |x|.
+    """
+    angle = np.linalg.norm(vector, axis=1)
+    small = angle < 1e-3
+    safe = np.where(small, 1.0, angle)
+    factor = 1.0 / safe**2 - (1.0 + np.cos(safe)) / (2.0 * safe * np.sin(safe))
+    factor = np.where(small, 1.0 / 12.0 + angle**2 / 720.0, factor)
+    once = np.cross(vector, omega)
+    return np.asarray(omega + 0.5 * once + factor[:, None] * np.cross(vector, once))
 
 
 def rotation_of(algebra: Algebra, quaternion: Sequence[Number]) -> list[list[Number]]:

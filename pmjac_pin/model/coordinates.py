@@ -130,6 +130,10 @@ class JointCoordinates:
         """Return the number of degrees of freedom of a joint."""
         return self._joint(name).nv
 
+    def entry(self, column: int) -> int:
+        """Return where q holds a freedom's value, or its cosine and behind it its sine."""
+        return int(self._entries_of[column])
+
     def values(self, q: Array) -> Array:
         """Return the value of every degree of freedom, shape (nv,), in the columns' order."""
         values: Array = pin.difference(self._model, self._neutral, q)
@@ -140,13 +144,16 @@ class JointCoordinates:
         return values
 
     def with_values(self, q: Array, columns: Index, values: Array) -> Array:
-        """Return q with the values of these columns, of joints with one degree of freedom."""
+        """Return q with the values of these columns, of joints with one degree of freedom.
+
+        Both may have any leading axes, the same.
+        """
         q = q.copy()
         entries, wraps = self._entries_of[columns], self.wraps[columns]
         if wraps.any():
-            q[entries[wraps] + 1] = np.sin(values[wraps])
+            q[..., entries[wraps] + 1] = np.sin(values[..., wraps])
             values = np.where(wraps, np.cos(values), values)
-        q[entries] = values
+        q[..., entries] = values
         return q
 
     def q(self, poses: Mapping[str, float | Sequence[float]], base: Array | None = None) -> Array:
