@@ -52,20 +52,20 @@ _Step = Callable[..., None]
 
 
 def _one(of: Any) -> _Step:
-    return lambda slots, spare, inputs, outputs, d, a, b, c: of(slots[a], slots[d])
+    return lambda slots, spare, inputs, outputs, d, a, b, c: of(slots[a], out=slots[d])
 
 
 def _two(of: Any) -> _Step:
-    return lambda slots, spare, inputs, outputs, d, a, b, c: of(slots[a], slots[b], slots[d])
+    return lambda slots, spare, inputs, outputs, d, a, b, c: of(slots[a], slots[b], out=slots[d])
 
 
 def _fused(turned: bool, of: Any) -> _Step:
     def step(
         slots: Any, spare: Any, inputs: Any, outputs: Any, d: int, a: int, b: int, c: int
     ) -> None:
-        np.multiply(slots[a], slots[b], spare)
+        np.multiply(slots[a], slots[b], out=spare)
         first, second = (slots[c], spare) if turned else (spare, slots[c])
-        of(first, second, slots[d])
+        of(first, second, out=slots[d])
 
     return step
 

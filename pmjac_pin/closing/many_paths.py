@@ -81,7 +81,7 @@ class Walker:
     problem : ClosureProblem
     poses : ManyPoses
     point, step : Tape
-        `RecordedLoops.point_tape` and `step_tape`.
+        `RecordedRates.point_tape` and `step_tape`.
     run : callable
         (tape, inputs (k, b)) ↦ outputs.
     """

@@ -20,19 +20,19 @@ from pmjac_pin.algebra.programs import Recording, largest, roots
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.arms import Arms
 from pmjac_pin.closing.bends import Bends, Motion
-from pmjac_pin.closing.recorded_loops import RecordedLoops, zeros
+from pmjac_pin.rates.recorded_rates import RecordedRates, zeros
 from pmjac_pin.closing.step_guard import CUBIC, QUADRATIC, SLOPES
 from pmjac_pin.rates.sparse_qr import Triangle, norm
 
 Entries = NDArray[Any]
 
 
-def step_tape(loops: RecordedLoops, arms: Arms) -> Tape:
+def step_tape(loops: RecordedRates, arms: Arms) -> Tape:
     """Return (q₀, q₁, p(½), leaving, arriving, way) ↦ (N, ρ, τ, W, ‖A⁺‖)."""
-    nq, nv, kept = loops.model.nq, loops.model.nv, loops.kept
+    nq, nv, kept = loops.recorder.nq, loops.recorder.nv, loops.kept
     recording = Recording(3 * nq + 3 * nv)
     inputs = np.array(recording.inputs, dtype=object)
-    poses = [loops.kinematics(inputs[k * nq : (k + 1) * nq].tolist()) for k in range(3)]
+    poses = [loops.recorder.at(inputs[k * nq : (k + 1) * nq].tolist()) for k in range(3)]
     first, last, middle = (loops.scaled(pose.rates)[:, kept] for pose in poses)
     triangle = Triangle.of(np.hstack([first, last - first, middle - first]), kept.size)
     changes = triangle.solve(range(kept.size, 3 * kept.size))

@@ -20,6 +20,7 @@ from pmjac_pin.model.coupling import Coupling
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.spec import Tool
 
+Array = NDArray[np.float64]
 Entries = NDArray[Any]  # of terms and doubles
 
 _PROGRAMS = Programs()
@@ -50,21 +51,43 @@ class RecordedKinematics:
     position: Entries
 
 
-def record(
-    model: pin.Model, loops: Loops, tool: Tool, q: Sequence[Term]
-) -> RecordedKinematics:
-    """Record the kinematics of a model, its loops and its tool, at entries of q."""
-    entries = _PROGRAMS.numbers(q)
+class Recorder:
+    """Records the kinematics of a model, its loops and its tool.
 
-    def motion(link: Link) -> Motion:
-        return link.kind.motion(_PROGRAMS, entries[link.entries], link.edge.pitch)
+    Parameters
+    ----------
+    model : pin.Model
+    loops : Loops
+    tool : Tool
+    place : ndarray, shape (3,)
+        Where the model stands in the world, m.
 
-    poses = Poses(loops.tree, _PROGRAMS, motion)
-    residual, rates, cosines = _rows(loops, poses, entries[:, 0, 0], model.nv)
-    names = (tool.frame,) if tool.frame else tool.points or ()
-    points = [_frame(model, poses, name) for name in names]
-    rotation, position, jacobian = _spanned(points) if len(points) > 1 else points[0]
-    return RecordedKinematics(residual, rates, cosines, jacobian, rotation, position)
+    Attributes
+    ----------
+    nq, nv : int
+        Of the model.
+    """
+
+    __slots__ = ("_loops", "_model", "_names", "_place", "nq", "nv")
+
+    def __init__(self, model: pin.Model, loops: Loops, tool: Tool, place: Array) -> None:
+        self._model, self._loops, self._place = model, loops, place
+        self._names = (tool.frame,) if tool.frame else tool.points or ()
+        self.nq, self.nv = model.nq, model.nv
+
+    def at(self, q: Sequence[Term]) -> RecordedKinematics:
+        """Record it at entries of q."""
+        entries = _PROGRAMS.numbers(q)
+
+        def motion(link: Link) -> Motion:
+            return link.kind.motion(_PROGRAMS, entries[link.entries], link.edge.pitch)
+
+        poses = Poses(self._loops.tree, _PROGRAMS, motion)
+        residual, rates, cosines = _rows(self._loops, poses, entries[:, 0, 0], self.nv)
+        points = [_frame(self._model, poses, name) for name in self._names]
+        rotation, position, jacobian = _spanned(points) if len(points) > 1 else points[0]
+        stands = position + self._place
+        return RecordedKinematics(residual, rates, cosines, jacobian, rotation, stands)
 
 
 def _rows(loops: Loops, poses: Poses, q: Entries, nv: int) -> tuple[Entries, Entries, Entries]:
