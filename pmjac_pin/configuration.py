@@ -258,6 +258,7 @@ class Configuration:
 
 
 def frame_name(frame: str | pin.ReferenceFrame) -> FrameName:
+    """Return the name of one of Pinocchio's frames, or say which there are."""
     name = frame.name if isinstance(frame, pin.ReferenceFrame) else frame
     if isinstance(name, str):  # of an array, a comparison is none
         match name:

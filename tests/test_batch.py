@@ -59,4 +59,6 @@ def test_the_same_as_one_by_one(name, share, rng):
             continue
         assert jacobians.status[k] == Status.CLOSED
         condition = mechanism.configuration(poses.q[k]).singularity().condition
-        np.testing.assert_allclose(jacobians.J_eq[k], J_eq, atol=1e-13 * condition * np.abs(J_eq).max())
+        np.testing.assert_allclose(
+            jacobians.J_eq[k], J_eq, atol=1e-13 * condition * np.abs(J_eq).max()
+        )

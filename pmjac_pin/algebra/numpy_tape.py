@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -39,55 +39,69 @@ def run(tape: Tape, inputs: Array) -> Array:
     steps = [(_STEPS[INSTRUCTIONS[code]], *places) for code, *places in tape.code.tolist()]
     with np.errstate(all="ignore"):
         for start in range(0, count, width or 1):
-            end = min(start + width, count)
-            spare, *slots = store[:, : end - start]
-            slots = [*tape.constants, *slots]
-            part, target = inputs[:, start:end], found[:, start:end]
-            for step, *places in steps:
-                step(slots, spare, part, target, *places)
+            part = slice(start, min(start + width, count))
+            spare, *slots = store[:, : part.stop - start]
+            chunk = _Chunk([*tape.constants, *slots], spare, inputs[:, part], found[:, part])
+            for step, target, a, b, c in steps:
+                step(chunk, target, a, b, c)
     return found
 
 
-_Step = Callable[..., None]
+class _Chunk(NamedTuple):
+    """What instructions work on: constants and arrays in slots, and one array to spare."""
+
+    slots: list[Any]
+    spare: Array
+    inputs: Array
+    outputs: Array
+
+
+_Step = Callable[[_Chunk, int, int, int, int], None]
 
 
 def _one(of: Any) -> _Step:
-    return lambda slots, spare, inputs, outputs, d, a, b, c: of(slots[a], out=slots[d])
-
-
-def _two(of: Any) -> _Step:
-    return lambda slots, spare, inputs, outputs, d, a, b, c: of(slots[a], slots[b], out=slots[d])
-
-
-def _fused(turned: bool, of: Any) -> _Step:
-    def step(
-        slots: Any, spare: Any, inputs: Any, outputs: Any, d: int, a: int, b: int, c: int
-    ) -> None:
-        np.multiply(slots[a], slots[b], out=spare)
-        first, second = (slots[c], spare) if turned else (spare, slots[c])
-        of(first, second, out=slots[d])
+    def step(chunk: _Chunk, target: int, a: int, b: int, c: int) -> None:
+        of(chunk.slots[a], out=chunk.slots[target])
 
     return step
 
 
-def _load(
-    slots: Any, spare: Any, inputs: Any, outputs: Any, d: int, a: int, b: int, c: int
-) -> None:
-    slots[d][:] = inputs[a]
+def _two(of: Any) -> _Step:
+    def step(chunk: _Chunk, target: int, a: int, b: int, c: int) -> None:
+        of(chunk.slots[a], chunk.slots[b], out=chunk.slots[target])
+
+    return step
 
 
-def _store(
-    slots: Any, spare: Any, inputs: Any, outputs: Any, d: int, a: int, b: int, c: int
-) -> None:
-    outputs[d] = slots[a]
+def _muladd(chunk: _Chunk, target: int, a: int, b: int, c: int) -> None:
+    np.multiply(chunk.slots[a], chunk.slots[b], out=chunk.spare)
+    np.add(chunk.spare, chunk.slots[c], out=chunk.slots[target])
+
+
+def _mulsub(chunk: _Chunk, target: int, a: int, b: int, c: int) -> None:
+    np.multiply(chunk.slots[a], chunk.slots[b], out=chunk.spare)
+    np.subtract(chunk.spare, chunk.slots[c], out=chunk.slots[target])
+
+
+def _submul(chunk: _Chunk, target: int, a: int, b: int, c: int) -> None:
+    np.multiply(chunk.slots[a], chunk.slots[b], out=chunk.spare)
+    np.subtract(chunk.slots[c], chunk.spare, out=chunk.slots[target])
+
+
+def _load(chunk: _Chunk, target: int, a: int, b: int, c: int) -> None:
+    chunk.slots[target][:] = chunk.inputs[a]
+
+
+def _store(chunk: _Chunk, target: int, a: int, b: int, c: int) -> None:
+    chunk.outputs[target] = chunk.slots[a]
 
 
 _STEPS: dict[str, _Step] = {
     **{name: _one(of) for name, of in _ONE.items()},
     **{name: _two(of) for name, of in _TWO.items()},
-    "muladd": _fused(False, np.add),
-    "mulsub": _fused(False, np.subtract),
-    "submul": _fused(True, np.subtract),
+    "muladd": _muladd,
+    "mulsub": _mulsub,
+    "submul": _submul,
     "load": _load,
     "store": _store,
 }

@@ -187,7 +187,6 @@ class Programs(Arrays):
         """Return sin x."""
         return _each(x, "sin")
 
-
     def unit(self, x: Numbers) -> Numbers:
         """Return x: what q holds of a turn has length 1, as Pinocchio takes it to have."""
         return x

@@ -105,11 +105,13 @@ class _Writer:
             if term.operation not in {"+", "-"} or not self._uses[term.index]:
                 continue
             for x in term.operands:
-                if isinstance(x, Term) and x.operation == "*" and self._uses[x.index] == 1:
-                    if x.index not in taken:
-                        taken.add(x.index)
-                        yield term.index, x
-                        break
+                if isinstance(x, Term) and self._serves_once(x) and x.index not in taken:
+                    taken.add(x.index)
+                    yield term.index, x
+                    break
+
+    def _serves_once(self, term: Term) -> bool:
+        return term.operation == "*" and self._uses[term.index] == 1
 
     def _instruction(self, term: Term) -> tuple[str, Sequence[Operand]]:
         if term.operation == "input":

@@ -8,7 +8,7 @@ correction counts as small; what the paths lead to does not depend on either.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -140,9 +140,7 @@ class Walker:
         size = np.maximum(points.size, partition.least_size)
         return np.asarray(points.inverse * partition.rank_tolerance * size < 1.0)
 
-    def _strides(
-        self, here: Points, going: Index, step: Array, left: Array
-    ) -> tuple[Index, Array]:
+    def _strides(self, here: Points, going: Index, step: Array, left: Array) -> tuple[Index, Array]:
         """Return the paths that go on, and how far in one step, as a share of the whole way."""
         length = self.problem.partition.length
         pace = self._size(here.velocity[going])
@@ -154,7 +152,7 @@ class Walker:
     def _correct(
         self, q: Array, tangent: Array, displacement: Array, last: Flags
     ) -> tuple[Points, Index]:
-        """Newton on the passive joints, as `closure` does; return those that it closed, and which."""
+        """Newton on the passive joints, as `closure` does; return what it closed, and which."""
         enough = np.where(last, ROUNDING, closure.WALKING) * self.problem.partition.length
         allowed = closure.LARGEST_CORRECTION * self._size(tangent)
         before = np.full(len(q), np.inf)

@@ -151,7 +151,7 @@ class JointKind:
         if self.angle or not self.turns:
             return other - turn
         (a, b), (c, s) = turn.T, other.T
-        return np.arctan2(a * s - b * c, a * c + b * s)[:, None]
+        return np.asarray(np.arctan2(a * s - b * c, a * c + b * s)[:, None])
 
     def _turned_slides(self, turn: Array, v: Array) -> Array:
         """Return slides in the moved axes as slides in those before."""

@@ -117,7 +117,6 @@ class ManyPoses:
             result[:, link.entries] = link.kind.moved(q[:, link.entries], rates)
         return result
 
-
     def between(self, q: Array, other: Array) -> Array:
         """Return v with q ⊕ v = other for each row, shapes (b, nq), (b, nq) and (b, nv)."""
         result = np.empty((len(q), self.moved_by.shape[1]))
@@ -125,7 +124,6 @@ class ManyPoses:
             columns = slice(link.column, link.column + link.kind.nv)
             result[:, columns] = link.kind.between(q[:, link.entries], other[:, link.entries])
         return result
-
 
     def arriving(self, way: Array, v: Array) -> Array:
         """Return the rates of `between` where the second pose moves by v, each (b, nv)."""

@@ -1,4 +1,4 @@
-"""The kinematics of a mechanism as a program: η, ∂η/∂v, and the tool, recorded over the entries of q."""
+"""The kinematics of a mechanism as a program: η, ∂η/∂v and the tool, over the entries of q."""
 
 from __future__ import annotations
 

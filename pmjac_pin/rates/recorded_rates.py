@@ -86,15 +86,15 @@ class RecordedRates:
         matrix = self.scaled(kinematics.rates)
         idle = np.setdiff1d(partition.passive, self.kept)
         followed, count = np.concatenate([idle, motors]), self.kept.size
-        triangle = Triangle.of(
-            np.hstack([matrix[:, self.kept], matrix[:, followed]]), count
-        )
+        triangle = Triangle.of(np.hstack([matrix[:, self.kept], matrix[:, followed]]), count)
         rates = triangle.solve(range(count, count + followed.size))
         tool = in_frame(kinematics, frame) * partition.column_scale
         moved = tool[:, followed] - tool[:, self.kept] @ rates
         judged = np.vstack([tool[:3], partition.length * tool[3:]])
         felt = np.vstack([moved[:3], partition.length * moved[3:]])[:, : idle.size]
-        forbidden = triangle.matrix[np.ix_(triangle.left_over, range(count + idle.size, count + followed.size))]
+        forbidden = triangle.matrix[
+            np.ix_(triangle.left_over, range(count + idle.size, count + followed.size))
+        ]
         known = [
             norm(kinematics.residual * partition.row_scale),
             triangle.inverse_norm(),
