@@ -7,7 +7,6 @@ import pytest
 from random_machines import random_machine
 
 import pmjac_pin as pj
-from pmjac_pin.batch import Status, batch
 
 NAMES = pj.list_mechanisms()
 RANDOM = [
@@ -38,26 +37,26 @@ def single(mechanism, values):
 @pytest.mark.parametrize("name", [*NAMES, *RANDOM])
 def test_the_same_as_one_by_one(name, share, rng):
     mechanism = machine(name)
-    many = batch(mechanism)
+    many = pj.batch(mechanism)
     values = targets(mechanism, 12, share, rng)
     poses = many.close(values, enforce_limits=False)
     jacobians = many.jacobian(poses.q)
     length = mechanism.characteristic_length
     for k, (end, q) in enumerate(single(mechanism, one) for one in values):
         assert poses.share[k] == pytest.approx(end, abs=1e-6)
-        assert (poses.status[k] == Status.CLOSED) == (end == 1.0)
+        assert (poses.status[k] == pj.Status.CLOSED) == (end == 1.0)
         if end < 1.0:
             continue
         np.testing.assert_allclose(poses.q[k], q, atol=1e-10 * max(1.0, length))
         try:
             J_eq = mechanism.configuration(poses.q[k]).jacobian().J_eq
         except pj.SingularError:
-            assert jacobians.status[k] == Status.SINGULAR
+            assert jacobians.status[k] == pj.Status.SINGULAR
             continue
         except pj.NoJacobianError:
-            assert jacobians.status[k] == Status.NO_JACOBIAN
+            assert jacobians.status[k] == pj.Status.NO_JACOBIAN
             continue
-        assert jacobians.status[k] == Status.CLOSED
+        assert jacobians.status[k] == pj.Status.CLOSED
         condition = mechanism.configuration(poses.q[k]).singularity().condition
         np.testing.assert_allclose(
             jacobians.J_eq[k], J_eq, atol=1e-13 * condition * np.abs(J_eq).max()

@@ -25,7 +25,7 @@ from pmjac_pin.kinematics.many import ManyPoses
 from pmjac_pin.kinematics.recorded import Recorder
 from pmjac_pin.kinematics.tree import Tree
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.rates.recorded_rates import RecordedRates
+from pmjac_pin.closing.recorded_rates import RecordedRates
 from pmjac_pin.values.checks import as_numbers
 from pmjac_pin.values.read_only import ReadOnlyArrays
 
@@ -47,7 +47,7 @@ class Status(IntEnum):
 
 
 @dataclass(frozen=True, eq=False)
-class ManyPosesClosed(ReadOnlyArrays):
+class ManyClosed(ReadOnlyArrays):
     """Closed poses, or where their paths ended.
 
     Attributes
@@ -128,7 +128,7 @@ class Batch:
         guess: str | Configuration | ArrayLike = "home",
         *,
         enforce_limits: bool = True,
-    ) -> ManyPosesClosed:
+    ) -> ManyClosed:
         """Close the loops at many motor values, each on the assembly mode of its guess.
 
         Parameters
@@ -161,7 +161,7 @@ class Batch:
         status = np.where(paths.share == 1.0, Status.CLOSED, Status.STOPPED).astype(np.int8)
         if enforce_limits:
             status[coordinates.beyond(values, motors).any(axis=1)] = Status.LIMITS
-        return ManyPosesClosed(paths.points.q, paths.share, status)
+        return ManyClosed(paths.points.q, paths.share, status)
 
     def jacobian(
         self, q: ArrayLike, frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED"
