@@ -13,8 +13,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from pmjac_pin.algebra.numpy_tape import run
 from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.algebra.tape_runner import kernel, run
 from pmjac_pin.closing.arms import arms_of
 from pmjac_pin.closing.many_paths import Walker
 from pmjac_pin.closing.recorded_step import step_tape
@@ -103,10 +103,13 @@ class Batch:
     Attributes
     ----------
     mechanism : Mechanism
+    runs_on : str
+        "kernel", or "NumPy" where none was built when the package was installed.
     """
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
+        self.runs_on = "NumPy" if kernel() is None else "kernel"
         parts = mechanism._parts
         tree = Tree(parts.model)
         loops = Loops(parts.model, tree, parts.spec.loops, parts.values)
