@@ -42,20 +42,26 @@ def seconds(of: Callable[[], object]) -> float:
     return time.perf_counter() - start
 
 
+def compare(mechanism: pj.Mechanism) -> tuple[float, float]:
+    """Seconds a pose, one by one and at once."""
+    many, values = pj.batch(mechanism), targets(mechanism, MANY)
+    few = values[:20]
+    np.testing.assert_allclose(at_once(many, few), one_by_one(mechanism, few), atol=1e-9)
+    single, batched = [], []
+    for _ in range(ROUNDS):
+        single.append(seconds(lambda: one_by_one(mechanism, values[:SINGLE])) / SINGLE)
+        batched.append(seconds(lambda: at_once(many, values)) / MANY)
+    return statistics.median(single), statistics.median(batched)
+
+
 def main() -> None:
-    print(f"{'':16s}{'one by one':>12s}{'at once':>12s}{'ratio':>8s}   µs a pose, closed, J_eq")
+    runs_on = pj.batch(pj.load("four_bar")).runs_on
+    print(
+        f"{runs_on:16s}{'one by one':>12s}{'at once':>12s}{'ratio':>8s}   µs a pose, closed, J_eq"
+    )
     for name in NAMES:
-        mechanism = pj.load(name)
-        many, values = pj.batch(mechanism), targets(mechanism, MANY)
-        np.testing.assert_allclose(
-            at_once(many, values[:20]), one_by_one(mechanism, values[:20]), atol=1e-9
-        )
-        single, batched = [], []
-        for _ in range(ROUNDS):
-            single.append(seconds(lambda: one_by_one(mechanism, values[:SINGLE])) / SINGLE)
-            batched.append(seconds(lambda: at_once(many, values)) / MANY)
-        one, all_of_them = statistics.median(single), statistics.median(batched)
-        print(f"{name:16s}{1e6 * one:12.1f}{1e6 * all_of_them:12.1f}{one / all_of_them:8.1f}")
+        single, batched = compare(pj.load(name))
+        print(f"{name:16s}{1e6 * single:12.1f}{1e6 * batched:12.1f}{single / batched:8.1f}")
 
 
 if __name__ == "__main__":

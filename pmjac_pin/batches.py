@@ -5,7 +5,7 @@ What a program certifies is what the single call says; where it cannot, the sing
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import Any
 
@@ -17,6 +17,7 @@ from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import kernel, run
 from pmjac_pin.closing.arms import arms_of
 from pmjac_pin.closing.many_paths import Walker
+from pmjac_pin.closing.recorded_rates import RecordedRates
 from pmjac_pin.closing.recorded_step import step_tape
 from pmjac_pin.configuration import Configuration, frame_name
 from pmjac_pin.errors import ArgumentError, ClosureError, NoJacobianError, SingularError
@@ -25,7 +26,7 @@ from pmjac_pin.kinematics.many import ManyPoses
 from pmjac_pin.kinematics.recorded import Recorder
 from pmjac_pin.kinematics.tree import Tree
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.closing.recorded_rates import RecordedRates
+from pmjac_pin.model.limits import enforced
 from pmjac_pin.values.checks import as_numbers
 from pmjac_pin.values.read_only import ReadOnlyArrays
 
@@ -124,13 +125,16 @@ class Batch:
             run,
         )
         self._tapes: dict[str, Tape] = {}
+        self._coordinates = parts.coordinates
+        partition = parts.problem.partition
+        self._tied = partition.constraint_rank > partition.passive_rank
 
     def close(
         self,
         actuated: ArrayLike,
         guess: str | Configuration | ArrayLike = "home",
         *,
-        enforce_limits: bool = True,
+        enforce_limits: bool | str = True,
     ) -> ManyClosed:
         """Close the loops at many motor values, each on the assembly mode of its guess.
 
@@ -140,31 +144,54 @@ class Batch:
             Motor values, m or rad.
         guess : str, Configuration or array_like
             Where the paths begin: one pose, or closed q of shape (N, nq).
-        enforce_limits : bool
-            Of the motors.
+        enforce_limits : bool or "all"
+            As for `Mechanism.close`.
 
         Raises
         ------
-        ArgumentError, ClosureError
-            Values that are no finite numbers of that shape; a guess that is not closed.
+        ArgumentError, UnknownNameError
+            Values that are no finite numbers of that shape; no such pose.
+        ClosureError
+            A guess that is not closed.
         """
-        values = self._values(actuated)
+        values, whose = self._values(actuated), enforced(enforce_limits)
         start = self._start(guess, len(values))
-        parts = self.mechanism._parts
-        partition, coordinates = parts.problem.partition, parts.coordinates
-        motors = partition.actuated
+        closed = self._singly(start, values) if self._tied else self._together(start, values)
+        status = np.where(closed.share == 1.0, Status.CLOSED, Status.STOPPED).astype(np.int8)
+        if whose != "none":
+            status[self._beyond(values, self._rates.partition.actuated)] = Status.LIMITS
+        if whose == "all":
+            limited = np.flatnonzero(np.isfinite(self._coordinates.lower))
+            reached = self._coordinates.values_of(closed.q, limited)
+            status[self._beyond(reached, limited) & (status == Status.CLOSED)] = Status.LIMITS
+        return replace(closed, status=status)
+
+    def _beyond(self, values: Array, columns: Index) -> NDArray[np.bool_]:
+        return np.asarray(self._coordinates.beyond(values, columns).any(axis=1))
+
+    def _together(self, start: Array, values: Array) -> ManyClosed:
+        """Walk all paths by the program."""
+        coordinates, motors = self._coordinates, self._rates.partition.actuated
         displacement = values - coordinates.values_of(start, motors)
-        wraps = coordinates.wraps[motors]
-        displacement[:, wraps] = np.remainder(displacement[:, wraps] + np.pi, 2 * np.pi) - np.pi
+        turns = np.round(displacement / (2.0 * np.pi)) * coordinates.wraps[motors]
         paths = self._walker.walk(
             start,
-            displacement,
+            displacement - 2.0 * np.pi * turns,
             lambda q, which: coordinates.with_values(q, motors, values[which]),
         )
-        status = np.where(paths.share == 1.0, Status.CLOSED, Status.STOPPED).astype(np.int8)
-        if enforce_limits:
-            status[coordinates.beyond(values, motors).any(axis=1)] = Status.LIMITS
-        return ManyClosed(paths.points.q, paths.share, status)
+        return ManyClosed(paths.points.q, paths.share, np.zeros(len(values), dtype=np.int8))
+
+    def _singly(self, start: Array, values: Array) -> ManyClosed:
+        """Walk the paths one by one: where loops tie motors, some lead and others are led."""
+        q, share = start.copy(), np.ones(len(values))
+        for index, (one, target) in enumerate(zip(start, values, strict=True)):
+            guess = self.mechanism.configuration(one)
+            try:
+                q[index] = self.mechanism.close(target, guess, enforce_limits=False).q
+            except ClosureError as error:
+                share[index] = error.share
+                q[index] = one if error.reached is None else error.reached.q
+        return ManyClosed(q, share, np.zeros(len(values), dtype=np.int8))
 
     def jacobian(
         self, q: ArrayLike, frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED"
@@ -214,7 +241,13 @@ class Batch:
             guess = self.mechanism.pose(guess)
         if isinstance(guess, Configuration):
             return np.tile(self.mechanism.configuration(guess.q).q, (count, 1))
-        return self._poses(guess)
+        start = self._poses(guess)
+        if len(start) != count:
+            raise ArgumentError(f"{count} guesses expected, one for each target; got {len(start)}")
+        gap = self._walker.at(start, np.zeros((count, len(self.mechanism.actuated)))).gap
+        for index in np.flatnonzero(gap > self.mechanism.problem.tolerance)[:1].tolist():
+            self.mechanism.configuration(start[index])  # says how far the loops are open
+        return start
 
     def _poses(self, q: Any) -> Array:
         poses = as_numbers(q, "q")

@@ -1,4 +1,4 @@
-"""Runs a tape as fast as this installation can: by its kernel where one was built, else by NumPy."""
+"""Runs a tape by the kernel where one was built with the package, else by NumPy."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def run(tape: Tape, inputs: Array) -> Array:
 
 @cache
 def kernel() -> ctypes.CDLL | None:
-    """Return the kernel that was built from this installation's source, None where there is none."""
+    """Return the kernel that was built from the source beside it, None where there is none."""
     return loaded(_FOLDER / "_tape_kernel.so", _FOLDER / "tape_kernel.c")
 
 

@@ -119,7 +119,7 @@ def in_frame(kinematics: RecordedKinematics, frame: FrameName) -> Entries:
         case "WORLD":
             x, y, z = kinematics.position
             u, v, w = angular
-            moved = np.array([y * w - z * v, z * u - x * w, x * v - y * u])
+            moved = np.array([w * y - v * z, u * z - w * x, v * x - u * y])
             return np.vstack([linear + moved, angular])
 
 

@@ -20,8 +20,8 @@ from pmjac_pin.algebra.programs import Recording, largest, roots
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.arms import Arms
 from pmjac_pin.closing.bends import Bends, Motion
-from pmjac_pin.closing.step_guard import CUBIC, QUADRATIC, SLOPES
 from pmjac_pin.closing.recorded_rates import RecordedRates, zeros
+from pmjac_pin.closing.step_guard import CUBIC, QUADRATIC, SLOPES
 from pmjac_pin.rates.sparse_qr import Triangle, norm
 
 Entries = NDArray[Any]
