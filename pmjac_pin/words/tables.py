@@ -41,6 +41,9 @@ ELLIPSOIDS = {
 LEGEND = "The unit of an entry is its row's unit over its column's."
 
 
+_STILL = 1e-10  # of a motion's largest rate: motions come of differences between poses
+
+
 def report_blocks(report: Report) -> Iterator[Block]:
     """Show all of a report."""
     yield Heading(title(report))
@@ -244,7 +247,8 @@ def _ranks(found: SingularityReport) -> Iterator[tuple[str, str]]:
 
 def _largest_one(rates: Mapping[str, float]) -> dict[str, float]:
     largest = max(rates.values(), key=abs)
-    return {name: rate / largest for name, rate in rates.items()}
+    shares = {name: rate / largest for name, rate in rates.items()}
+    return {name: share if abs(share) > _STILL else 0.0 for name, share in shares.items()}
 
 
 def _motions(report: Report, heading: str, motions: Sequence[Mapping[str, float]]) -> Table:
