@@ -32,6 +32,7 @@ from pmjac_pin.rates.partition import Partition
 Array = NDArray[np.float64]
 
 # Numbers that are off by a share of the mechanism's length are off by that in K*, and more.
+_SMALLEST_SIZE = 1e-2  # of [K K*]: rows are measured by their loops, columns by the machine
 _RANK_ROOM = 10.0
 _ENOUGH = 3  # poses of the generic rank from which it is tried whether all joints can move
 
@@ -216,4 +217,5 @@ def _partition(
         column_scale=columns,
         rank_tolerance=max(RANK_TOLERANCE, _RANK_ROOM * opened / length),
         tool_rows=spec.tool.judged,
+        smallest_size=_SMALLEST_SIZE,
     )

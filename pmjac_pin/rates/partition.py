@@ -75,6 +75,8 @@ class Partition(ReadOnlyArrays):
         The rows of the tool's twist on which `tool_rank` rests.
     size : float
         Of [K K*], the largest seen where the ranks are from.
+    smallest_size : float
+        Below it [K K*] is rounding of a machine whose loops close nothing.
     """
 
     actuated: Index
@@ -93,6 +95,7 @@ class Partition(ReadOnlyArrays):
     reach: float = np.inf
     loop_sizes: tuple[float, ...] = ()
     tool_rows: ToolRows = WHOLE_TWIST
+    smallest_size: float = 0.0
 
     @cached_property
     def _scale(self) -> Array:
@@ -197,7 +200,7 @@ class Partition(ReadOnlyArrays):
     @property
     def least_size(self) -> float:
         """What the size of [K K*] is taken for where it vanishes."""
-        return _LEAST_SIZE * self.size
+        return max(_LEAST_SIZE * self.size, self.smallest_size)
 
     def loop_rates(self, constraint_jacobian: Array) -> LoopRates:
         """Return [K K*] without dimension at one pose, and K* factorised."""

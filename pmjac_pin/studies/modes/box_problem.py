@@ -87,6 +87,8 @@ def box_problem(mechanism: Mechanism, motors: Mapping[str, float], limits: bool)
     """
     model, partition = mechanism.kinematics.model, mechanism.problem.partition
     edges = edges_of(model)
+    if partition.isolated:
+        raise NoBoxesError("no pose near home closes: what joints can do in general is not known")
     if partition.passive_rank < partition.passive.size:
         raise NoBoxesError("passive joints can move with all motors locked, at every pose")
     if not partition.passive.size:

@@ -73,7 +73,8 @@ def _line(frame: Frame, axis: Array, poses: WorldPoses) -> Array:
 
 
 def _screws(columns: slice, length: float, poses: WorldPoses) -> Array:
-    return _twists(columns, length, poses).reshape(len(poses.linear), -1)
+    twists = _twists(columns, length, poses)
+    return twists.reshape(len(twists), 6 * twists.shape[2])
 
 
 def _motions(columns: slice, length: float, poses: WorldPoses) -> Array:

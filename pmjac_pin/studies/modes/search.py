@@ -59,6 +59,7 @@ class ManyClosures:
         q, found = starts, []
         damping = np.full(len(q), 1e-2)
         error, rows = self._scaled(q)
+        sizes = _sizes(rows)
         gap = np.linalg.norm(error, axis=1)
         least, creeping = np.zeros(len(q), dtype=bool), np.zeros(len(q), dtype=int)
         for _ in range(_STEPS):
@@ -67,9 +68,10 @@ class ManyClosures:
             going = ~done & (damping < _STUCK) & (creeping < _PATIENCE)
             if not going.any():
                 break
-            q, error, rows = q[going], error[going], rows[going]
+            q, error, rows, sizes = q[going], error[going], rows[going], sizes[going]
             gap, damping, creeping = gap[going], damping[going], creeping[going]
-            trial = self.problem.tree.moved(q, self._step(error, rows, damping * gap / farthest))
+            step = self._step(error, rows, sizes, damping * gap / farthest)
+            trial = self.problem.tree.moved(q, step)
             trial_error, trial_rows = self._scaled(trial)
             trial_gap = np.linalg.norm(trial_error, axis=1)
             better = trial_gap < gap
@@ -79,6 +81,7 @@ class ManyClosures:
             q = np.where(better[:, None], trial, q)
             error = np.where(better[:, None], trial_error, error)
             rows = np.where(better[:, None, None], trial_rows, rows)
+            sizes = np.maximum(sizes, _sizes(rows))
             gap = np.where(better, trial_gap, gap)
             damping = np.where(better, np.maximum(damping / 5.0, 1e-9), damping * 5.0)
         return self._polished(np.concatenate(found))
@@ -90,7 +93,8 @@ class ManyClosures:
         """
         for _ in range(_LAST_STEPS if len(q) else 0):
             error, rows = self._scaled(q)
-            trial = self.problem.tree.moved(q, self._step(error, rows, np.zeros(len(q))))
+            step = self._step(error, rows, _sizes(rows), np.zeros(len(q)))
+            trial = self.problem.tree.moved(q, step)
             better = np.linalg.norm(self._scaled(trial)[0], axis=1) < np.linalg.norm(error, axis=1)
             q = np.where(better[:, None], trial, q)
         return q
@@ -102,15 +106,15 @@ class ManyClosures:
         K_star = jacobian[:, :, partition.passive] * partition.column_scale[partition.passive]
         return residual * partition.row_scale, K_star * partition.row_scale[:, None]
 
-    def _step(self, error: Array, rows: Array, damping: Array) -> Array:
+    def _step(self, error: Array, rows: Array, sizes: Array, damping: Array) -> Array:
         """Return v (b, nv): −D⁻¹(JᵀJ + λ)⁻¹ Jᵀη on the passive columns, J = K D⁻¹, not too long.
 
         D are the sizes of K's columns (Marquardt's scaling), so that λ holds back no joint for
         moving the loops little: a platform's turn moves them by its own size only, however long
-        its legs are.
+        its legs are. They are the largest on the way (as in MINPACK): a column that vanishes where
+        the loops close would have its joint thrown about there.
         """
         partition = self.problem.partition
-        sizes = np.sqrt(np.einsum("bij,bij->bj", rows, rows))
         sizes = np.maximum(sizes, _IDLE * sizes.max(axis=1, initial=0.0, keepdims=True))
         sizes = np.where(sizes > 0.0, sizes, 1.0)  # no passive joint moves the loops at all
         rows = rows / sizes[:, None, :]
@@ -124,6 +128,11 @@ class ManyClosures:
         velocity = np.zeros((len(error), partition.column_scale.size))
         velocity[:, partition.passive] = step * partition.column_scale[partition.passive]
         return velocity
+
+
+def _sizes(rows: Array) -> Array:
+    """Return the norms of the columns of each matrix, shape (b, m_p)."""
+    return np.asarray(np.sqrt(np.einsum("bij,bij->bj", rows, rows)))
 
 
 def unseen_share(starts: int, question: int, confidence: float) -> float:
