@@ -81,12 +81,12 @@ def told_real(loops: PolynomialLoops, driven: Balls, x: Complex) -> Complex:
 
 def _radii(loops: PolynomialLoops, driven: Balls, x: Complex) -> Radii:
     """Return what Krawczyk's test proves of the solutions near x."""
-    value, _ = loops.in_balls(_balls(x, 0.0), driven)
+    value = loops.values_in_balls(_balls(x, 0.0), driven)
     residual, columns = np.concatenate(_parts(value)), np.arange(2 * len(x))
     found = Radii(math.inf, 0.0)
     for share in _RADII:
         radius = share * (1.0 + float(np.abs(x).max(initial=0.0)))
-        jacobian = _real(loops.in_balls(_balls(x, radius), driven)[1])
+        jacobian = _real(loops.slopes_in_balls(_balls(x, radius), driven))
         nested = Intervals.stack([jacobian, jacobian], axis=0)  # at x, too, if not as sharp
         found = radii(residual, nested, columns, np.eye(columns.size), np.array([0.0, radius]))
         if not found.failed:

@@ -108,14 +108,21 @@ class PolynomialLoops:
         by_x = (slopes[:, :, : self.count], slopes[:, :, -1:])
         return values, np.concatenate([*by_x, along], axis=2)
 
-    def in_balls(self, x: Numbers, driven: Numbers) -> tuple[Numbers, Numbers]:
-        """Return enclosures of F (count,) and of its derivatives by x, over balls; h = 1, γ = 0.
+    def values_in_balls(self, x: Numbers, driven: Numbers) -> Numbers:
+        """Return enclosures of F (count,) over balls; h = 1, γ = 0.
 
         `driven` are the motors' numbers, as `driven_balls` gives them, and the rods' lengths².
         """
+        return self._table.values_in_balls(self._shut(x, driven))
+
+    def slopes_in_balls(self, x: Numbers, driven: Numbers) -> Numbers:
+        """Return enclosures of the derivatives of F by x (count, count); see `values_in_balls`."""
+        return self._table.slopes_in_balls(self._shut(x, driven))[:, : self.count]
+
+    def _shut(self, x: Numbers, driven: Numbers) -> Numbers:
+        """Return the variables' balls with h = 1 and γ = 0."""
         rest = np.array([acb(0)] * self.rows + [acb(1)], dtype=object)
-        values, slopes = self._table.in_balls(np.concatenate([x, driven, rest]))
-        return values, slopes[:, : self.count]
+        return np.concatenate([x, driven, rest])
 
     def gaps(self, x: Complex, p: Complex) -> Complex:
         """Return the offsets γ that shut the loops at one x."""

@@ -53,14 +53,22 @@ class PolynomialTable:
         shape = (len(points), self._rows, self._variables)
         return found[:, : self._rows], found[:, self._rows :].reshape(shape)
 
-    def in_balls(self, point: Balls) -> tuple[Balls, Balls]:
-        """Return enclosures of the values (rows,) over one point's balls, and (rows, variables)."""
+    def values_in_balls(self, point: Balls) -> Balls:
+        """Return enclosures of the values (rows,) over one point's balls."""
+        return self._in_balls(self._exact[: self._rows], point)
+
+    def slopes_in_balls(self, point: Balls) -> Balls:
+        """Return enclosures of the derivatives (rows, variables) over one point's balls."""
+        slopes = self._in_balls(self._exact[self._rows :], point)
+        return slopes.reshape(self._rows, self._variables)
+
+    def _in_balls(self, rows: Sequence[Sequence[tuple[int, fmpq]]], point: Balls) -> Balls:
         factors: Balls = np.concatenate([point, [acb(1)]])
         monomials = np.multiply.reduce(factors[self._factors], axis=0)
-        found = np.empty(len(self._exact), dtype=object)
-        for index, row in enumerate(self._exact):
+        found = np.empty(len(rows), dtype=object)
+        for index, row in enumerate(rows):
             found[index] = sum((monomials[number] * acb(c) for number, c in row), acb(0))
-        return found[: self._rows], found[self._rows :].reshape(self._rows, self._variables)
+        return found
 
 
 def _small(exponents: Sequence[Any]) -> Exponents:
