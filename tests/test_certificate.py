@@ -224,7 +224,7 @@ def test_every_cut_is_certified(joint):
 
 def test_joints_of_other_kinds_are_refused():
     model = pin.Model()
-    joint = model.addJoint(0, pin.JointModelUniversal(), pin.SE3.Identity(), "cross")
+    joint = model.addJoint(0, pin.JointModelUniversal(*np.eye(3)[:2]), pin.SE3.Identity(), "cross")
     model.addFrame(pin.Frame("tool", joint, pin.SE3.Identity(), pin.FrameType.OP_FRAME))
     motor = model.addJoint(0, pin.JointModelRZ(), pin.SE3.Identity(), "motor")
     model.addFrame(pin.Frame("tip", motor, pin.SE3.Identity(), pin.FrameType.OP_FRAME))

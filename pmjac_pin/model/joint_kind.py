@@ -64,7 +64,8 @@ class JointKind:
     written : str
         A pattern of what Pinocchio's joints of this kind are called, without "JointModel".
     model : callable or None
-        Pinocchio's joint along and about z, of the pitch where it is a screw; None for a weld.
+        Pinocchio's joint along and about z, of the pitch where it is a screw; None for a weld,
+        and for what turns in turn, which nothing builds.
     along : tuple of int
         The axes it slides along.
     about : tuple of int
@@ -162,7 +163,7 @@ class JointKind:
     def built(self, pitch: float) -> pin.JointModel:
         """Return Pinocchio's joint."""
         if self.model is None:
-            raise ArgumentError(f"a {self.name} joint moves nothing, and is none of Pinocchio's")
+            raise ArgumentError(f"no joint of Pinocchio's is built for a {self.name} one here")
         return self.model(pitch) if self.screw else self.model()
 
     def reach(self, pitch: float) -> float:

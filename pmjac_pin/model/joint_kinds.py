@@ -33,8 +33,8 @@ _TABLE = (
     JointKind("planar", "Planar", pin.JointModelPlanar, _PLANE, _Z, PlanarLoop),
     JointKind("translation", "Translation", pin.JointModelTranslation, _ALL),
     JointKind("free", "FreeFlyer", pin.JointModelFreeFlyer, _ALL, _ALL, title="floating"),
-    JointKind("universal", "Universal", pin.JointModelUniversal, (), _PLANE, angle=True),
-    JointKind("spherical_zyx", "SphericalZYX", pin.JointModelSphericalZYX, (), _ALL, angle=True),
+    JointKind("universal", "Universal", None, (), _PLANE, angle=True),
+    JointKind("spherical_zyx", "SphericalZYX", None, (), _ALL, angle=True),
 )
 #: The kinds that are known, by name; `register` adds to them. The first that reads a joint counts.
 JOINT_KINDS = {kind.name: kind for kind in _TABLE}
