@@ -262,3 +262,37 @@ def test_the_joints_of_the_catalogue_are_seen_to_move(name):
     mechanism = pj.load(name)
     assert mechanism.problem.partition.reach >= FARTHEST
     assert "seen no further" not in repr(mechanism)
+
+
+@pytest.mark.parametrize("seed", [None, 0, 1, 2])
+@pytest.mark.parametrize(
+    "loop",
+    [
+        pj.RevoluteLoop(frames=("frame", "hinge"), axis=(0, 0, 1)),
+        pj.CylindricalLoop(frames=("frame", "hinge"), axis=(0, 0, 1)),
+        pj.PointLoop(frames=("frame", "hinge")),
+        pj.DistanceLoop(frames=("frame", "above"), length=0.5),
+    ],
+    ids=lambda loop: type(loop).__name__,
+)
+def test_loops_that_close_nothing(loop, seed):
+    """A door on two hinges: all of [K K*] is rounding, or exactly zero where axes are aligned."""
+    turn = np.eye(3) if seed is None else pin.exp3(np.random.default_rng(seed).normal(size=3))
+    tree = Tree()
+    door = tree.joint(0, "door", pin.SE3(turn, turn @ np.array([0.5, 0.2, 0.1])))
+    places = {"frame": (0, 1.9), "hinge": (door, 1.9), "above": (door, 2.4)}
+    for name, (body, height) in places.items():
+        tree.frame(body, name, pin.SE3(turn, turn @ np.array([0.5, 0.2, height])))
+    mechanism = pj.Mechanism.from_pinocchio(tree.model, [loop], ["door"], "above")
+    found = mechanism.home.singularity()
+    assert (mechanism.mobility, found.kind, found.rank) == (1, "regular", 0)
+    np.testing.assert_allclose(mechanism.home.jacobian().Jw_eq[:, 0], turn[:, 2], atol=1e-12)
+
+
+def test_nothing_idles_in_a_structure():
+    """That its joints may move with the motor locked is to first order only."""
+    mechanism = taut_four_bar(["a"])
+    found = mechanism.home.singularity()
+    assert (found.kind, found.idle, found.idle_motions.shape[1]) == ("isolated", 0, 0)
+    assert "no pose near home closes" in str(pj.prove(mechanism, mechanism.home.actuated).evidence)
+    pj.assembly_modes(mechanism, mechanism.home.actuated, rng=0)  # refuses nothing that idles

@@ -287,7 +287,7 @@ def test_what_lies_between_measured_poses_is_bounded(name, monkeypatch, rng):
     Neither may be left out: the bounds are within a few powers of ten of what there is.
     """
     mechanism = pj.load(name)
-    problem, model = mechanism.problem, mechanism._parts.model
+    problem, model = mechanism.problem, mechanism.kinematics.model
     slides = np.array([mechanism.units[motor] == "m" for motor in mechanism.actuated])
     size = 0.2 * np.where(slides, mechanism.characteristic_length, 1.0)
     target = mechanism.home.actuated + size * rng.choice([-1.0, 1.0], size.size)
