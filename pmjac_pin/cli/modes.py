@@ -21,7 +21,7 @@ from pmjac_pin.studies.modes.find import assembly_modes
 from pmjac_pin.words.blocks import Block, Verbatim
 from pmjac_pin.words.modes_report import ModesReport, make_modes_report
 from pmjac_pin.words.modes_tables import modes_blocks
-from pmjac_pin.words.report import to_json
+from pmjac_pin.words.plain import to_json
 
 Given: TypeAlias = Sequence[float] | Mapping[str, float]
 
@@ -123,7 +123,7 @@ def modes_command(
     if output is not None:
         save_figure(modes_figure(found.modes, found.report), output)
         drawn = [Verbatim(str(output))]
-    return f"{to_json(found.report)}\n" if json else [*modes_blocks(found.report), *drawn]
+    return f"{to_json(found.report.told())}\n" if json else [*modes_blocks(found.report), *drawn]
 
 
 def _motor_values(mechanism: Mechanism, at: str | None, pose: str | None) -> Given:

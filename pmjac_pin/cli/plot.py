@@ -11,7 +11,7 @@ from pmjac_pin.cli.options import Choice, Frame, Name, Pose
 from pmjac_pin.cli.output import Output
 from pmjac_pin.pictures.pose_figure import save_pose_figure
 from pmjac_pin.words.blocks import Verbatim
-from pmjac_pin.words.report_maker import make_report
+from pmjac_pin.words.report import make_report
 
 
 def plot_command(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pmjac_pin.cli.options import Choice, Frame, Json, Name, Pose
 from pmjac_pin.cli.output import Output
-from pmjac_pin.words.report import to_json
-from pmjac_pin.words.report_maker import make_report
+from pmjac_pin.words.plain import to_json
+from pmjac_pin.words.report import make_report
 from pmjac_pin.words.tables import report_blocks
 
 
@@ -21,4 +21,4 @@ def report_command(
     """Show all that is known at one pose, as tables or as JSON."""
     configuration, names = pose.configuration(choice.load(mechanism))
     report = make_report(configuration, frame.upper(), **names)
-    return f"{to_json(report)}\n" if json else report_blocks(report)
+    return f"{to_json(report.told())}\n" if json else report_blocks(report)

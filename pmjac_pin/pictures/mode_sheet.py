@@ -177,9 +177,9 @@ def _new_sheet(report: ModesReport, columns: int, height: float) -> tuple[Figure
     rows = -(-len(report.modes) // columns)
     width = min(max(columns * _PANEL, 2 * _PANEL), _WIDEST)
     # Of a title in bold and a footer in a smaller type: characters to the inch.
-    title = [f"Assembly modes of {report.mechanism}"]
+    title = [f"Assembly modes of {report.name}"]
     title += wrapped(motor_values(report.motors), round(11.0 * width)).split("\n")
-    footer = textwrap.wrap(f"Complete? {report.complete.statement}.", round(17.0 * width))
+    footer = textwrap.wrap(f"Complete? {report.found.complete.statement}.", round(17.0 * width))
     room = 0.22 * len(title) + 0.14 * len(footer) + 0.2
     size = (width, rows * (height * width / columns + _CAPTION) + room)
     figure: Any = new_figure("\n".join(title), size, fontsize=11)
@@ -194,7 +194,8 @@ def _new_sheet(report: ModesReport, columns: int, height: float) -> tuple[Figure
 def _caption(mode: ModeReport, between: str) -> str:
     names = f" ({', '.join(mode.poses)})" if mode.poses else ""
     mirror = f", mirror image of {mode.mirror_image}" if mode.mirror_image else ""
-    facts = [f"σ = {brief(mode.smallest)}"] if math.isfinite(mode.smallest) else []
+    smallest = mode.singularity.smallest
+    facts = [f"σ = {brief(smallest)}"] if math.isfinite(smallest) else []
     facts += [_SIGNS[mode.sign]] if mode.sign is not None else []
     return f"{mode.number}{names}{mirror}\n{between.join(facts)}"
 

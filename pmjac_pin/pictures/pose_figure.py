@@ -23,13 +23,13 @@ def save_pose_figure(report: Report, ellipsoid: Ellipsoid, path: Path) -> None:
     MissingDependencyError
         matplotlib is not installed.
     """
-    heading, lines = title(report), [f"frame {report.frame}"]
+    heading, lines = title(report), [f"frame {report.split.frame}"]
     if len(heading) > _TITLE_WIDTH:
-        heading = report.mechanism
+        heading = report.name
     if heading != title(report) or report.pose is not None:
         lines.insert(0, wrapped(motor_values(report.joints), _SUBTITLE_WIDTH))
-    if beyond := [joint.name for joint in report.limits_violated]:
-        lines.append(wrapped(f"beyond limits: {', '.join(beyond)}", _SUBTITLE_WIDTH))
+    if beyond := ", ".join(report.configuration.limits_violated):
+        lines.append(wrapped(f"beyond limits: {beyond}", _SUBTITLE_WIDTH))
     save_figure(plot_ellipsoid(ellipsoid, title=heading, subtitle="\n".join(lines)), path)
 
 

@@ -13,7 +13,7 @@ import msgspec
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.viewer.framing import Framing
 from pmjac_pin.viewer.readout import Readout
-from pmjac_pin.words.modes_report import ModeReport
+from pmjac_pin.words.plain import encoded
 
 #: Longer messages are answered with an error: the longest sensible one is far shorter.
 MAXIMAL_SIZE = 64 * 1024
@@ -162,13 +162,14 @@ class Modes(msgspec.Struct, frozen=True, kw_only=True, tag="modes", tag_field="t
         How many there are and what this rests on; or why there is no answer.
     current : int or None
         The number of the mode that is shown.
-    modes : tuple of ModeReport
+    modes : tuple of dict
+        What `ModeReport.told` tells of each.
     """
 
     status: Literal["unknown", "searching", "found", "failed"]
     text: str
     current: int | None = None
-    modes: tuple[ModeReport, ...] = ()
+    modes: tuple[dict[str, object], ...] = ()
 
 
 _decoder = msgspec.json.Decoder(Command)
@@ -196,4 +197,4 @@ def decode(message: str | bytes) -> Command:
 
 def encode(message: State | Refusal | Modes) -> str:
     """Write a message to a page; infinite numbers become null."""
-    return msgspec.json.encode(message).decode()
+    return encoded(message)

@@ -36,6 +36,7 @@ class _Found:
     text: str
     modes: AssemblyModes | None = None
     reports: tuple[ModeReport, ...] = ()
+    told: tuple[dict[str, object], ...] = ()
     recognition: Recognition | None = None
 
     @classmethod
@@ -46,8 +47,9 @@ class _Found:
         try:
             modes = find_modes(mechanism, theta, np.random.default_rng(seed), True, aim)
             report = make_modes_report(mechanism, theta, modes)
-            text = f"{count(report)} Complete? {report.complete.statement}."
-            return cls(text, modes, report.modes, Recognition(modes))
+            text = f"{count(report)} Complete? {modes.complete.statement}."
+            told = tuple(mode.told() for mode in report.modes)
+            return cls(text, modes, report.modes, told, Recognition(modes))
         except PmjacError as error:
             return cls(str(error))
         except Exception:
@@ -90,7 +92,7 @@ class ModeFinder:
             return Modes(status="searching", text="Searching, from random starts …")
         if self._found is None:
             return Modes(status="unknown", text=self._text)
-        text, modes = self._found.text, self._found.reports
+        text, modes = self._found.text, self._found.told
         if self._found.modes is None:
             return Modes(status="failed", text=text)
         return Modes(status="found", text=text, current=self._current, modes=modes)

@@ -6,10 +6,11 @@ from collections.abc import Iterator
 
 from scipy.spatial.transform import Rotation
 
+from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
+from pmjac_pin.studies.homotopy.operation_modes import OperationModes
 from pmjac_pin.values.brief import brief
 from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table, numbers
 from pmjac_pin.words.modes_report import ModeReport, ModesReport
-from pmjac_pin.words.solutions_report import SolutionsReport
 from pmjac_pin.words.tables import motor_values
 
 _SIGNS = {1: "+", -1: "-", 0: "0", None: ""}
@@ -23,21 +24,24 @@ LEGEND = (
 def modes_blocks(report: ModesReport) -> Iterator[Block]:
     """Show all modes, and what their completeness rests on."""
     yield Heading(modes_title(report))
-    if report.description:
-        yield Paragraph(report.description)
+    if description := report.mechanism.spec.description:
+        yield Paragraph(description)
     yield Paragraph(count(report))
     if report.modes:
         yield _table(report)
         yield Paragraph(_legend(report))
         yield _tools(report)
-    yield Paragraph(f"Complete? {report.complete.statement}.")
+    complete = report.found.complete.statement
+    yield Paragraph(f"Complete? {complete}.")
     if report.solutions is not None:
-        yield from _solutions(report.solutions, report.complete.statement)
+        yield _solutions(report.solutions, complete)
+    if report.operation_modes:
+        yield _operation_modes(report.operation_modes)
 
 
 def modes_title(report: ModesReport) -> str:
     """Return what is shown: the mechanism and its motor values."""
-    return f"Assembly modes of {report.mechanism} at {motor_values(report.motors)}"
+    return f"Assembly modes of {report.name} at {motor_values(report.motors)}"
 
 
 def count(report: ModesReport) -> str:
@@ -65,19 +69,22 @@ def _legend(report: ModesReport) -> str:
     return f"{LEGEND[:-1]}; ways, in how many its bodies fit: some turn over unseen."
 
 
-def _solutions(found: SolutionsReport, complete: str) -> Iterator[Block]:
-    """Say how many solutions there are over the complex numbers, and how they hang together."""
+def _solutions(found: ComplexModes, complete: str) -> Paragraph:
+    """Say how many solutions there are over the complex numbers."""
     many = "is 1 solution" if found.count == 1 else f"are {found.count} solutions"
-    text = f"Over the complex numbers there {many}; {found.real} real, limits left aside; "
+    text = f"Over the complex numbers there {many}; {len(found.real)} real, limits left aside; "
     text += f"{found.certified} proven to be there"
     # Where it settles the modes, its statement has just been made.
-    yield Paragraph(text + ("." if found.statement == complete else f" ({found.statement})."))
-    if found.operation_modes:
-        sizes = ", ".join(map(str, found.operation_modes))
-        yield Paragraph(
-            "Operation modes, by how many of the solutions at almost all motor values they have: "
-            f"{sizes} ({found.operation_statement})."
-        )
+    statement = found.complete.statement
+    return Paragraph(text + ("." if statement == complete else f" ({statement})."))
+
+
+def _operation_modes(found: OperationModes) -> Paragraph:
+    """Say how the solutions hang together."""
+    return Paragraph(
+        "Operation modes, by how many of the solutions at almost all motor values they have: "
+        f"{', '.join(map(str, found.sizes))} ({found.complete.statement})."
+    )
 
 
 def _table(report: ModesReport) -> Table:
@@ -106,26 +113,27 @@ def _row(mode: ModeReport) -> tuple[str, ...]:
     mirror = "" if mode.mirror_image is None else str(mode.mirror_image)
     return (
         str(mode.number),
-        f"{mode.residual_norm:.1e}",
-        brief(mode.smallest),
+        f"{mode.configuration.residual_norm:.1e}",
+        brief(mode.singularity.smallest),
         _SIGNS[mode.sign],
         f"{100.0 * mode.share:.2f}",
         mirror,
-        f"{mode.certificate.existence_radius:.0e}" if mode.certificate.certified else "no",
+        f"{mode.certificate.existence_radius:.0e}" if mode.certificate else "no",
     )
 
 
 def _names(mode: ModeReport) -> str:
-    singular = () if mode.kind == "regular" else (f"singular ({mode.kind})",)
-    beyond = tuple(f"{joint.name} beyond its limits" for joint in mode.limits_violated)
+    kind, found = mode.singularity.kind, mode.configuration.limits_violated
+    singular = () if kind == "regular" else (f"singular ({kind})",)
+    beyond = tuple(f"{name} beyond its limits" for name in found)
     return ", ".join((*mode.poses, *singular, *beyond))
 
 
 def _tools(report: ModesReport) -> Table:
-    rotations = Rotation.from_matrix([mode.tool.rotation for mode in report.modes])
-    places = numbers(
-        [mode.tool.position for mode in report.modes], size=report.characteristic_length
-    )
+    tools = [mode.configuration.tool_pose for mode in report.modes]
+    rotations = Rotation.from_matrix([tool.rotation for tool in tools])
+    length = report.mechanism.characteristic_length
+    places = numbers([tool.translation for tool in tools], size=length)
     turns = numbers(rotations.as_rotvec(), size=1.0)
     rows = zip(report.modes, places, turns, strict=True)
     return Table(

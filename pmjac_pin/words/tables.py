@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from pmjac_pin.model.limits import Violation
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.rates.ellipsoid import Ellipsoid
+from pmjac_pin.rates.singularity import Singularity
 from pmjac_pin.values.brief import brief
 from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table, matrix_table, number, numbers
-from pmjac_pin.words.report import (
-    BeyondLimits,
-    EllipsoidReport,
-    JointValue,
-    Report,
-    SingularityReport,
-)
+from pmjac_pin.words.labelled_values import JointValue
+from pmjac_pin.words.report import Report, by_name
 
 TITLES = {
     "K": "K = ∂η/∂θ (loop equations by motors)",
@@ -44,14 +41,14 @@ LEGEND = "The unit of an entry is its row's unit over its column's."
 def report_blocks(report: Report) -> Iterator[Block]:
     """Show all of a report."""
     yield Heading(title(report))
-    if report.description:
-        yield Paragraph(report.description)
+    if description := report.mechanism.spec.description:
+        yield Paragraph(description)
     if report.notes:
         yield Paragraph("\n".join(f"Note: {note}" for note in report.notes))
     yield Paragraph(_sizes(report))
     yield Paragraph(_origin(report))
-    if report.limits_violated:
-        yield Paragraph(limits_warning(report.limits_violated))
+    if report.configuration.limits_violated:
+        yield Paragraph(limits_warning(report.configuration))
     yield from _pose(report)
     yield Heading("Loop closure and tool Jacobian")
     yield Paragraph(LEGEND)
@@ -60,7 +57,7 @@ def report_blocks(report: Report) -> Iterator[Block]:
     yield Heading("Equivalent Jacobian")
     if report.refusal:
         yield Paragraph(f"J_eq does not exist here: {report.refusal}")
-    if report.dimensions.m_p:
+    if report.mechanism.passive:
         yield from matrix_blocks(report, ("passive_rates", "Jv_eq", "Jw_eq"))
     else:
         yield Paragraph("Nothing is passive: [J_v]eq = J_v and [J_ω]eq = J_ω.")
@@ -74,8 +71,8 @@ def report_blocks(report: Report) -> Iterator[Block]:
 def title(report: Report) -> str:
     """Return what is shown: the mechanism and its pose."""
     if report.pose is not None:
-        return f"{report.mechanism}, pose {report.pose}"
-    return f"{report.mechanism} at {motor_values(report.joints)}"
+        return f"{report.name}, pose {report.pose}"
+    return f"{report.name} at {motor_values(report.joints)}"
 
 
 def motor_values(joints: Iterable[JointValue]) -> str:
@@ -87,10 +84,10 @@ def motor_values(joints: Iterable[JointValue]) -> str:
 def matrix_blocks(report: Report, names: tuple[str, ...]) -> Iterator[Block]:
     """Show these matrices; without rows or columns there is nothing to show."""
     for name in names:
-        matrix = getattr(report.matrices, name)
+        matrix = report.matrices[name]
         if matrix is not None and matrix.rows and matrix.columns:
             yield matrix_table(TITLES[name], matrix)
-        if name == "K_star" and report.dimensions.p:
+        if name == "K_star" and report.mechanism.rows:
             yield Paragraph(_determinant(report))
 
 
@@ -102,7 +99,8 @@ def singular_values_table(report: Report) -> Table:
             continue
         unit = found.unit or "mixed units"
         rows.append((f"{SYMBOLS[name]} [{unit}]", *numbers([found.values])[0]))
-    if relative := report.singularity.singular_values:
+    relative = report.singularity.singular_values.tolist()
+    if relative:
         rows.append(("K*, dimensionless, relative to [K K*]", *numbers([relative])[0]))
     count = max((len(row) for row in rows), default=1)
     padded = tuple((*row, *[""] * (count - len(row))) for row in rows)
@@ -118,56 +116,67 @@ def ellipsoid_blocks(report: Report, names: tuple[str, ...]) -> Iterator[Block]:
             yield ellipsoid_table(ELLIPSOIDS[name], ellipsoid)
 
 
-def ellipsoid_table(heading: str, ellipsoid: EllipsoidReport) -> Table:
+def ellipsoid_table(heading: str, ellipsoid: Ellipsoid) -> Table:
     """Show an ellipsoid: one principal axis a row.
 
     Where several radii are zero, or infinite, their directions are any in a plane or in space.
     """
-    radii = numbers([ellipsoid.radii])[0]
-    ends = [radius for radius in ellipsoid.radii if radius in (0.0, math.inf)]
-    directions = [
+    return axes_table(heading, ellipsoid.unit, ellipsoid.radii.tolist(), ellipsoid.axes.T.tolist())
+
+
+def axes_table(
+    heading: str, unit: str, radii: Sequence[float], directions: Sequence[Sequence[float]]
+) -> Table:
+    """Show the radii and directions of principal axes as those of an ellipsoid are."""
+    ends = [radius for radius in radii if radius in (0.0, math.inf)]
+    axes = [
         ["-"] * 3 if ends.count(radius) > 1 else axis
-        for radius, axis in zip(ellipsoid.radii, numbers(ellipsoid.directions), strict=True)
+        for radius, axis in zip(radii, numbers(directions), strict=True)
     ]
-    rows = zip(radii, directions, strict=True)
+    rows = zip(numbers([radii])[0], axes, strict=True)
     return Table(
         heading,
-        ("axis", f"radius\n[{ellipsoid.unit}]", "direction\nx", "\ny", "\nz"),
+        ("axis", f"radius\n[{unit}]", "direction\nx", "\ny", "\nz"),
         tuple((str(k), radius, *axis) for k, (radius, axis) in enumerate(rows, start=1)),
         "<>>>>",
     )
 
 
 def _sizes(report: Report) -> str:
-    size = report.dimensions
-    mobility = "not known" if size.mobility is None else size.mobility
+    found = report.mechanism
+    mobility = "not known" if found.mobility is None else found.mobility
     return (
-        f"n = {size.n} motors, m_p = {size.m_p} passive; p = {size.p} loop equations, "
-        f"m = {size.m} of them independent; mobility {mobility}; nq = {size.nq}, "
-        f"nv = {size.nv}."
+        f"n = {len(found.actuated)} motors, m_p = {len(found.passive)} passive; "
+        f"p = {len(found.rows)} loop equations, m = {report.split.rows.size} of them independent; "
+        f"mobility {mobility}; nq = {found.nq}, nv = {found.nv}."
     )
 
 
-def limits_warning(found: Sequence[BeyondLimits]) -> str:
+def limits_warning(configuration: Configuration) -> str:
     """Return the warning that joints are outside their limits."""
+    units = configuration.mechanism.units
     told = "; ".join(
-        f"{joint.name} = {Violation(joint.value, joint.lower, joint.upper).words} {joint.unit}"
-        for joint in found
+        f"{name} = {found.words} {units[name]}"
+        for name, found in configuration.limits_violated.items()
     )
     return f"Warning: {told}. The loops close here, but the machine cannot be here."
 
 
 def _origin(report: Report) -> str:
     walked = f"Reached from the pose {report.start!r}. " if report.start else ""
-    return f"{walked}The tool's twist is in the frame {report.frame}."
+    return f"{walked}The tool's twist is in the frame {report.split.frame}."
 
 
 def _pose(report: Report) -> Iterator[Block]:
-    if report.parameters:
+    if parameters := report.mechanism.parameters:
+        declared = report.mechanism.spec.parameters
         yield Table(
             "Parameters",
             ("name", "value", "unit", "meaning"),
-            tuple((p.name, number(p.value), p.unit, p.meaning) for p in report.parameters),
+            tuple(
+                (name, number(value), declared[name].unit, declared[name].meaning)
+                for name, value in parameters.items()
+            ),
             "<><<",
         )
     yield Table(
@@ -183,8 +192,8 @@ def _pose(report: Report) -> Iterator[Block]:
     )
     if report.residual:
         yield Table(
-            f"Loop equations η (Newton iterations: {report.iterations}, "
-            f"gap: {brief(report.residual_norm)} m)",
+            f"Loop equations η (Newton iterations: {report.configuration.iterations}, "
+            f"gap: {brief(report.configuration.residual_norm)} m)",
             ("equation", "value", "unit"),
             tuple((row.name, brief(row.value), row.unit) for row in report.residual),
             "<><",
@@ -193,9 +202,9 @@ def _pose(report: Report) -> Iterator[Block]:
 
 
 def _tool(report: Report) -> Table:
-    size = report.singularity.characteristic_length
-    position = numbers([[x] for x in report.tool.position], size)
-    rows = zip("xyz", position, numbers(report.tool.rotation), strict=True)
+    tool, size = report.configuration.tool_pose, report.mechanism.characteristic_length
+    position = numbers([[x] for x in tool.translation], size)
+    rows = zip("xyz", position, numbers(tool.rotation), strict=True)
     return Table(
         "Tool in the world",
         ("", "position\n[m]", "rotation\nx", "\ny", "\nz"),
@@ -205,41 +214,41 @@ def _tool(report: Report) -> Table:
 
 
 def _determinant(report: Report) -> str:
-    if report.det_K_star is None:
-        size = report.dimensions
-        return f"K* is {size.m} × {size.m_p}, not square: it has no determinant."
-    return f"det K* = {number(report.det_K_star.value)} {report.det_K_star.unit}"
+    det = report.det_K_star
+    if det is None:
+        rows, columns = report.split.K_star.shape
+        return f"K* is {rows} × {columns}, not square: it has no determinant."
+    return f"det K* = {number(det.value)} {det.unit}"
 
 
 def _singularity(report: Report) -> Iterator[Block]:
     found = report.singularity
-    yield Table("", ("", ""), tuple(_ranks(found)), "<<")
-    if found.free_motions:
+    length = report.mechanism.characteristic_length
+    yield Table("", ("", ""), (*_ranks(found), ("a radian counts as", f"{brief(length)} m")), "<<")
+    if free := by_name(found.passive_names, found.free_motions):
         heading = "Passive motions that come free here with all motors locked (largest rate 1)"
-        yield _motions(report, heading, [_largest_one(rates) for rates in found.free_motions])
-    if found.idle_motions:
+        yield _motions(report, heading, list(map(_largest_one, free)))
+    if idle := by_name(found.passive_names, found.idle_motions):
         heading = "Idle passive motions, free at every pose (largest rate 1)"
-        yield _motions(report, heading, [_largest_one(rates) for rates in found.idle_motions])
-    if found.forbidden_rates:
-        heading = "Motor rates that the loops forbid"
-        yield _motions(report, heading, found.forbidden_rates)
+        yield _motions(report, heading, list(map(_largest_one, idle)))
+    if forbidden := by_name(found.actuated_names, found.forbidden_rates):
+        yield _motions(report, "Motor rates that the loops forbid", forbidden)
 
 
-def _ranks(found: SingularityReport) -> Iterator[tuple[str, str]]:
+def _ranks(found: Singularity) -> Iterator[tuple[str, str]]:
     yield "kind", found.kind
     yield "rank of K*", f"{found.rank} of {found.generic_rank}"
     yield "rank of [K K*]", f"{found.constraint_rank} of {found.generic_constraint_rank}"
     more = found.tool_rank > found.generic_tool_rank
     rank = f"{found.tool_rank}, more than the" if more else f"{found.tool_rank} of"
     yield "tool motions", f"{rank} {found.generic_tool_rank}"
-    yield "judged on", str(found.judged)
+    yield "judged on", str(found.tool_rows)
     yield "idle passive motions", str(found.idle)
     yield "motions gained here", str(found.gained)
     yield "motions lost here", str(found.lost)
     if found.generic_rank:
         yield "smallest σ of K* relative to [K K*]", brief(found.smallest)
     yield "counts as zero up to", brief(found.tolerance)
-    yield "a radian counts as", f"{brief(found.characteristic_length)} m"
 
 
 def _largest_one(rates: Mapping[str, float]) -> dict[str, float]:
