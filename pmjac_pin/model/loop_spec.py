@@ -124,16 +124,8 @@ class PointLoop(LoopBetweenFrames, frozen=True, tag_field="kind", tag="point"):
         return single("spherical", np.eye(4))
 
 
-class SphericalLoop(LoopBetweenFrames, frozen=True, tag_field="kind", tag="spherical"):
-    """A ball and its socket: the equations of a point loop, η = p₁ − p₂, 3 rows."""
-
-    def rows(self, values: Mapping[str, float]) -> tuple[Rows, ...]:
-        """Return p₁ − p₂."""
-        return (Gap(),)
-
-    def form(self, values: Mapping[str, float]) -> JointForm:
-        """Return a ball."""
-        return single("spherical", np.eye(4))
+class SphericalLoop(PointLoop, frozen=True, tag_field="kind", tag="spherical"):
+    """A ball and its socket: a point loop by its joint's name, η = p₁ − p₂, 3 rows."""
 
 
 class FrameLoop(LoopBetweenFrames, frozen=True, tag_field="kind", tag="frame"):

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import Frame, find_frame
 from pmjac_pin.model.linkage import Edge, edges_of
-from pmjac_pin.model.loop_spec import JointLoop, Loop, PointLoop, SphericalLoop
+from pmjac_pin.model.loop_spec import JointLoop, Loop, PointLoop
 
 Array = NDArray[np.float64]
 
@@ -62,7 +62,7 @@ def find_legs(mechanism: Mechanism, q: Array) -> list[Leg]:
     lonely = _lonely_bodies(mechanism, joints)
     legs = []
     for loop in mechanism.spec.loops:
-        if isinstance(loop, PointLoop | SphericalLoop):
+        if isinstance(loop, PointLoop):
             ends = [find_frame(model, name) for name in loop.frames]
             for end, other in ((ends[0], loop.frames[1]), (ends[1], loop.frames[0])):
                 chain = _chain(mechanism, joints, lonely, end.joint)
