@@ -11,7 +11,7 @@ from test_linkage import BALL
 from test_loops import LOOPS
 
 import pmjac_pin as pj
-from pmjac_pin.algebra.balls import middles, uppers
+from pmjac_pin.algebra.balls import uppers
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.model.linkage import edges_of, with_spherical
 from pmjac_pin.model.rows import across
@@ -104,6 +104,10 @@ def moved(model, q, x, edges):
                 ball = Rotation.from_quat(entries[3:]) * Rotation.from_rotvec(step[3:])
                 entries[3:] = ball.as_quat()
     return q
+
+
+def middles(balls):
+    return np.array([float(ball.mid()) for ball in balls.ravel()]).reshape(balls.shape)
 
 
 def turned(entries, angle):

@@ -28,7 +28,7 @@ PLACEMENT_WIDTH = 4.0 * float(np.finfo(float).eps)
 #: Far above the rounding of the few thousand sums and products of numbers ≥ 0 that it covers.
 OUTWARDS = 1.0 + 1e-10
 
-ZERO, ONE = arb(0), arb(1)
+ZERO = arb(0)
 
 _lock = threading.RLock()
 
@@ -137,11 +137,6 @@ def uppers(numbers: BallArray) -> NDArray[np.float64]:
     """Return doubles that are not below the numbers' sizes."""
     sizes = [upper(abs(number)) for number in numbers.ravel()]
     return np.array(sizes, dtype=float).reshape(numbers.shape)
-
-
-def middles(numbers: BallArray) -> NDArray[np.float64]:
-    """Return the middles as doubles, of which nothing is promised."""
-    return np.array([float(number.mid()) for number in numbers.ravel()]).reshape(numbers.shape)
 
 
 def enclosing(numbers: BallArray) -> Intervals:

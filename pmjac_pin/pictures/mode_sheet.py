@@ -97,15 +97,16 @@ def plot_modes(modes: AssemblyModes) -> Figure:
     if not len(modes):
         raise ArgumentError("there are no assembly modes to draw")
     mechanism, motors = modes[0].mechanism, modes[0].actuated
-    return modes_figure(modes, make_modes_report(mechanism, motors, modes))
+    return modes_figure(make_modes_report(mechanism, motors, modes))
 
 
-def modes_figure(modes: AssemblyModes, report: ModesReport) -> Figure:
-    """Draw assembly modes under what a report says of them; see `plot_modes`."""
-    if not len(modes):
+def modes_figure(report: ModesReport) -> Figure:
+    """Draw the assembly modes of a report under what it says of them; see `plot_modes`."""
+    modes = report.modes
+    if not modes:
         raise ArgumentError("there are no assembly modes to draw")
-    make = StickFigures(modes[0].mechanism)
-    figures = [make(mode) for mode in modes]
+    make = StickFigures(report.mechanism)
+    figures = [make(mode.configuration) for mode in modes]
     view = _view(figures)
     seen = np.concatenate([figure.points for figure in figures]) @ view[:2].T
     low, high = seen.min(axis=0), seen.max(axis=0)
@@ -115,7 +116,7 @@ def modes_figure(modes: AssemblyModes, report: ModesReport) -> Figure:
     columns = _columns(len(modes), min(max(height, 0.3), 2.0))
     sheet, panels = _new_sheet(report, columns, min(max(height, 0.3), 2.0))
     scale = min(1.0, _WIDEST / columns / _PANEL)
-    for axes, figure, mode in zip(panels, figures, report.modes, strict=True):
+    for axes, figure, mode in zip(panels, figures, modes, strict=True):
         _draw(axes, figure, view, scale)
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
         axes.set_axis_off()

@@ -43,11 +43,6 @@ class LoopRank:
         """Rows that follow from the other rows of this loop."""
         return self.rows - self.rank
 
-    @property
-    def implied(self) -> int:
-        """Independent rows of this loop that the other loops ask for already."""
-        return self.rank - self.needed
-
 
 def loop_ranks(scaled: Array, loops: Sequence[slice], partition: Partition) -> tuple[LoopRank, ...]:
     """Return what each loop contributes to the rank of [K K*].

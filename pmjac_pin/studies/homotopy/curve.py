@@ -54,10 +54,6 @@ class Planes:
         normals = self.normals + share[:, None] * pull.normals
         return Planes(normals, self.offsets + share * pull.offsets)
 
-    def missed(self, points: Complex) -> Complex:
-        """Return a · (x, t) − b."""
-        return np.asarray((self.normals * points).sum(axis=1) - self.offsets)
-
     def missed_by_ray(self, points: Complex) -> Complex:
         """Return a · (X, h t) − b h of points (X, h, t)."""
         X, h, t = points[:, :-2], points[:, -2], points[:, -1]
