@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from xml.etree.ElementTree import Element
 
 from pmjac_pin.errors import ModelFileError
-from pmjac_pin.files.urdf.checks import UrdfJoint
+from pmjac_pin.files.urdf.joint_tree import UrdfJoint
 from pmjac_pin.files.xml_text import label, only, shown, written
 
 WITHOUT_LIMIT = 1e16  # m or rad, lower and upper: none that matters

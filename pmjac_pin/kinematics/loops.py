@@ -13,7 +13,8 @@ from pmjac_pin.algebra.jets import Jets
 from pmjac_pin.kinematics.tree import Poses, Tree
 from pmjac_pin.model.coupling import Coupling, couple
 from pmjac_pin.model.frames import Frame, find_frame
-from pmjac_pin.model.loop_spec import JointLoop, Loop, LoopBetweenFrames
+from pmjac_pin.model.loop_between_frames import LoopBetweenFrames
+from pmjac_pin.model.loop_spec import JointLoop, Loop
 from pmjac_pin.model.rows import (
     Equations,
     Rows,

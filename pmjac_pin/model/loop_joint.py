@@ -11,7 +11,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.model.linkage import Edge
-from pmjac_pin.model.loop_spec import LoopBetweenFrames
+from pmjac_pin.model.loop_between_frames import LoopBetweenFrames
 
 Array = NDArray[np.float64]
 

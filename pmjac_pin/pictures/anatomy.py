@@ -15,7 +15,8 @@ from pmjac_pin.files.shapes import Array
 from pmjac_pin.files.visuals import read_visuals
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
-from pmjac_pin.model.loop_spec import JointLoop, LoopBetweenFrames
+from pmjac_pin.model.loop_between_frames import LoopBetweenFrames
+from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.pictures.bodies import Bodies, Point, Points
 
 # Joints whose own origin is no place of the mechanism but where its coordinates start.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pmjac_pin.files.shapes import Array, Cylinder, Sphere, scaled, translation
-from pmjac_pin.model.loop_spec import Opening
+from pmjac_pin.model.loop_between_frames import Opening
 from pmjac_pin.pictures.anatomy import Anatomy, Anchors
 from pmjac_pin.pictures.bodies import Points
 from pmjac_pin.viewer.items import Part, between

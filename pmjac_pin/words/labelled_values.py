@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.rates.jacobian import SplitJacobian
+from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.words.labelled import Powers, joint_powers, quotient, row_powers, unit
 from pmjac_pin.words.plain import told
 

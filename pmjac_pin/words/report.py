@@ -17,22 +17,11 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import NoJacobianError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.ellipsoid import Ellipsoid
-from pmjac_pin.rates.jacobian import EquivalentJacobian, SplitJacobian
+from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.singularity import Singularity
+from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.values.encodable import encodable
-from pmjac_pin.words.labelled import (
-    ANGULAR,
-    LINEAR,
-    METRE,
-    RADIAN,
-    LabelledMatrix,
-    Powers,
-    common_unit,
-    labelled,
-    metric_unit,
-    rate_unit,
-    unit,
-)
+from pmjac_pin.words.labelled import LabelledMatrix, common_unit, unit
 from pmjac_pin.words.labelled_values import (
     JointValue,
     Labels,
@@ -42,11 +31,11 @@ from pmjac_pin.words.labelled_values import (
     limits_told,
     parameters_told,
 )
+from pmjac_pin.words.matrices import EQUIVALENT, equivalent_matrices, split_matrices
 from pmjac_pin.words.plain import told
 
 Array = NDArray[np.float64]
 
-_EQUIVALENT = ("passive_rates", "Jv_eq", "Jw_eq", "gv_eq", "gw_eq")
 _ELLIPSOIDS = ("velocity", "angular", "force")
 
 
@@ -130,10 +119,12 @@ class Report:
     def matrices(self) -> dict[str, LabelledMatrix | None]:
         """The lecture's, by name; those from "passive_rates" on are None where J_eq is."""
         found: dict[str, LabelledMatrix | None] = {}
-        found |= _split_matrices(self.split, self.labels)
+        found |= split_matrices(self.split, self.labels)
         jacobian = self.jacobian
         return found | (
-            dict.fromkeys(_EQUIVALENT) if jacobian is None else _equivalent(jacobian, self.labels)
+            dict.fromkeys(EQUIVALENT)
+            if jacobian is None
+            else equivalent_matrices(jacobian, self.labels)
         )
 
     @property
@@ -262,51 +253,3 @@ def _radii(ellipsoid: Ellipsoid | None, motors: int) -> SingularValues | None:
     if ellipsoid is None:
         return None
     return SingularValues(ellipsoid.radii[:motors].tolist(), ellipsoid.unit)
-
-
-def _split_matrices(split: SplitJacobian, labels: Labels) -> dict[str, LabelledMatrix]:
-    equations = (
-        tuple(labels.equations[k] for k in split.rows),
-        tuple(unit(labels.equation_powers[k]) for k in split.rows),
-    )
-    motors = (labels.actuated, tuple(map(unit, labels.actuated_powers)))
-    passive = (labels.passive, tuple(map(unit, labels.passive_powers)))
-    motor_rates, passive_rates, linear, angular = _rates(labels)
-    v, w = split.tool_sizes.tolist()
-    size = float(np.abs(split.constraint_jacobian).max(initial=0.0))
-    return {
-        "K": labelled(split.K, *equations, *motors, size=size),
-        "K_star": labelled(split.K_star, *equations, *passive, size=size),
-        "Jv": labelled(split.Jv, *linear, *motor_rates, size=v),
-        "Jv_star": labelled(split.Jv_star, *linear, *passive_rates, size=v),
-        "Jw": labelled(split.Jw, *angular, *motor_rates, size=w),
-        "Jw_star": labelled(split.Jw_star, *angular, *passive_rates, size=w),
-    }
-
-
-def _equivalent(jacobian: EquivalentJacobian, labels: Labels) -> dict[str, LabelledMatrix]:
-    motor_rates, passive_rates, linear, angular = _rates(labels)
-    v, w = jacobian.sizes.tolist()
-    return {
-        "passive_rates": labelled(jacobian.passive_rates, *passive_rates, *motor_rates),
-        "Jv_eq": labelled(jacobian.Jv_eq, *linear, *motor_rates, size=v),
-        "Jw_eq": labelled(jacobian.Jw_eq, *angular, *motor_rates, size=w),
-        "gv_eq": _metric(jacobian.gv_eq, METRE, labels, v),
-        "gw_eq": _metric(jacobian.gw_eq, RADIAN, labels, w),
-    }
-
-
-def _rates(labels: Labels) -> tuple[tuple[tuple[str, ...], tuple[str, ...]], ...]:
-    """Return names and units of the rates of motors and passive joints, and of the tool's."""
-    return (
-        (labels.actuated, tuple(map(rate_unit, labels.actuated_powers))),
-        (labels.passive, tuple(map(rate_unit, labels.passive_powers))),
-        (LINEAR, (rate_unit(METRE),) * 3),
-        (ANGULAR, (rate_unit(RADIAN),) * 3),
-    )
-
-
-def _metric(values: Array, twist: Powers, labels: Labels, size: float) -> LabelledMatrix:
-    rows = tuple(metric_unit(twist, joint) for joint in labels.actuated_powers)
-    columns = tuple(map(rate_unit, labels.actuated_powers))
-    return labelled(values, labels.actuated, rows, labels.actuated, columns, size=size**2)

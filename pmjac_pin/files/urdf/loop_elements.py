@@ -23,7 +23,8 @@ from pmjac_pin.files.anchors import KINDS, WITHOUT_AXIS, Anchors, loop_of_kind, 
 from pmjac_pin.files.joint_dialects import listed
 from pmjac_pin.files.urdf.checks import SHORTEST_AXIS, checked_end, checked_origin
 from pmjac_pin.files.xml_text import label, numbers, only, shown, written
-from pmjac_pin.model.loop_spec import JointLoop, Loop, UniversalLoop, X
+from pmjac_pin.model.loop_between_frames import X
+from pmjac_pin.model.loop_spec import JointLoop, Loop, UniversalLoop
 from pmjac_pin.model.table import Vector
 
 TAGS = ("loop", "constraint")

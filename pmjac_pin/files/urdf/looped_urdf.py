@@ -26,8 +26,9 @@ from pmjac_pin.files.massless import massless_bodies, without_mass
 from pmjac_pin.files.sdf.plugins import is_detachable
 from pmjac_pin.files.sdf.vocabulary import SDF_WORDS
 from pmjac_pin.files.text_file import at_file, read_text
-from pmjac_pin.files.urdf.checks import VELOCITIES, UrdfJoint, check_size, checked_names
+from pmjac_pin.files.urdf.checks import VELOCITIES, check_size, checked_names
 from pmjac_pin.files.urdf.control_mimics import doubtful
+from pmjac_pin.files.urdf.joint_tree import UrdfJoint
 from pmjac_pin.files.urdf.loop_elements import Closing, idle_mimics, read_closings, read_gears
 from pmjac_pin.files.urdf.robot import MAXIMAL_SIZE, Urdf
 from pmjac_pin.files.urdf.ties import (
@@ -100,13 +101,7 @@ def read_robot(
     ModelFileError
         Without the file's path.
     """
-    links, elements = robot.findall("link"), robot.findall("joint")
-    check_size(links, elements)
-    names = checked_names(links)
-    checked_names(elements)
-    unread = _unread(robot)
-    refuse_unreadable(robot)
-    take_mimics(robot, elements)
+    elements, names, unread = _checked(robot)
     followers = [joint.get("name", "") for joint in elements if joint.find("mimic") is not None]
     limit_notes, balls = opened_limits(elements), floating_balls(elements)
     limit_notes += idle_mimics(elements)
@@ -134,6 +129,18 @@ def read_robot(
         notes=(*limit_notes, *home_notes, *cut.notes(), *tie_notes, *closing_notes, *massless),
         unread=(*unread, *doubtful(robot, followers)),
     )
+
+
+def _checked(robot: Element) -> tuple[list[Element], Collection[str], tuple[str, ...]]:
+    """Return a robot's joints, their mimics taken, names of its links, and what nobody reads."""
+    links, elements = robot.findall("link"), robot.findall("joint")
+    check_size(links, elements)
+    names = checked_names(links)
+    checked_names(elements)
+    unread = _unread(robot)
+    refuse_unreadable(robot)
+    take_mimics(robot, elements)
+    return elements, names, unread
 
 
 def _unread(robot: Element) -> tuple[str, ...]:

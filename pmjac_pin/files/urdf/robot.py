@@ -20,12 +20,11 @@ from pmjac_pin.errors import ModelFileError, unknown_name
 from pmjac_pin.files.gazebo_plugins import unread_harmless
 from pmjac_pin.files.text_file import at_file, read_text
 from pmjac_pin.files.urdf.checks import (
-    UrdfJoint,
     checked_joint,
     checked_origin,
     checked_robot,
-    joints_of,
 )
+from pmjac_pin.files.urdf.joint_tree import UrdfJoint, joints_of
 from pmjac_pin.files.urdf.vocabulary import URDF_WORDS
 from pmjac_pin.files.xml_text import label, numbers, only, parse_xml, written
 from pmjac_pin.model.parameter import Move
