@@ -226,13 +226,9 @@ class Poses:
         if not own:
             return pose, columns
         return (
-            with_rates(self.algebra, self._around(pose, link), pose, link, own),
+            with_rates(self.algebra, pose, pose, link, own),
             (*columns, *(link.column + k for k in own)),
         )
-
-    def _around(self, pose: Pose, link: Link) -> Pose:
-        """Return where a joint whose rates ride along takes its body: just there."""
-        return pose
 
 
 def moved(algebra: Algebra, pose: Pose, kind: JointKind, motion: Motion) -> Pose:
