@@ -73,7 +73,7 @@ def _start(mechanism: Mechanism, guess: Guess, values: Array) -> Configuration:
             message = f"the guess is a pose of {guess.mechanism.name!r}, not of {mechanism.name!r}"
             raise ArgumentError(message)
         # The same machine, from another process or with other parameters.
-        return _assembled(mechanism, guess.joint_values, values)
+        return _assembled_at_guess(mechanism, guess.joint_values, values)
     if isinstance(guess, str):
         return mechanism.pose(guess)
     by_name = named_values(guess, "joint values of a guess")
@@ -83,10 +83,10 @@ def _start(mechanism: Mechanism, guess: Guess, values: Array) -> Configuration:
             f"got {type(guess).__name__}"
         )
         raise ArgumentError(message)
-    return _assembled(mechanism, by_name, values)
+    return _assembled_at_guess(mechanism, by_name, values)
 
 
-def _assembled(
+def _assembled_at_guess(
     mechanism: Mechanism, guess: Mapping[str, float | Sequence[float]], values: Array
 ) -> Configuration:
     """Assemble at the guessed joint values; motors it does not name start at their target."""

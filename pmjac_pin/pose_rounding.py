@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 _EPS = float(np.finfo(float).eps)
 _PLACES = 16.0  # units in the last place of a length: what chains of joints add up to
-_STEP = 1e-7  # of the length: for differences, between what is curved and what is rounding
+_DIFFERENCE = 1e-7  # of the length: for differences, between what is curved and what is rounding
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ class PoseRounding:
     def slopes(self, motions: Array) -> Iterator[tuple[Array, Array]]:
         """Yield how the constraint and the tool Jacobian change along each motion, per metre."""
         here, problem = self.configuration, self.configuration.mechanism._parts.problem
-        step = _STEP * problem.partition.length
+        step = _DIFFERENCE * problem.partition.length
         first = here._jacobians(here._snapshot, self.frame)
         for motion in motions.T:
             q = problem.integrate(here.q, step * problem.partition.column_scale * motion)

@@ -11,7 +11,7 @@ import pytest
 
 from pmjac_pin.cli import main
 from pmjac_pin.pictures.demo import FIGURE, PRINTED_DIRECTIONS, PRINTED_VELOCITIES, run_demo
-from pmjac_pin.words.blocks import numbers
+from pmjac_pin.words.blocks import matrix_numbers
 from pmjac_pin.words.tables import TITLES
 
 
@@ -39,7 +39,7 @@ def test_it_prints_every_matrix_of_the_lecture(told, demo):
         matrix = demo.report.matrices[key]
         body = told.split(f"{TITLES[key]}\n")[1].split("\n\n")[0]
         rows = [line.split()[-len(matrix.columns) :] for line in body.splitlines()[3:]]
-        assert rows == numbers(matrix.values)
+        assert rows == matrix_numbers(matrix.values)
 
 
 def test_both_triples_stand_side_by_side(told):

@@ -14,7 +14,7 @@ import pmjac_pin as pj
 from pmjac_pin.files.catalog import find_model_file, find_urdf
 from pmjac_pin.files.shapes import Box, Cone, Cylinder, Sphere, Text
 from pmjac_pin.rates.ellipsoid import velocity_ellipsoid
-from pmjac_pin.viewer.ellipsoids import LIMIT, THINNEST, directions_after, label
+from pmjac_pin.viewer.ellipsoids import LIMIT, THINNEST, directions_after, radius_label
 from pmjac_pin.viewer.free_motion import NEAR_SINGULAR
 from pmjac_pin.viewer.scene import SceneMaker, SceneOptions
 
@@ -516,10 +516,10 @@ def items_size(mechanism):
 
 
 def test_labels_keep_their_width():
-    assert label(2.34349, "m/s") == "2.343 m/s"
-    assert label(2.0, "m/s") == "2.000 m/s"
-    assert label(1000.0, "N") == "1000 N"
-    assert label(np.inf, "N") == "∞ N"
+    assert radius_label(2.34349, "m/s") == "2.343 m/s"
+    assert radius_label(2.0, "m/s") == "2.000 m/s"
+    assert radius_label(1000.0, "N") == "1000 N"
+    assert radius_label(np.inf, "N") == "∞ N"
 
 
 def test_an_unbounded_force_is_clipped_and_marked():

@@ -107,7 +107,9 @@ def rotation_width(matrix: ArrayLike) -> float:
 def _rotation_width(entries: bytes, shape: tuple[int, ...]) -> float:
     with precise():
         stored = exactly(np.frombuffer(entries).reshape(shape))
-        return PLACEMENT_WIDTH + upper(norm((stored @ stored.T - np.eye(len(stored))).ravel()))
+        return PLACEMENT_WIDTH + upper(
+            euclidean_norm((stored @ stored.T - np.eye(len(stored))).ravel())
+        )
 
 
 def widened(numbers: BallArray, width: float) -> BallArray:
@@ -122,7 +124,7 @@ def _each(x: BallArray, of: Callable[[arb], arb]) -> BallArray:
     return found
 
 
-def norm(vector: BallArray) -> arb:
+def euclidean_norm(vector: BallArray) -> arb:
     """Return the Euclidean norm."""
     return sum((entry * entry for entry in vector), ZERO).nonnegative_part().sqrt()
 

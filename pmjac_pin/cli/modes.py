@@ -9,7 +9,7 @@ from typing import Annotated, TypeAlias
 
 from cyclopts import Parameter
 
-from pmjac_pin.cli.options import At, Choice, Json, Name, motor_values
+from pmjac_pin.cli.options import At, Choice, Json, NameOption, parsed_motor_values
 from pmjac_pin.cli.output import Output
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
@@ -88,7 +88,7 @@ class Search:
 
 
 def modes_command(
-    mechanism: Name,
+    mechanism: NameOption,
     /,
     *,
     at: At = None,
@@ -123,4 +123,4 @@ def _motor_values(mechanism: Mechanism, at: str | None, pose: str | None) -> Giv
         return values
     if pose is not None:
         raise ArgumentError("--at and --from both give motor values; take one of them")
-    return motor_values(at)
+    return parsed_motor_values(at)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pmjac_pin.cli.options import Choice, Frame, Json, Name, Pose
+from pmjac_pin.cli.options import Choice, FrameOption, Json, NameOption, PoseOption
 from pmjac_pin.cli.output import Output
 from pmjac_pin.words.plain import to_json
 from pmjac_pin.words.report import make_report
@@ -10,11 +10,11 @@ from pmjac_pin.words.tables import report_blocks
 
 
 def report_command(
-    mechanism: Name,
+    mechanism: NameOption,
     /,
     *,
-    pose: Pose = Pose(),
-    frame: Frame = "LOCAL_WORLD_ALIGNED",
+    pose: PoseOption = PoseOption(),
+    frame: FrameOption = "LOCAL_WORLD_ALIGNED",
     choice: Choice = Choice(),
     json: Json = False,
 ) -> Output:

@@ -74,7 +74,7 @@ def build_parts(
 
 def _ranked(parts: Parts) -> Parts:
     problem, kinematics = parts.problem, parts.kinematics
-    size = _size(kinematics, parts.spec, parts.home_q)
+    size = _machine_size(kinematics, parts.spec, parts.home_q)
     partition = _partition(parts.spec, parts.coordinates, kinematics, size, problem.rounding)
     problem = replace(problem, partition=partition)
     poses = [parts.home_q, *nearby(problem, parts.home_q)]
@@ -151,7 +151,7 @@ def unassembled(
     """
     coordinates = JointCoordinates(model)
     given = coordinates.q(spec.poses["home"])
-    size = _size(_kinematics(model, spec, values), spec, given)
+    size = _machine_size(_kinematics(model, spec, values), spec, given)
     near = shifted(model, -size.place) if size.place.any() else model
     kinematics = _kinematics(near, spec, values)
     rounding = size.rounding
@@ -174,7 +174,7 @@ def _kinematics(model: pin.Model, spec: MechanismSpec, values: Mapping[str, floa
     return Kinematics(model, loops, tool_kinematics(model, spec.tool))
 
 
-def _size(kinematics: Kinematics, spec: MechanismSpec, q: Array) -> Size:
+def _machine_size(kinematics: Kinematics, spec: MechanismSpec, q: Array) -> Size:
     return Size(kinematics.model, spec, kinematics.loops, kinematics.tool, q)
 
 

@@ -15,14 +15,14 @@ WITHOUT_LIMIT = 1e16  # m, rad, N, N m, m/s or rad/s: what SDFormat writes for n
 
 
 @dataclass(frozen=True)
-class Motion:
+class MovingAxis:
     """The axis of a joint in its own frame, and its limits in m or rad, where it has them."""
 
     axis: Iterable[float] | None = None
     limits: tuple[float, float] | None = None
 
 
-STILL = Motion()
+STILL = MovingAxis()
 
 
 class TreeUrdf:
@@ -48,7 +48,7 @@ class TreeUrdf:
     >>> tree = TreeUrdf("pendulum", "ground", pin.SE3.Identity())
     >>> hinge = pin.XYZQUATToSE3([0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
     >>> ends = ("ground", tree.link("rod", hinge))
-    >>> tree.joint("swing", "continuous", ends, Motion(axis=(0.0, 1.0, 0.0)))
+    >>> tree.joint("swing", "continuous", ends, MovingAxis(axis=(0.0, 1.0, 0.0)))
     >>> tree.robot.find("joint/origin").get("xyz")
     '0.0 0.0 1.0'
     """
@@ -71,7 +71,9 @@ class TreeUrdf:
         self._taken.add(name)
         return name
 
-    def joint(self, name: str, kind: str, ends: tuple[str, str], motion: Motion = STILL) -> None:
+    def joint(
+        self, name: str, kind: str, ends: tuple[str, str], motion: MovingAxis = STILL
+    ) -> None:
         """Add a joint from a link that is there to another; its frame is the second's."""
         joint = SubElement(self.robot, "joint", name=name, type=kind)
         self._taken.add(name)

@@ -79,12 +79,12 @@ def _pieces(link: Element, visual: Element) -> list[_Piece]:
 def _shapes(where: str, element: Element) -> Iterator[_Piece]:
     match element.tag:
         case "box":
-            yield Box(), scaled(_positive(where, element, "size", 3))
+            yield Box(), scaled(_positive_numbers(where, element, "size", 3))
         case "sphere":
-            yield Sphere(), scaled(_positive(where, element, "radius"))
+            yield Sphere(), scaled(_positive_numbers(where, element, "radius"))
         case "cylinder" | "capsule":
-            radius = _positive(where, element, "radius")
-            length = _positive(where, element, "length")
+            radius = _positive_numbers(where, element, "radius")
+            length = _positive_numbers(where, element, "length")
             yield Cylinder(), scaled(np.concatenate([radius, radius, length]))
             if element.tag == "capsule":
                 for end in (-0.5, 0.5):
@@ -93,7 +93,7 @@ def _shapes(where: str, element: Element) -> Iterator[_Piece]:
                     yield Sphere(), ball
 
 
-def _positive(where: str, element: Element, attribute: str, count: int = 1) -> Array:
+def _positive_numbers(where: str, element: Element, attribute: str, count: int = 1) -> Array:
     values = np.array(numbers(where, element, attribute, count=count))
     if values.min() <= 0.0:
         raise ModelFileError(f"{where}: `{attribute}` is {values}; it must be positive")

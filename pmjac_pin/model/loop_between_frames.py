@@ -12,7 +12,7 @@ from msgspec.structs import force_setattr
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.model.joint_form import JointForm
 from pmjac_pin.model.rows import Along, Rows, Tilt, across
-from pmjac_pin.model.table import Name, Table, Vector
+from pmjac_pin.model.table import Name, TomlTable, Vector
 from pmjac_pin.values.checks import as_numbers
 
 X: Vector = (1.0, 0.0, 0.0)
@@ -24,7 +24,7 @@ _SHORTEST_AXIS = 1e-6
 Opening = Literal["nothing", "along", "across"]
 
 
-class LoopBetweenFrames(Table, frozen=True):
+class LoopBetweenFrames(TomlTable, frozen=True):
     """A loop between two frames of the tree: what each kind of it says of itself.
 
     Attributes

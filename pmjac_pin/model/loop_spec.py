@@ -27,7 +27,7 @@ from pmjac_pin.model.loop_between_frames import (
     unit_vector,
 )
 from pmjac_pin.model.rows import Along, Distance, Gap, RightAngle, Rows, Turn
-from pmjac_pin.model.table import Name, Table, Vector
+from pmjac_pin.model.table import Name, TomlTable, Vector
 from pmjac_pin.values.checks import LARGEST, SMALLEST, as_number
 
 Array = NDArray[np.float64]
@@ -235,7 +235,7 @@ class DistanceLoop(LoopBetweenFrames, frozen=True, tag_field="kind", tag="distan
         return length
 
 
-class JointLoop(Table, frozen=True, tag_field="kind", tag="joint"):
+class JointLoop(TomlTable, frozen=True, tag_field="kind", tag="joint"):
     """Two joints are geared: η = q_second − ratio·q_first − offset, rad or m, 1 row.
 
     Parameters

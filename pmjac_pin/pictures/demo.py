@@ -15,14 +15,22 @@ import numpy as np
 from pmjac_pin.loading import load
 from pmjac_pin.pictures.pose_figure import save_pose_figure
 from pmjac_pin.values.brief import brief
-from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table, Verbatim, number, numbers
+from pmjac_pin.words.blocks import (
+    Block,
+    Heading,
+    Paragraph,
+    Table,
+    Verbatim,
+    matrix_numbers,
+    number,
+)
 from pmjac_pin.words.report import Report, make_report
 from pmjac_pin.words.tables import (
     LEGEND,
     axes_table,
     ellipsoid_table,
     matrix_blocks,
-    motor_values,
+    motor_line,
     singular_values_table,
 )
 
@@ -89,7 +97,7 @@ def run_demo(figure: Path = FIGURE) -> Demo:
 def demo_blocks(demo: Demo) -> Iterator[Block]:
     """Show the demonstration."""
     report = demo.report
-    yield Heading(f"Lecture 21, pose B: 3-RPS, {motor_values(report.joints)}")
+    yield Heading(f"Lecture 21, pose B: 3-RPS, {motor_line(report.joints)}")
     yield Paragraph(_introduction(report))
     yield _angles_table(report)
     yield Paragraph(LEGEND)
@@ -147,7 +155,7 @@ def _other_cut(demo: Demo) -> Iterator[Block]:
     yield Table(
         "The two cuts",
         ("model", "K", "K*", "det K*"),
-        tuple(map(_cut, (demo.report, demo.contact))),
+        tuple(map(_cut_row, (demo.report, demo.contact))),
         "<<<<",
     )
     yield from matrix_blocks(demo.contact, ("Jv_eq", "Jw_eq"))
@@ -157,11 +165,11 @@ def _other_cut(demo: Demo) -> Iterator[Block]:
     )
 
 
-def _cut(report: Report) -> tuple[str, ...]:
+def _cut_row(report: Report) -> tuple[str, ...]:
     split, det = report.split, report.det_K_star
     sizes = (f"{len(K)} × {K.shape[1]}" for K in (split.K, split.K_star))
     return (report.name, *sizes, f"{number(det.value)} {det.unit}" if det else "")
 
 
 def _triple(values: Iterable[float]) -> str:
-    return ", ".join(numbers([list(values)])[0])
+    return ", ".join(matrix_numbers([list(values)])[0])

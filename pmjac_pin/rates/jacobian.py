@@ -31,7 +31,7 @@ from pmjac_pin.values.ties import first_largest
 
 Array = NDArray[np.float64]
 _STILL = 1e-6  # of the largest rate of a motion
-_ROUNDING = 1e-12  # of ‖J‖ ‖G‖
+_RADIUS_ROUNDING = 1e-12  # of ‖J‖ ‖G‖
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -136,7 +136,7 @@ class EquivalentJacobian(SplitJacobian):
     @property
     def _rounding(self) -> list[float]:
         """What a radius may be by rounding alone: far above it, and far below all that matters."""
-        return [_ROUNDING * size for size in self.sizes.tolist()]
+        return [_RADIUS_ROUNDING * size for size in self.sizes.tolist()]
 
     def velocity_ellipsoid(self) -> Ellipsoid:
         """Return the tool velocities of all |θ̇| = 1: the principal velocities, in m/s.
@@ -235,7 +235,7 @@ def _singular(singularity: Singularity) -> SingularError:
     )
 
 
-def _moving(names: tuple[str, ...], rates: Array) -> list[tuple[str, float]]:
+def _moving_joints(names: tuple[str, ...], rates: Array) -> list[tuple[str, float]]:
     """Return the joints that take part in a motion: the others' rates are rounding."""
     floor = _STILL * np.abs(rates).max()
     return [
@@ -249,7 +249,7 @@ def _refuse_forbidden(factors: Factorisation, scaled: Array, partition: Partitio
         return
     names = partition.actuated_names
     directions = "; ".join(
-        ", ".join(f"{name} {rate:+.3g}" for name, rate in _moving(names, column))
+        ", ".join(f"{name} {rate:+.3g}" for name, rate in _moving_joints(names, column))
         for column in forbidden.T
     )
     motors = f"{len(names)} motor{'s are' if len(names) > 1 else ' is'}"
@@ -271,7 +271,7 @@ def refuse_felt_idle_motion(
         return
     idle = partition.column_scale[partition.passive] * (factors.null_space @ motions.right[0])
     idle /= idle[first_largest(idle)]
-    moving = ", ".join(name for name, _ in _moving(partition.passive_names, idle))
+    moving = ", ".join(name for name, _ in _moving_joints(partition.passive_names, idle))
     raise IdleMotionError(
         f"the tool is moved by a passive motion that no motor commands: {moving} "
         f"move freely with all motors locked; make one of them actuated, or put the tool on a "

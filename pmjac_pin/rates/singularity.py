@@ -22,7 +22,9 @@ from pmjac_pin.values.read_only import ReadOnlyArrays
 from pmjac_pin.values.ties import first_largest
 
 Array = NDArray[np.float64]
-Kind = Literal["regular", "gain", "loss", "gain and loss", "configuration space", "isolated"]
+SingularityKind = Literal[
+    "regular", "gain", "loss", "gain and loss", "configuration space", "isolated"
+]
 #: rank of K* ↦ the bases of what is gained and of what is idle in null K*, on the scaled rates.
 Split: TypeAlias = Callable[[int], tuple[Array, Array]]
 
@@ -112,7 +114,7 @@ class Singularity(ReadOnlyArrays):
         return float(self.singular_values[0]) / self.smallest if self.smallest else np.inf
 
     @property
-    def kind(self) -> Kind:
+    def kind(self) -> SingularityKind:
         """What kind of singularity this is.
 
         "gain": K* drops, motions come free with the motors locked (second kind, parallel);

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.model.twist_frame import FrameName
-from pmjac_pin.rates.error_estimate import Pose
+from pmjac_pin.rates.error_estimate import RoundedPose
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.read_only import ReadOnlyArrays, read_only
 
@@ -45,7 +45,7 @@ class SplitJacobian(ReadOnlyArrays):
     tool_jacobian: Array
     frame: FrameName
     partition: Partition
-    pose: Pose | None = field(default=None, kw_only=True)
+    pose: RoundedPose | None = field(default=None, kw_only=True)
 
     @cached_property
     def rows(self) -> NDArray[np.intp]:

@@ -12,7 +12,7 @@ from pmjac_pin.model.loop_between_frames import Opening
 from pmjac_pin.pictures.anatomy import Anatomy, Anchors
 from pmjac_pin.pictures.bodies import Points
 from pmjac_pin.viewer.items import Part, between
-from pmjac_pin.viewer.layers import SPECK, Attached, Drawing, Lines, Pose
+from pmjac_pin.viewer.layers import SPECK, Attached, Drawing, DrawnPose, Lines
 from pmjac_pin.viewer.palette import FIRST_ANCHOR, GAP, ROD, SECOND_ANCHOR
 
 # Shares of the mechanism's size.
@@ -26,7 +26,7 @@ _Piece = tuple[Part, int, Array]
 
 def anchor_layer(anatomy: Anatomy) -> Attached:
     """Return a ball at each anchor; the second one's is larger and lets the first one shine."""
-    return Attached.of(_balls(anatomy))
+    return Attached.of(_ball_pieces(anatomy))
 
 
 def axis_layer(anatomy: Anatomy) -> Attached:
@@ -97,7 +97,7 @@ class Gaps:
     radius: float
     smallest: float
 
-    def draw(self, pose: Pose) -> Drawing:
+    def draw(self, pose: DrawnPose) -> Drawing:
         """Stretch the lines."""
         starts = self.firsts.at(pose.placements)
         way = self.seconds.at(pose.placements) - starts
@@ -111,7 +111,7 @@ class Gaps:
         return Drawing(*between(starts, ends, radii, self.smallest))
 
 
-def _balls(anatomy: Anatomy) -> Iterator[_Piece]:
+def _ball_pieces(anatomy: Anatomy) -> Iterator[_Piece]:
     for number, anchors in enumerate(anatomy.anchors, start=1):
         for name, point, radius, colour in (
             ("first", anchors.first, FIRST_RADIUS, FIRST_ANCHOR),

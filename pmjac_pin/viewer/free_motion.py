@@ -12,7 +12,7 @@ from pmjac_pin.files.shapes import Array, Cone, Cylinder
 from pmjac_pin.pictures.anatomy import Anatomy
 from pmjac_pin.pictures.bodies import Point, Points
 from pmjac_pin.viewer.items import Part, between
-from pmjac_pin.viewer.layers import SPECK, Drawing, Pose, distinct, part_of_path, specks
+from pmjac_pin.viewer.layers import SPECK, Drawing, DrawnPose, distinct_parts, part_of_path, specks
 from pmjac_pin.viewer.palette import FREE
 
 #: `Singularity.smallest` below which a pose is near a singularity.
@@ -45,11 +45,11 @@ class FreeMotionLayer:
         # Without loops nothing is locked by the motors that could come free.
         names = ["tool", *(name for name, _ in found)] if anatomy.anchors else []
         shapes = (("shaft", Cylinder()), ("forth", Cone()), ("back", Cone()))
-        self.parts: Sequence[Part] = distinct(
+        self.parts: Sequence[Part] = distinct_parts(
             [Part(f"free/{name}/{end}", shape, FREE) for end, shape in shapes for name in names]
         )
 
-    def draw(self, pose: Pose) -> Drawing:
+    def draw(self, pose: DrawnPose) -> Drawing:
         """Return the arrows, or nothing to see at a regular pose."""
         count, size = len(self.parts), self._anatomy.size
         candidates = easiest_motions(pose.configuration) if count else np.zeros((0, 0))
@@ -61,7 +61,7 @@ class FreeMotionLayer:
         specks(transforms, visible, pose.tool, SPECK * size)
         return Drawing(transforms, visible)
 
-    def _velocities(self, pose: Pose, candidates: Array) -> Array:
+    def _velocities(self, pose: DrawnPose, candidates: Array) -> Array:
         """Return the velocities (k, 3) of tool and points in that free motion that moves most."""
         split = pose.configuration.split_jacobian()
         columns = split.partition.passive

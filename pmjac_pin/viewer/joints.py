@@ -10,8 +10,16 @@ from pmjac_pin.files.shapes import Array, Box, Colour, Cone, Cylinder, Shape, Sp
 from pmjac_pin.pictures.anatomy import BALL_JOINTS, Anatomy
 from pmjac_pin.pictures.bodies import Point, Points
 from pmjac_pin.viewer.items import Part, between
-from pmjac_pin.viewer.layers import SPECK, Attached, Labels, Lines, distinct, part_of_path, words
-from pmjac_pin.viewer.palette import AXES, JOINT, MOTOR, WORDS
+from pmjac_pin.viewer.layers import (
+    SPECK,
+    Attached,
+    Lines,
+    MidwayLabels,
+    distinct_parts,
+    part_of_path,
+    words,
+)
+from pmjac_pin.viewer.palette import AXIS_COLOURS, JOINT, MOTOR, WORDS
 
 # Shares of the mechanism's size.
 PIN_RADIUS, PIN_LENGTH = 0.025, 0.09
@@ -39,7 +47,7 @@ def rail_layer(anatomy: Anatomy) -> Lines:
     sliding = [joint for joint in anatomy.joints if anatomy.slides(joint) and joint not in drawn]
     parts = [Part(f"{_path(anatomy, j)}/rail", Cylinder(), _colour(anatomy, j)) for j in sliding]
     return Lines(
-        parts=distinct(parts),
+        parts=distinct_parts(parts),
         starts=Points.of([anatomy.root(joint) for joint in sliding]),
         ends=Points.of([Point(joint, np.zeros(3)) for joint in sliding]),
         radii=np.full(len(sliding), RAIL_RADIUS * anatomy.size),
@@ -47,12 +55,12 @@ def rail_layer(anatomy: Anatomy) -> Lines:
     )
 
 
-def motor_names(anatomy: Anatomy) -> Labels:
+def motor_names(anatomy: Anatomy) -> MidwayLabels:
     """Return the motors' names, at them; of a slide midway along its rail."""
     motors = sorted(anatomy.motors)
     names = [str(anatomy.model.names[motor]) for motor in motors]
-    return Labels(
-        parts=distinct([words(f"names/{part_of_path(name)}", name, WORDS) for name in names]),
+    return MidwayLabels(
+        parts=distinct_parts([words(f"names/{part_of_path(name)}", name, WORDS) for name in names]),
         starts=Points.of([anatomy.root(motor) for motor in motors]),
         ends=Points.of([Point(motor, np.zeros(3)) for motor in motors]),
         height=LETTERS * anatomy.size,
@@ -67,7 +75,7 @@ def tool_layer(anatomy: Anatomy) -> Attached:
     parts = [
         Part(f"tool/{axis}/{name}", shape, colour, on_top=True)
         for name, shape in (("shaft", Cylinder()), ("head", Cone()))
-        for axis, colour in zip("xyz", AXES, strict=True)
+        for axis, colour in zip("xyz", AXIS_COLOURS, strict=True)
     ]
     places = np.concatenate([shafts[0], heads[0]])
     return Attached(parts, np.full(6, -1), places)

@@ -8,7 +8,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.viewer.messages import Motor
 
 #: A motor without limits takes no value beyond this, m or rad.
-FARTHEST = 1e4
+WIDEST_SLIDER = 1e4
 _ENDLESS = 1e12  # no machine has such a limit
 
 

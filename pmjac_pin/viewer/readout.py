@@ -18,7 +18,7 @@ from pmjac_pin.rates.singularity import Singularity
 from pmjac_pin.values.norm import norm
 from pmjac_pin.viewer.free_motion import NEAR_SINGULAR, easiest_motions
 from pmjac_pin.viewer.tool_ranks import ToolRanks
-from pmjac_pin.words.labelled import ROUNDING
+from pmjac_pin.words.labelled import SHOWN_AS_ZERO
 
 Array = NDArray[np.float64]
 Vector = tuple[float, ...]
@@ -175,7 +175,7 @@ def _judged(rows: ToolRows) -> tuple[str, str]:
 
 def _of_jacobian(jacobian: EquivalentJacobian) -> dict[str, Any]:
     motors = jacobian.partition.actuated.size
-    rounding = ROUNDING * jacobian.sizes.repeat(3)[:, None]
+    rounding = SHOWN_AS_ZERO * jacobian.sizes.repeat(3)[:, None]
     J_eq = np.where(np.abs(jacobian.J_eq) > rounding, jacobian.J_eq, 0.0)
     return {
         "Jv": tuple(jacobian.velocity_ellipsoid().radii[:motors].tolist()),

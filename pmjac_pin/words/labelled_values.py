@@ -26,7 +26,7 @@ class Quantity(msgspec.Struct, frozen=True):
     unit: str
 
 
-class JointValue(msgspec.Struct, frozen=True):
+class LabelledJoint(msgspec.Struct, frozen=True):
     """The value of one degree of freedom; its role is "actuated" or "passive"."""
 
     name: str
@@ -62,15 +62,15 @@ def parameters_told(mechanism: Mechanism) -> list[dict[str, object]]:
     ]
 
 
-def motor_values(values: Array, labels: Labels) -> tuple[JointValue, ...]:
+def labelled_motor_values(values: Array, labels: Labels) -> tuple[LabelledJoint, ...]:
     """Return the values (n,) of the actuated degrees of freedom."""
     return _joint_values(values, labels.actuated, labels.actuated_powers, "actuated")
 
 
-def joint_values(configuration: Configuration, labels: Labels) -> tuple[JointValue, ...]:
+def joint_values(configuration: Configuration, labels: Labels) -> tuple[LabelledJoint, ...]:
     """Return the values of all degrees of freedom, motors first."""
     passive = (labels.passive, labels.passive_powers, "passive")
-    motors = motor_values(configuration.actuated, labels)
+    motors = labelled_motor_values(configuration.actuated, labels)
     return motors + _joint_values(configuration.passive, *passive)
 
 
@@ -86,9 +86,9 @@ def limits_told(configuration: Configuration, labels: Labels) -> list[dict[str, 
 
 def _joint_values(
     values: Array, names: tuple[str, ...], powers: tuple[Powers, ...], role: str
-) -> tuple[JointValue, ...]:
+) -> tuple[LabelledJoint, ...]:
     joints = zip(names, values.tolist(), powers, strict=True)
-    return tuple(JointValue(name, role, value, unit(power)) for name, value, power in joints)
+    return tuple(LabelledJoint(name, role, value, unit(power)) for name, value, power in joints)
 
 
 def determinant(split: SplitJacobian, labels: Labels) -> Quantity | None:

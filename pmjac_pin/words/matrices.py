@@ -34,7 +34,7 @@ def split_matrices(split: SplitJacobian, labels: Labels) -> dict[str, LabelledMa
     )
     motors = (labels.actuated, tuple(map(unit, labels.actuated_powers)))
     passive = (labels.passive, tuple(map(unit, labels.passive_powers)))
-    motor_rates, passive_rates, linear, angular = _rates(labels)
+    motor_rates, passive_rates, linear, angular = _rate_labels(labels)
     v, w = split.tool_sizes.tolist()
     size = float(np.abs(split.constraint_jacobian).max(initial=0.0))
     return {
@@ -49,7 +49,7 @@ def split_matrices(split: SplitJacobian, labels: Labels) -> dict[str, LabelledMa
 
 def equivalent_matrices(jacobian: EquivalentJacobian, labels: Labels) -> dict[str, LabelledMatrix]:
     """Return those after it: what there is where J_eq exists, `EQUIVALENT`."""
-    motor_rates, passive_rates, linear, angular = _rates(labels)
+    motor_rates, passive_rates, linear, angular = _rate_labels(labels)
     v, w = jacobian.sizes.tolist()
     return {
         "passive_rates": labelled(jacobian.passive_rates, *passive_rates, *motor_rates),
@@ -60,7 +60,7 @@ def equivalent_matrices(jacobian: EquivalentJacobian, labels: Labels) -> dict[st
     }
 
 
-def _rates(labels: Labels) -> tuple[tuple[tuple[str, ...], tuple[str, ...]], ...]:
+def _rate_labels(labels: Labels) -> tuple[tuple[tuple[str, ...], tuple[str, ...]], ...]:
     """Return names and units of the rates of motors and passive joints, and of the tool's."""
     return (
         (labels.actuated, tuple(map(rate_unit, labels.actuated_powers))),

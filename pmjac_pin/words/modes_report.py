@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.closing.motor_values import MotorValues
-from pmjac_pin.closing.motor_values import motor_values as given_values
+from pmjac_pin.closing.motor_values import MotorValues, motor_values
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.singularity import Singularity
@@ -20,13 +19,13 @@ from pmjac_pin.studies.modes.names import pose_names
 from pmjac_pin.studies.modes.recognition import Recognition
 from pmjac_pin.values.encodable import encodable
 from pmjac_pin.words.labelled_values import (
-    JointValue,
+    LabelledJoint,
     Labels,
     Quantity,
     determinant,
     joint_values,
+    labelled_motor_values,
     limits_told,
-    motor_values,
     parameters_told,
 )
 from pmjac_pin.words.plain import told
@@ -113,7 +112,7 @@ class ModesReport:
     """
 
     mechanism: Mechanism
-    motors: tuple[JointValue, ...]
+    motors: tuple[LabelledJoint, ...]
     limits: bool
     found: AssemblyModes
     modes: tuple[ModeReport, ...]
@@ -173,13 +172,15 @@ def make_modes_report(
     >>> [(m.number, m.poses, m.sign) for m in make_modes_report(mechanism, [0.9], modes).modes]
     [(1, (), -1), (2, ('home',), 1)]
     """
-    motors = given_values(mechanism.spec, mechanism.coordinates, actuated)
+    values = motor_values(mechanism.spec, mechanism.coordinates, actuated)
     return ModesReport(
         mechanism=mechanism,
-        motors=motor_values(motors, Labels.of(mechanism)),
+        motors=labelled_motor_values(values, Labels.of(mechanism)),
         limits=limits,
         found=modes,
-        modes=_modes(mechanism, modes, _numbers(modes, solutions, operation_modes)),
+        modes=_mode_reports(
+            mechanism, modes, _operation_mode_numbers(modes, solutions, operation_modes)
+        ),
         solutions=solutions,
         operation_modes=operation_modes,
     )
@@ -199,7 +200,7 @@ def solutions_told(
     }
 
 
-def _numbers(
+def _operation_mode_numbers(
     modes: AssemblyModes, found: ComplexModes | None, operation_modes: OperationModes | None
 ) -> tuple[int | None, ...]:
     """Return the number of each mode's operation mode, from 1; None where it is unknown."""
@@ -210,7 +211,7 @@ def _numbers(
     return tuple(None if place is None else labels[place] + 1 for place in places)
 
 
-def _modes(
+def _mode_reports(
     mechanism: Mechanism, modes: AssemblyModes, numbers: tuple[int | None, ...]
 ) -> tuple[ModeReport, ...]:
     labels, names = Labels.of(mechanism), pose_names(mechanism, modes)

@@ -9,13 +9,13 @@ from scipy.spatial.transform import Rotation
 from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
 from pmjac_pin.studies.homotopy.operation_modes import OperationModes
 from pmjac_pin.values.brief import brief
-from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table, numbers
+from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table, matrix_numbers
 from pmjac_pin.words.modes_report import ModeReport, ModesReport
-from pmjac_pin.words.tables import motor_values
+from pmjac_pin.words.tables import motor_line
 
 _SIGNS = {1: "+", -1: "-", 0: "0", None: ""}
 
-LEGEND = (
+MODES_LEGEND = (
     "σ is the smallest singular value of K*, relative to the size of [K K*]; share, of the random "
     "starts that led here; proven, that an exact solution is no farther away than this."
 )
@@ -41,7 +41,7 @@ def modes_blocks(report: ModesReport) -> Iterator[Block]:
 
 def modes_title(report: ModesReport) -> str:
     """Return what is shown: the mechanism and its motor values."""
-    return f"Assembly modes of {report.name} at {motor_values(report.motors)}"
+    return f"Assembly modes of {report.name} at {motor_line(report.motors)}"
 
 
 def count(report: ModesReport) -> str:
@@ -65,8 +65,8 @@ def count(report: ModesReport) -> str:
 
 def _legend(report: ModesReport) -> str:
     if all(mode.ways == 1 for mode in report.modes):
-        return LEGEND
-    return f"{LEGEND[:-1]}; ways, in how many its bodies fit: some turn over unseen."
+        return MODES_LEGEND
+    return f"{MODES_LEGEND[:-1]}; ways, in how many its bodies fit: some turn over unseen."
 
 
 def _solutions(found: ComplexModes, complete: str) -> Paragraph:
@@ -100,12 +100,12 @@ def _table(report: ModesReport) -> Table:
     rows = [_row(mode) for mode in report.modes]
     if any(mode.operation_mode for mode in report.modes):
         header = (*header, "oper-\nation\nmode")
-        numbers = [mode.operation_mode or "" for mode in report.modes]
-        rows = [(*row, str(number)) for row, number in zip(rows, numbers, strict=True)]
+        found = [mode.operation_mode or "" for mode in report.modes]
+        rows = [(*row, str(number)) for row, number in zip(rows, found, strict=True)]
     if any(mode.ways > 1 for mode in report.modes):
         header = (*header, "ways")
         rows = [(*row, str(mode.ways)) for row, mode in zip(rows, report.modes, strict=True)]
-    named = tuple((*row, _names(mode)) for row, mode in zip(rows, report.modes, strict=True))
+    named = tuple((*row, _mode_names(mode)) for row, mode in zip(rows, report.modes, strict=True))
     return Table("", (*header, "which is"), named, ">" * len(header) + "<")
 
 
@@ -122,7 +122,7 @@ def _row(mode: ModeReport) -> tuple[str, ...]:
     )
 
 
-def _names(mode: ModeReport) -> str:
+def _mode_names(mode: ModeReport) -> str:
     kind, found = mode.singularity.kind, mode.configuration.limits_violated
     singular = () if kind == "regular" else (f"singular ({kind})",)
     beyond = tuple(f"{name} beyond its limits" for name in found)
@@ -133,8 +133,8 @@ def _tools(report: ModesReport) -> Table:
     tools = [mode.configuration.tool_pose for mode in report.modes]
     rotations = Rotation.from_matrix([tool.rotation for tool in tools])
     length = report.mechanism.characteristic_length
-    places = numbers([tool.translation for tool in tools], size=length)
-    turns = numbers(rotations.as_rotvec(), size=1.0)
+    places = matrix_numbers([tool.translation for tool in tools], size=length)
+    turns = matrix_numbers(rotations.as_rotvec(), size=1.0)
     rows = zip(report.modes, places, turns, strict=True)
     return Table(
         "Tool in the world: its place, and the turn from the world's axes (angle times axis)",

@@ -23,7 +23,7 @@ from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.values.encodable import encodable
 from pmjac_pin.words.labelled import LabelledMatrix, common_unit, unit
 from pmjac_pin.words.labelled_values import (
-    JointValue,
+    LabelledJoint,
     Labels,
     Quantity,
     determinant,
@@ -98,7 +98,7 @@ class Report:
         return Labels.of(self.mechanism)
 
     @property
-    def joints(self) -> tuple[JointValue, ...]:
+    def joints(self) -> tuple[LabelledJoint, ...]:
         """The values of all degrees of freedom, motors first."""
         return joint_values(self.configuration, self.labels)
 

@@ -9,8 +9,16 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.rates.singularity import Singularity
 from pmjac_pin.values.brief import brief
-from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table, matrix_table, number, numbers
-from pmjac_pin.words.labelled_values import JointValue
+from pmjac_pin.words.blocks import (
+    Block,
+    Heading,
+    Paragraph,
+    Table,
+    matrix_numbers,
+    matrix_table,
+    number,
+)
+from pmjac_pin.words.labelled_values import LabelledJoint
 from pmjac_pin.words.report import Report, by_name
 
 TITLES = {
@@ -46,10 +54,10 @@ def report_blocks(report: Report) -> Iterator[Block]:
     if report.notes:
         yield Paragraph("\n".join(f"Note: {note}" for note in report.notes))
     yield Paragraph(_sizes(report))
-    yield Paragraph(_origin(report))
+    yield Paragraph(_origin_line(report))
     if report.configuration.limits_violated:
         yield Paragraph(limits_warning(report.configuration))
-    yield from _pose(report)
+    yield from _pose_blocks(report)
     yield Heading("Loop closure and tool Jacobian")
     yield Paragraph(LEGEND)
     yield from matrix_blocks(report, ("K", "K_star"))
@@ -63,7 +71,7 @@ def report_blocks(report: Report) -> Iterator[Block]:
         yield Paragraph("Nothing is passive: [J_v]eq = J_v and [J_ω]eq = J_ω.")
     yield from matrix_blocks(report, ("gv_eq", "gw_eq"))
     yield Heading("Singularity")
-    yield from _singularity(report)
+    yield from _singularity_blocks(report)
     yield singular_values_table(report)
     yield from ellipsoid_blocks(report, ("velocity", "angular", "force"))
 
@@ -72,10 +80,10 @@ def title(report: Report) -> str:
     """Return what is shown: the mechanism and its pose."""
     if report.pose is not None:
         return f"{report.name}, pose {report.pose}"
-    return f"{report.name} at {motor_values(report.joints)}"
+    return f"{report.name} at {motor_line(report.joints)}"
 
 
-def motor_values(joints: Iterable[JointValue]) -> str:
+def motor_line(joints: Iterable[LabelledJoint]) -> str:
     """Return the values of the motors among these joints in one line."""
     motors = (joint for joint in joints if joint.role == "actuated")
     return ", ".join(f"{joint.name} = {joint.value:.6g} {joint.unit}" for joint in motors)
@@ -98,10 +106,10 @@ def singular_values_table(report: Report) -> Table:
         if found is None or not found.values:
             continue
         unit = found.unit or "mixed units"
-        rows.append((f"{SYMBOLS[name]} [{unit}]", *numbers([found.values])[0]))
+        rows.append((f"{SYMBOLS[name]} [{unit}]", *matrix_numbers([found.values])[0]))
     relative = report.singularity.singular_values.tolist()
     if relative:
-        rows.append(("K*, dimensionless, relative to [K K*]", *numbers([relative])[0]))
+        rows.append(("K*, dimensionless, relative to [K K*]", *matrix_numbers([relative])[0]))
     count = max((len(row) for row in rows), default=1)
     padded = tuple((*row, *[""] * (count - len(row))) for row in rows)
     header = ("", *(f"σ{k}" for k in range(1, count)))
@@ -131,9 +139,9 @@ def axes_table(
     ends = [radius for radius in radii if radius in (0.0, math.inf)]
     axes = [
         ["-"] * 3 if ends.count(radius) > 1 else axis
-        for radius, axis in zip(radii, numbers(directions), strict=True)
+        for radius, axis in zip(radii, matrix_numbers(directions), strict=True)
     ]
-    rows = zip(numbers([radii])[0], axes, strict=True)
+    rows = zip(matrix_numbers([radii])[0], axes, strict=True)
     return Table(
         heading,
         ("axis", f"radius\n[{unit}]", "direction\nx", "\ny", "\nz"),
@@ -162,12 +170,12 @@ def limits_warning(configuration: Configuration) -> str:
     return f"Warning: {told}. The loops close here, but the machine cannot be here."
 
 
-def _origin(report: Report) -> str:
+def _origin_line(report: Report) -> str:
     walked = f"Reached from the pose {report.start!r}. " if report.start else ""
     return f"{walked}The tool's twist is in the frame {report.split.frame}."
 
 
-def _pose(report: Report) -> Iterator[Block]:
+def _pose_blocks(report: Report) -> Iterator[Block]:
     if parameters := report.mechanism.parameters:
         declared = report.mechanism.spec.parameters
         yield Table(
@@ -185,7 +193,7 @@ def _pose(report: Report) -> Iterator[Block]:
         tuple(
             (joint.name, joint.role, value, joint.unit)
             for joint, [value] in zip(
-                report.joints, numbers([j.value] for j in report.joints), strict=True
+                report.joints, matrix_numbers([j.value] for j in report.joints), strict=True
             )
         ),
         "<<><",
@@ -198,13 +206,13 @@ def _pose(report: Report) -> Iterator[Block]:
             tuple((row.name, brief(row.value), row.unit) for row in report.residual),
             "<><",
         )
-    yield _tool(report)
+    yield _tool_table(report)
 
 
-def _tool(report: Report) -> Table:
+def _tool_table(report: Report) -> Table:
     tool, size = report.configuration.tool_pose, report.mechanism.characteristic_length
-    position = numbers([[x] for x in tool.translation], size)
-    rows = zip("xyz", position, numbers(tool.rotation), strict=True)
+    position = matrix_numbers([[x] for x in tool.translation], size)
+    rows = zip("xyz", position, matrix_numbers(tool.rotation), strict=True)
     return Table(
         "Tool in the world",
         ("", "position\n[m]", "rotation\nx", "\ny", "\nz"),
@@ -221,18 +229,18 @@ def _determinant(report: Report) -> str:
     return f"det K* = {number(det.value)} {det.unit}"
 
 
-def _singularity(report: Report) -> Iterator[Block]:
+def _singularity_blocks(report: Report) -> Iterator[Block]:
     found = report.singularity
     length = report.mechanism.characteristic_length
     yield Table("", ("", ""), (*_ranks(found), ("a radian counts as", f"{brief(length)} m")), "<<")
     if free := by_name(found.passive_names, found.free_motions):
         heading = "Passive motions that come free here with all motors locked (largest rate 1)"
-        yield _motions(report, heading, list(map(_largest_one, free)))
+        yield _motions_table(report, heading, list(map(_largest_rate_one, free)))
     if idle := by_name(found.passive_names, found.idle_motions):
         heading = "Idle passive motions, free at every pose (largest rate 1)"
-        yield _motions(report, heading, list(map(_largest_one, idle)))
+        yield _motions_table(report, heading, list(map(_largest_rate_one, idle)))
     if forbidden := by_name(found.actuated_names, found.forbidden_rates):
-        yield _motions(report, "Motor rates that the loops forbid", forbidden)
+        yield _motions_table(report, "Motor rates that the loops forbid", forbidden)
 
 
 def _ranks(found: Singularity) -> Iterator[tuple[str, str]]:
@@ -251,16 +259,16 @@ def _ranks(found: Singularity) -> Iterator[tuple[str, str]]:
     yield "counts as zero up to", brief(found.tolerance)
 
 
-def _largest_one(rates: Mapping[str, float]) -> dict[str, float]:
+def _largest_rate_one(rates: Mapping[str, float]) -> dict[str, float]:
     largest = max(rates.values(), key=abs)
     return {name: rate / largest for name, rate in rates.items()}
 
 
-def _motions(report: Report, heading: str, motions: Sequence[Mapping[str, float]]) -> Table:
+def _motions_table(report: Report, heading: str, motions: Sequence[Mapping[str, float]]) -> Table:
     """Show motions side by side, one joint a row."""
     units = {joint.name: joint.unit for joint in report.joints}
     names = tuple(motions[0])
-    rates = numbers([[motion[name] for motion in motions] for name in names])
+    rates = matrix_numbers([[motion[name] for motion in motions] for name in names])
     return Table(
         heading,
         ("", *(str(k) for k in range(1, len(motions) + 1))),

@@ -20,7 +20,7 @@ from pmjac_pin.files.urdf.checks import MAXIMAL_LINKS
 from pmjac_pin.files.xml_text import shown
 from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop
 
-_KINDS = ("connect", "weld", "joint", "tendon")  # in the order of mujoco.mjtEq
+_EQUALITIES = ("connect", "weld", "joint", "tendon")  # in the order of mujoco.mjtEq
 _SITE = 6  # of mujoco.mjtObj
 
 
@@ -33,11 +33,11 @@ def active_equalities(compiled: Compiled) -> tuple[dict[str, list[int]], list[st
         Very many.
     """
     model = compiled.model
-    active: dict[str, list[int]] = {kind: [] for kind in _KINDS}
+    active: dict[str, list[int]] = {kind: [] for kind in _EQUALITIES}
     notes = []
     for number, label in enumerate(compiled.equalities):
         if model.eq_active0[number]:
-            active[_KINDS[model.eq_type[number]]].append(number)
+            active[_EQUALITIES[model.eq_type[number]]].append(number)
         else:
             notes.append(f"{label} is not active, and left out")
     if model.neq > MAXIMAL_LINKS:
@@ -56,12 +56,12 @@ def read_closures(
     ModelFileError
         A body or site joined to itself.
     """
-    return [_loop(compiled, number, names, tree) for number in numbers]
+    return [_loop_of_equality(compiled, number, names, tree) for number in numbers]
 
 
-def _loop(compiled: Compiled, number: int, names: Names, tree: MjcfTree) -> Loop:
+def _loop_of_equality(compiled: Compiled, number: int, names: Names, tree: MjcfTree) -> Loop:
     model, where = compiled.model, compiled.equalities[number]
-    data, welded = model.eq_data[number], _KINDS[model.eq_type[number]] == "weld"
+    data, welded = model.eq_data[number], _EQUALITIES[model.eq_type[number]] == "weld"
     by_site = model.eq_objtype[number] == _SITE
     known = names.sites if by_site else names.bodies
     first, second = known[model.eq_obj1id[number]], known[model.eq_obj2id[number]]

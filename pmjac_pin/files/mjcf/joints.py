@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.files.mjcf.names import KINDS
+from pmjac_pin.files.mjcf.names import JOINT_TYPES
 
 Array = NDArray[np.float64]
 
@@ -58,7 +58,7 @@ class MjcfJoint:
 
 def joint_of(model: Any, number: int, name: str) -> MjcfJoint:
     """Return the joint of this number of a mujoco.MjModel."""
-    kind = KINDS[model.jnt_type[number]]
+    kind = JOINT_TYPES[model.jnt_type[number]]
     start = int(model.jnt_qposadr[number])
     qpos = slice(start, start + {"free": 7, "ball": 4}.get(kind, 1))
     lower, upper = model.jnt_range[number].tolist()

@@ -21,7 +21,7 @@ KEYFRAME = "home"
 NO_MASS = 1e-14  # kg and kg m², for bodies without: MuJoCo wants more than 1e-15
 
 _READ = ("connect", "weld", "joint", "tendon")
-_NOT_READ = ("distance", "flex", "flexstrain", "flexvert")
+_EQUALITIES_NOT_READ = ("distance", "flex", "flexstrain", "flexvert")
 _BRAKES = ("adhesion", "damper")
 
 
@@ -77,11 +77,11 @@ def _equalities(root: Element) -> Iterator[str]:
             yield "<flag> disables the constraints; they are read all the same"
     for element in root.iterfind("equality/*"):
         where = called(element)
-        if element.tag not in (*_READ, *_NOT_READ):
+        if element.tag not in (*_READ, *_EQUALITIES_NOT_READ):
             known = did_you_mean(element.tag, _READ)
             what = f"<equality> holds an unknown <{shown(element.tag)[1:-1]}>"
             raise ModelFileError(f"{what}{known}")
-        if element.tag in _NOT_READ:
+        if element.tag in _EQUALITIES_NOT_READ:
             if element.get("active") != "false":
                 todo = 'set active="false" to leave it out'
                 raise ModelFileError(f"{where} is not read, only {', '.join(_READ)} are; {todo}")

@@ -11,7 +11,7 @@ from pmjac_pin.files.unused_name import unused_name
 from pmjac_pin.files.xml_text import shown
 
 WORLD = "world"
-KINDS = ("free", "ball", "slide", "hinge")  # in the order of mujoco.mjtJoint
+JOINT_TYPES = ("free", "ball", "slide", "hinge")  # in the order of mujoco.mjtJoint
 
 _ENDS = [f"{kind}{number}" for kind in ("body", "site", "joint", "tendon") for number in (1, 2)]
 
@@ -41,7 +41,9 @@ class Names:
         self.taken = {*given, *joints, *sites} - {""}
         self.bodies = tuple(self._of_bodies(given, model.body_parentid.tolist()))
         on = [self.bodies[body] for body in model.jnt_bodyid]
-        wishes = [f"{body}_{KINDS[kind]}" for body, kind in zip(on, model.jnt_type, strict=True)]
+        wishes = [
+            f"{body}_{JOINT_TYPES[kind]}" for body, kind in zip(on, model.jnt_type, strict=True)
+        ]
         self.joints = tuple(
             name or unused_name(wish, self.taken) for name, wish in zip(joints, wishes, strict=True)
         )

@@ -16,9 +16,9 @@ import pinocchio as pin
 from pmjac_pin.files.mjcf.bodies import Body
 from pmjac_pin.files.mjcf.joints import SCALAR, MjcfJoint
 from pmjac_pin.files.mjcf.names import WORLD, Names
-from pmjac_pin.files.tree_urdf import WITHOUT_LIMIT, Motion, TreeUrdf
+from pmjac_pin.files.tree_urdf import WITHOUT_LIMIT, MovingAxis, TreeUrdf
 
-_TYPES = {"hinge": "revolute", "slide": "prismatic", "ball": "floating", "free": "floating"}
+_URDF_TYPES = {"hinge": "revolute", "slide": "prismatic", "ball": "floating", "free": "floating"}
 
 
 class MjcfTree:
@@ -77,12 +77,12 @@ class MjcfTree:
             self.urdf.fixed(above, body.name, placement)
 
     def _move(self, joint: MjcfJoint, ends: tuple[str, str]) -> None:
-        kind, limits = _TYPES[joint.kind], joint.limits
+        kind, limits = _URDF_TYPES[joint.kind], joint.limits
         if kind == "floating":
             self.urdf.joint(joint.name, kind, ends)
             return
         if kind == "revolute" and limits is None and joint.name not in self._counted:
-            self.urdf.joint(joint.name, "continuous", ends, Motion(joint.axis))
+            self.urdf.joint(joint.name, "continuous", ends, MovingAxis(joint.axis))
             return
         wide = (-WITHOUT_LIMIT, WITHOUT_LIMIT)
-        self.urdf.joint(joint.name, kind, ends, Motion(joint.axis, limits or wide))
+        self.urdf.joint(joint.name, kind, ends, MovingAxis(joint.axis, limits or wide))

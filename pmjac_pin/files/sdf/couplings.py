@@ -8,7 +8,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from pmjac_pin.errors import ModelFileError, did_you_mean
-from pmjac_pin.files.gazebo_plugins import is_mimic
+from pmjac_pin.files.gazebo_plugins import is_mimic_plugin
 from pmjac_pin.files.sdf.joints import AXIS_TAGS, SdfJoint, freedom_names, text_of
 from pmjac_pin.files.vocabulary import spelt
 from pmjac_pin.files.xml_text import label, numbers, numbers_in, only, shown
@@ -114,7 +114,7 @@ def _of_axes(
 def _of_plugins(
     model: Element, freedoms: Mapping[str, tuple[str, ...]]
 ) -> Iterator[tuple[str, JointLoop]]:
-    for plugin in filter(is_mimic, model.findall("plugin")):
+    for plugin in filter(is_mimic_plugin, model.findall("plugin")):
         where = label(plugin)
         leader, follower = (
             _freedom(where, text_of(where, plugin, tag) or "", "axis", freedoms)

@@ -21,11 +21,11 @@ from pmjac_pin.files.xml_text import numbers_in, only, shown
 
 MODEL = "__model__"
 WORLD = "world"
-_TRUTHS: Mapping[str, bool] = {"1": True, "true": True, "0": False, "false": False}
+_SDF_TRUTHS: Mapping[str, bool] = {"1": True, "true": True, "0": False, "false": False}
 
 
 @dataclass(frozen=True)
-class Frame:
+class SdfFrame:
     """A named frame as the file gives it.
 
     Attributes
@@ -63,7 +63,7 @@ class Frames:
         A frame that does not exist, or one that is placed relative to itself in the end.
     """
 
-    def __init__(self, given: Mapping[str, Frame], links: Sequence[str], canonical: str) -> None:
+    def __init__(self, given: Mapping[str, SdfFrame], links: Sequence[str], canonical: str) -> None:
         self._given = given
         self._placements = {MODEL: pin.SE3.Identity()}
         self._links = {MODEL: canonical, WORLD: WORLD} | {link: link for link in links}
@@ -119,7 +119,7 @@ def pose(where: str, element: Element, default: str) -> tuple[str, pin.SE3]:
     rotation_format = found.get("rotation_format", "euler_rpy")
     if rotation_format == "quat_xyzw":
         values = numbers_in(where, text or "0 0 0 0 0 0 1", count=7)
-        return relative_to, pin.SE3(_turn(where, values[3:]), np.array(values[:3]))
+        return relative_to, pin.SE3(_rotation(where, values[3:]), np.array(values[:3]))
     if rotation_format != "euler_rpy":
         got = f"`rotation_format` is {shown(rotation_format)}"
         raise ModelFileError(f"{where}: {got}; euler_rpy and quat_xyzw are read")
@@ -130,7 +130,7 @@ def pose(where: str, element: Element, default: str) -> tuple[str, pin.SE3]:
     )
 
 
-def _turn(where: str, xyzw: list[float]) -> NDArray[np.float64]:
+def _rotation(where: str, xyzw: list[float]) -> NDArray[np.float64]:
     length = float(np.linalg.norm(xyzw))
     if not abs(length - 1.0) < 1e-3:
         raise ModelFileError(f"{where}: the quaternion has length {length:g}, not 1")
@@ -140,6 +140,6 @@ def _turn(where: str, xyzw: list[float]) -> NDArray[np.float64]:
 
 def truth(where: str, text: str) -> bool:
     """Return a yes or no as SDFormat writes it."""
-    if (value := _TRUTHS.get(text.strip().lower())) is None:
+    if (value := _SDF_TRUTHS.get(text.strip().lower())) is None:
         raise ModelFileError(f"{where}: {shown(text)} is neither true nor false")
     return value

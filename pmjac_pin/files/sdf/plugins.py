@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.errors import ModelFileError, did_you_mean
-from pmjac_pin.files.gazebo_plugins import is_mimic
+from pmjac_pin.files.gazebo_plugins import is_mimic_plugin
 from pmjac_pin.files.sdf.frames import MODEL, Frames
 from pmjac_pin.files.sdf.joints import SdfJoint, text_of
 from pmjac_pin.files.unused_name import unused_name
@@ -18,7 +18,7 @@ from pmjac_pin.files.vocabulary import spelt
 from pmjac_pin.files.xml_text import label, numbers_in, shown
 
 BALL = "drake:ball_constraint"
-_NOT_READ = {
+_PLUGINS_NOT_READ = {
     "drake:coupler_constraint": "gear the joints by <mimic> in an <axis>",
     "drake:weld_constraint": 'write it as a <joint type="fixed">',
 }
@@ -34,7 +34,7 @@ def is_detachable(plugin: Element, model: Element) -> bool:
 def read_plugins(model: Element) -> list[Element]:
     """Return the plugins of a model that are read."""
     plugins = model.findall("plugin")
-    return [plugin for plugin in plugins if is_mimic(plugin) or is_detachable(plugin, model)]
+    return [plugin for plugin in plugins if is_mimic_plugin(plugin) or is_detachable(plugin, model)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +98,7 @@ def point_ties(model: Element, links: Collection[str]) -> tuple[PointTie, ...]:
     """
     ties = []
     for element in model:
-        if (todo := _NOT_READ.get(tag := spelt(element.tag))) is not None:
+        if (todo := _PLUGINS_NOT_READ.get(tag := spelt(element.tag))) is not None:
             raise ModelFileError(f"<{tag}> is not read; {todo}")
         if tag == BALL:
             ties.append(_point_tie(element, links))

@@ -20,7 +20,7 @@ from pmjac_pin.files.sdf.joints import AXIS_TAGS, Axis, SdfJoint
 from pmjac_pin.files.sdf.model import SdfModel
 from pmjac_pin.files.sdf.plugins import PointTie
 from pmjac_pin.files.spanning_tree import Branch
-from pmjac_pin.files.tree_urdf import Motion, TreeUrdf
+from pmjac_pin.files.tree_urdf import MovingAxis, TreeUrdf
 from pmjac_pin.model.loop_spec import (
     FrameLoop,
     Loop,
@@ -119,7 +119,7 @@ class SdfTree:
     def _moving(self, name: str, kind: str, ends: tuple[str, str], axis: Axis) -> None:
         kind = "revolute" if kind == "continuous" and name in self._counted else kind
         limits = None if kind == "continuous" else axis.limits
-        self.urdf.joint(name, kind, ends, Motion(axis.direction, limits))
+        self.urdf.joint(name, kind, ends, MovingAxis(axis.direction, limits))
         if limits is not None and not limits[0] <= 0.0 <= limits[1]:
             self.home[name] = min(limits, key=abs)
 

@@ -16,7 +16,7 @@ from types import MappingProxyType
 from xml.etree.ElementTree import Element, SubElement
 
 from pmjac_pin.errors import ModelFileError, did_you_mean
-from pmjac_pin.files.urdf.control_mimics import called, control_joints, mimic_params
+from pmjac_pin.files.urdf.control_mimics import called_joint, control_joints, mimic_params
 from pmjac_pin.files.urdf.joint_tree import check_tree, joints_of
 from pmjac_pin.files.vocabulary import spelt
 from pmjac_pin.files.xml_text import label, numbers, only, shown, written
@@ -69,7 +69,7 @@ def _check_root(robot: Element) -> None:
     ties = [f"<{tag}>" for child in robot if (tag := spelt(child.tag)) in _TIES]
     ties += ["<joint> in <gazebo>"] * (robot.find("gazebo/joint") is not None)
     followers = filter(mimic_params, control_joints(robot))
-    ties += [f'<param name="mimic"> in {called(joint)}' for joint in followers]
+    ties += [f'<param name="mimic"> in {called_joint(joint)}' for joint in followers]
     if ties:
         why = "Pinocchio would ignore it in silence"
         todo = "declare the loop as [[loop]] in the model file and remove it here"

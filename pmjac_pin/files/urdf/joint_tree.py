@@ -9,7 +9,7 @@ from xml.etree.ElementTree import Element
 from pmjac_pin.errors import ModelFileError
 
 MAXIMAL_DEPTH = 150  # joints in a row: Pinocchio recurses, and 250 overflow a stack of 512 kB
-_CUT = "cut the loop: remove one of them and declare it as [[loop]] in the model file"
+_CUT_THE_LOOP = "cut the loop: remove one of them and declare it as [[loop]] in the model file"
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ def check_tree(links: Collection[str], joints: Sequence[UrdfJoint]) -> None:
     for joint in joints:
         if (other := above.setdefault(joint.child, joint)) is not joint:
             both = f"two joints, {other.name!r} and {joint.name!r}"
-            raise ModelFileError(f"link {joint.child!r} is the child of {both}; {_CUT}")
+            raise ModelFileError(f"link {joint.child!r} is the child of {both}; {_CUT_THE_LOOP}")
         below.setdefault(joint.parent, []).append(joint.child)
     level = roots = [link for link in links if link not in above]
     rest = set(links)
@@ -53,7 +53,7 @@ def check_tree(links: Collection[str], joints: Sequence[UrdfJoint]) -> None:
         raise ModelFileError(f"a chain of more than {MAXIMAL_DEPTH} joints is too long to be read")
     if rest:
         cycle = ", ".join(map(repr, _cycle(above, min(rest))))
-        raise ModelFileError(f"a cycle of joints: {cycle}; {_CUT}")
+        raise ModelFileError(f"a cycle of joints: {cycle}; {_CUT_THE_LOOP}")
     if len(roots) > 1:
         some = ", ".join(map(repr, roots[:5])) + (", ..." if len(roots) > 5 else "")
         todo = "join them by joints, fixed ones if need be"

@@ -15,7 +15,7 @@ from xml.etree.ElementTree import Element
 from pmjac_pin.files.anchors import Anchors
 from pmjac_pin.files.cut_joints import CutJoints
 from pmjac_pin.files.foreign_model import ForeignModel
-from pmjac_pin.files.gazebo_plugins import is_mimic, misread_mimics, unread_harmless
+from pmjac_pin.files.gazebo_plugins import is_mimic_plugin, misread_mimics, unread_harmless
 from pmjac_pin.files.joint_dialects import (
     floating_balls,
     home_within_limits,
@@ -30,7 +30,7 @@ from pmjac_pin.files.urdf.checks import VELOCITIES, check_size, checked_names
 from pmjac_pin.files.urdf.control_mimics import doubtful
 from pmjac_pin.files.urdf.joint_tree import UrdfJoint
 from pmjac_pin.files.urdf.loop_elements import Closing, idle_mimics, read_closings, read_gears
-from pmjac_pin.files.urdf.robot import MAXIMAL_SIZE, Urdf
+from pmjac_pin.files.urdf.robot import MAXIMAL_URDF, Urdf
 from pmjac_pin.files.urdf.ties import (
     closing_frames,
     joints_of_gazebo,
@@ -65,7 +65,7 @@ def read_looped_urdf(path: Path, motors: Collection[str] = ()) -> ForeignModel:
         The message starts with the file's path and names the element at fault.
     """
     with at_file(str(path)):
-        model = read_robot(parse_xml(read_text(path, MAXIMAL_SIZE)), path, motors)
+        model = read_robot(parse_xml(read_text(path, MAXIMAL_URDF)), path, motors)
         if model.actuated or any(not isinstance(loop, JointLoop) for loop in model.loops):
             return model
         followers = {loop.joints[1] for loop in model.loops if isinstance(loop, JointLoop)}
@@ -149,7 +149,7 @@ def _unread(robot: Element) -> tuple[str, ...]:
     plugins = [
         plugin
         for plugin in robot.iterfind("gazebo/plugin")
-        if is_mimic(plugin) or is_detachable(plugin, robot)
+        if is_mimic_plugin(plugin) or is_detachable(plugin, robot)
     ]
     inside = [note for joint in joints for note in SDF_WORDS.unread(joint)]
     skipped = (*joints, *plugins, *unread_harmless(robot))

@@ -13,8 +13,8 @@ from pmjac_pin.algebra.balls import (
     OUTWARDS,
     PLACEMENT_WIDTH,
     Balls,
+    euclidean_norm,
     exactly,
-    norm,
     rotation_width,
     upper,
     widened,
@@ -55,7 +55,7 @@ class Width(NamedTuple):
     @classmethod
     def of(cls, placement: pin.SE3) -> Width:
         """Return the width of a stored placement."""
-        distance = upper(norm(exactly(placement.translation)))
+        distance = upper(euclidean_norm(exactly(placement.translation)))
         return cls(distance, rotation_width(placement.rotation))
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from pmjac_pin.studies.check.diagnosis import Diagnosis, Finding, FreeMotion, Severity
 
-_MOST_NAMES = 6  # listed in one sentence
+_MOST_LISTED = 6  # listed in one sentence
 
 
 def in_words(rates: Mapping[str, float]) -> str:
@@ -25,15 +25,15 @@ def in_words(rates: Mapping[str, float]) -> str:
     back = [name for name, rate in moving.items() if rate < 0.0]
     if not (ahead and back):
         first, *others = ahead or back
-        return f"{first!r} together with {listed(others)}" if others else repr(first)
-    return f"{listed(ahead)} against {listed(back)}"
+        return f"{first!r} together with {listed_in_words(others)}" if others else repr(first)
+    return f"{listed_in_words(ahead)} against {listed_in_words(back)}"
 
 
-def listed(names: Sequence[str]) -> str:
+def listed_in_words(names: Sequence[str]) -> str:
     """Return names in quotes, joined by commas and an "and"; long lists are cut."""
-    quoted = list(map(repr, names[:_MOST_NAMES]))
-    if len(names) > _MOST_NAMES:
-        quoted.append(f"{len(names) - _MOST_NAMES} more")
+    quoted = list(map(repr, names[:_MOST_LISTED]))
+    if len(names) > _MOST_LISTED:
+        quoted.append(f"{len(names) - _MOST_LISTED} more")
     return " and ".join(filter(None, (", ".join(quoted[:-1]), quoted[-1])))
 
 
@@ -54,7 +54,7 @@ def forbidden_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
     if allowed:
         rates = "; or ".join(_rates(rates) for rates in actuation.allowed_rates)
         message += f". What they allow is spanned by {rates}"
-        enough = f": {listed(actuation.sufficient)} determine the others"
+        enough = f": {listed_in_words(actuation.sufficient)} determine the others"
         enough = enough.replace("determine", "determines") if allowed == 1 else enough
     else:
         message += ". No motor can move: it is a structure"
@@ -82,7 +82,7 @@ def free_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
 
 
 def _loose(joints: Sequence[str], motion: FreeMotion) -> Finding:
-    message = f"{listed(joints)} is passive and in no loop: nothing holds it"
+    message = f"{listed_in_words(joints)} is passive and in no loop: nothing holds it"
     if motion.felt:
         advice = "Name it under `actuated`, or close a loop over it; no J_eq till then."
         return Finding("error", "free-joint", f"{message}, and the tool moves with it.", advice)
@@ -91,8 +91,8 @@ def _loose(joints: Sequence[str], motion: FreeMotion) -> Finding:
 
 
 def _idle(joints: Sequence[str], motion: FreeMotion) -> Finding:
-    moving = f"{listed(joints)} turn or slide freely with all motors locked"
-    what = f"{moving}, moving {listed(motion.bodies)}"
+    moving = f"{listed_in_words(joints)} turn or slide freely with all motors locked"
+    what = f"{moving}, moving {listed_in_words(motion.bodies)}"
     if motion.felt:
         largest = max(motion.rates, key=lambda name: abs(motion.rates[name]))
         message = f"Under-actuated: {what}, and the tool feels it."

@@ -41,7 +41,7 @@ from pmjac_pin.studies.check.diagnosis_structure import (
     mobility,
 )
 from pmjac_pin.studies.check.findings import find
-from pmjac_pin.studies.check.machine import Machine
+from pmjac_pin.studies.check.machine import CheckedMachine
 from pmjac_pin.values.encodable import encodable
 
 Array = NDArray[np.float64]
@@ -160,7 +160,7 @@ def _of_error(error: PmjacError) -> Diagnosis:
     return msgspec.structs.replace(diagnosis, findings=find(diagnosis))
 
 
-def _far(machine: Machine) -> float | None:
+def _far(machine: CheckedMachine) -> float | None:
     """Return how far a mechanism stands from the origin where that decides what is closed."""
     decides = machine.problem.tolerance == machine.problem.rounding and machine.place.any()
     return float(np.linalg.norm(machine.place)) if decides else None
@@ -266,7 +266,7 @@ def _pose(mechanism: Mechanism, name: str) -> PoseEntry:
     return PoseEntry(name, gap, dict(moved), singularity.kind, smallest, condition, None, beyond)
 
 
-def _gap_given(machine: Machine, home: Array, pose: str) -> float:
+def _gap_given(machine: CheckedMachine, home: Array, pose: str) -> float:
     q = machine.coordinates.q(machine.spec.poses[pose], None if pose == "home" else home)
     return float(np.linalg.norm(loop_gaps(machine, q)))
 

@@ -9,11 +9,11 @@ from pmjac_pin.model.spec import LARGEST_TOLERANCE
 from pmjac_pin.studies.check.actuation_findings import (
     forbidden_findings,
     free_findings,
-    listed,
+    listed_in_words,
     tool_row_findings,
 )
 from pmjac_pin.studies.check.diagnosis import Diagnosis, Finding, PoseEntry, Severity
-from pmjac_pin.studies.check.diagnosis_parts import Freedom
+from pmjac_pin.studies.check.diagnosis_parts import FreedomEntry
 from pmjac_pin.studies.check.mobility_findings import count_findings, redundancy_findings
 from pmjac_pin.studies.check.number_findings import all_digits, number_findings
 from pmjac_pin.values.brief import brief
@@ -28,9 +28,9 @@ _AT_LIMIT = 1e-6  # m or rad
 def find(diagnosis: Diagnosis) -> tuple[Finding, ...]:
     """Return what there is to say about a diagnosis, the worst first."""
     rules = (
-        _failure,
+        _failure_findings,
         _assembly,
-        _limits,
+        _limit_findings,
         forbidden_findings,
         free_findings,
         tool_row_findings,
@@ -44,7 +44,7 @@ def find(diagnosis: Diagnosis) -> tuple[Finding, ...]:
     return tuple(sorted(findings, key=lambda finding: _ORDER.index(finding.severity)))
 
 
-def _failure(diagnosis: Diagnosis) -> Iterator[Finding]:
+def _failure_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
     failure = diagnosis.failure
     if failure is None:
         return
@@ -68,9 +68,8 @@ def _what_to_try(diagnosis: Diagnosis) -> str:
     if stuck:
         plural = "s" if len(stuck) > 1 else ""
         cause = (
-            f"The loop{plural} {listed(stuck)} did not close from here or around even alone, all "
-            "joints free: "
-            "check its frames, the lengths along it and its joints' limits."
+            f"The loop{plural} {listed_in_words(stuck)} did not close from here or around even "
+            "alone, all joints free: check its frames, the lengths along it and its joints' limits."
         )
     else:
         cause = (
@@ -142,7 +141,7 @@ def _value(diagnosis: Diagnosis, name: str, value: float) -> str:
     return f"{value:.3g} {unit}"
 
 
-def _limits(diagnosis: Diagnosis) -> Iterator[Finding]:
+def _limit_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
     for freedom in diagnosis.freedoms:
         lower = float("-inf") if freedom.lower is None else freedom.lower
         upper = float("inf") if freedom.upper is None else freedom.upper
@@ -159,12 +158,12 @@ def _limits(diagnosis: Diagnosis) -> Iterator[Finding]:
     endless = [freedom.name for freedom in diagnosis.freedoms if _lacks_limits(freedom)]
     if endless:
         advice = "Sliders and checks then reach as far as numbers do; give limits in the URDF."
-        message = f"The motor{'s' * (len(endless) > 1)} {listed(endless)} has no limits."
+        message = f"The motor{'s' * (len(endless) > 1)} {listed_in_words(endless)} has no limits."
         message = message.replace("has", "have") if len(endless) > 1 else message
         yield Finding("note", "no-limits", message, advice)
 
 
-def _lacks_limits(freedom: Freedom) -> bool:
+def _lacks_limits(freedom: FreedomEntry) -> bool:
     unlimited = freedom.lower is None or freedom.upper is None
     limited_kind = freedom.kind in ("revolute", "prismatic")
     return freedom.role == "actuated" and limited_kind and unlimited

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.loop_spec import JointLoop, Loop
 from pmjac_pin.rates.screw_group import generated_algebra, group_name
-from pmjac_pin.studies.check.machine import Machine
+from pmjac_pin.studies.check.machine import CheckedMachine
 
 Array = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ class LoopMotion:
     rows: int
 
 
-def loop_motions(machine: Machine, q: Array) -> tuple[LoopMotion, ...]:
+def loop_motions(machine: CheckedMachine, q: Array) -> tuple[LoopMotion, ...]:
     """Return the motion of every loop; q need not be closed."""
     model = machine.kinematics.model
     data = model.createData()
@@ -51,7 +51,9 @@ def _coupled(loop: JointLoop) -> LoopMotion:
     return LoopMotion(loop.joints, None, 1)
 
 
-def _between(machine: Machine, data: pin.Data, twists: Array, index: int, loop: Loop) -> LoopMotion:
+def _between(
+    machine: CheckedMachine, data: pin.Data, twists: Array, index: int, loop: Loop
+) -> LoopMotion:
     model, partition = machine.kinematics.model, machine.problem.partition
     first, second = (find_frame(model, name) for name in loop.ends)
     one, other = (set(model.supports[end.joint]) for end in (first, second))

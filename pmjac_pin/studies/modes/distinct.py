@@ -88,7 +88,7 @@ def _sights(problem: SearchProblem) -> list[Mark]:
     """Return the bodies' places and axes, and the marks; where nothing idles, bodies tell all."""
     bodies = range(problem.model.njoints)
     places = [partial(_place, body, problem.length) for body in bodies]
-    axes = [partial(_axes, body) for body in bodies]
+    axes = [partial(_body_axes, body) for body in bodies]
     return [*places, *axes, *(marks(problem) if problem.idle else [])]
 
 
@@ -96,7 +96,7 @@ def _place(body: int, length: float, poses: WorldPoses) -> Array:
     return np.asarray(poses.positions[body] / length)
 
 
-def _axes(body: int, poses: WorldPoses) -> Array:
+def _body_axes(body: int, poses: WorldPoses) -> Array:
     return np.asarray(poses.rotations[body].reshape(-1, 9))
 
 

@@ -61,13 +61,13 @@ class Drawings:
             axes = poses.rotations[body] @ (place[:3, :3] / sizes)
             middle = poses.positions[body] + poses.rotations[body] @ place[:3, 3]
             unit = self._length if shape is None else min(self._length, float(sizes.max()))
-            look = np.hstack([middle / unit, _turned(shape, axes)])
+            look = np.hstack([middle / unit, _turned_looks(shape, axes)])
             looks[:, index, 0] = sort
             looks[:, index, 1 : 1 + look.shape[1]] = look
         return looks
 
 
-def _turned(shape: Shape | None, axes: Array) -> Array:
+def _turned_looks(shape: Shape | None, axes: Array) -> Array:
     """Return what is seen of how a shape with these axes (b, 3, 3) is turned, shape (b, k)."""
     match shape:
         case None | Cone() | Text():
