@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.closure import MOST_STEPS, Followed
 from pmjac_pin.closing.closure_problem import ClosureProblem
@@ -20,12 +19,12 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError
 from pmjac_pin.model.limits import Violation, enforced, limit_error
 from pmjac_pin.model.rounded_numbers import wider_tolerance
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.named_values import named_values
 
 if TYPE_CHECKING:
     from pmjac_pin.mechanism import Mechanism
 
-Array = NDArray[np.float64]
 Guess: TypeAlias = "str | Configuration | Mapping[str, float | Sequence[float]]"
 
 _ARRIVED = 1e-9  # m or rad

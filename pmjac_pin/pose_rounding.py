@@ -7,17 +7,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pmjac_pin.rates.error_estimate import EPS
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.norm import norm
 
 if TYPE_CHECKING:
     from pmjac_pin.configuration import Configuration
     from pmjac_pin.model.twist_frame import FrameName
 
-Array = NDArray[np.float64]
 
-_EPS = float(np.finfo(float).eps)
 _PLACES = 16.0  # units in the last place of a length: what chains of joints add up to
 _DIFFERENCE = 1e-7  # of the length: for differences, between what is curved and what is rounding
 
@@ -39,8 +38,8 @@ class PoseRounding:
         problem = configuration.mechanism._parts.problem
         values = np.abs(configuration.mechanism._parts.coordinates.values(configuration.q))
         rows = problem.partition.row_scale[:, None] * configuration._snapshot.constraint_jacobian
-        places = problem.rounding + _PLACES * _EPS * problem.partition.length
-        return configuration.residual_norm + places + _EPS * norm(rows * values)
+        places = problem.rounding + _PLACES * EPS * problem.partition.length
+        return configuration.residual_norm + places + EPS * norm(rows * values)
 
     def slopes(self, motions: Array) -> Iterator[tuple[Array, Array]]:
         """Yield how the constraint and the tool Jacobian change along each motion, per metre."""

@@ -16,8 +16,9 @@ import numpy as np
 from flint import arb, ctx
 from numpy.typing import ArrayLike, NDArray
 
-from pmjac_pin.algebra.arrays import Array, Arrays
+from pmjac_pin.algebra.arrays import Arrays
 from pmjac_pin.algebra.intervals import Intervals
+from pmjac_pin.values.arrays import Array
 
 BallArray = NDArray[np.object_]  # of flint.arb
 

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.closure_problem import LARGEST_SHARE, ClosureProblem
@@ -28,8 +27,7 @@ from pmjac_pin.model.frames import carrying_columns
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.rates.factorisation import RANK_TOLERANCE
 from pmjac_pin.rates.partition import Partition
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 # Numbers that are off by a share of the mechanism's length are off by that in K*, and more.
 _RANK_ROOM = 10.0

@@ -19,12 +19,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.arms import Arms
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from pmjac_pin.values.arrays import Array, Index
 
 _ROUNDING = 1e-15  # of the segments of a loop together
 

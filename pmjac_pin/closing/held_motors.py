@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.damped_closure import Assembled, assemble, unlimited
+from pmjac_pin.values.arrays import Array
 
-Array = NDArray[np.float64]
 Room = Callable[[Array], tuple[Array | float, Array | float]]
 
 #: How far the passive joints are shaken from where they were given, rad or share of the length:

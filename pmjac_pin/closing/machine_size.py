@@ -11,7 +11,6 @@ from collections.abc import Iterator
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.tool import ToolKinematics, frame_jacobian
@@ -19,8 +18,7 @@ from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.frames import Frame, find_frame, moving_columns
 from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.model.spec import MechanismSpec
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 #: Shorter than this, m, a lever arm is rounding: of a spherical linkage's joints, for one.
 NO_LENGTH = 1e-9

@@ -12,14 +12,11 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.damped_closure import assemble
+from pmjac_pin.values.arrays import Array, Index
 from pmjac_pin.values.norm import norm
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 _PROBES = 2  # times three poses along allowed rates or with displaced motors
 #: How far joints are displaced at most, rad or a share of the characteristic length.

@@ -12,17 +12,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.closed import Closed, closed_point
 from pmjac_pin.closing.closure import Followed, beside, follow
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.parts import Parts
 from pmjac_pin.closing.step_guard import StepGuard
+from pmjac_pin.values.arrays import Array, Index
 from pmjac_pin.values.ties import pivots
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 _NOTHING = 1e-9  # of the largest ratio between rates of motors, or of one to one
 

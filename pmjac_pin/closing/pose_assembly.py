@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.damped_closure import Assembled, assemble
@@ -16,9 +15,8 @@ from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.limits import Violation, limit_error, violations
 from pmjac_pin.model.rounded_numbers import wider_tolerance
 from pmjac_pin.model.spec import MechanismSpec
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.norm import norm
-
-Array = NDArray[np.float64]
 
 # How easily the motors move, beside the passive joints, where a pose does not assemble with them
 # at rest: reluctantly, then like the others.

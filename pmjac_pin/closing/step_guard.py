@@ -24,7 +24,6 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.linalg.lapack import dgesv
 
 from pmjac_pin.closing.arms import Arms
@@ -32,8 +31,7 @@ from pmjac_pin.closing.bends import Bends, Motion
 from pmjac_pin.closing.closed import Closed
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.rates.partition import Partition
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 _QUADRATIC = 3**0.5 / 216.0  # of |f‴|: f between its values at 0, ½ and 1
 _CUBIC = 1.0 / 384.0  # of |f⁗|: f between its values and slopes at 0 and 1

@@ -12,7 +12,7 @@ from pmjac_pin.errors import ModelFileError
 from pmjac_pin.files.urdf.joint_tree import UrdfJoint
 from pmjac_pin.files.xml_text import label, only, shown, written
 
-WITHOUT_LIMIT = 1e16  # m or rad, lower and upper: none that matters
+WITHOUT_LIMIT = 1e16  # m, rad, N, N m, m/s or rad/s: what SDFormat writes for none
 _TRUTHS: Mapping[str, bool] = {"true": True, "1": True, "false": False, "0": False}
 _MOST_NAMED = 6
 _WIDEST = 1e4  # m or rad: the middle of a wider range is nowhere

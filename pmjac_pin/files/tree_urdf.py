@@ -8,10 +8,9 @@ from xml.etree.ElementTree import Element, SubElement
 
 import pinocchio as pin
 
+from pmjac_pin.files.joint_dialects import WITHOUT_LIMIT
 from pmjac_pin.files.unused_name import unused_name
 from pmjac_pin.files.xml_text import written
-
-WITHOUT_LIMIT = 1e16  # m, rad, N, N m, m/s or rad/s: what SDFormat writes for none
 
 
 @dataclass(frozen=True)

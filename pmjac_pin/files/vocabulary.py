@@ -167,9 +167,10 @@ def spelt_like(name: str, known: frozenset[str]) -> str | None:
 
     Examples
     --------
-    >>> spelt_like("orgin", frozenset({"origin", "axis"})), spelt_like("Axis", frozenset({"origin", "axis"}))
+    >>> known = frozenset({"origin", "axis", "xyz", "rpy"})
+    >>> spelt_like("orgin", known), spelt_like("Axis", known)
     ('origin', 'axis')
-    >>> spelt_like("xzy", frozenset({"xyz", "rpy"})), spelt_like("colour", frozenset({"xyz", "rpy"}))
+    >>> spelt_like("xzy", known), spelt_like("colour", known)
     ('xyz', None)
     """
     if len(name) > _LONGEST_WORD:

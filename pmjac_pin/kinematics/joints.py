@@ -12,12 +12,10 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from pmjac_pin.algebra import Algebra, Number
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 _Z = 2
 

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra.jets import Jets
 from pmjac_pin.kinematics.tree import Poses, Tree
@@ -19,8 +17,6 @@ from pmjac_pin.model.rows import (
     Equations,
     Rows,
 )
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,11 +15,9 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError, unknown_name
+from pmjac_pin.values.arrays import Array, Index
 from pmjac_pin.values.checks import LARGEST, as_numbers
 from pmjac_pin.values.read_only import read_only
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 _LIMIT_SLACK = 1e-9  # m or rad: rounding on the way to a limit is no violation
 

@@ -8,11 +8,10 @@ from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.model.rows import across
+from pmjac_pin.values.arrays import Array
 
-Array = NDArray[np.float64]
 Kind = Literal["revolute", "continuous", "prismatic", "spherical", "planar", "free", "fixed"]
 
 

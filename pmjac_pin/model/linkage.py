@@ -17,13 +17,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.model.joint_form import Kind
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.ties import first_smallest
-
-Array = NDArray[np.float64]
 
 _JOINTS = {
     "revolute": pin.JointModelRZ,

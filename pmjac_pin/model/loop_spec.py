@@ -13,7 +13,6 @@ from typing import ClassVar
 
 import numpy as np
 from msgspec.structs import force_setattr, replace
-from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.model.joint_form import JointForm, Step, about_z, frame_along, shifted, single
@@ -28,9 +27,8 @@ from pmjac_pin.model.loop_between_frames import (
 )
 from pmjac_pin.model.rows import Along, Distance, Gap, RightAngle, Rows, Turn
 from pmjac_pin.model.table import Name, TomlTable, Vector
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import LARGEST, SMALLEST, as_number
-
-Array = NDArray[np.float64]
 
 #: As many as there may be degrees of freedom; the time to load grows with the cube of their rows.
 MAXIMAL_LOOPS = 200

@@ -16,12 +16,10 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra.jets import Jet, Jets, half_skew
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.ties import first_smallest
-
-Array = NDArray[np.float64]
 
 Measures = Literal["gap", "distance", "gap from second", "turns"]
 

@@ -11,13 +11,13 @@ import pinocchio as pin
 
 from pmjac_pin.closing.machine_size import shifted
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.files.shapes import Array
 from pmjac_pin.files.visuals import read_visuals
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.loop_between_frames import LoopBetweenFrames
 from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.pictures.bodies import Bodies, Point, Points
+from pmjac_pin.values.arrays import Array
 
 # Joints whose own origin is no place of the mechanism but where its coordinates start.
 _LOOSE = ("JointModelFreeFlyer", "JointModelPlanar", "JointModelTranslation")

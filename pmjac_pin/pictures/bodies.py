@@ -8,11 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
-from pmjac_pin.files.shapes import Array
-
-Index = NDArray[np.intp]
+from pmjac_pin.values.arrays import Array, Index
 
 
 @dataclass(frozen=True, slots=True, eq=False)

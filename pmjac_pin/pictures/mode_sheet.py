@@ -12,13 +12,13 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.pictures.plotting import as_it_is, new_figure
 from pmjac_pin.pictures.pose_figure import wrapped
 from pmjac_pin.pictures.stick_figure import StickFigure, StickFigures, Stroke
 from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.brief import brief
 from pmjac_pin.values.ties import first_largest
 from pmjac_pin.words.modes_report import ModeReport, ModesReport, make_modes_report
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
 _ELEVATION = 25.0  # degrees, of the eye above the x-y plane
 _AZIMUTHS = range(-45, 315, 15)  # degrees, where the eye may be: the first is the usual one

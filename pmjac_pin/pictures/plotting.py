@@ -17,8 +17,9 @@ import numpy as np
 from pmjac_pin.errors import ArgumentError, MissingDependencyError, quoted
 from pmjac_pin.files.output_file import check_place, write_file
 from pmjac_pin.files.user_path import user_path
-from pmjac_pin.rates.ellipse import Array, Ellipse
+from pmjac_pin.rates.ellipse import Ellipse
 from pmjac_pin.rates.ellipsoid import Ellipsoid
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_number
 
 if TYPE_CHECKING:

@@ -7,15 +7,14 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.pictures.anatomy import BALL_JOINTS, Anatomy
 from pmjac_pin.pictures.bodies import Point, Points
+from pmjac_pin.values.arrays import Array
 
-Array = NDArray[np.float64]
 Kind = Literal[
     "ground", "link", "rail", "motor rail", "rod", "joint", "motor", "slider", "ball", "anchor"
 ]

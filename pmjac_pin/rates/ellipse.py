@@ -14,12 +14,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.ties import LIKE
-
-Array = NDArray[np.float64]
 
 MOST_POINTS = 5000  # of an outline, and each way of a surface: 25 million in all
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.rates.ellipse import (
@@ -29,10 +29,9 @@ from pmjac_pin.rates.ellipse import (
     real_array,
     settled_axes,
 )
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import LARGEST
 from pmjac_pin.values.ties import first_largest
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)

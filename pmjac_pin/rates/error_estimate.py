@@ -13,15 +13,13 @@ from collections.abc import Iterator
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.rates.factorisation import Factorisation
 from pmjac_pin.rates.partition import Partition
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.norm import norm
 
-Array = NDArray[np.float64]
-
-_EPS = float(np.finfo(float).eps)
+EPS = float(np.finfo(float).eps)
 _SUMS = 16.0  # units in the last place, for an entry that is a sum of a few products
 
 
@@ -69,9 +67,9 @@ def error_estimate(
     rates = motion_map / partition.column_scale[:, None]
     felt = tool.take(passive, axis=1) @ (factors.right[:rank].T / factors.singular_values[:rank])
     opened = pose.opened()
-    entries = opened / partition.length + _SUMS * _EPS * norm(scaled)
-    linear = opened / partition.length + _SUMS * _EPS * norm(tool[:3])
-    rows = np.repeat([linear, _SUMS * _EPS * norm(tool[3:])], 3)
+    entries = opened / partition.length + _SUMS * EPS * norm(scaled)
+    linear = opened / partition.length + _SUMS * EPS * norm(tool[:3])
+    rows = np.repeat([linear, _SUMS * EPS * norm(tool[3:])], 3)
     rounding = np.outer(
         rows + entries * np.linalg.norm(felt, axis=1), np.linalg.norm(rates, axis=0)
     )

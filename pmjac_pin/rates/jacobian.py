@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.errors import (
     ArgumentError,
@@ -25,11 +24,11 @@ from pmjac_pin.rates.factorisation import Factorisation
 from pmjac_pin.rates.partition import LoopRates, Partition, TwistRanks
 from pmjac_pin.rates.singularity import Singularity, analyse_singularity, forbidden_rates
 from pmjac_pin.rates.split import SplitJacobian
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.norm import norm
 from pmjac_pin.values.read_only import read_only
 from pmjac_pin.values.ties import first_largest
 
-Array = NDArray[np.float64]
 _STILL = 1e-6  # of the largest rate of a motion
 _RADIUS_ROUNDING = 1e-12  # of ‖J‖ ‖G‖
 

@@ -12,9 +12,8 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 # By the ranks of the rotations and of the pure translations among the twists.
 _NAMES = {

@@ -12,16 +12,15 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.model.tool_rows import ToolRows
 from pmjac_pin.rates.factorisation import Factorisation
 from pmjac_pin.rates.partition import LoopRates, Partition
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.norm import norm
 from pmjac_pin.values.read_only import ReadOnlyArrays
 from pmjac_pin.values.ties import first_largest
 
-Array = NDArray[np.float64]
 SingularityKind = Literal[
     "regular", "gain", "loss", "gain and loss", "configuration space", "isolated"
 ]

@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.rates.error_estimate import RoundedPose
 from pmjac_pin.rates.partition import Partition
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.read_only import ReadOnlyArrays, read_only
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 from msgspec.structs import replace
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.assembly import build_parts
 from pmjac_pin.closing.machine_size import shifted
@@ -34,8 +33,8 @@ from pmjac_pin.model.loop_spec import (
     SphericalLoop,
 )
 from pmjac_pin.model.spec import JointValue, MechanismSpec
+from pmjac_pin.values.arrays import Array
 
-Array = NDArray[np.float64]
 _LOOPS = {
     "revolute": RevoluteLoop,
     "continuous": RevoluteLoop,

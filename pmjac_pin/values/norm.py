@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 
 def norm(array: Array) -> float:

@@ -11,14 +11,12 @@ from collections.abc import Iterable
 from typing import Any
 
 import msgspec
-import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.files.shapes import Box, Colour, Cone, Cylinder, Shape, Sphere, Text
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.viewer.items import Item
 from pmjac_pin.viewer.palette import hexadecimal
 
-Array = NDArray[np.float64]
 Packet = tuple[str, bytes]
 
 ROOT = "/pmjac"

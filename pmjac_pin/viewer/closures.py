@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pmjac_pin.files.shapes import Array, Cylinder, Sphere, scaled, translation
+from pmjac_pin.files.shapes import Cylinder, Sphere, scaled, translation
 from pmjac_pin.model.loop_between_frames import Opening
 from pmjac_pin.pictures.anatomy import Anatomy, Anchors
 from pmjac_pin.pictures.bodies import Points
-from pmjac_pin.viewer.items import Part, between
+from pmjac_pin.values.arrays import Array
+from pmjac_pin.viewer.items import Carried, Part, between
 from pmjac_pin.viewer.layers import SPECK, Attached, Drawing, DrawnPose, Lines
 from pmjac_pin.viewer.palette import FIRST_ANCHOR, GAP, ROD, SECOND_ANCHOR
 
@@ -20,8 +21,6 @@ FIRST_RADIUS, SECOND_RADIUS = 0.03, 0.045
 FIRST_AXIS, SECOND_AXIS = 0.08, 0.065  # half the length: the first one's, thinner, looks out
 AXIS_RADII = (0.006, 0.011)
 ROD_RADIUS, SLIDE_RADIUS, GAP_RADIUS = 0.015, 0.006, 0.008
-
-_Piece = tuple[Part, int, Array]
 
 
 def anchor_layer(anatomy: Anatomy) -> Attached:
@@ -111,7 +110,7 @@ class Gaps:
         return Drawing(*between(starts, ends, radii, self.smallest))
 
 
-def _ball_pieces(anatomy: Anatomy) -> Iterator[_Piece]:
+def _ball_pieces(anatomy: Anatomy) -> Iterator[Carried]:
     for number, anchors in enumerate(anatomy.anchors, start=1):
         for name, point, radius, colour in (
             ("first", anchors.first, FIRST_RADIUS, FIRST_ANCHOR),
@@ -121,7 +120,7 @@ def _ball_pieces(anatomy: Anatomy) -> Iterator[_Piece]:
             yield Part(f"loops/{number}/{name}", Sphere(), colour), point.body, place
 
 
-def _pins(anatomy: Anatomy) -> Iterator[_Piece]:
+def _pins(anatomy: Anatomy) -> Iterator[Carried]:
     for number, anchors in enumerate(anatomy.anchors, start=1):
         if anchors.axes is None:
             continue

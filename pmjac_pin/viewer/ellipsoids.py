@@ -9,11 +9,12 @@ import numpy as np
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError, NoJacobianError
-from pmjac_pin.files.shapes import Array, Cone, Cylinder, Sphere
+from pmjac_pin.files.shapes import Cone, Cylinder, Sphere
 from pmjac_pin.pictures.anatomy import Anatomy
 from pmjac_pin.rates.ellipse import ties, turned_into_plane
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.rates.jacobian import EquivalentJacobian
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.read_only import read_only
 from pmjac_pin.viewer.items import Part, between
 from pmjac_pin.viewer.layers import (

@@ -7,12 +7,10 @@ from collections.abc import Iterable
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.ties import first_smallest
 from pmjac_pin.viewer.items import Item
-
-Array = NDArray[np.float64]
 
 _OBLIQUE = (0.62, -0.66, 0.42)
 # A mechanism that is flat is looked at from where it is not: two axes of the world then lie

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.files.shapes import Array, Cone, Cylinder
+from pmjac_pin.files.shapes import Cone, Cylinder
 from pmjac_pin.pictures.anatomy import Anatomy
 from pmjac_pin.pictures.bodies import Point, Points
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.viewer.items import Part, between
 from pmjac_pin.viewer.layers import SPECK, Drawing, DrawnPose, distinct_parts, part_of_path, specks
 from pmjac_pin.viewer.palette import FREE

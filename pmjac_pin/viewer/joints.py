@@ -6,9 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from pmjac_pin.files.shapes import Array, Box, Colour, Cone, Cylinder, Shape, Sphere, scaled
+from pmjac_pin.files.shapes import Box, Colour, Cone, Cylinder, Shape, Sphere, scaled
 from pmjac_pin.pictures.anatomy import BALL_JOINTS, Anatomy
 from pmjac_pin.pictures.bodies import Point, Points
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.viewer.items import Part, between
 from pmjac_pin.viewer.layers import (
     SPECK,

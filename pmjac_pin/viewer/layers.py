@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.files.shapes import Array, Colour, Text
-from pmjac_pin.pictures.bodies import Index, Points
+from pmjac_pin.files.shapes import Colour, Text
+from pmjac_pin.pictures.bodies import Points
 from pmjac_pin.rates.ellipsoid import Ellipsoid
+from pmjac_pin.values.arrays import Array, Index
 from pmjac_pin.viewer.items import Part, between
 
 EllipsoidKind = Literal["linear", "angular", "force"]

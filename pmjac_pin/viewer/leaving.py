@@ -7,12 +7,10 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 # Near a fold the passive joints move with the square root of the motors' way: how far the motors
 # go, as a share of the way to the target, and how far the linkage may go along its free motion.

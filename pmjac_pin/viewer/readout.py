@@ -6,25 +6,23 @@ from typing import Any
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import NoJacobianError
 from pmjac_pin.model.tool_rows import ToolRows
 from pmjac_pin.model.twist_frame import change_frame
+from pmjac_pin.pictures.plotting import PLANES
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.singularity import Singularity
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.norm import norm
 from pmjac_pin.viewer.free_motion import NEAR_SINGULAR, easiest_motions
 from pmjac_pin.viewer.tool_ranks import ToolRanks
 from pmjac_pin.words.labelled import SHOWN_AS_ZERO
 
-Array = NDArray[np.float64]
 Vector = tuple[float, ...]
 
-#: The lecture's three planes, the horizontal axis first.
-PLANES = ("zy", "zx", "xy")
 
 _KINDS = {
     "gain": "a gain (parallel) singularity",

@@ -14,14 +14,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.errors import PmjacError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.tool_rows import ToolRows
 from pmjac_pin.rates.jacobian import EquivalentJacobian
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 _PROBES = 4  # poses near home, besides the named ones
 _DISTANCE = 0.1  # of the motors from home, where a rate of 1 is one of the mechanism's size

@@ -11,11 +11,10 @@ from typing import TypeAlias
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.values.arrays import Array
 
-Array = NDArray[np.float64]
 Powers: TypeAlias = tuple[int, int]
 
 METRE: Powers = (1, 0)

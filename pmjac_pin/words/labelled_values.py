@@ -5,17 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import msgspec
-import numpy as np
 from msgspec.structs import asdict
-from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.split import SplitJacobian
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.words.labelled import Powers, joint_powers, quotient, row_powers, unit
 from pmjac_pin.words.plain import told
-
-Array = NDArray[np.float64]
 
 
 class Quantity(msgspec.Struct, frozen=True):

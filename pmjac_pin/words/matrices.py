@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.split import SplitJacobian
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.words.labelled import (
     ANGULAR,
     LINEAR,
@@ -20,8 +20,6 @@ from pmjac_pin.words.labelled import (
     unit,
 )
 from pmjac_pin.words.labelled_values import Labels
-
-Array = NDArray[np.float64]
 
 EQUIVALENT = ("passive_rates", "Jv_eq", "Jw_eq", "gv_eq", "gw_eq")
 

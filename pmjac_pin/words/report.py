@@ -11,7 +11,6 @@ from functools import cached_property
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import NoJacobianError
@@ -20,6 +19,7 @@ from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.singularity import Singularity
 from pmjac_pin.rates.split import SplitJacobian
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.encodable import encodable
 from pmjac_pin.words.labelled import LabelledMatrix, common_unit, unit
 from pmjac_pin.words.labelled_values import (
@@ -33,8 +33,6 @@ from pmjac_pin.words.labelled_values import (
 )
 from pmjac_pin.words.matrices import EQUIVALENT, equivalent_matrices, split_matrices
 from pmjac_pin.words.plain import told
-
-Array = NDArray[np.float64]
 
 _ELLIPSOIDS = ("velocity", "angular", "force")
 

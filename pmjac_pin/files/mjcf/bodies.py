@@ -7,9 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 from xml.etree.ElementTree import Element
 
-import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.files.mjcf.joints import MjcfJoint, joint_of
 from pmjac_pin.files.mjcf.mujoco import Compiled
@@ -17,8 +15,7 @@ from pmjac_pin.files.mjcf.names import JOINT_TYPES, Names
 from pmjac_pin.files.mjcf.shapes import shape
 from pmjac_pin.files.tree_urdf import undrawn
 from pmjac_pin.files.xml_text import written
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 MAXIMAL_GEOMS = 2000
 

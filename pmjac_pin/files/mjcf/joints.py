@@ -7,11 +7,9 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.files.mjcf.names import JOINT_TYPES
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 SCALAR = ("hinge", "slide")
 

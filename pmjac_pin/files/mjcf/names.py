@@ -10,7 +10,7 @@ from pmjac_pin.errors import ModelFileError, did_you_mean
 from pmjac_pin.files.unused_name import unused_name
 from pmjac_pin.files.xml_text import shown
 
-WORLD = "world"
+WORLD_BODY = "world"
 JOINT_TYPES = ("free", "ball", "slide", "hinge")  # in the order of mujoco.mjtJoint
 
 _ENDS = [f"{kind}{number}" for kind in ("body", "site", "joint", "tendon") for number in (1, 2)]

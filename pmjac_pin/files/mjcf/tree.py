@@ -13,10 +13,11 @@ from collections.abc import Container, Sequence
 import numpy as np
 import pinocchio as pin
 
+from pmjac_pin.files.joint_dialects import WITHOUT_LIMIT
 from pmjac_pin.files.mjcf.bodies import Body
 from pmjac_pin.files.mjcf.joints import SCALAR, MjcfJoint
-from pmjac_pin.files.mjcf.names import WORLD, Names
-from pmjac_pin.files.tree_urdf import WITHOUT_LIMIT, MovingAxis, TreeUrdf
+from pmjac_pin.files.mjcf.names import WORLD_BODY, Names
+from pmjac_pin.files.tree_urdf import MovingAxis, TreeUrdf
 
 _URDF_TYPES = {"hinge": "revolute", "slide": "prismatic", "ball": "floating", "free": "floating"}
 
@@ -42,11 +43,11 @@ class MjcfTree:
     def __init__(
         self, name: str, bodies: Sequence[Body], names: Names, counted: Container[str]
     ) -> None:
-        self.urdf = TreeUrdf(name, WORLD, pin.SE3.Identity(), names.taken)
-        self._zero = {WORLD: pin.SE3.Identity()}
+        self.urdf = TreeUrdf(name, WORLD_BODY, pin.SE3.Identity(), names.taken)
+        self._zero = {WORLD_BODY: pin.SE3.Identity()}
         self._counted = counted
         for body in bodies:
-            if body.name != WORLD:
+            if body.name != WORLD_BODY:
                 self._add(body)
             for link, placement in body.sites:
                 self.urdf.fixed(body.name, link, self._zero[body.name] * placement)

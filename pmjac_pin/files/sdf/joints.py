@@ -12,8 +12,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.files.joint_dialects import WITHOUT_LIMIT
 from pmjac_pin.files.sdf.frames import MODEL, WORLD, Frames, pose, truth
-from pmjac_pin.files.tree_urdf import WITHOUT_LIMIT
 from pmjac_pin.files.urdf.checks import SHORTEST_AXIS
 from pmjac_pin.files.xml_text import label, numbers_in, only, shown, written
 

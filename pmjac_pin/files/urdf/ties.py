@@ -19,14 +19,13 @@ from pmjac_pin.errors import ModelFileError, did_you_mean
 from pmjac_pin.files.gazebo_plugins import is_mimic_plugin
 from pmjac_pin.files.sdf.frames import MODEL, WORLD, Frames, SdfFrame
 from pmjac_pin.files.sdf.joints import SdfJoint, read_joint
-from pmjac_pin.files.sdf.plugins import detachable_joints, is_detachable
+from pmjac_pin.files.sdf.plugins import BALL, detachable_joints, is_detachable
 from pmjac_pin.files.tree_urdf import origin
 from pmjac_pin.files.urdf.control_mimics import called_joint, control_joints, mimic_params
 from pmjac_pin.files.urdf.loop_elements import TAGS
 from pmjac_pin.files.vocabulary import spelt
 from pmjac_pin.files.xml_text import label, numbers_in, only, shown, written
 
-BALL = "drake:ball_constraint"
 PLUGINS = "gazebo/plugin"
 _AXES_OF_THE_JOINT = (1, 12)  # the version of SDFormat, whose axes are in the joint's frame
 _LOOP_KINDS = {"ball": "spherical"}

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra.balls import OUTWARDS, precise, uppers
 from pmjac_pin.configuration import Configuration
@@ -20,10 +19,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.partition import Partition, independent_rows
 from pmjac_pin.studies.certificates.equations import LoopEquations
 from pmjac_pin.studies.certificates.krawczyk import RADII, block_norms, radii
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
-
+from pmjac_pin.values.arrays import Array, Index
 
 # Those of a mechanism are written once, for all its poses.
 _EQUATIONS: WeakKeyDictionary[Mechanism, LoopEquations] = WeakKeyDictionary()

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra.balls import (
     OUTWARDS,
@@ -27,8 +26,7 @@ from pmjac_pin.kinematics.tree import Poses, Riding, Tree, Twisted
 from pmjac_pin.model.frames import Frame
 from pmjac_pin.studies.certificates.neighbourhoods import Neighbourhoods
 from pmjac_pin.studies.certificates.unknowns import Unknowns
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 BALLS = Balls()
 

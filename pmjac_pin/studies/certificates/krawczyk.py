@@ -16,14 +16,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra.balls import OUTWARDS, BallArray, euclidean_norm, exactly, upper
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.studies.contraction import contraction
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from pmjac_pin.values.arrays import Array, Index
 
 #: The point itself, and the radii that are tried, rad: a factor of 4 apart, then of √2.
 RADII = np.concatenate(

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Collection
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra import Number
 from pmjac_pin.algebra.balls import OUTWARDS, enclosing
@@ -19,8 +18,7 @@ from pmjac_pin.algebra.jets import Columns
 from pmjac_pin.kinematics.joints import Motion
 from pmjac_pin.kinematics.places import Pose, standing
 from pmjac_pin.kinematics.tree import Link, Poses, moved, with_rates
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 
 class Neighbourhoods(Poses):

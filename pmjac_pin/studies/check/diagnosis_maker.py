@@ -8,7 +8,6 @@ from typing import Any
 import msgspec
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.assembly import unassembled
 from pmjac_pin.closing.damped_closure import assemble
@@ -42,9 +41,8 @@ from pmjac_pin.studies.check.diagnosis_structure import (
 )
 from pmjac_pin.studies.check.findings import find
 from pmjac_pin.studies.check.machine import CheckedMachine
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.encodable import encodable
-
-Array = NDArray[np.float64]
 
 _STRIDE = 0.1  # rad or share of the length, from home to where rounding is looked for
 _ROUNDING = 1e-5  # of the length: the gap of a structure is a hundred times as large there

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.machine_size import Size
@@ -24,8 +23,7 @@ from pmjac_pin.rates.redundancy import LoopRank
 from pmjac_pin.studies.check.diagnosis_parts import BodyEntry, FreedomEntry, LoopEntry, Mobility
 from pmjac_pin.studies.check.loop_motion import LoopMotion, loop_motions
 from pmjac_pin.studies.check.machine import CheckedMachine
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)

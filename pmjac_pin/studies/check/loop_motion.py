@@ -6,14 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.loop_spec import JointLoop, Loop
 from pmjac_pin.rates.screw_group import generated_algebra, group_name
 from pmjac_pin.studies.check.machine import CheckedMachine
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 
 @dataclass(frozen=True, slots=True)

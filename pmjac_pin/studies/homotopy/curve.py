@@ -12,10 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.studies.homotopy.machines import Line
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Mask = NDArray[np.bool_]
+from pmjac_pin.values.arrays import Array, Complex, Mask
 
 SAME = 1e-6  # relative distance of two points that are one
 _NOTHING = 1e-12  # of h: no point is further away than its inverse

@@ -26,9 +26,8 @@ from numpy.typing import NDArray
 
 from pmjac_pin.algebra.balls import precise
 from pmjac_pin.studies.homotopy.polynomial_loops import PolynomialLoops
+from pmjac_pin.values.arrays import Complex, Mask
 
-Complex = NDArray[np.complex128]
-Mask = NDArray[np.bool_]
 Balls = NDArray[Any]
 
 _REAL = 1e-7  # imaginary part of a solution that may be real

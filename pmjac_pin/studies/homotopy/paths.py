@@ -5,12 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.studies.homotopy.curve import Curve, Planes
-
-Complex = NDArray[np.complex128]
-Mask = NDArray[np.bool_]
+from pmjac_pin.values.arrays import Complex, Mask
 
 # A path is followed to a share 1 − 4⁻ᵏ of it, for one k after the other. It goes to infinity if it
 # ends far away, or is lost while it grows by more than this from one stop to the next.

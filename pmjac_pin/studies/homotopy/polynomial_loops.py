@@ -26,9 +26,7 @@ from pmjac_pin.studies.homotopy.polynomial_rows import PolynomialRows
 from pmjac_pin.studies.homotopy.polynomial_table import PolynomialTable
 from pmjac_pin.studies.modes.idling import scaled_passive
 from pmjac_pin.studies.modes.search_problem import SearchProblem
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from pmjac_pin.values.arrays import Array, Complex
 
 _SPREAD = 0.3  # of random unknowns about home's
 

@@ -6,12 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal, overload
 
-import numpy as np
-from numpy.typing import NDArray
-
 from pmjac_pin.configuration import Configuration
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -11,15 +11,12 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.kinematics.many import WorldPoses
 from pmjac_pin.studies.modes.idling import Idling
 from pmjac_pin.studies.modes.marks import Mark, marks
 from pmjac_pin.studies.modes.search_problem import SearchProblem
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from pmjac_pin.values.arrays import Array, Mask
 
 
 @dataclass(frozen=True, slots=True, eq=False)

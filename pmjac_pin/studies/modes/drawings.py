@@ -6,7 +6,6 @@ from typing import assert_never
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.errors import UnknownNameError
 from pmjac_pin.files.shapes import Box, Cone, Cylinder, Shape, Sphere, Text
@@ -14,8 +13,7 @@ from pmjac_pin.files.visuals import read_visuals
 from pmjac_pin.kinematics.many import WorldPoses
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import Frame, find_frame
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 _ENTRIES = 31  # of a piece: which sort it is of, its middle, and up to three lines
 

@@ -18,7 +18,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from pmjac_pin.algebra.boxes import Boxes
@@ -28,9 +27,8 @@ from pmjac_pin.kinematics.tree import Poses
 from pmjac_pin.model.frames import Frame
 from pmjac_pin.model.linkage import Edge
 from pmjac_pin.model.rows import Gap, Rows, Tilt
-from pmjac_pin.studies.modes.interval_loops import Truth, ahead
-
-Array = NDArray[np.float64]
+from pmjac_pin.studies.modes.interval_loops import ahead
+from pmjac_pin.values.arrays import Array, Mask
 
 _FLAT = 1e-6  # of the longest side: three points less apart than this are in line
 _TOLERANCE_SLACK = 1.01  # for the rounding of tolerances
@@ -105,7 +103,7 @@ class FloatingTriangle:
             for (i, j), square in zip(_PAIRS, self.squares, strict=True)
         )
 
-    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Truth]]:
+    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Mask]]:
         """Return |Pᵢ − Pⱼ|² − Lᵢⱼ²."""
         points = [poses.riding(0, hold.other).origin() for hold in self.holds]
         rows = [
@@ -203,7 +201,7 @@ class FloatingInPlane:
         rise = float((self.heights[1] - self.heights[0]).magnitude)
         return ((first.other, second.other, _longest(self.square) + rise),)
 
-    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Truth]]:
+    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Mask]]:
         """Return the rows."""
         plane = poses.riding(0, self.plane)
         axes, middle = plane.carried(np.eye(3)), plane.origin()
@@ -218,7 +216,7 @@ class FloatingInPlane:
             rows.append(there[1] - side_y * share - side_x * part)
         for point, height in zip(points, self.heights, strict=True):
             rows.append(_JETS.dot(axes[:, 2], point - middle) - _still_jet(height))
-        up: list[Truth] = []
+        up: list[Mask] = []
         for hold, direction in self.hinges:
             hinge = others[self.holds.index(hold)].carried(direction[None])
             seen = _JETS.dot(axes, hinge)

@@ -14,13 +14,10 @@ from fractions import Fraction
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.loop_spec import JointLoop, Loop
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from pmjac_pin.values.arrays import Array, Index
 
 _MOST_TEETH = 1000  # in a ratio of whole numbers
 _MOST_TURNS = 64  # after which a train is the same again

@@ -12,14 +12,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.kinematics.many import WorldPoses
 from pmjac_pin.studies.modes.search import ManyClosures
 from pmjac_pin.studies.modes.search_problem import SearchProblem
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from pmjac_pin.values.arrays import Array, Mask
 
 _TRIED = 24  # closed poses that are looked at
 _TURNS = 2  # how often each of them idles for a while

@@ -13,14 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import Frame, find_frame
 from pmjac_pin.model.linkage import Edge, edges_of
 from pmjac_pin.model.loop_spec import JointLoop, Loop, PointLoop
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 _SQUARE = 1e-9  # of the characteristic length, or the sine of an angle
 

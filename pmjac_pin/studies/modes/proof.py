@@ -20,9 +20,8 @@ from pmjac_pin.studies.modes.box_problem import BoxProblem, box_problem, given_v
 from pmjac_pin.studies.modes.branch_and_prune import Budget, branch_and_prune
 from pmjac_pin.studies.modes.krawczyk import Enclosure, enclose
 from pmjac_pin.studies.modes.touching import moved_near, together
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_numbers
-
-Array = NDArray[np.float64]
 
 _MOST_BOXES = 1000  # small ones: more are a motion or a singularity, not modes
 

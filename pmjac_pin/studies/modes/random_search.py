@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.studies.modes.aim import Aim
 from pmjac_pin.studies.modes.assembly_modes import Completeness
@@ -12,8 +11,7 @@ from pmjac_pin.studies.modes.idling import isolated
 from pmjac_pin.studies.modes.search import ManyClosures, unseen_share
 from pmjac_pin.studies.modes.search_problem import SearchProblem
 from pmjac_pin.studies.modes.starts import StartSpace
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 _BATCH = 2048
 _MOST_MODES = 2000  # more is a motion, not a set of poses

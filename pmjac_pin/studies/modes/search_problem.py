@@ -22,8 +22,7 @@ from pmjac_pin.model.loop_spec import DistanceLoop, JointLoop, Loop
 from pmjac_pin.model.spec import Tool
 from pmjac_pin.studies.modes.leg_reach import reached
 from pmjac_pin.studies.modes.legs import Leg, find_legs, names_of
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from pmjac_pin.model.coordinates import JointCoordinates
@@ -14,8 +13,7 @@ from pmjac_pin.model.linkage import Edge
 from pmjac_pin.studies.modes.gear_trains import GearTrain, gear_trains
 from pmjac_pin.studies.modes.search_problem import SearchProblem
 from pmjac_pin.studies.modes.slide_ranges import SlideRange, slide_ranges
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 _STRIDE = 0.1  # of what a slide can reach: in a few steps it has been everywhere
 _ANYWHERE = (np.array([-np.inf]), np.array([np.inf]))
