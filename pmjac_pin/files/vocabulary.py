@@ -16,8 +16,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from xml.etree.ElementTree import Element
 
-from pmjac_pin.errors import ModelFileError
-from pmjac_pin.files.xml_text import shown
+from pmjac_pin.errors import ModelFileError, quoted
 
 _LONGEST_WORD = 60  # characters; a longer name is like none of them
 _SHORTEST = 2  # of one letter any other is one slip away
@@ -135,7 +134,7 @@ class Vocabulary:
                 continue
             if not _is_told(spelt(attribute), word.unread):
                 self._refuse_near(element, spelt(attribute), word.attributes, "attribute")
-                yield f"attribute {shown(spelt(attribute))} of {_called(element)}", ""
+                yield f"attribute {quoted(spelt(attribute))} of {_called(element)}", ""
         for child in element:
             tag = spelt(child.tag)
             if id(child) in passed or _is_told(tag, word.unread):
@@ -146,7 +145,7 @@ class Vocabulary:
             if tag not in word.told:
                 self._refuse_near(element, tag, word.children | word.told, "element")
             name = child.get("filename") or child.get("name") or ""
-            yield f"<{shown(tag)[1:-1]}>{_NAMES_PLACE} in {_called(element)}", name
+            yield f"<{quoted(tag)[1:-1]}>{_NAMES_PLACE} in {_called(element)}", name
 
     def _word(self, path: str) -> Word:
         return self.words.get(path) or self.words.get(path.rpartition("/")[2], Word())
@@ -155,9 +154,9 @@ class Vocabulary:
         if (meant := spelt_like(name, known)) is None:
             return
         if what == "element":
-            got = f"{_called(element)} holds an unknown <{shown(name)[1:-1]}>"
+            got = f"{_called(element)} holds an unknown <{quoted(name)[1:-1]}>"
         else:
-            got = f"{_called(element)} has the unknown attribute {shown(name)}"
+            got = f"{_called(element)} has the unknown attribute {quoted(name)}"
         raise ModelFileError(f"{got}; did you mean {meant!r}?")
 
 
@@ -225,7 +224,7 @@ def _is_told(name: str, unread: frozenset[str]) -> bool:
 
 def _said(what: str, names: Iterable[str]) -> str:
     """Return a kind of thing with the names of the first few of it."""
-    given = [shown(name) for name in names if name]
+    given = [quoted(name) for name in names if name]
     more = [f"{len(given) - _MOST_WORDS} more"] if len(given) > _MOST_WORDS else []
     listed = ", ".join(given[:_MOST_WORDS]) + "".join(f" and {rest}" for rest in more)
     return what.replace(_NAMES_PLACE, f" {listed}" if given else "")
@@ -233,4 +232,4 @@ def _said(what: str, names: Iterable[str]) -> str:
 
 def _called(element: Element) -> str:
     name = element.get("name")
-    return f"{spelt(element.tag)} {shown(name)}" if name else f"<{spelt(element.tag)}>"
+    return f"{spelt(element.tag)} {quoted(name)}" if name else f"<{spelt(element.tag)}>"

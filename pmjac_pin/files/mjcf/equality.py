@@ -11,13 +11,12 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
-from pmjac_pin.errors import ModelFileError
+from pmjac_pin.errors import ModelFileError, quoted
 from pmjac_pin.files.mjcf.bodies import place
 from pmjac_pin.files.mjcf.mujoco import Compiled
 from pmjac_pin.files.mjcf.names import Names
 from pmjac_pin.files.mjcf.tree import MjcfTree
 from pmjac_pin.files.urdf.checks import MAXIMAL_LINKS
-from pmjac_pin.files.xml_text import shown
 from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop
 
 _EQUALITIES = ("connect", "weld", "joint", "tendon")  # in the order of mujoco.mjtEq
@@ -67,7 +66,7 @@ def _loop_of_equality(compiled: Compiled, number: int, names: Names, tree: MjcfT
     first, second = known[model.eq_obj1id[number]], known[model.eq_obj2id[number]]
     if first == second:
         kind = "site" if by_site else "body"
-        raise ModelFileError(f"{where} joins {kind} {shown(first)} to itself")
+        raise ModelFileError(f"{where} joins {kind} {quoted(first)} to itself")
     if not by_site:
         places = _welded(data) if welded else _connected(data)
         wishes = (f"{first}_at_{second}", f"{second}_at_{first}")

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from xml.etree.ElementTree import Element
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
 from pmjac_pin.files.bounded_xml import MAXIMAL_NESTING
 from pmjac_pin.files.text_file import at_file, read_text
 from pmjac_pin.files.user_path import is_file, real
-from pmjac_pin.files.xml_text import parse_xml, shown
+from pmjac_pin.files.xml_text import parse_xml
 
 MAXIMAL_MJCF = 5_000_000  # bytes; elements take a hundred times that in memory
 MAXIMAL_INCLUDES = 50
@@ -68,14 +68,14 @@ class _Reader:
         root = self._parsed(path, included)
         with at_file(str(path)):
             if root.tag != "mujoco":
-                got = f"the root element is <{shown(root.tag)[1:-1]}>"
+                got = f"the root element is <{quoted(root.tag)[1:-1]}>"
                 raise ModelFileError(f"{got}; an MJCF file's is <mujoco>")
             expanded = self._expanded(root, path, included, 0)
             for section in expanded:
                 if section.tag not in _SECTIONS:
                     known = did_you_mean(section.tag, _SECTIONS)
                     raise ModelFileError(
-                        f"<{shown(section.tag)[1:-1]}> is no section of MJCF{known}"
+                        f"<{quoted(section.tag)[1:-1]}> is no section of MJCF{known}"
                     )
             return MjcfFile(path, expanded, self._attached(expanded, path, (*above, real(path))))
 
@@ -143,4 +143,4 @@ class _Reader:
 
 
 def _file_called(element: Element) -> str:
-    return f"<{element.tag} file={shown(element.get('file', ''))}>"
+    return f"<{element.tag} file={quoted(element.get('file', ''))}>"

@@ -7,11 +7,11 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
 from pmjac_pin.files.gazebo_plugins import is_mimic_plugin
 from pmjac_pin.files.sdf.joints import AXIS_TAGS, SdfJoint, freedom_names, text_of
 from pmjac_pin.files.vocabulary import spelt
-from pmjac_pin.files.xml_text import label, numbers, numbers_in, only, shown
+from pmjac_pin.files.xml_text import label, numbers, numbers_in, only
 from pmjac_pin.model.loop_spec import JointLoop
 
 _PARALLEL = 1e-6
@@ -137,12 +137,12 @@ def _freedom(where: str, joint: str, axis: str, freedoms: Mapping[str, tuple[str
     """Return the degree of freedom about an axis of a joint."""
     if joint not in freedoms:
         raise ModelFileError(
-            f"{where}: the joint {shown(joint)} does not exist{did_you_mean(joint, freedoms)}"
+            f"{where}: the joint {quoted(joint)} does not exist{did_you_mean(joint, freedoms)}"
         )
     known = dict(zip(AXIS_TAGS, freedoms[joint], strict=False))
     if axis not in known:
         raise ModelFileError(
-            f"{where}: joint {joint!r} has no {shown(axis)}{did_you_mean(axis, known)}"
+            f"{where}: joint {joint!r} has no {quoted(axis)}{did_you_mean(axis, known)}"
         )
     return known[axis]
 

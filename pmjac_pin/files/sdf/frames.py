@@ -16,8 +16,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
-from pmjac_pin.files.xml_text import numbers_in, only, shown
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
+from pmjac_pin.files.xml_text import numbers_in, only
 
 MODEL = "__model__"
 WORLD = "world"
@@ -88,7 +88,7 @@ class Frames:
     def _known(self, name: str, names: Mapping[str, object], where: str) -> str:
         if name not in names:
             known = did_you_mean(name, tuple(names))
-            raise ModelFileError(f"{where}: the frame {shown(name)} does not exist{known}")
+            raise ModelFileError(f"{where}: the frame {quoted(name)} does not exist{known}")
         return name
 
     def _chain(self, name: str, done: Mapping[str, object], towards: str) -> list[str]:
@@ -121,7 +121,7 @@ def pose(where: str, element: Element, default: str) -> tuple[str, pin.SE3]:
         values = numbers_in(where, text or "0 0 0 0 0 0 1", count=7)
         return relative_to, pin.SE3(_rotation(where, values[3:]), np.array(values[:3]))
     if rotation_format != "euler_rpy":
-        got = f"`rotation_format` is {shown(rotation_format)}"
+        got = f"`rotation_format` is {quoted(rotation_format)}"
         raise ModelFileError(f"{where}: {got}; euler_rpy and quat_xyzw are read")
     values = numbers_in(where, text or "0 0 0 0 0 0", count=6)
     unit = np.pi / 180.0 if truth(where, found.get("degrees", "false")) else 1.0
@@ -141,5 +141,5 @@ def _rotation(where: str, xyzw: list[float]) -> NDArray[np.float64]:
 def truth(where: str, text: str) -> bool:
     """Return a yes or no as SDFormat writes it."""
     if (value := _SDF_TRUTHS.get(text.strip().lower())) is None:
-        raise ModelFileError(f"{where}: {shown(text)} is neither true nor false")
+        raise ModelFileError(f"{where}: {quoted(text)} is neither true nor false")
     return value

@@ -11,11 +11,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
 from pmjac_pin.files.joint_dialects import WITHOUT_LIMIT
 from pmjac_pin.files.sdf.frames import MODEL, WORLD, Frames, pose, truth
 from pmjac_pin.files.urdf.checks import SHORTEST_AXIS
-from pmjac_pin.files.xml_text import label, numbers_in, only, shown, written
+from pmjac_pin.files.xml_text import label, numbers_in, only, written
 
 ENDS = ("parent", "child")
 AXIS_TAGS = ("axis", "axis2")
@@ -85,7 +85,7 @@ def read_joint(element: Element, frames: Frames, version: tuple[int, int]) -> Sd
     where, kind = label(element), element.get("type", "")
     if kind not in AXES:
         known = did_you_mean(kind, AXES)
-        raise ModelFileError(f"{where} has the type {shown(kind)}, which is not read{known}")
+        raise ModelFileError(f"{where} has the type {quoted(kind)}, which is not read{known}")
     parent, child = (frames.link(end_of(element, tag), f"{where}, <{tag}>") for tag in ENDS)
     if parent == child:
         raise ModelFileError(f"{where} joins link {parent!r} to itself")
@@ -133,7 +133,7 @@ def _axis(
     text = "0 0 1" if xyz is None else (xyz.text or "").strip()
     direction = np.array(numbers_in(f"{where}, <xyz>", text, count=3))
     if (length := math.hypot(*direction)) < SHORTEST_AXIS:
-        raise ModelFileError(f"{where}: <xyz> is {shown(text)}, of length zero")
+        raise ModelFileError(f"{where}: <xyz> is {quoted(text)}, of length zero")
     seen_from = _expressed_in(where, element, xyz, version)
     if seen_from is not None:
         turn = frames.placement(seen_from, f"{where}, <xyz>").rotation

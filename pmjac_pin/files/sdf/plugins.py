@@ -9,13 +9,13 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
 from pmjac_pin.files.gazebo_plugins import is_mimic_plugin
 from pmjac_pin.files.sdf.frames import MODEL, Frames
 from pmjac_pin.files.sdf.joints import SdfJoint, text_of
 from pmjac_pin.files.unused_name import unused_name
 from pmjac_pin.files.vocabulary import spelt
-from pmjac_pin.files.xml_text import label, numbers_in, shown
+from pmjac_pin.files.xml_text import label, numbers_in
 
 BALL = "drake:ball_constraint"
 _PLUGINS_NOT_READ = {
@@ -114,7 +114,7 @@ def _point_tie(element: Element, links: Collection[str]) -> PointTie:
     for name in (first, second):
         if name not in links:
             known = did_you_mean(name, links)
-            raise ModelFileError(f"<{BALL}>: the link {shown(name)} does not exist{known}")
+            raise ModelFileError(f"<{BALL}>: the link {quoted(name)} does not exist{known}")
     if first == second:
         raise ModelFileError(f"<{BALL}> joins link {first!r} to itself")
     here, there = (

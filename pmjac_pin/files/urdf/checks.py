@@ -15,11 +15,11 @@ from collections.abc import Collection, Mapping, Sequence
 from types import MappingProxyType
 from xml.etree.ElementTree import Element, SubElement
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
 from pmjac_pin.files.urdf.control_mimics import called_joint, control_joints, mimic_params
 from pmjac_pin.files.urdf.joint_tree import check_tree, joints_of
 from pmjac_pin.files.vocabulary import spelt
-from pmjac_pin.files.xml_text import label, numbers, only, shown, written
+from pmjac_pin.files.xml_text import label, numbers, only, written
 from pmjac_pin.values.checks import LARGEST
 
 MAXIMAL_NAME = 200  # characters: near matches of longer names would take minutes
@@ -57,15 +57,17 @@ def checked_robot(robot: Element) -> Element:
 
 def _check_root(robot: Element) -> None:
     if robot.tag != "robot":
-        raise ModelFileError(f"the root element is <{shown(robot.tag)[1:-1]}>; a URDF's is <robot>")
+        raise ModelFileError(
+            f"the root element is <{quoted(robot.tag)[1:-1]}>; a URDF's is <robot>"
+        )
     if robot.get("name") is None:
         raise ModelFileError('<robot> has no name; write <robot name="...">')
     if (version := robot.get("version")) not in _VERSIONS:
         known = ", ".join(filter(None, _VERSIONS))
-        raise ModelFileError(f"URDF version {shown(version or '')} is not read; {known} are")
+        raise ModelFileError(f"URDF version {quoted(version or '')} is not read; {known} are")
     if unexpanded := [tag for child in robot if (tag := spelt(child.tag)).startswith("xacro:")]:
         todo = "expand it first: xacro robot.urdf.xacro > robot.urdf"
-        raise ModelFileError(f"<{shown(unexpanded[0])[1:-1]}> is xacro, which is not read; {todo}")
+        raise ModelFileError(f"<{quoted(unexpanded[0])[1:-1]}> is xacro, which is not read; {todo}")
     ties = [f"<{tag}>" for child in robot if (tag := spelt(child.tag)) in _TIES]
     ties += ["<joint> in <gazebo>"] * (robot.find("gazebo/joint") is not None)
     followers = filter(mimic_params, control_joints(robot))
@@ -168,7 +170,7 @@ def checked_joint(joint: Element, links: Collection[str]) -> Element:
     where, kind = label(joint), joint.get("type", "")
     if kind not in VELOCITIES:
         known = did_you_mean(kind, VELOCITIES)
-        raise ModelFileError(f"{where} has the unknown type {shown(kind)}{known}")
+        raise ModelFileError(f"{where} has the unknown type {quoted(kind)}{known}")
     if joint.find("mimic") is not None:
         why = "Pinocchio would ignore it and let the joint move freely"
         raise ModelFileError(f"{where}: <mimic> is not supported ({why}); remove it")
@@ -192,7 +194,7 @@ def checked_end(where: str, joint: Element, tag: str, links: Collection[str]) ->
         raise ModelFileError(f'{where} has no {tag}; write <{tag} link="..."/>')
     if name not in links:
         known = did_you_mean(name, links)
-        raise ModelFileError(f"{where}: the {tag} link {shown(name)} does not exist{known}")
+        raise ModelFileError(f"{where}: the {tag} link {quoted(name)} does not exist{known}")
     return name
 
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from xml.etree.ElementTree import Element
 
-from pmjac_pin.errors import ModelFileError
+from pmjac_pin.errors import ModelFileError, quoted
 from pmjac_pin.files.vocabulary import spelt_like
-from pmjac_pin.files.xml_text import label, shown
+from pmjac_pin.files.xml_text import label
 
 _LEADER = "mimic"
 _PARAMS = frozenset({_LEADER, "multiplier", "offset"})
@@ -38,7 +38,7 @@ def is_mimic(joint: Element) -> bool | None:
     given = joint.get(_LEADER, "")
     if given.lower() not in _MIMIC_TRUTHS:
         raise ModelFileError(
-            f"{called_joint(joint)}: `mimic` is {shown(given)}; it is true or false"
+            f"{called_joint(joint)}: `mimic` is {quoted(given)}; it is true or false"
         )
     return _MIMIC_TRUTHS[given.lower()]
 
@@ -63,7 +63,7 @@ def mimic_params(joint: Element) -> Mapping[str, Element]:
     read = _PARAMS if follows else frozenset({_LEADER})
     for name in names:
         if name not in read and (meant := spelt_like(name, read)) is not None:
-            what = f"{called_joint(joint)} has the unknown param {shown(name)}"
+            what = f"{called_joint(joint)} has the unknown param {quoted(name)}"
             raise ModelFileError(f"{what}; did you mean {meant!r}?")
         if name in read and names.count(name) > 1:
             raise ModelFileError(f"{called_joint(joint)} has {names.count(name)} params {name!r}")
@@ -91,4 +91,4 @@ def doubtful(robot: Element, followers: Collection[str]) -> Iterator[str]:
         for param in joint.findall("param"):
             name = param.get("name", "")
             if _LEADER in name.lower() and name != _LEADER:
-                yield f"not read: <param> {shown(name)} in {called_joint(joint)}"
+                yield f"not read: <param> {quoted(name)} in {called_joint(joint)}"

@@ -18,11 +18,11 @@ from xml.etree.ElementTree import Element
 import numpy as np
 import pinocchio as pin
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
 from pmjac_pin.files.anchors import KINDS, WITHOUT_AXIS, Anchors, loop_of_kind, placement_of
 from pmjac_pin.files.joint_dialects import listed
 from pmjac_pin.files.urdf.checks import SHORTEST_AXIS, checked_end, checked_origin
-from pmjac_pin.files.xml_text import label, numbers, only, shown, written
+from pmjac_pin.files.xml_text import label, numbers, only, written
 from pmjac_pin.model.loop_between_frames import X
 from pmjac_pin.model.loop_spec import JointLoop, Loop, UniversalLoop
 from pmjac_pin.model.table import Vector
@@ -63,7 +63,7 @@ def _closing(element: Element, number: int, links: Collection[str], anchors: Anc
     kind = {"ball": "spherical"}.get(given := element.get("type", ""), given)
     if kind not in (*KINDS, "universal"):
         known = did_you_mean(given, (*KINDS, "universal"))
-        raise ModelFileError(f"{where} has the unknown type {shown(given)}{known}")
+        raise ModelFileError(f"{where} has the unknown type {quoted(given)}{known}")
     tags = ("predecessor", "successor")
     if element.find("parent") is not None or element.find("child") is not None:
         tags = ("parent", "child")
@@ -147,7 +147,7 @@ def read_gears(joints: Sequence[Element]) -> tuple[JointLoop, ...]:
         where, leader = f"{where}, <mimic>", mimic.get("joint", "")
         if leader not in names:
             known = did_you_mean(leader, names)
-            raise ModelFileError(f"{where}: the joint {shown(leader)} does not exist{known}")
+            raise ModelFileError(f"{where}: the joint {quoted(leader)} does not exist{known}")
         (ratio,) = numbers(where, mimic, "multiplier", default="1")
         (offset,) = numbers(where, mimic, "offset", default="0")
         follower = joint.get("name", "")

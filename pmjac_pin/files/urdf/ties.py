@@ -15,7 +15,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import pinocchio as pin
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
 from pmjac_pin.files.gazebo_plugins import is_mimic_plugin
 from pmjac_pin.files.sdf.frames import MODEL, WORLD, Frames, SdfFrame
 from pmjac_pin.files.sdf.joints import SdfJoint, read_joint
@@ -24,7 +24,7 @@ from pmjac_pin.files.tree_urdf import origin
 from pmjac_pin.files.urdf.control_mimics import called_joint, control_joints, mimic_params
 from pmjac_pin.files.urdf.loop_elements import TAGS
 from pmjac_pin.files.vocabulary import spelt
-from pmjac_pin.files.xml_text import label, numbers_in, only, shown, written
+from pmjac_pin.files.xml_text import label, numbers_in, only, written
 
 PLUGINS = "gazebo/plugin"
 _AXES_OF_THE_JOINT = (1, 12)  # the version of SDFormat, whose axes are in the joint's frame
@@ -195,7 +195,7 @@ def take_mimics(robot: Element, joints: Sequence[Element]) -> None:
     for where, follower, mimic in (*_plugin_ties(robot), *_of_control(robot)):
         if follower not in by_name:
             known = did_you_mean(follower, by_name)
-            raise ModelFileError(f"{where}: the joint {shown(follower)} does not exist{known}")
+            raise ModelFileError(f"{where}: the joint {quoted(follower)} does not exist{known}")
         joint = by_name[follower]
         if (own := only(label(joint), joint, "mimic")) is None:
             joint.append(mimic)
