@@ -105,11 +105,23 @@ def point_ties(model: Element, links: Collection[str]) -> tuple[PointTie, ...]:
     return tuple(ties)
 
 
-def _point_tie(element: Element, links: Collection[str]) -> PointTie:
+def ball_parts(element: Element) -> dict[str, Element]:
+    """Return the four parts of a ball constraint of Drake's, by their names in short.
+
+    Raises
+    ------
+    ModelFileError
+        One of them is missing.
+    """
     given = {spelt(child.tag).removeprefix(f"{BALL}_"): child for child in element}
-    for part in ("body_A", "body_B", "p_AP", "p_BQ"):
+    for part in ("body_A", "p_AP", "body_B", "p_BQ"):
         if part not in given:
             raise ModelFileError(f"<{BALL}> has no <{BALL}_{part}>")
+    return given
+
+
+def _point_tie(element: Element, links: Collection[str]) -> PointTie:
+    given = ball_parts(element)
     first, second = ((given[part].text or "").strip() for part in ("body_A", "body_B"))
     for name in (first, second):
         if name not in links:

@@ -19,7 +19,7 @@ from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
 from pmjac_pin.files.gazebo_plugins import is_mimic_plugin
 from pmjac_pin.files.sdf.frames import MODEL, WORLD, Frames, SdfFrame
 from pmjac_pin.files.sdf.joints import SdfJoint, read_joint
-from pmjac_pin.files.sdf.plugins import BALL, detachable_joints, is_detachable
+from pmjac_pin.files.sdf.plugins import BALL, ball_parts, detachable_joints, is_detachable
 from pmjac_pin.files.tree_urdf import origin
 from pmjac_pin.files.urdf.control_mimics import called_joint, control_joints, mimic_params
 from pmjac_pin.files.urdf.loop_elements import TAGS
@@ -77,12 +77,8 @@ def _loop_joint(element: Element) -> Element:
 
 def _ball_constraint(element: Element) -> Element:
     """Return Drake's ball constraint, whose values are attributes in URDF and text in SDFormat."""
-    given = {spelt(child.tag).removeprefix(f"{BALL}_"): child for child in element}
-    loop = Element("loop", type="spherical")
+    given, loop = ball_parts(element), Element("loop", type="spherical")
     for body, point, end in (("body_A", "p_AP", "predecessor"), ("body_B", "p_BQ", "successor")):
-        for part in (body, point):
-            if part not in given:
-                raise ModelFileError(f"<{BALL}> has no <{BALL}_{part}>")
         link = SubElement(loop, end, link=given[body].get("name", ""))
         SubElement(link, "origin", xyz=given[point].get("value", ""))
     return loop
