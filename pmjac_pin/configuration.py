@@ -25,8 +25,7 @@ from pmjac_pin.rates.jacobian import EquivalentJacobian, equivalent_jacobian
 from pmjac_pin.rates.partition import LoopRates
 from pmjac_pin.rates.singularity import Singularity, analyse_singularity
 from pmjac_pin.rates.split import SplitJacobian
-from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.read_only import read_only
+from pmjac_pin.values.arrays import Array, read_only
 
 if TYPE_CHECKING:
     from pmjac_pin.mechanism import Mechanism

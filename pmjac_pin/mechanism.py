@@ -23,9 +23,8 @@ from pmjac_pin.mechanism_value import MechanismValue
 from pmjac_pin.model.loop_spec import Loop
 from pmjac_pin.model.pinocchio_model import Constraint, RobotWrapper, own_model
 from pmjac_pin.model.spec import JointValue
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.values.checks import as_numbers
-from pmjac_pin.values.read_only import read_only
 
 
 @dataclass(frozen=True, eq=False, repr=False)

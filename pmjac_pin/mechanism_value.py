@@ -18,8 +18,7 @@ from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.kinematics.pinocchio import Kinematics
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.spec import MechanismSpec
-from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.read_only import read_only
+from pmjac_pin.values.arrays import Array, read_only
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pmjac_pin.rates.error_estimate import EPS
-from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.norm import norm
+from pmjac_pin.values.arrays import Array, norm
 
 if TYPE_CHECKING:
     from pmjac_pin.configuration import Configuration

@@ -14,7 +14,7 @@ from test_tables import drawn
 import pmjac_pin as pj
 from pmjac_pin.closing import idle_motions
 from pmjac_pin.rates.singularity import analyse_singularity
-from pmjac_pin.values.norm import norm
+from pmjac_pin.values.arrays import norm
 from pmjac_pin.viewer.free_motion import easiest_motions
 from pmjac_pin.words.report import make_report
 from pmjac_pin.words.tables import report_blocks

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.rates.factorisation import Factorisation
-from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.norm import norm
+from pmjac_pin.values.arrays import Array, norm
 
 
 @dataclass(frozen=True, slots=True, eq=False)

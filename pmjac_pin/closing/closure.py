@@ -19,8 +19,7 @@ from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
 from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.step_guard import StepGuard
 from pmjac_pin.rates.partition import Partition
-from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.norm import norm
+from pmjac_pin.values.arrays import Array, norm
 
 MOST_STEPS = 20_000  #: tried in one path
 

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 from pmjac_pin.model.spec import LARGEST_TOLERANCE
 from pmjac_pin.rates.partition import Partition
-from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.norm import norm
+from pmjac_pin.values.arrays import Array, norm
 
 #: Loops count as closed below this gap, of the characteristic length.
 CLOSURE_TOLERANCE = 1e-12

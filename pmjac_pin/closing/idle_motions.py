@@ -32,8 +32,7 @@ import numpy as np
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.rates.factorisation import Factorisation
-from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.norm import norm
+from pmjac_pin.values.arrays import Array, norm
 
 _STEP = 1e-3  # of the characteristic length, of differences of fourth order
 _SEEN = 1e-3  # of the size of [K K*]: how much K* changes where a radian or a length is moved

@@ -15,8 +15,7 @@ import scipy.linalg
 
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.damped_closure import assemble
-from pmjac_pin.values.arrays import Array, Index
-from pmjac_pin.values.norm import norm
+from pmjac_pin.values.arrays import Array, Index, norm
 
 _PROBES = 2  # times three poses along allowed rates or with displaced motors
 #: How far joints are displaced at most, rad or a share of the characteristic length.

@@ -15,8 +15,7 @@ from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.limits import Violation, limit_error, violations
 from pmjac_pin.model.rounded_numbers import wider_tolerance
 from pmjac_pin.model.spec import MechanismSpec
-from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.norm import norm
+from pmjac_pin.values.arrays import Array, norm
 
 # How easily the motors move, beside the passive joints, where a pose does not assemble with them
 # at rest: reluctantly, then like the others.

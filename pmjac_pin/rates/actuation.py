@@ -13,9 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.rates.partition import Partition
-from pmjac_pin.values.arrays import Array, Index
-from pmjac_pin.values.norm import norm
-from pmjac_pin.values.read_only import ReadOnlyArrays
+from pmjac_pin.values.arrays import Array, Index, ReadOnlyArrays, norm
 from pmjac_pin.values.ties import first_largest, pivots
 
 

@@ -16,8 +16,7 @@ import numpy as np
 
 from pmjac_pin.rates.factorisation import Factorisation
 from pmjac_pin.rates.partition import Partition
-from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.norm import norm
+from pmjac_pin.values.arrays import Array, norm
 
 EPS = float(np.finfo(float).eps)
 _SUMS = 16.0  # units in the last place, for an entry that is a sum of a few products

@@ -24,9 +24,7 @@ from pmjac_pin.rates.factorisation import Factorisation
 from pmjac_pin.rates.partition import LoopRates, Partition, TwistRanks
 from pmjac_pin.rates.singularity import Singularity, analyse_singularity, forbidden_rates
 from pmjac_pin.rates.split import SplitJacobian
-from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.norm import norm
-from pmjac_pin.values.read_only import read_only
+from pmjac_pin.values.arrays import Array, norm, read_only
 from pmjac_pin.values.ties import first_largest
 
 _STILL = 1e-6  # of the largest rate of a motion

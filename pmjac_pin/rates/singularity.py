@@ -16,9 +16,7 @@ import numpy as np
 from pmjac_pin.model.tool_rows import ToolRows
 from pmjac_pin.rates.factorisation import Factorisation
 from pmjac_pin.rates.partition import LoopRates, Partition
-from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.norm import norm
-from pmjac_pin.values.read_only import ReadOnlyArrays
+from pmjac_pin.values.arrays import Array, ReadOnlyArrays, norm
 from pmjac_pin.values.ties import first_largest
 
 SingularityKind = Literal[

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.rates.error_estimate import RoundedPose
 from pmjac_pin.rates.partition import Partition
-from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.read_only import ReadOnlyArrays, read_only
+from pmjac_pin.values.arrays import Array, ReadOnlyArrays, read_only
 
 
 @dataclass(frozen=True, eq=False, repr=False)

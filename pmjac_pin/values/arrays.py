@@ -1,8 +1,10 @@
-"""Arrays by what they hold."""
+"""Arrays: by what they hold, their norm, and such as cannot be written to."""
 
 from __future__ import annotations
 
-from typing import TypeAlias
+import math
+from dataclasses import dataclass
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,3 +13,36 @@ Array: TypeAlias = NDArray[np.float64]
 Complex: TypeAlias = NDArray[np.complex128]
 Index: TypeAlias = NDArray[np.intp]
 Mask: TypeAlias = NDArray[np.bool_]
+AnyArray = TypeVar("AnyArray", bound=NDArray[Any])
+
+
+def norm(array: Array) -> float:
+    """Return the Frobenius norm: NumPy's own costs three times as much on small arrays."""
+    flat = array.ravel()
+    return math.sqrt(flat @ flat)
+
+
+@dataclass(frozen=True, eq=False)
+class ReadOnlyArrays:
+    """Base of frozen dataclasses: their arrays are read-only, a caller's writable ones copied.
+
+    Through pickling as well, where NumPy forgets it.
+    """
+
+    def __post_init__(self) -> None:
+        for name, value in self.__dict__.items():
+            if isinstance(value, np.ndarray) and value.flags.writeable:
+                self.__dict__[name] = read_only(value)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        ReadOnlyArrays.__post_init__(self)
+
+
+def read_only(array: AnyArray) -> AnyArray:
+    """Return a copy that stays read-only: over bytes, ``setflags(write=True)`` is refused."""
+    if not array.size:
+        array = array.copy()
+        array.setflags(write=False)
+        return array
+    return np.frombuffer(array.tobytes(), array.dtype).reshape(array.shape)  # type: ignore[return-value]

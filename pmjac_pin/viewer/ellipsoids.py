@@ -14,8 +14,7 @@ from pmjac_pin.pictures.anatomy import Anatomy
 from pmjac_pin.rates.ellipse import ties, turned_into_plane
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.rates.jacobian import EquivalentJacobian
-from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.read_only import read_only
+from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.viewer.items import Part, between
 from pmjac_pin.viewer.layers import (
     SPECK,

@@ -15,8 +15,7 @@ from pmjac_pin.pictures.plotting import PLANES
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.singularity import Singularity
-from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.norm import norm
+from pmjac_pin.values.arrays import Array, norm
 from pmjac_pin.viewer.free_motion import NEAR_SINGULAR, easiest_motions
 from pmjac_pin.viewer.tool_ranks import ToolRanks
 from pmjac_pin.words.labelled import SHOWN_AS_ZERO

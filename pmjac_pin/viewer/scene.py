@@ -19,8 +19,7 @@ from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.files.shapes import Text
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.pictures.anatomy import Anatomy
-from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.read_only import read_only
+from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.viewer.closures import anchor_layer, axis_layer, gap_layer, rod_layer
 from pmjac_pin.viewer.ellipsoids import EllipsoidLayer, directions_after, find_ellipsoids
 from pmjac_pin.viewer.free_motion import FreeMotionLayer

@@ -41,8 +41,7 @@ from pmjac_pin.studies.homotopy.solving import near, solutions_of
 from pmjac_pin.studies.modes.assembly_modes import Completeness
 from pmjac_pin.studies.modes.closed_pose import closed_pose, generator, order
 from pmjac_pin.studies.modes.recognition import Recognition
-from pmjac_pin.values.arrays import Array, Complex, Index
-from pmjac_pin.values.read_only import read_only
+from pmjac_pin.values.arrays import Array, Complex, Index, read_only
 
 _SINGULAR = 1e-4  # smallest relative singular value of K* beside which home is not asked for
 _TRIES = 4  # of ways to lead all points to one machine
