@@ -64,10 +64,3 @@ def scaled(scale: float | tuple[float, float, float] | Array) -> Array:
     transform = np.eye(4)
     transform[:3, :3] *= scale
     return transform
-
-
-def translation(position: Array) -> Array:
-    """Return the transform (4, 4) that only moves."""
-    transform = np.eye(4)
-    transform[:3, 3] = position
-    return transform

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pmjac_pin.files.shapes import Cylinder, Sphere, scaled, translation
+from pmjac_pin.files.shapes import Cylinder, Sphere, scaled
+from pmjac_pin.model.joint_form import shifted
 from pmjac_pin.model.loop_between_frames import Opening
 from pmjac_pin.pictures.anatomy import Anatomy, Anchors
 from pmjac_pin.pictures.bodies import Points
@@ -116,7 +117,7 @@ def _ball_pieces(anatomy: Anatomy) -> Iterator[Carried]:
             ("first", anchors.first, FIRST_RADIUS, FIRST_ANCHOR),
             ("second", anchors.second, SECOND_RADIUS, SECOND_ANCHOR),
         ):
-            place = translation(point.place) @ scaled(radius * anatomy.size)
+            place = shifted(point.place) @ scaled(radius * anatomy.size)
             yield Part(f"loops/{number}/{name}", Sphere(), colour), point.body, place
 
 
