@@ -52,7 +52,7 @@ def at(name: str, motors: list[float]) -> Outcome:
 
 def assembly_modes(name: str, motors: list[float]) -> Outcome:
     found = pj.assembly_modes(pj.load(name), motors, rng=0, limits=False)
-    return {"complex": "", "real": len(found), "note": found.complete.kind}
+    return {"complex": "", "real": len(found), "note": found.evidence.kind}
 
 
 def peer(module: str, name: str, motors: list[float]) -> Outcome:

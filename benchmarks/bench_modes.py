@@ -92,7 +92,7 @@ def main() -> int:
         bound, whole = search(mechanism, theta, proof=False)
         met, solves, theirs = multistart(Multistart(mechanism, theta), len(modes))
         rate, hand = bound.starts / whole, solves / theirs
-        print(f"{name}: {len(modes)} in {elapsed:.3f} s, {modes.complete.kind}")
+        print(f"{name}: {len(modes)} in {elapsed:.3f} s, {modes.evidence.kind}")
         print(f"    {first.starts} starts alone: {len(first)} in {soon:.3f} s")
         print(f"    until the bound is met: {len(bound)} in {whole:.3f} s", end="; ")
         print(f"{rate:.0f} starts a second")

@@ -35,7 +35,7 @@ def main() -> int:
         except pj.ArgumentError:
             found = "no end"
         search = time.perf_counter() - start
-        count = f"{len(proof.enclosures)}" if proof.complete else "?"
+        count = f"{len(proof.enclosures)}" if proof else "?"
         agree = "" if count == found else f"  assembly_modes found {found}"
         print(
             f"{name:14}{len(proof.names):9}{count:>6}{proof.boxes:8}{proof.seconds:10.3f}"

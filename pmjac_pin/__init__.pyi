@@ -89,6 +89,7 @@ from .studies.certificates.certificate import certify as certify
 from .studies.check.diagnosis import Diagnosis as Diagnosis
 from .studies.check.diagnosis_maker import check as check
 from .studies.convert import convert as convert
+from .studies.evidence import Evidence as Evidence
 from .studies.homotopy.complex_modes import ComplexModes as ComplexModes
 from .studies.homotopy.operation_modes import OperationModes as OperationModes
 from .studies.homotopy.parameter_homotopy import (
@@ -98,7 +99,6 @@ from .studies.homotopy.parameter_homotopy import (
     parameter_homotopy as parameter_homotopy,
 )
 from .studies.modes.assembly_modes import AssemblyModes as AssemblyModes
-from .studies.modes.assembly_modes import Completeness as Completeness
 from .studies.modes.branch_and_prune import Budget as Budget
 from .studies.modes.find import assembly_modes as assembly_modes
 from .studies.modes.proof import Proof as Proof

@@ -19,7 +19,7 @@ from pmjac_pin.files.source import Source, read_source
 from pmjac_pin.files.urdf.locking import lock_joints
 from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.model.linkage import with_spherical
+from pmjac_pin.model.linkage import with_helical, with_spherical
 from pmjac_pin.model.spec import JointValue, MechanismSpec
 
 _PARAMETER_STEPS = 12
@@ -84,7 +84,7 @@ def load(
     """
     source = read_source(find_model_file(name_or_path), actuated, tool)
     try:
-        return build(adjusted(source, locked, tool_rows, tool_axes, tolerance), parameters)
+        return mechanism_of(adjusted(source, locked, tool_rows, tool_axes, tolerance), parameters)
     except PmjacError as error:
         error.source = source
         raise
@@ -104,7 +104,7 @@ def adjusted(
     return replace(source, spec=spec)
 
 
-def build(source: Source, parameters: Mapping[str, float] | None = None) -> Mechanism:
+def mechanism_of(source: Source, parameters: Mapping[str, float] | None = None) -> Mechanism:
     """Return the mechanism that a file describes, at these values of its parameters.
 
     Raises
@@ -147,7 +147,7 @@ def _home_on_the_way(
 
 def _set(plain: Urdf, spec: MechanismSpec, values: Mapping[str, float]) -> Urdf:
     """Return the URDF with its parameters at these values and its locked joints fixed."""
-    return lock_joints(plain.moved(spec.moves(values)), spec.locked)
+    return lock_joints(plain.moved(spec.moves(values)), spec.locked, spec.helical)
 
 
 def _pinocchio_model(urdf: Urdf, spec: MechanismSpec) -> pin.Model:
@@ -156,4 +156,7 @@ def _pinocchio_model(urdf: Urdf, spec: MechanismSpec) -> pin.Model:
     except (RuntimeError, ValueError) as error:
         message = f"Pinocchio cannot build the tree: {str(error).splitlines()[0]}"
         raise ArgumentError(message) from None
-    return with_spherical(model, spec.spherical) if spec.spherical else model
+    if spec.spherical:
+        model = with_spherical(model, spec.spherical)
+    helical = {name: pitch for name, pitch in spec.helical.items() if name not in spec.locked}
+    return with_helical(model, helical) if helical else model

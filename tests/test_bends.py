@@ -130,15 +130,15 @@ def test_rates_as_evaluated_off_closure_differ_by_the_gap_at_most(case, rng):
 
 
 def test_loops_with_joints_that_are_not_known_are_followed_all_the_same():
-    """A four-bar with a helical joint: named by the arms, judged by what is measured alone."""
+    """A four-bar with a composite joint: named by the arms, judged by what is measured alone."""
     four_bar = pj.load("four_bar")
     model = four_bar.model.copy()
     nothing = np.full(1, np.inf)
-    helix = pin.JointModelHZ(0.1)
-    model.addJoint(0, helix, pin.SE3.Identity(), "helix", nothing, nothing, -nothing, nothing)
-    with pytest.raises(pj.ArgumentError, match="joint 'helix' is a JointModelHZ"):
+    joint = pin.JointModelComposite(pin.JointModelRZ())
+    model.addJoint(0, joint, pin.SE3.Identity(), "own", nothing, nothing, -nothing, nothing)
+    with pytest.raises(pj.ArgumentError, match=r"'own' is a JointModelComposite, .*: revolute"):
         arms_of(model, four_bar.spec.loops, {})
-    motors = [*four_bar.actuated, "helix"]
+    motors = [*four_bar.actuated, "own"]
     home = [*four_bar.home.q, 0.0]
     mechanism = pj.Mechanism.from_pinocchio(
         model, four_bar.spec.loops, motors, "coupler_midpoint", home=home

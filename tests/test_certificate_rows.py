@@ -46,6 +46,16 @@ def all_kinds():
     return with_spherical(pin.buildModelFromXML(BALL), ["ball"])
 
 
+def fast_screw():
+    """A screw across a hinge, whose slide is nearly all that moves."""
+    model, aside = pin.Model(), pin.SE3(np.eye(3), np.array([0.01, 0.0, 0.02]))
+    hinge = model.addJoint(0, pin.JointModelRZ(), pin.SE3.Identity(), "hinge")
+    screw = model.addJoint(hinge, pin.JointModelHX(3.0), aside, "screw")
+    for name, joint in (("ground", 0), ("nut", screw)):
+        model.addFrame(pin.Frame(name, joint, aside, pin.FrameType.BODY))
+    return model
+
+
 def kinds(first, second):
     """One loop of each kind between two frames."""
     return [
@@ -71,6 +81,7 @@ CASES = {
     "all loops of three_rps": lambda: (pj.load("three_rps").model, LOOPS[:-1], {"a": 0.5}),
     "slides": lambda: (pin.buildModelFromXML(slider_above()), kinds("tip1", "tip2"), {}),
     "all joints": lambda: (all_kinds(), kinds("plate", "ground"), {}),
+    "fast screw": lambda: (fast_screw(), kinds("nut", "ground"), {}),
 }
 
 
@@ -89,8 +100,8 @@ def moved(model, q, x, edges):
         joint = model.joints[edge.child]
         entries = q[joint.idx_q : joint.idx_q + joint.nq]
         step = x[joint.idx_v : joint.idx_v + joint.nv]
-        match edge.kind:
-            case "revolute" | "prismatic":
+        match edge.kind.name:
+            case "revolute" | "prismatic" | "helical":
                 entries += step
             case "continuous":
                 entries[:] = turned(entries, step[0])

@@ -210,7 +210,7 @@ def test_checks_fit_the_terminal(monkeypatch, shown, name, columns):
 def test_check_of_what_does_not_assemble_is_a_page_with_exit_status_1(run):
     status, out, err = run("check", "four_bar", "--set", "l1=100")
     assert (status, err) == (1, "")
-    assert out.startswith("four_bar: 1 error\n")
+    assert out.startswith("four_bar: 1 error, 1 note\n")
     assert max(map(len, out.splitlines())) <= 80
     status, out, err = run("check", "four_bar", "--set", "l1=100", "--json")
     assert (status, err) == (1, "")

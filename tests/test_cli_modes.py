@@ -29,7 +29,7 @@ def test_the_lectures_eight(run):
     assert (status, err) == (0, "")
     assert "8 assembly modes within the limits of the joints." in out
     assert out.count("lecture_a") == 1
-    assert "Complete? proof: complete: exactly 8" in out
+    assert "That there are no more rests on proof: exactly 8" in out
     assert max(map(len, out.splitlines())) <= 80
 
 
@@ -55,14 +55,14 @@ def test_options_reach_the_search(run):
     assert {parameter["name"]: parameter["value"] for parameter in found["parameters"]}["l1"] == 1.2
     assert (found["limits"], found["starts"]) == (False, 2560)
     _, out, _ = run("four_bar", "--most-starts", "1", "--confidence", "0.9", "--no-proof", "--json")
-    complete = json.loads(out)["complete"]
-    assert (complete["kind"], complete["confidence"]) == ("neither", 0.9)
+    evidence = json.loads(out)["evidence"]
+    assert (evidence["kind"], evidence["confidence"]) == ("nothing", 0.9)
 
 
 def test_all_complex_solutions(run):
     status, out, _ = run("four_bar", "--homotopy", "--no-proof", "--most-starts", "1")
     assert status == 0
-    assert "Complete? tolerance: of 2 paths of complex solutions" in out
+    assert "That there are no more rests on tolerance: of 2 paths of complex solutions" in out
     text = " ".join(out.split())
     assert "there are 2 solutions; 2 real, limits left aside; 2 proven to be there." in text
     assert "operation" not in out.lower()

@@ -36,6 +36,13 @@ def test_one_solution_does_not_count_twice():
     np.testing.assert_array_equal(proven(loops, driven, np.vstack([x, x[:1]])), [True, True, False])
 
 
+def test_what_is_not_proven_spoils_no_other():
+    loops, driven, x = four_bar(0.9)
+    beside = np.vstack([x[:1] + 0.05, x])
+    np.testing.assert_array_equal(proven(loops, driven, beside), [False, True, True])
+    np.testing.assert_array_equal(proven(loops, driven, beside[::-1]), [True, True, False])
+
+
 def test_a_real_solution_is_not_proven_complex():
     """With an imaginary part of rounding it is neither proven real nor proven not to be."""
     loops, driven, x = four_bar(0.9)

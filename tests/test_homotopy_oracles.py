@@ -105,5 +105,5 @@ def test_a_gough_platform_with_flat_base_and_platform():
     found = ORACLES["bertini"](system).points
     poses = found[np.abs((found[:, :4] ** 2).sum(axis=1)) > 1e-3]
     ours = pj.parameter_homotopy(mechanism, rng=0).at(lengths)
-    assert (len(poses), ours.count, ours.certified, ours.complete.kind) == (28, 28, 28, "tolerance")
+    assert (len(poses), ours.count, ours.certified, ours.evidence.kind) == (28, 28, 28, "tolerance")
     assert len(ours.real) == int((np.abs(poses.imag).max(axis=1) < 1e-7).sum())

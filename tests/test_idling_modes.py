@@ -40,7 +40,7 @@ def angles_of(configuration):
 def test_all_modes_of_a_leg_that_spins_count_once(case, placed, seed):
     mechanism, expected = leg(*case, placed)
     modes = pj.assembly_modes(mechanism, [case[0]], rng=seed, **QUICKLY)
-    assert modes.complete.kind == "statistics"
+    assert modes.evidence.kind == "statistics"
     assert modes.ways == (1,) * len(expected) == (1, 1, 1, 1)
     found = np.array([np.exp(1j * angles_of(mode)) for mode in modes])
     for angles in np.exp(1j * expected):
@@ -113,8 +113,8 @@ def test_a_flap_that_comes_loose_is_no_mode_though_its_leg_always_spins(monkeypa
     mechanism, theta = idling_machines.flap_on_a_leg()
     assert len(pj.assembly_modes(mechanism, mechanism.home.actuated, rng=0, **QUICKLY)) == 2
     modes = pj.assembly_modes(mechanism, theta, rng=0, **QUICKLY)
-    assert (len(modes), modes.complete.kind) == (0, "neither")
-    assert "the loops also move with all motors locked" in str(modes.complete)
+    assert (len(modes), modes.evidence.kind) == (0, "nothing")
+    assert "the loops also move with all motors locked" in str(modes.evidence)
 
 
 @pytest.mark.parametrize("off", [1e-4, 1e-3])

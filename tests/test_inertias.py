@@ -226,8 +226,9 @@ def test_inertias_of_sdf(tmp_path):
     assert (masses["b"][0], masses["c"][0], "d" in masses) == (3.0, 1.0, False)
     np.testing.assert_allclose(masses["c"][2], np.eye(3))
     default = "SDFormat's default, 1 kg and 1 kg m², is taken"
-    assert found.notes[0] == f"no <inertial> is given for 'c': {default}"
-    assert found.notes[1].startswith("the <inertial> of 'd' is to be computed from shapes")
+    assert found.notes[0].startswith("no <ixx>, <iyy>, <izz> is given for 'b': SDFormat's default")
+    assert found.notes[1] == f"no <inertial> is given for 'c': {default}"
+    assert found.notes[2].startswith("the <inertial> of 'd' is to be computed from shapes")
     model = pj.load(path, actuated=["i"], tool="b").model
     assert model.inertias[model.getJointId("i")].mass == 3.0
 
@@ -258,3 +259,32 @@ def test_bodies_of_a_urdf_without_mass_are_told(tmp_path):
     assert not any("no mass" in note for note in read_looped_urdf(path).notes)
     path.write_text(text.replace(looped.link("rocker"), looped.link("rocker", "")))
     assert read_looped_urdf(path).notes[-1] == "no mass is given for 'rocker': it is 0 in `model`"
+
+
+def test_inertias_of_rotors_are_left_out_and_said(tmp_path):
+    told = "the inertia of rotors is not read: `model.armature` is 0 for"
+    rotor = '<default><joint armature="0.2"/></default>'
+    bodies = mjcf_models.body("a", '<joint name="i"/>') + mjcf_models.body(
+        "b", '<joint name="j" armature="0"/>'
+    )
+    (tmp_path / "robot.xml").write_text(mjcf_models.mjcf(bodies, before=rotor))
+    assert f"{told} 'i'" in read_mjcf(tmp_path / "robot.xml").notes
+    path, text = tmp_path / "robot.urdf", looped.with_drake("")
+    for element in ('<dynamics armature="0.1"/>', '<drake:rotor_inertia value="1e-3"/>'):
+        path.write_text(text.replace("</joint>", f"{element}</joint>", 1))
+        assert any(note.startswith(told) for note in read_looped_urdf(path).notes), element
+    path.write_text(text.replace("</joint>", '<dynamics armature="0"/></joint>', 1))
+    assert not any(note.startswith(told) for note in read_looped_urdf(path).notes)
+
+
+def test_a_moment_that_is_not_given_is_said(tmp_path):
+    """SDFormat would take 1 kg m² where one letter is wrong."""
+    inertia = "<inertia><ixx>0.1</ixx><iyy>0.1</iyy><izz>0.1</izz></inertia>"
+    path = tmp_path / "robot.sdf"
+    for wrong, told in ((inertia, ()), (inertia.replace("ixx", "ixz"), ("<ixx>",))):
+        link = f'<link name="a"><inertial><mass>1</mass>{wrong}</inertial></link>'
+        path.write_text(f'<sdf version="1.9"><model name="m">{link}</model></sdf>')
+        default = "SDFormat's default, 1, is taken"
+        expected = tuple(f"no {tag} is given for 'a': {default}" for tag in told)
+        notes = read_sdf(path).notes
+        assert tuple(note for note in notes if default in note) == expected

@@ -157,4 +157,4 @@ def test_how_many_modes_there_are_and_what_that_rests_on(name, way):
         mechanism = transformed.rebuilt(mechanism, tolerance=other.tolerance)
     here, there = (pj.assembly_modes(one, one.home.actuated, rng=0) for one in (mechanism, other))
     assert (len(there), there.ways) == (len(here), here.ways)
-    assert there.complete.kind == here.complete.kind
+    assert there.evidence.kind == here.evidence.kind

@@ -9,7 +9,7 @@ import pytest
 
 from pmjac_pin.algebra.balls import exactly
 from pmjac_pin.algebra.intervals import Intervals
-from pmjac_pin.studies.certificates.krawczyk import RADII, radii
+from pmjac_pin.studies.krawczyk import RADII, radii
 
 FINITE = RADII[:-1]
 

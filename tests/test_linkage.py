@@ -59,12 +59,12 @@ MOTIONS = {
 def test_a_turned_joint_keeps_its_value():
     model = pin.buildModelFromXML(BALL)
     for edge in edges_of(model).values():
-        one, motion = pin.SE3.Random(), MOTIONS[edge.kind]
+        one, motion = pin.SE3.Random(), MOTIONS[edge.kind.name]
         other = one * edge.before * motion * edge.after
         entries = edge.entries(one, other)
         back = edge.turned().turned()
         np.testing.assert_allclose(back.entries(one, other), entries, atol=1e-14)
-        if edge.kind in ("revolute", "prismatic", "continuous"):
+        if edge.kind.name in ("revolute", "prismatic", "continuous"):
             turned = edge.turned().entries(other, one)
             np.testing.assert_allclose(turned, entries, atol=1e-14)
 

@@ -38,7 +38,7 @@ def test_forty_still_have_room_for_their_titles():
     mechanism = pj.load("four_bar")
     few = pj.assembly_modes(mechanism, [0.9], rng=0)
     many = pj.AssemblyModes(
-        few.configurations * 20, few.shares * 20, few.starts, few.complete, (None,) * 40
+        few.configurations * 20, few.shares * 20, few.starts, few.evidence, (None,) * 40
     )
     figure = plot_modes(many)
     figure.draw_without_rendering()
@@ -87,7 +87,10 @@ def test_what_completeness_rests_on_stands_below(four_bar):
     figure = plot_modes(four_bar)
     title = figure.get_suptitle().replace("\u00a0", " ")
     assert title == "Assembly modes of four_bar\ntheta1 = 0.9 rad"
-    assert figure.get_supxlabel().replace("\n", " ") == f"Complete? {four_bar.complete}."
+    assert (
+        figure.get_supxlabel().replace("\n", " ")
+        == f"That there are no more rests on {four_bar.evidence}."
+    )
 
 
 @pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])

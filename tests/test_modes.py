@@ -66,7 +66,7 @@ def test_the_four_bars_two_modes(theta1):
 
 def test_out_of_reach_there_are_none():
     modes = pj.assembly_modes(mechanisms.rocker_rocker(), [2.5], rng=0)
-    assert (len(modes), modes.complete.kind) == (0, "proof")
+    assert (len(modes), modes.evidence.kind) == (0, "proof")
     assert list(modes) == []
 
 
@@ -151,9 +151,9 @@ def test_what_completeness_rests_on(name, count, kind):
     mechanism = pj.load(name)
     modes = pj.assembly_modes(mechanism, mechanism.home.actuated, rng=0)
     assert len(modes) == count
-    assert modes.complete.kind == kind
-    assert str(modes.complete).startswith(f"{kind}: ")
-    bound = pj.assembly_modes(mechanism, mechanism.home.actuated, rng=0, proof=False).complete
+    assert modes.evidence.kind == kind
+    assert str(modes.evidence).startswith(f"{kind}: ")
+    bound = pj.assembly_modes(mechanism, mechanism.home.actuated, rng=0, proof=False).evidence
     assert (bound.kind, bound.confidence) == ("statistics", 0.99)
     assert 0.0 < bound.unseen <= 2e-3
 
@@ -163,18 +163,20 @@ def test_a_universal_joint_turned_over_makes_no_mode_of_its_own():
     mechanism = pj.load("ankle")
     theta = mechanism.home.actuated
     modes = pj.assembly_modes(mechanism, theta, rng=0, limits=False)
-    assert (len(modes), modes.complete.kind) == (4, "proof")
-    assert "exactly 16, by" in str(modes.complete)
-    assert str(modes.complete).endswith(": 4 modes, universal joints turned over or not")
+    assert (len(modes), modes.evidence.kind) == (4, "proof")
+    assert "exactly 16, by" in str(modes.evidence)
+    assert str(modes.evidence).endswith(
+        ": 4 modes, all bodies of some being where those of others are, to 1e-5"
+    )
     within = pj.assembly_modes(mechanism, theta, rng=0)
-    assert (len(within), within.complete.kind) == (4, "proof")
-    assert "exactly 4, by" in str(within.complete)
+    assert (len(within), within.evidence.kind) == (4, "proof")
+    assert "exactly 4, by" in str(within.evidence)
 
 
 def test_a_small_budget_is_admitted():
     modes = pj.assembly_modes(pj.load("three_rps"), [1, 1, 1.1], rng=0, most_starts=10, proof=False)
-    assert modes.complete.kind == "neither"
-    assert "neither proof nor statistics" in str(modes.complete)
+    assert modes.evidence.kind == "nothing"
+    assert "new modes were met among the last of" in str(modes.evidence)
 
 
 def test_the_bound_holds_where_it_can_be_checked():
@@ -273,6 +275,6 @@ def test_beside_a_singularity_there_are_two_modes_still(lengths, theta):
 def test_a_motion_with_locked_motors_is_told_and_left_out():
     """Sarrus' linkage folded flat: one panel spins; the two modes beside that are found."""
     modes = pj.assembly_modes(pj.load("sarrus"), [0.7], rng=0)
-    assert (len(modes), modes.complete.kind) == (2, "neither")
-    assert "the loops also move with all motors locked" in str(modes.complete)
+    assert (len(modes), modes.evidence.kind) == (2, "nothing")
+    assert "the loops also move with all motors locked" in str(modes.evidence)
     assert all(not mode.singularity().is_singular for mode in modes)

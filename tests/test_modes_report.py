@@ -39,7 +39,10 @@ def test_the_numbers_are_those_of_the_configurations(lecture):
         values = {joint["name"]: joint["value"] for joint in found["joints"]}
         assert values == dict(mode.joint_values)
     assert [mode.share for mode in report.modes] == list(modes.shares)
-    assert (told["starts"], told["complete"]["statement"]) == (modes.starts, str(modes.complete))
+    assert (told["starts"], told["evidence"]["statement"]) == (
+        modes.starts,
+        modes.evidence.statement,
+    )
 
 
 def test_the_certificates_are_those_of_the_configurations(lecture):
@@ -49,7 +52,7 @@ def test_the_certificates_are_those_of_the_configurations(lecture):
         assert found["certificate"]["certified"] is bool(certificate) is True
         assert found["certificate"]["existence_radius"] == certificate.existence_radius
         assert found["certificate"]["uniqueness_radius"] == certificate.uniqueness_radius
-        assert found["certificate"]["statement"] == certificate.statement
+        assert found["certificate"]["evidence"] == certificate.evidence
 
 
 def test_a_mode_can_be_made_again_of_its_q(lecture):
@@ -107,7 +110,7 @@ def test_a_singular_mode_has_no_sign():
     pose = mechanism.close([end])
     assert pose.singularity().is_singular
     modes = pj.AssemblyModes(
-        (pose,), (1.0,), 1, pj.Completeness("neither", "by hand", 1.0, 0.5), (None,)
+        (pose,), (1.0,), 1, pj.Evidence("nothing", "by hand", 1.0, 0.5), (None,)
     )
     [mode] = make_modes_report(mechanism, [end], modes).modes
     assert (mode.singularity.kind, mode.sign) == ("gain", 0)
@@ -128,4 +131,4 @@ def test_json_gives_every_attribute_back(lecture):
     found = json.loads(to_json(report.told()), parse_constant=refuse)
     assert list(found) == list(report.told())
     assert found["modes"][3]["q"] == report.modes[3].configuration.q.tolist()
-    assert found["complete"]["kind"] == "proof"
+    assert found["evidence"]["kind"] == "proof"

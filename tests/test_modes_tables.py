@@ -33,7 +33,9 @@ def test_one_row_a_mode():
 
 def test_the_last_word_is_on_completeness():
     blocks = blocks_of(pj.load("four_bar"), [0.9])
-    assert texts(blocks)[-1].startswith("Complete? proof: complete: exactly 2, by interval")
+    assert texts(blocks)[-1].startswith(
+        "That there are no more rests on proof: exactly 2, by interval"
+    )
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,7 @@ def test_the_two_operation_modes_of_the_3_rps(three_rps):
     """
     homotopy, found = three_rps
     assert found.sizes == (8, 8)
-    assert found.complete.kind == "tolerance"
+    assert found.evidence.kind == "tolerance"
     seen = {}
     for lengths in ([2 / 3, 3 / 5, 3 / 4], [0.5, 1.0, 2.0], [2.9, 3.0, 3.1]):
         modes = homotopy.at(lengths)
@@ -52,7 +52,7 @@ def test_the_two_operation_modes_of_the_3_rps(three_rps):
 @pytest.mark.parametrize(("name", "sizes"), [("four_bar", (2,)), ("slider_crank", (2,))])
 def test_irreducible_mechanisms_have_one(name, sizes):
     found = pj.parameter_homotopy(pj.load(name), rng=0).operation_modes(rng=0)
-    assert (found.sizes, len(found), found.complete.kind) == (sizes, 1, "tolerance")
+    assert (found.sizes, len(found), found.evidence.kind) == (sizes, 1, "tolerance")
 
 
 @pytest.mark.slow
@@ -104,16 +104,16 @@ def test_dietmaiers_platform_has_one():
 def test_too_few_rounds_are_admitted():
     homotopy = pj.parameter_homotopy(pj.load("three_rps_ss"), rng=0)
     found = homotopy.operation_modes(rng=0, most_rounds=1)
-    assert found.complete.kind == "neither"
-    assert "is not whole" in str(found.complete)
+    assert found.evidence.kind == "nothing"
+    assert "is not whole" in str(found.evidence)
 
 
 @pytest.mark.slow
 def test_an_incomplete_homotopy_knows_no_operation_modes():
     homotopy = pj.parameter_homotopy(pj.load("three_rps_ss"), rng=0, most_rounds=2)
     found = homotopy.operation_modes(rng=0, most_rounds=5)
-    assert found.complete.kind == "neither"
-    assert "solutions are missing" in str(found.complete)
+    assert found.evidence.kind == "nothing"
+    assert "solutions are missing" in str(found.evidence)
 
 
 @pytest.mark.slow

@@ -75,6 +75,21 @@ def test_a_new_file_has_what_the_umask_leaves(tmp_path, umask, write, suffix):
     assert {stat.S_IMODE(path.stat().st_mode) for path in tmp_path.iterdir()} == {0o666 & ~umask}
 
 
+@pytest.mark.parametrize("link", [False, True])
+def test_a_file_that_is_open_here_is_not_replaced(tmp_path, link):
+    """As /dev/stdout is where output goes to a file: what it has said before would be lost."""
+    with (tmp_path / "log").open("w+b") as log:
+        log.write(b"before")
+        path = Path(f"/proc/self/fd/{log.fileno()}")
+        if link:
+            (tmp_path / "link").symlink_to(path)
+            path = tmp_path / "link"
+        with pytest.raises(pj.OutputError, match="leads to a file that is open here"):
+            write_file(path, b"after")
+        log.seek(0)
+        assert log.read() == b"before"
+
+
 @writers
 @pytest.mark.parametrize("kind", ["pipe", "device", "folder", "circle"])
 def test_what_is_no_file_stays(tmp_path, write, suffix, kind):

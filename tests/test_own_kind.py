@@ -84,8 +84,8 @@ def test_close_and_jacobian(lever):
 
 def test_all_modes_by_search_proof_and_homotopy(lever):
     modes = pj.assembly_modes(lever, [0.7], rng=0)
-    assert (len(modes), modes.complete.kind) == (2, "proof")
-    assert pj.prove(lever, [0.7]).complete
+    assert (len(modes), modes.evidence.kind) == (2, "proof")
+    assert pj.prove(lever, [0.7])
     assert pj.parameter_homotopy(lever, rng=0).count == 2
 
 

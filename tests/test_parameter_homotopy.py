@@ -31,7 +31,7 @@ def test_small_mechanisms(name, count):
     homotopy = pj.parameter_homotopy(mechanism, rng=0)
     assert homotopy.count == count
     found = homotopy.at(mechanism.home.actuated)
-    assert (found.count, found.certified, found.complete.kind) == (count, count, "tolerance")
+    assert (found.count, found.certified, found.evidence.kind) == (count, count, "tolerance")
     modes = pj.assembly_modes(mechanism, mechanism.home.actuated, rng=0, limits=False)
     same_sets([mode.q for mode in found.real], [mode.q for mode in modes], 1e-8)
 
@@ -44,7 +44,7 @@ def test_similar_triangles_have_fewer_solutions():
     assert similar.count == 4
     found = similar.at([0.34, 0.34, 0.34])
     assert (found.count, found.at_infinity, found.singular) == (2, 2, 0)
-    assert found.complete.kind == "tolerance"
+    assert found.evidence.kind == "tolerance"
 
 
 def test_out_of_reach_all_are_complex():
@@ -60,7 +60,7 @@ def test_where_two_modes_meet_it_says_so():
     assert found.at_infinity == 0
     assert found.singular >= 1
     assert found.certified == 0
-    assert found.complete.kind == "neither"
+    assert found.evidence.kind == "nothing"
 
 
 @pytest.mark.slow
@@ -72,7 +72,7 @@ def test_sixteen_of_the_3_rps(three_rps, lengths, expected, atol):
     """Its eliminant has degree 16: eight or four of the solutions are real at these lengths."""
     found = three_rps.at(lengths)
     assert (three_rps.count, found.count, found.certified) == (16, 16, 16)
-    assert (found.at_infinity, found.singular, found.complete.kind) == (0, 0, "tolerance")
+    assert (found.at_infinity, found.singular, found.evidence.kind) == (0, 0, "tolerance")
     same_sets(angles(found.real), np.vstack([expected, -expected]), atol)
 
 
@@ -100,7 +100,7 @@ def test_at_other_lengths_most_of_the_forty_are_complex(gough, rng):
     modes = pj.assembly_modes(
         gough.mechanism, found.real[0].actuated, rng=0, limits=False, homotopy=gough
     )
-    assert modes.complete.kind == "tolerance"
+    assert modes.evidence.kind == "tolerance"
     assert len(modes) == len(found.real) < 40
 
 
@@ -109,8 +109,8 @@ def test_few_rounds_leave_a_bent_trace():
     homotopy = pj.parameter_homotopy(pj.load("three_rps_ss"), rng=0, most_rounds=2)
     found = homotopy.at([1.0, 1.0, 1.1])
     assert homotopy.bend > 1e-6
-    assert found.complete.kind == "neither"
-    assert "solutions are missing" in str(found.complete)
+    assert found.evidence.kind == "nothing"
+    assert "solutions are missing" in str(found.evidence)
 
 
 @pytest.mark.slow
@@ -119,9 +119,9 @@ def test_it_settles_what_a_short_search_leaves_open(gough):
     mechanism = gough.mechanism
     theta = mechanism.home.actuated
     few = pj.assembly_modes(mechanism, theta, rng=0, limits=False, most_starts=1)
-    assert (few.complete.kind, len(few) < 40) == ("neither", True)
+    assert (few.evidence.kind, len(few) < 40) == ("nothing", True)
     modes = pj.assembly_modes(mechanism, theta, rng=0, limits=False, most_starts=1, homotopy=gough)
-    assert (modes.complete.kind, len(modes), modes.starts) == ("tolerance", 40, 512)
+    assert (modes.evidence.kind, len(modes), modes.starts) == ("tolerance", 40, 512)
     heights = [mode.tool_pose.translation[2] for mode in modes]
     assert heights == sorted(heights, reverse=True)
 
@@ -146,7 +146,7 @@ def test_limits_leave_solutions_out():
     beyond = pj.assembly_modes(
         mechanism, theta, rng=0, homotopy=homotopy, proof=False, limits=False
     )
-    assert within.complete.kind == beyond.complete.kind == "tolerance"
+    assert within.evidence.kind == beyond.evidence.kind == "tolerance"
     assert (len(within), len(beyond), len(homotopy.at(theta).real)) == (1, 2, 2)
 
 

@@ -99,7 +99,7 @@ def test_a_turned_cross_makes_no_mode_unless_the_tool_feels_it(tool, count, ways
     modes, poses = found_of(rusr(tool), THETA, monkeypatch)
     assert modes.ways == (ways,) * count
     assert sum(modes.ways) == len(poses) == 8
-    assert str(modes.complete).endswith(
+    assert str(modes.evidence).endswith(
         f"; 8 poses are {count} modes, with bodies turned over unseen"
     )
     for mode, ways_of in zip(modes, modes.poses, strict=True):
@@ -208,7 +208,7 @@ def test_where_nothing_turns_over_poses_are_modes(name, monkeypatch):
     mechanism = pj.load(name)
     modes, poses = found_of(mechanism, mechanism.home.actuated, monkeypatch)
     assert sum(modes.ways) == len(poses) == len(modes)
-    assert "turned over unseen" not in str(modes.complete)
+    assert "turned over unseen" not in str(modes.evidence)
 
 
 @pytest.mark.slow
@@ -216,13 +216,13 @@ def test_the_deltas_four_modes():
     mechanism = pj.load("delta")
     modes = pj.assembly_modes(mechanism, mechanism.home.actuated, rng=0)
     assert modes.ways == (8, 8, 8, 8)
-    assert str(modes.complete).endswith("; 32 poses are 4 modes, with bodies turned over unseen")
+    assert str(modes.evidence).endswith("; 32 poses are 4 modes, with bodies turned over unseen")
     assert Recognition(modes).index(mechanism.home) == 3
 
 
 @pytest.mark.slow
 def test_a_proof_counts_the_poses():
     modes = pj.assembly_modes(rusr("rocker_tip"), THETA, rng=0)
-    assert modes.complete.kind == "proof"
-    assert "exactly 8, by" in str(modes.complete)
-    assert "; 8 poses are 2 modes" in str(modes.complete)
+    assert modes.evidence.kind == "proof"
+    assert "exactly 8, by" in str(modes.evidence)
+    assert "; 8 poses are 2 modes" in str(modes.evidence)

@@ -19,6 +19,10 @@ def slide(axis):
     return np.concatenate([axis, np.zeros(3)])
 
 
+def screw(axis, pitch, point=(0.0, 0.0, 0.0)):
+    return turn(axis, point) + slide(pitch * axis)
+
+
 CASES = {
     "about an axis": (1, [turn(Z), turn(Z)]),
     "along a line": (1, [slide(X)]),
@@ -26,6 +30,8 @@ CASES = {
     "translations of a plane": (2, [slide(X), slide(Y)]),
     "translations": (3, [slide(X), slide(Y), slide(X + Z)]),
     "planar": (3, [turn(Z), turn(Z, X), slide(Y)]),
+    "along a screw": (1, [screw(Z, 0.3), screw(-Z, 0.3)]),
+    "along parallel screws": (3, [screw(Z, 0.3), screw(Z, 0.3, X)]),
     "spherical": (3, [turn(X), turn(Y + Z), turn(Z - X)]),
     "Schoenflies": (4, [turn(Z), turn(Z, X), slide(Z)]),
     # Three skew axes.

@@ -324,7 +324,11 @@ ERRORS = {
     "same name": (sdf(link("a") * 2), "two links are named 'a'"),
     "reserved": (sdf(link("world")), "the name 'world' is SDFormat's own"),
     "kind": (sdf(TWO + joint("j", "a", "b", "revolut")), "did you mean 'revolute'"),
-    "screw": (sdf(TWO + joint("j", "a", "b", "screw")), "joint 'j' has the type 'screw'"),
+    "screw": (sdf(TWO + joint("j", "a", "b", "screw")), "'j' is a screw and has no <screw_thread"),
+    "no pitch": (
+        sdf(TWO + joint("j", "a", "b", "screw", AXIS + "<thread_pitch>0</thread_pitch>")),
+        "joint 'j', <thread_pitch> is 0; a screw's is of magnitude",
+    ),
     "no child": (sdf(TWO + '<joint name="j" type="ball"><parent>a</parent></joint>'), "no <child>"),
     "unknown child": (sdf(TWO + joint("j", "a", "bb")), "the frame 'bb' does not exist"),
     "world as child": (sdf(TWO + joint("j", "a", "world")), "the world cannot be a joint's child"),

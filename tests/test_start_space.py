@@ -15,7 +15,7 @@ import transformed
 import pmjac_pin as pj
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.linkage import edges_of
-from pmjac_pin.studies.modes.assembly_modes import Completeness
+from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.modes.box_problem import box_problem, given_values
 from pmjac_pin.studies.modes.closed_pose import open_by
 from pmjac_pin.studies.modes.find import _without_open
@@ -192,9 +192,9 @@ def test_parallel_slides_are_cut_off_and_say_so():
         "B",
         {"crank": 1.0, "x": -1.0, "y": 1.5, "coupler": 2.8},
     )
-    complete = pj.assembly_modes(mechanism, [1.0], rng=0, proof=False, unseen=0.02).complete
-    assert "of the start space ('x' within" in str(complete)
-    assert "m of home, 'y' within" in str(complete)
+    evidence = pj.assembly_modes(mechanism, [1.0], rng=0, proof=False, unseen=0.02).evidence
+    assert "of the start space ('x' within" in str(evidence)
+    assert "m of home, 'y' within" in str(evidence)
 
 
 @pytest.mark.slow
@@ -208,7 +208,7 @@ def test_every_mode_is_in_the_start_space(name, rng):
         ranges = slide_ranges(problem, False)
         row = without_legs(mechanism, problem, configuration.q)
         assert legs or ranges.keys() == {
-            edge.name for _, edge in problem.passive if edge.kind in ("prismatic", "planar", "free")
+            edge.name for _, edge in problem.passive if edge.kind.along
         }
         for entries, edge in problem.passive:
             if edge.name in ranges:
@@ -278,9 +278,9 @@ def test_what_does_not_close_to_the_tolerance_is_told():
     motors = mechanism.problem.partition.actuated
     beyond = mechanism.coordinates.with_values(mechanism.home.q, motors, np.full(1, 3.0))
     assert open_by(mechanism, mechanism.home.q) == 0.0
-    complete = Completeness("statistics", "all", 0.001, 0.99)
-    assert _without_open(mechanism, [mechanism.home.q], complete) is complete
-    told = _without_open(mechanism, [mechanism.home.q, beyond], complete).statement
+    evidence = Evidence("statistics", "all", 0.001, 0.99)
+    assert _without_open(mechanism, [mechanism.home.q], evidence) is evidence
+    told = _without_open(mechanism, [mechanism.home.q, beyond], evidence).statement
     assert told.startswith("all; 1 more, open by ")
     assert told.endswith(f"miss the tolerance of {mechanism.tolerance:.2g} m and are left out")
 
@@ -290,7 +290,7 @@ def domain_of_slides(mechanism):
     given = given_values(mechanism, mechanism.home.actuated)
     problem = box_problem(mechanism, given, limits=False)
     edges = edges_of(mechanism.kinematics.model)
-    sliding = [edges[name].kind == "prismatic" for name in problem.names]
+    sliding = [edges[name].kind.name == "prismatic" for name in problem.names]
     assert any(sliding)
     return np.array([problem.domain.lower[sliding], problem.domain.upper[sliding]])
 

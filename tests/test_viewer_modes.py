@@ -63,7 +63,7 @@ async def test_it_says_searching_then_what_was_found():
     message = await finder.found()
     assert [told.status for told in finder.told] == ["searching", "found"]
     assert [mode["number"] for mode in message.modes] == list(range(1, 9))
-    assert message.text.startswith("8 assembly modes within the limits of the joints. Complete?")
+    assert message.text.startswith("8 assembly modes within the limits of the joints. That there")
     assert message.modes[message.current - 1]["poses"] == ("lecture_a",)
 
 

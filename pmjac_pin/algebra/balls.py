@@ -22,9 +22,11 @@ from pmjac_pin.values.arrays import Array
 
 BallArray = NDArray[np.object_]  # of flint.arb
 
+_EPS = float(np.finfo(float).eps)
+
 #: How far placements may be from the model's, relative to their size: four units in the last
 #: place, more than the rounding of a URDF's numbers and of the matrices made of them.
-PLACEMENT_WIDTH = 4.0 * float(np.finfo(float).eps)
+PLACEMENT_WIDTH = 4.0 * _EPS
 
 #: Far above the rounding of the few thousand sums and products of numbers ≥ 0 that it covers.
 OUTWARDS = 1.0 + 1e-10
@@ -144,6 +146,7 @@ def uppers(numbers: BallArray) -> NDArray[np.float64]:
 
 def enclosing(numbers: BallArray) -> Intervals:
     """Return intervals between doubles that hold the balls."""
-    ends = [(-upper(-number), upper(number)) for number in numbers.ravel()]
-    lower, above = np.array(ends, dtype=float).T.reshape(2, *numbers.shape)
-    return Intervals(lower, above)
+    balls = [(float(number), float(number.rad())) for number in numbers.ravel()]
+    middle, radius = np.array(balls, dtype=float).reshape(-1, 2).T.reshape(2, *numbers.shape)
+    # A middle is rounded to the nearest double, a radius has fewer digits than one.
+    return Intervals.exact(middle).widened(OUTWARDS * (radius + _EPS * np.abs(middle)))

@@ -18,17 +18,12 @@ import pinocchio as pin
 
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.model.frames import Frame, find_frame
-from pmjac_pin.model.joint_form import Kind
-from pmjac_pin.model.linkage import known_kind
+from pmjac_pin.model.joint_kinds import known_kind, pitch_of
 from pmjac_pin.model.loop_spec import JointLoop, Loop
 from pmjac_pin.model.rows import Rows
 from pmjac_pin.values.arrays import Array
 
 _NONE = -1
-_SLIDES: Mapping[Kind, int] = {
-    **dict.fromkeys(("revolute", "continuous", "spherical"), 0),
-    **{"prismatic": 1, "planar": 2, "free": 3},
-}
 
 
 class _Freedom(NamedTuple):
@@ -89,7 +84,7 @@ class Arms:
         The columns that are measured together, by the Euclidean norm: the slides of one joint,
         a ball's turn. How far a column slides per unit, in m, and 1 where it turns.
     values : ndarray, shape (groups, nq)
-        The entries of q that a slide's value consists of.
+        The entries of q that a slide's value consists of, and how far it slides per unit.
     blocks : tuple of Block
         In the order of the rows.
     """
@@ -130,37 +125,31 @@ class _Groups:
         self.values: list[Array] = []
         self.of_joint = [_Freedom(_NONE, ())]
         for joint, name in list(zip(model.joints, model.names, strict=True))[1:]:
-            slides, turns = _columns(joint, name)
-            slide = self._add(model, joint, slides, True) if slides else _NONE
-            turning = tuple(self._add(model, joint, columns, False) for columns in turns)
-            self.of_joint.append(_Freedom(slide, turning))
+            kind = known_kind(joint, name, in_turn=True)
+            slide, turning = _NONE, range(kind.slides, kind.nv)
+            if kind.along:
+                reach = abs(kind.reach(pitch_of(joint)))
+                slide = self._add(model, joint, range(len(kind.along)), reach, lies=True)
+            turns = [[column] for column in turning] if kind.in_turn else [turning] * bool(turning)
+            groups = (self._add(model, joint, columns, 1.0, lies=False) for columns in turns)
+            self.of_joint.append(_Freedom(slide, tuple(groups)))
 
     def _add(
-        self, model: pin.Model, joint: pin.JointModel, columns: Sequence[int], lies: bool
+        self,
+        model: pin.Model,
+        joint: pin.JointModel,
+        columns: Sequence[int],
+        reach: float,
+        *,
+        lies: bool,
     ) -> int:
         rates, values = np.zeros(model.nv), np.zeros(model.nq)
         for column in columns:
-            rates[joint.idx_v + column] = 1.0
-            values[joint.idx_q + column] = float(lies)
+            rates[joint.idx_v + column] = reach
+            values[joint.idx_q + column] = reach * lies
         self.rates.append(rates)
         self.values.append(values)
         return len(self.rates) - 1
-
-
-def _columns(joint: pin.JointModel, name: str) -> tuple[Sequence[int], list[Sequence[int]]]:
-    """Return the columns of a joint that slide, and those that turn, one turn after the other."""
-    kind = known_kind(joint)
-    if kind is not None:
-        slides = _SLIDES[kind]
-        turning = range(slides, joint.nv)
-        return range(slides), [turning] if turning else []
-    match joint.shortname():
-        case "JointModelTranslation":
-            return range(3), []
-        case "JointModelSphericalZYX" | "JointModelUniversal":
-            return [], [[column] for column in range(joint.nv)]
-    message = f"joint {name!r} is a {joint.shortname()}: how its loops bend is not known here"
-    raise ArgumentError(message)
 
 
 def _chains(

@@ -12,7 +12,7 @@ import pinocchio as pin
 from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.closure_problem import LARGEST_SHARE, ClosureProblem
 from pmjac_pin.closing.damped_closure import assemble
-from pmjac_pin.closing.machine_size import Size, shifted
+from pmjac_pin.closing.machine_size import Size, shifted_model
 from pmjac_pin.closing.nearby_poses import FARTHEST, nearby, reach_of_joints
 from pmjac_pin.closing.parts import Parts
 from pmjac_pin.closing.pose_assembly import assemble_pose, check_motors, motor_weights
@@ -150,7 +150,7 @@ def unassembled(
     coordinates = JointCoordinates(model)
     given = coordinates.q(spec.poses["home"])
     size = _machine_size(_kinematics(model, spec, values), spec, given)
-    near = shifted(model, -size.place) if size.place.any() else model
+    near = shifted_model(model, -size.place) if size.place.any() else model
     kinematics = _kinematics(near, spec, values)
     rounding = size.rounding
     partition = _partition(spec, coordinates, kinematics, size, rounding)

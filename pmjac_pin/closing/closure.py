@@ -25,7 +25,7 @@ MOST_STEPS = 20_000  #: tried in one path
 
 # All lengths relative to the mechanism's characteristic length.
 _LARGEST_STEP = 0.25  # motion in one step, a rad counted as one length
-_SMALLEST_STEP = 1e-9  # motion in one step that is not the last: less is not resolved
+_LEAST_MOTION = 1e-9  # motion in one step that is not the last: less is not resolved
 _LARGEST_CORRECTION = 0.25  # first Newton correction, as a share of the predicted motion
 _SLOWEST_CONTRACTION = 0.25  # of one Newton correction by the next
 _HARDLY_ANYTHING = 1e-5  # left of the motors' path, where it may end in a singular target
@@ -84,7 +84,7 @@ def follow(
         step = min(step, _LARGEST_STEP * partition.length / pace if pace else 1.0)
         last = step >= 1.0 - share
         stride = 1.0 - share if last else step
-        if not last and stride * pace < _SMALLEST_STEP * partition.length:
+        if not last and stride * pace < _LEAST_MOTION * partition.length:
             break
         tangent = velocity * stride
         ahead = problem.integrate(point.q, tangent)

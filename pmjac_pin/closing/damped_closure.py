@@ -76,6 +76,7 @@ def _damped_step(
     problem: ClosureProblem, error: Array, rows: Array, scale: Array, damping: float
 ) -> Array:
     """Return v (nv,), for rows in m and columns moving as easily as `scale` says."""
+    # No rank is said here: what vanishes is held back by damping.
     left, values, right = np.linalg.svd(rows * scale, full_matrices=False)
     largest = values.max(initial=0.0)
     if largest == 0.0:

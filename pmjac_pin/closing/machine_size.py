@@ -31,7 +31,7 @@ SPHERICAL = 1e-6
 SMALL = 1e-2
 
 _TOLERANCES = 3.0  # a length that the tolerance covers is rounding, too
-_FAR = 8.0  # lengths: from here on the machine is computed beside itself, not from the origin
+_BESIDE_ITSELF = 8.0  # lengths: from here on it is computed beside itself, not from the origin
 
 
 class Size:
@@ -86,11 +86,11 @@ class Size:
             [*(loops.rods[row] for row in loops.rods if rows.start <= row < rows.stop), *own]
             for rows, own in zip(loops.slices, map(self._arms, ends), strict=True)
         ]
-        turns = tool.jacobian(model, self._data)[:3, self._turns]
+        turns = tool.jacobian(model, self._data)[:, self._turns]
         rounding = max(NO_LENGTH, _TOLERANCES * max(spec.tolerance or 0.0, opened))
         means = [_mean(np.array(own)) for own in arms]
         every = _mean(np.array([arm for own in arms for arm in own]))
-        self.length = _length(every, _mean(np.linalg.norm(turns, axis=0)), rounding)
+        self.length = _length(every, _mean(_distances(turns)), rounding)
         self.arms = tuple(mean if mean > rounding else 0.0 for mean in means)
         self.loop_sizes = tuple(
             mean if SPHERICAL * self.length < mean < SMALL * self.length else self.length
@@ -98,23 +98,23 @@ class Size:
         )
         self.rounding = opened * self.length / min(self.loop_sizes, default=self.length)
         middle = np.mean(points, axis=0)
-        self.place: Array = np.where(np.abs(middle) > _FAR * self.length, middle, 0.0)
+        self.place: Array = np.where(np.abs(middle) > _BESIDE_ITSELF * self.length, middle, 0.0)
 
     def _arms(self, frames: list[Frame]) -> Iterator[float]:
         moving = moving_columns(self._model, frames) if frames else []
         for frame, columns in zip(frames, moving, strict=True):
             turning = columns[self._turns[columns]]
-            linear = frame_jacobian(self._model, self._data, frame.index)[:3, turning]
-            yield from np.linalg.norm(linear, axis=0).tolist()
+            motions = frame_jacobian(self._model, self._data, frame.index)[:, turning]
+            yield from _distances(motions).tolist()
 
 
-def shifted(model: pin.Model, by: Array) -> pin.Model:
+def shifted_model(model: pin.Model, by: Array) -> pin.Model:
     """Return the model moved in the world; q stays what it is.
 
     Examples
     --------
     >>> arm = pin.buildSampleModelManipulator()
-    >>> moved = shifted(arm, np.array([0.0, 0.0, 5e6]))
+    >>> moved = shifted_model(arm, np.array([0.0, 0.0, 5e6]))
     >>> float(moved.jointPlacements[1].translation[2] - arm.jointPlacements[1].translation[2])
     5000000.0
     """
@@ -132,6 +132,16 @@ def _length(loops: float, tool: float, rounding: float) -> float:
     if loops > max(rounding, SPHERICAL * tool):
         return loops
     return tool if tool > rounding else 1.0
+
+
+def _distances(motions: Array) -> Array:
+    """Return how far a point is from the axes that turn it, of its motions (6, k) by 1 rad each.
+
+    What a screw slides along its axis is no distance from it.
+    """
+    linear, angular = motions[:3], motions[3:]
+    distances: Array = np.linalg.norm(linear - angular * (linear * angular).sum(axis=0), axis=0)
+    return distances
 
 
 def _mean(arms: Array) -> float:

@@ -21,7 +21,7 @@ from pmjac_pin.closing.step_guard import StepGuard
 from pmjac_pin.values.arrays import Array, Index
 from pmjac_pin.values.ties import pivots
 
-_NOTHING = 1e-9  # of the largest ratio between rates of motors, or of one to one
+_NO_RATE = 1e-9  # of the largest ratio between rates of motors, or of one to one
 
 
 def walk(
@@ -89,7 +89,7 @@ def lead(problem: ClosureProblem, point: Closed) -> Lead:
     left = point.factors.left[:, partition.passive_rank :].T @ point.scaled[:, partition.actuated]
     led = pivots(left, count)
     leading = np.setdiff1d(motors, led)
-    ratios = -np.linalg.lstsq(left[:, led], left[:, leading], rcond=None)[0]
+    ratios = -partition.factorise(left[:, led], point.factors.size).solve(left[:, leading])
     scale = partition.column_scale[partition.actuated]
     names = partition.actuated_names
     parted = replace(
@@ -125,7 +125,7 @@ def ties_in_words(problem: ClosureProblem, point: Closed) -> str:
 
 def _tie(led: str, ratios: Mapping[str, float]) -> str:
     """Say at what rate a motor is led, leaving out what rounding makes of nothing."""
-    least = _NOTHING * max(1.0, *map(abs, ratios.values()), 0.0)
+    least = _NO_RATE * max(1.0, *map(abs, ratios.values()), 0.0)
     parts = [
         f"{ratio:+.3g} that of {name!r}" for name, ratio in ratios.items() if abs(ratio) > least
     ]

@@ -27,9 +27,10 @@ import pinocchio as pin
 from scipy.linalg.lapack import dgesv
 
 from pmjac_pin.closing.arms import Arms
-from pmjac_pin.closing.bends import Bends, Motion
+from pmjac_pin.closing.bends import Bends, MotionSeries
 from pmjac_pin.closing.closed import Closed
 from pmjac_pin.closing.closure_problem import ClosureProblem
+from pmjac_pin.model.joint_kinds import kind_of
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array
 
@@ -37,7 +38,6 @@ _QUADRATIC = 3**0.5 / 216.0  # of |f‴|: f between its values at 0, ½ and 1
 _CUBIC = 1.0 / 384.0  # of |f⁗|: f between its values and slopes at 0 and 1
 _SLOPES = 8.0 / 27.0  # of |f'|: what such slopes at both ends add
 _MARGIN = 1.1  # for rounding, and so that ends are not nearly singular
-_CURVED = ("JointModelSpherical", "JointModelPlanar", "JointModelFreeFlyer")
 
 
 class _Step(NamedTuple):
@@ -48,7 +48,7 @@ class _Step(NamedTuple):
     """
 
     partition: Partition
-    motion: Motion
+    motion: MotionSeries
     inverse: Array
     straight: Array
     bent: Array
@@ -70,8 +70,8 @@ class StepGuard:
 
     def __init__(self, model: pin.Model, arms: Arms) -> None:
         self._model, self._bends = model, Bends(arms)
-        kinds = [joint.shortname() for joint in list(model.joints)[1:]]
-        self._curved = any(kind.startswith(_CURVED) for kind in kinds)
+        kinds = [kind_of(joint) for joint in list(model.joints)[1:]]
+        self._curved = any(kind is None or kind.curved for kind in kinds)
 
     def covers(
         self, problem: ClosureProblem, start: Closed, end: Closed, leaving: Array, arriving: Array
@@ -116,7 +116,7 @@ class StepGuard:
 
     def _curve(
         self, first: Array, last: Array, leaving: Array, arriving: Array
-    ) -> tuple[Array, Motion]:
+    ) -> tuple[Array, MotionSeries]:
         """Return x(½), and the series along the cubic curve x(s)."""
         way = pin.difference(self._model, first, last)
         if self._curved:

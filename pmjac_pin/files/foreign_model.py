@@ -13,6 +13,7 @@ from pmjac_pin.model.loop_spec import MAXIMAL_LOOPS, Loop
 from pmjac_pin.model.spec import JointValue, MechanismSpec, Tool
 
 _NO_VALUES: Mapping[str, JointValue] = MappingProxyType({})
+_NO_PITCHES: Mapping[str, float] = MappingProxyType({})
 _MOST_CANDIDATES = 40
 
 
@@ -28,6 +29,8 @@ class ForeignModel:
     loops : tuple of Loop
     spherical : tuple of str
         Joints that `urdf` writes as ``floating`` and that only turn.
+    helical : mapping of str to float
+        Joints that `urdf` writes as ``revolute`` and that slide as they turn, m/rad.
     home : mapping of str to float or tuple of float
         Joint values near which the loops are closed; neutral for the others.
     actuated : tuple of str
@@ -46,6 +49,7 @@ class ForeignModel:
     urdf: Urdf
     loops: tuple[Loop, ...] = ()
     spherical: tuple[str, ...] = ()
+    helical: Mapping[str, float] = field(default_factory=lambda: _NO_PITCHES)
     home: Mapping[str, JointValue] = field(default_factory=lambda: _NO_VALUES)
     actuated: tuple[str, ...] = ()
     tool: str = ""
@@ -73,10 +77,10 @@ class ForeignModel:
         motors = self.actuated if actuated is None else tuple(actuated)
         frame = self.tool if tool is None else tool
         if not motors:
-            raise _missing(path, "which joints are motors", "actuated", _moving(self.urdf))
+            raise _missing(path, "which joints are motors", "actuated", _movable(self.urdf))
         if not frame:
             raise _missing(path, "which frame is the tool", "tool", self.urdf.links)
-        check_motors(self.urdf, motors)
+        checked_motors(self.urdf, motors)
         check_frame(self.urdf, frame)
         return MechanismSpec(
             name=readable(self.name),
@@ -84,14 +88,15 @@ class ForeignModel:
             tool=Tool(frame=frame),
             loops=self.loops,
             spherical=self.spherical,
+            helical=dict(self.helical),
             tolerance=self.tolerance,
             poses={"home": dict(self.home)},
         )
 
 
-def check_motors(urdf: Urdf, names: tuple[str, ...]) -> tuple[str, ...]:
+def checked_motors(urdf: Urdf, names: tuple[str, ...]) -> tuple[str, ...]:
     """Return the names, if all of them are joints that move."""
-    moving = _moving(urdf)
+    moving = _movable(urdf)
     for name in names:
         if name not in moving:
             raise unknown_name("joint", name, moving)
@@ -106,7 +111,7 @@ def check_frame(urdf: Urdf, name: str) -> str:
     return name
 
 
-def _moving(urdf: Urdf) -> tuple[str, ...]:
+def _movable(urdf: Urdf) -> tuple[str, ...]:
     return tuple(joint.name for joint in urdf.joints if joint.type != "fixed")
 
 

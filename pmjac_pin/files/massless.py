@@ -1,4 +1,4 @@
-"""Bodies that move and have no mass: dynamics would go wrong without a word."""
+"""Inertia that `model` does not have: dynamics would go wrong without a word."""
 
 from __future__ import annotations
 
@@ -7,22 +7,42 @@ from collections.abc import Collection, Sequence
 from pmjac_pin.files.joint_dialects import listed
 from pmjac_pin.files.urdf.robot import Urdf
 
+_NONE = "no masses are given: they are 0 in `model`"
+
 
 def without_mass(names: Sequence[str]) -> list[str]:
     """Return a note on bodies for which a file gives no mass, if there are any."""
     return [f"no mass is given for {listed(names)}: it is 0 in `model`"] if names else []
 
 
-def massless_bodies(urdf: Urdf, names: Collection[str]) -> list[str]:
-    """Return the first link of each body that moves, has no mass, and is one of these.
+def without_rotors(names: Sequence[str]) -> list[str]:
+    """Return a note on joints whose rotors' inertia is left out, if there are any."""
+    what = "the inertia of rotors is not read: `model.armature` is 0 for"
+    return [f"{what} {listed(names)}"] if names else []
 
-    A body is all links that fixed joints join.
-    """
-    heavy = {
+
+def mass_notes(urdf: Urdf, names: Collection[str]) -> list[str]:
+    """Return what is to be said of the bodies of a URDF, or of those that are among these links."""
+    heavy = _heavy(urdf)
+    if not heavy and any(joint.type != "fixed" for joint in urdf.joints):
+        return [_NONE, *without_rotors(_with_rotors(urdf))]
+    massless = without_mass(_massless(urdf, heavy, names))
+    return [*massless, *without_rotors(_with_rotors(urdf))]
+
+
+def _heavy(urdf: Urdf) -> set[str]:
+    return {
         link.get("name", "")
         for link in urdf.robot().iterfind("link")
         if (mass := link.find("inertial/mass")) is not None and float(mass.get("value", "0")) > 0.0
     }
+
+
+def _massless(urdf: Urdf, heavy: Collection[str], names: Collection[str]) -> list[str]:
+    """Return the first of these links on each body that moves and has no mass.
+
+    A body is all links that fixed joints join.
+    """
     below: dict[str, list[str]] = {}
     for joint in urdf.joints:
         if joint.type == "fixed":
@@ -32,6 +52,23 @@ def massless_bodies(urdf: Urdf, names: Collection[str]) -> list[str]:
         body = [joint.child] if joint.type != "fixed" else []
         for link in body:
             body += below.get(link, ())
-        if body and not heavy & set(body):
+        if body and not set(heavy) & set(body):
             found += [link for link in body if link in names][:1]
     return found
+
+
+def _with_rotors(urdf: Urdf) -> list[str]:
+    """Return the joints to which a URDF gives a rotor's inertia, in MuJoCo's or Drake's way."""
+    places = (("dynamics", "armature"), ("{*}rotor_inertia", "value"))
+    return [
+        joint.get("name", "")
+        for joint in urdf.robot().iterfind("joint")
+        if any(_is_given(element.get(key)) for at, key in places for element in joint.iterfind(at))
+    ]
+
+
+def _is_given(number: str | None) -> bool:
+    try:
+        return number is not None and float(number) != 0.0
+    except ValueError:  # nobody reads it
+        return True

@@ -16,7 +16,7 @@ import threading
 from collections.abc import Iterator, Mapping
 
 from pmjac_pin.errors import OutputError
-from pmjac_pin.files.user_path import real, shown_path, user_path
+from pmjac_pin.files.user_path import is_open_file, real, shown_path, user_path
 
 _SIGNALS = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
@@ -97,6 +97,8 @@ class _Place:
         if not stat.S_ISREG(found.st_mode):
             what = "a link in a circle" if stat.S_ISLNK(found.st_mode) else "a device or a pipe"
             raise self._refused(f"is no regular file but {what}; it is not replaced")
+        if is_open_file(self._given):
+            raise self._refused("leads to a file that is open here; it is not replaced")
         if not os.access(self._target, os.W_OK):
             raise self._refused("the file that is there must not be written to")
         return found

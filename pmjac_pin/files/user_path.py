@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 from pmjac_pin.errors import ArgumentError, quoted, shortened
 
 _LONGEST_PATH = 400  # characters of one in a message
+_MOST_LINKS = 40  # one after another, as Linux follows them
 
 
 def user_path(given: object) -> Path:
@@ -62,3 +64,14 @@ def followed(path: Path) -> Path:
 def real(path: Path) -> Path:
     """Return where links lead, as far as they lead somewhere."""
     return Path(os.path.realpath(path))
+
+
+def is_open_file(path: Path) -> bool:
+    """Tell whether a path leads to a file by one of a process's handles, as /dev/stdout does."""
+    for _ in range(_MOST_LINKS):
+        if re.fullmatch(r"/proc/[^/]+/(task/[^/]+/)?fd", os.path.realpath(path.parent)):
+            return True
+        if not path.is_symlink():
+            return False
+        path = path.parent / path.readlink()
+    return False

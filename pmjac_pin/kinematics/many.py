@@ -12,11 +12,11 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.algebra.floats import Floats
-from pmjac_pin.kinematics.joints import Motion
 from pmjac_pin.kinematics.loops import Loops, by_twists
 from pmjac_pin.kinematics.places import through
 from pmjac_pin.kinematics.tree import Link, Poses, Tree
 from pmjac_pin.model.coupling import Coupling
+from pmjac_pin.model.joint_kind import Motion
 from pmjac_pin.model.loop_spec import Loop
 from pmjac_pin.values.arrays import Array
 

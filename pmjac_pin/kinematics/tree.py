@@ -15,9 +15,9 @@ import pinocchio as pin
 
 from pmjac_pin.algebra import Algebra, Number
 from pmjac_pin.algebra.jets import Columns, Jet
-from pmjac_pin.kinematics.joints import JOINT_KINDS, JointKind, Motion, rotation_of
 from pmjac_pin.kinematics.places import Place, Pose, standing, steps, through
 from pmjac_pin.model.frames import Frame
+from pmjac_pin.model.joint_kind import JointKind, Motion, rotation_of
 from pmjac_pin.model.linkage import Edge, edges_of
 from pmjac_pin.values.arrays import Array
 
@@ -29,7 +29,6 @@ class Link:
     Attributes
     ----------
     edge : Edge
-    kind : JointKind
     entries : slice
         Of q.
     column : int
@@ -41,12 +40,16 @@ class Link:
     """
 
     edge: Edge
-    kind: JointKind
     entries: slice
     column: int
     from_base: tuple[Place, ...]
     from_parent: tuple[Place, ...]
     after: tuple[Place, ...]
+
+    @property
+    def kind(self) -> JointKind:
+        """The kind of the joint."""
+        return self.edge.kind
 
 
 class Freedom(NamedTuple):
@@ -101,7 +104,6 @@ class Tree:
             parent = edges.get(edge.parent)
             self.links[joint.id] = Link(
                 edge=edge,
-                kind=JOINT_KINDS[edge.kind],
                 entries=slice(joint.idx_q, joint.idx_q + joint.nq),
                 column=joint.idx_v,
                 from_base=steps(edge.before),
@@ -223,10 +225,12 @@ class Poses:
         own = [k for k in range(link.kind.nv) if link.column + k in self._riding]
         if not own:
             return pose, columns
-        return (
-            with_rates(self.algebra, pose, pose, link, own),
-            (*columns, *(link.column + k for k in own)),
-        )
+        pose = with_rates(self.algebra, self._reached(pose, link), pose, link, own)
+        return pose, (*columns, *(link.column + k for k in own))
+
+    def _reached(self, pose: Pose, link: Link) -> Pose:
+        """Return all poses that a joint whose rates ride is taken to have about this one."""
+        return pose
 
 
 def moved(algebra: Algebra, pose: Pose, kind: JointKind, motion: Motion) -> Pose:

@@ -15,25 +15,20 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError, unknown_name
+from pmjac_pin.model.joint_kind import JointKind
+from pmjac_pin.model.joint_kinds import kind_of
 from pmjac_pin.values.arrays import Array, Index, read_only
 from pmjac_pin.values.checks import LARGEST, as_numbers
 
 _LIMIT_SLACK = 1e-9  # m or rad: rounding on the way to a limit is no violation
 
-# Joints with a translation that q shows as it is, and how many entries that has.
-_TRANSLATIONS = {"JointModelFreeFlyer": 3, "JointModelPlanar": 2}
-_DOF_NAMES = {
-    "JointModelFreeFlyer": ("x", "y", "z", "rx", "ry", "rz"),
-    "JointModelSpherical": ("rx", "ry", "rz"),
-    "JointModelPlanar": ("x", "y", "rz"),
-    "JointModelTranslation": ("x", "y", "z"),
-}
-
 
 @dataclass(frozen=True, slots=True)
 class _Joint:
+    """A joint; of one that is Pinocchio's alone, only numbers are known."""
+
     name: str
-    kind: str
+    kind: JointKind | None
     idx_q: int
     nq: int
     idx_v: int
@@ -43,8 +38,13 @@ class _Joint:
     def dof_names(self) -> tuple[str, ...]:
         if self.nv == 1:
             return (self.name,)
-        letters = _DOF_NAMES.get(self.kind, tuple(map(str, range(self.nv))))
+        letters = self.kind.letters if self.kind else map(str, range(self.nv))
         return tuple(f"{self.name}.{letter}" for letter in letters)
+
+    @property
+    def translation(self) -> int:
+        """How many entries of q are a translation that turns, and that q shows as it is."""
+        return self.kind.slides if self.kind and self.kind.curved else 0
 
 
 class JointCoordinates:
@@ -82,7 +82,7 @@ class JointCoordinates:
 
     def __init__(self, model: pin.Model) -> None:
         joints = [
-            _Joint(name, kind.shortname(), kind.idx_q, kind.nq, kind.idx_v, kind.nv)
+            _Joint(name, kind_of(kind), kind.idx_q, kind.nq, kind.idx_v, kind.nv)
             for name, kind in zip(model.names[1:], list(model.joints)[1:], strict=True)
         ]
         self._model = model
@@ -98,12 +98,12 @@ class JointCoordinates:
         self.lower, self.upper = np.full(model.nv, -np.inf), np.full(model.nv, np.inf)
         self.angles = np.zeros(model.nv, dtype=bool)
         self._entries_of = np.zeros(model.nv, dtype=np.intp)
-        self._translating = [joint for joint in joints if joint.kind in _TRANSLATIONS]
+        self._translating = [joint for joint in joints if joint.translation]
         for joint in joints:
             self.wraps[joint.idx_v] = (joint.nq, joint.nv) == (2, 1)
             self._entries_of[joint.idx_v] = joint.idx_q
             if joint.nq == 1:
-                self.angles[joint.idx_v] = joint.kind.startswith("JointModelR")
+                self.angles[joint.idx_v] = joint.kind is not None and joint.kind.endless
                 lower = float(model.lowerPositionLimit[joint.idx_q])
                 upper = float(model.upperPositionLimit[joint.idx_q])
                 # Pinocchio writes the largest double where there is no limit.
@@ -132,7 +132,7 @@ class JointCoordinates:
         values: Array = pin.difference(self._model, self._neutral, q)
         for joint in self._translating:
             # SE(2) and SE(3) logarithms mix the rotation into the translation.
-            size = _TRANSLATIONS[joint.kind]
+            size = joint.translation
             values[joint.idx_v : joint.idx_v + size] = q[joint.idx_q : joint.idx_q + size]
         return values
 
@@ -231,7 +231,7 @@ class JointCoordinates:
             raise ArgumentError(message)
         tangent = np.zeros(self._model.nv)
         tangent[joint.idx_v : joint.idx_v + joint.nv] = values
-        size = _TRANSLATIONS.get(joint.kind, 0)
+        size = joint.translation
         tangent[joint.idx_v : joint.idx_v + size] = 0.0
         entries: Array = pin.integrate(self._model, self._neutral, tangent)
         entries = entries[joint.idx_q : joint.idx_q + joint.nq]

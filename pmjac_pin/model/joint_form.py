@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from pmjac_pin.model.rows import across
 from pmjac_pin.values.arrays import Array
-
-Kind = Literal["revolute", "continuous", "prismatic", "spherical", "planar", "free", "fixed"]
 
 
 class Step(NamedTuple):
@@ -23,11 +21,12 @@ class Step(NamedTuple):
     suffix : str
         Of its name, where there are two.
     kind : str
+        Of the joint: one of `JOINT_KINDS`.
     before, after : ndarray, shape (4, 4)
     """
 
     suffix: str
-    kind: Kind
+    kind: str
     before: Array
     after: Array
 
@@ -48,7 +47,7 @@ class JointForm:
     middle: Callable[[Array], Array] | None = field(default=None)
 
 
-def single(kind: Kind, along: Array) -> JointForm:
+def single(kind: str, along: Array) -> JointForm:
     """Return one joint, z of its motion along z of a 4×4 rotation in both frames."""
     return JointForm((Step("", kind, along, along.T),))
 

@@ -11,34 +11,19 @@ with some of them turned round, exchanged or of another kind.
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.errors import ArgumentError, quoted
-from pmjac_pin.model.joint_form import Kind
+from pmjac_pin.model.joint_kind import JointKind
+from pmjac_pin.model.joint_kinds import kind_named, known_kind, pitch_of
 from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.checks import LARGEST
 from pmjac_pin.values.ties import first_smallest
 
-_JOINTS = {
-    "revolute": pin.JointModelRZ,
-    "continuous": pin.JointModelRUBZ,
-    "prismatic": pin.JointModelPZ,
-    "spherical": pin.JointModelSpherical,
-    "planar": pin.JointModelPlanar,
-    "free": pin.JointModelFreeFlyer,
-}
-_KINDS: Mapping[str, Kind] = {
-    "JointModelR([XYZ]|evoluteUnaligned)": "revolute",
-    "JointModelR(UB[XYZ]|evoluteUnboundedUnaligned)": "continuous",
-    "JointModelP([XYZ]|rismaticUnaligned)": "prismatic",
-    "JointModelSpherical": "spherical",
-    "JointModelPlanar": "planar",
-    "JointModelFreeFlyer": "free",
-}
 _OVER = pin.SE3(np.diag([1.0, -1.0, -1.0]), np.zeros(3))  # half a turn about x: z becomes −z
 
 
@@ -49,7 +34,7 @@ class Edge:
     Attributes
     ----------
     name : str
-    kind : str
+    kind : JointKind
     parent, child : int
         Bodies; 0 is the world.
     before, after : pin.SE3
@@ -60,7 +45,7 @@ class Edge:
     """
 
     name: str
-    kind: Kind
+    kind: JointKind
     parent: int
     child: int
     before: pin.SE3
@@ -71,28 +56,27 @@ class Edge:
     def entries(self, parent: pin.SE3, child: pin.SE3) -> tuple[float, ...]:
         """Return Pinocchio's nq entries for this joint where its two bodies are at these poses."""
         motion = (parent * self.before).actInv(child * self.after.inverse())
-        cosine, sine = motion.rotation[0, 0], motion.rotation[1, 0]
-        x, y, z, *quaternion = pin.SE3ToXYZQUAT(motion).tolist()
-        entries: dict[Kind, tuple[float, ...]] = {
-            "fixed": (),
-            "revolute": (math.atan2(sine, cosine),),
-            "continuous": (float(cosine), float(sine)),
-            "prismatic": (z,),
-            "spherical": tuple(quaternion),
-            "planar": (x, y, float(cosine), float(sine)),
-            "free": (x, y, z, *quaternion),
-        }
-        return entries[self.kind]
+        return self.kind.entries(motion, self.pitch)
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """The limits of a joint with one entry in q; infinite for others."""
+        if self.limits is None or self.kind.nq != 1:
+            return -math.inf, math.inf
+        lower, upper = (float(limit[0]) for limit in self.limits)
+        # Pinocchio writes the largest double where there is no limit.
+        return lower if lower > -LARGEST else -math.inf, upper if upper < LARGEST else math.inf
 
     def turned(self) -> Edge:
-        """Return the same joint seen from its child: one degree of freedom keeps its value."""
-        over = _OVER if self.kind in ("revolute", "continuous", "prismatic") else pin.SE3.Identity()
+        """Return the joint seen from its child; what moves along and about z keeps its values."""
+        over = _OVER if self.kind.axial else pin.SE3.Identity()
         return replace(
             self,
             parent=self.child,
             child=self.parent,
             before=self.after.inverse() * over,
             after=over * self.before.inverse(),
+            limits=self.limits if self.kind.axial else None,
         )
 
 
@@ -123,8 +107,8 @@ def edges_of(model: pin.Model) -> dict[str, Edge]:
     pin.computeJointJacobians(model, data, pin.neutral(model))
     for joint in list(model.joints)[1:]:
         name, index = model.names[joint.id], joint.id
-        kind = _kind(joint, name)
-        turn = aligned(_axis(model, data, joint)) if joint.nv == 1 else pin.SE3.Identity()
+        kind = known_kind(joint, name)
+        turn = aligned(_axis(model, data, joint)) if kind.nv == 1 else pin.SE3.Identity()
         entries = slice(joint.idx_q, joint.idx_q + joint.nq)
         edges[name] = Edge(
             name,
@@ -134,6 +118,7 @@ def edges_of(model: pin.Model) -> dict[str, Edge]:
             model.jointPlacements[index] * turn,
             turn.inverse(),
             (model.lowerPositionLimit[entries].copy(), model.upperPositionLimit[entries].copy()),
+            pitch_of(joint),
         )
     return edges
 
@@ -181,12 +166,42 @@ def with_spherical(model: pin.Model, names: Iterable[str]) -> pin.Model:
     ArgumentError
         A joint that is not `floating`.
     """
-    edges = edges_of(model)
-    for name in names:
-        if name not in edges or edges[name].kind != "free":
-            wanted = "`spherical` names joints that the URDF writes as floating"
-            raise ArgumentError(f"{wanted}, got {quoted(name)}")
-        edges[name] = replace(edges[name], kind="spherical", limits=None)
+    pitches = dict.fromkeys(names, 0.0)
+    return _with(model, pitches, "spherical", "floating", lambda kind: kind.name == "free")
+
+
+def with_helical(model: pin.Model, pitches: Mapping[str, float]) -> pin.Model:
+    """Return the model with these joints, which turn, sliding as they turn.
+
+    Parameters
+    ----------
+    model : pin.Model
+    pitches : mapping of str to float
+        How far along their axes, m/rad.
+
+    Raises
+    ------
+    ArgumentError
+        A joint that is neither `revolute` nor `continuous`.
+    """
+    return _with(model, pitches, "helical", "revolute or continuous", lambda kind: kind.endless)
+
+
+def _with(
+    model: pin.Model,
+    pitches: Mapping[str, float],
+    name: str,
+    written: str,
+    fits: Callable[[JointKind], bool],
+) -> pin.Model:
+    """Return the model with these joints of another kind, which a URDF has no word for."""
+    edges, kind = edges_of(model), kind_named(name)
+    for joint, pitch in pitches.items():
+        if joint not in edges or not fits(edges[joint].kind):
+            wanted = f"`{name}` names joints that the URDF writes as {written}"
+            raise ArgumentError(f"{wanted}, got {quoted(joint)}")
+        limits = edges[joint].limits if edges[joint].kind.nq == kind.nq else None
+        edges[joint] = replace(edges[joint], kind=kind, limits=limits, pitch=pitch)
     return build(model, edges.values(), {})
 
 
@@ -200,14 +215,14 @@ def _hang(tree: pin.Model, edges: list[Edge]) -> dict[int, tuple[int, pin.SE3]]:
     while waiting:
         edge = waiting.pop()
         joint, place = carriers[edge.parent]
-        if edge.kind == "fixed":
+        if not edge.kind.nv:
             carriers[edge.child] = (joint, place * edge.before * edge.after)
         else:
-            kind = _JOINTS[edge.kind]()
+            kind = edge.kind
             none = np.full(kind.nv, np.inf)
             limits = edge.limits or (np.full(kind.nq, -np.inf), np.full(kind.nq, np.inf))
-            at = place * edge.before
-            added = tree.addJoint(joint, kind, at, edge.name, none, none, *limits)
+            own, at = kind.built(edge.pitch), place * edge.before
+            added = tree.addJoint(joint, own, at, edge.name, none, none, *limits)
             carriers[edge.child] = (added, edge.after)
         waiting += children.get(edge.child, [])[::-1]
     return carriers
@@ -217,19 +232,6 @@ def _add_frame(
     tree: pin.Model, name: str, carrier: tuple[int, pin.SE3], place: pin.SE3, kind: pin.FrameType
 ) -> None:
     tree.addFrame(pin.Frame(name, carrier[0], carrier[1] * place, kind), False)
-
-
-def known_kind(joint: pin.JointModel) -> Kind | None:
-    """Return the kind of one of Pinocchio's joints; None where it has none here."""
-    written = joint.shortname()
-    return next((kind for known, kind in _KINDS.items() if re.fullmatch(known, written)), None)
-
-
-def _kind(joint: pin.JointModel, name: str) -> Kind:
-    if kind := known_kind(joint):
-        return kind
-    written = joint.shortname()
-    raise ArgumentError(f"joint {quoted(name)} is a {written}, which cannot be taken apart")
 
 
 def _axis(model: pin.Model, data: pin.Data, joint: pin.JointModel) -> Array:

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import pinocchio as pin
 
+from pmjac_pin.model.joint_kinds import kind_named
 from pmjac_pin.model.linkage import Edge
 from pmjac_pin.model.loop_between_frames import LoopBetweenFrames
 from pmjac_pin.values.arrays import Array
@@ -84,7 +85,10 @@ def loop_joint(
     steps[0] = (steps[0][0], parent.place * steps[0][1], steps[0][2])
     steps[-1] = (*steps[-1][:2], steps[-1][2] * child.place.inverse())
     edges = [
-        Edge(f"{name}_{step.suffix}" if step.suffix else name, step.kind, start, end, before, after)
+        Edge(
+            *(f"{name}_{step.suffix}" if step.suffix else name, kind_named(step.kind)),
+            *(start, end, before, after),
+        )
         for (step, before, after), (start, end) in zip(steps, pairwise(ends), strict=True)
     ]
     return LoopJoint(tuple(edges), parent, child, between)

@@ -12,8 +12,16 @@ from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.model.coordinates import JointCoordinates
+from pmjac_pin.model.joint_kinds import pitch_of
 from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop
-from pmjac_pin.model.spec import JointValue, MechanismSpec, Tool, decode_spec, encode_spec
+from pmjac_pin.model.spec import (
+    JointValue,
+    MechanismSpec,
+    Tool,
+    checked_pitch,
+    decode_spec,
+    encode_spec,
+)
 from pmjac_pin.values.checks import as_names, as_numbers
 from pmjac_pin.values.named_values import named_values
 
@@ -59,8 +67,8 @@ def own_model(
             passive=None
             if passive is None
             else as_names(passive, "passive is a list of joint names"),
-            tool=_tool(tool),
-            loops=_loops(own, loops),
+            tool=_checked_tool(tool),
+            loops=_checked_loops(own, loops),
             poses={"home": _home_pose(own, home)},
             tolerance=tolerance,
         ).with_tool_rows(tool_rows, tool_axes)
@@ -73,12 +81,15 @@ def _refuse_what_is_not_finite(model: pin.Model) -> None:
     for name, place in zip(model.names, model.jointPlacements, strict=True):
         if not np.isfinite(place.homogeneous).all():
             raise ArgumentError(f"the placement of joint {quoted(name)} is not finite")
+    for name, joint in list(zip(model.names, model.joints, strict=True))[1:]:
+        if pitch := pitch_of(joint):
+            checked_pitch(name, pitch)
     for frame in model.frames:
         if not np.isfinite(frame.placement.homogeneous).all():
             raise ArgumentError(f"the placement of frame {quoted(frame.name)} is not finite")
 
 
-def _loops(own: pin.Model, loops: Iterable[Loop | Constraint]) -> tuple[Loop, ...]:
+def _checked_loops(own: pin.Model, loops: Iterable[Loop | Constraint]) -> tuple[Loop, ...]:
     if isinstance(loops, Loop) or not isinstance(loops, Iterable):
         raise ArgumentError(f"loops is a list of PointLoop, RevoluteLoop, ..., got {quoted(loops)}")
     return tuple(
@@ -129,7 +140,7 @@ def _loop_kind(constraint: Any, number: int) -> type[PointLoop | FrameLoop]:
     raise ArgumentError(f"loop {number} is a {type(constraint).__name__}; {known} expected")
 
 
-def _tool(tool: str | Sequence[str]) -> Tool:
+def _checked_tool(tool: str | Sequence[str]) -> Tool:
     if isinstance(tool, str):
         return Tool(frame=tool)
     if not isinstance(tool, Sequence) or len(tool) != 3:

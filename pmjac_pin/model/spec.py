@@ -21,7 +21,7 @@ from pmjac_pin.model.loop_spec import LOOP_KINDS, MAXIMAL_LOOPS, DistanceLoop, L
 from pmjac_pin.model.parameter import Move, Parameter
 from pmjac_pin.model.table import LONGEST_NAME, Name, TomlTable
 from pmjac_pin.model.tool_rows import WHOLE_TWIST, WORLD_AXES, ToolRows, checked_axes, checked_rows
-from pmjac_pin.values.checks import as_names, as_number
+from pmjac_pin.values.checks import LARGEST, SMALLEST, as_names, as_number
 
 if TYPE_CHECKING:
     Loops = tuple[Loop, ...]
@@ -98,6 +98,9 @@ class MechanismSpec(TomlTable, frozen=True, kw_only=True):
         one, such as a walking robot's base, at its values as in a pose; at its origin where 0.
     spherical : tuple of str
         Joints that the URDF writes as ``floating`` for want of a ball joint: they only turn.
+    helical : mapping of str to float
+        Joints that the URDF writes as ``revolute`` or ``continuous`` for want of a screw: how far
+        they slide along their axes as they turn, m/rad.
     tolerance : float or None
         The gap in m up to which the loops count as closed, for models whose loops cannot close
         exactly because their numbers are rounded; None for 1e-12 of the mechanism's length.
@@ -115,6 +118,7 @@ class MechanismSpec(TomlTable, frozen=True, kw_only=True):
     loops: Loops = msgspec.field(default=(), name="loop")
     locked: dict[Name, JointValue] = msgspec.field(default_factory=dict)
     spherical: tuple[Name, ...] = ()
+    helical: dict[Name, float] = msgspec.field(default_factory=dict)
     tolerance: float | None = None
     poses: dict[Name, dict[Name, JointValue]]
     parameters: dict[Name, Parameter] = msgspec.field(default_factory=dict)
@@ -127,6 +131,8 @@ class MechanismSpec(TomlTable, frozen=True, kw_only=True):
         _refuse_repeated("actuated", self.actuated)
         _refuse_repeated("passive", self.passive or ())
         _refuse_repeated("spherical", self.spherical)
+        for name, pitch in self.helical.items():
+            checked_pitch(name, pitch)
         if not isinstance(self.tolerance, Real | None):
             raise ArgumentError(f"`tolerance` is a number in m, got {quoted(self.tolerance)}")
         if self.tolerance is not None and not 0.0 < self.tolerance <= LARGEST_TOLERANCE:
@@ -294,6 +300,21 @@ def _held_at_number(name: str, value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, Real):
         raise ArgumentError(f"joint {quoted(name)} is locked at one number, got {quoted(value)}")
     return as_number(value, f"the value of the locked joint {quoted(name)}")
+
+
+def checked_pitch(name: str, pitch: object) -> float:
+    """Return how far a screw slides, m/rad, if that is neither nothing nor beyond measure.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    number = as_number(pitch, f"the pitch of joint {quoted(name)}")
+    size = abs(number)
+    if not SMALLEST <= size <= LARGEST:
+        limits = f"of magnitude {SMALLEST:g} to {LARGEST:g} m/rad"
+        raise ArgumentError(f"the pitch of joint {quoted(name)} is {limits}, got {number:g}")
+    return number
 
 
 def _check_length(loop: Loop, parameters: Mapping[str, Parameter]) -> None:

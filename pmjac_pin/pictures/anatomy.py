@@ -9,25 +9,22 @@ from functools import cached_property
 import numpy as np
 import pinocchio as pin
 
-from pmjac_pin.closing.machine_size import shifted
+from pmjac_pin.closing.machine_size import shifted_model
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.files.visuals import read_visuals
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
+from pmjac_pin.model.joint_kinds import kind_of
 from pmjac_pin.model.loop_between_frames import LoopBetweenFrames
 from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.pictures.bodies import Bodies, Point, Points
 from pmjac_pin.values.arrays import Array
 
-# Joints whose own origin is no place of the mechanism but where its coordinates start.
-_LOOSE = ("JointModelFreeFlyer", "JointModelPlanar", "JointModelTranslation")
-#: Joints that turn every way about one point.
-BALL_JOINTS = ("JointModelSpherical", "JointModelSphericalZYX", "JointModelUniversal")
 COINCIDENT = 1e-6  # of the mechanism's size: points nearer than this are one
 
 
 @dataclass(frozen=True, eq=False)
-class Anchors:
+class LoopAnchors:
     """A loop's two anchors, and what holds them.
 
     Attributes
@@ -62,7 +59,7 @@ class Anatomy:
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
-        self.model = shifted(mechanism.model, -mechanism.place)
+        self.model = shifted_model(mechanism.model, -mechanism.place)
         self.bodies = Bodies(self.model)
         self.home = self.bodies.placements(mechanism.home.q)
         self.visuals = read_visuals(mechanism.urdf) if mechanism.urdf else []
@@ -83,11 +80,11 @@ class Anatomy:
         return frozenset(self.model.getJointId(name) for name in self.mechanism.spec.actuated)
 
     @cached_property
-    def anchors(self) -> list[Anchors]:
+    def anchors(self) -> list[LoopAnchors]:
         """The loops between frames."""
         values = self.mechanism.parameters
         return [
-            Anchors(
+            LoopAnchors(
                 loop,
                 self.point(loop.frames[0]),
                 self.point(loop.frames[1]),
@@ -136,8 +133,13 @@ class Anatomy:
         return first, second
 
     def slides(self, joint: int) -> bool:
-        """Tell whether a joint is prismatic."""
-        return joint in self.bodies.axes and not self.bodies.axes[joint][1]
+        """Tell whether a joint slides along one axis."""
+        return joint in self.bodies.axes and self.bodies.axes[joint].slides
+
+    def ball(self, joint: int) -> bool:
+        """Tell whether a joint turns in several ways about one point."""
+        kind = kind_of(self.model.joints[joint])
+        return kind is not None and kind.ball
 
     def root(self, joint: int) -> Point:
         """Return where a joint is fixed on the body before it."""
@@ -162,11 +164,11 @@ class Anatomy:
 
     def _rests(self, joint: int, place: Array) -> bool:
         if joint in self.bodies.axes:
-            axis, turns = self.bodies.axes[joint]
-            if not turns:
+            axis = self.bodies.axes[joint]
+            if axis.slides:
                 return False
-            place = place - (axis @ place) * axis
-        elif self.model.joints[joint].shortname() not in BALL_JOINTS:
+            place = place - (axis.direction @ place) * axis.direction
+        elif not self.ball(joint):
             return False
         return bool(np.abs(place).max() <= COINCIDENT * self.size)
 
@@ -205,7 +207,8 @@ class Anatomy:
         return np.array(found).reshape(-1, 3)
 
     def _loose(self, body: int) -> bool:
-        return self.model.joints[body].shortname() in _LOOSE
+        kind = kind_of(self.model.joints[body])
+        return kind is not None and kind.loose
 
     def _links(self, body: int) -> Iterator[pin.Frame]:
         for frame in self.model.frames:

@@ -5,11 +5,14 @@ from __future__ import annotations
 import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.values.arrays import Array, Index
+
+_PARALLEL = 1e-9  # the sine of an angle, or a pitch in m/rad: less is rounding
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,6 +43,22 @@ class Points:
         return turned + chosen[:, :3, 3]
 
 
+class Axis(NamedTuple):
+    """The constant axis of a joint.
+
+    Attributes
+    ----------
+    direction : ndarray, shape (3,)
+        In the joint's own frame.
+    turns, slides : bool
+        What it does about it and along it: a screw both.
+    """
+
+    direction: Array
+    turns: bool
+    slides: bool
+
+
 class Bodies:
     """Placements and velocities of the bodies of a model; may be shared between threads.
 
@@ -50,9 +69,8 @@ class Bodies:
 
     Attributes
     ----------
-    axes : mapping of int to (ndarray of shape (3,), bool)
-        For each joint with one degree of freedom the axis in its own frame, where it is
-        constant, and whether the joint turns about it or slides along it.
+    axes : mapping of int to Axis
+        For each joint that moves along and about one axis only.
     """
 
     __slots__ = ("_data", "_lock", "axes", "model")
@@ -61,7 +79,7 @@ class Bodies:
         self.model = model
         self._data = model.createData()
         self._lock = threading.Lock()
-        self.axes: Mapping[int, tuple[Array, bool]] = _axes(model, self._data)
+        self.axes: Mapping[int, Axis] = _joint_axes(model, self._data)
 
     def placements(self, q: Array) -> Array:
         """Return oMi of all joints, the universe first, shape (njoints, 4, 4)."""
@@ -81,13 +99,16 @@ class Bodies:
         return moved
 
 
-def _axes(model: pin.Model, data: pin.Data) -> dict[int, tuple[Array, bool]]:
+def _joint_axes(model: pin.Model, data: pin.Data) -> dict[int, Axis]:
     motions = pin.computeJointJacobians(model, data, pin.neutral(model)).reshape(6, -1)
     found = {}
-    for index, joint in enumerate(model.joints):
-        if joint.nv == 1:
-            motion = data.oMi[index].actInv(pin.Motion(motions[:, joint.idx_v]))
-            turns = bool(np.abs(motion.angular).max() > 0.0)
-            axis = motion.angular if turns else motion.linear
-            found[index] = (axis / np.linalg.norm(axis), turns)
+    for index, joint in list(enumerate(model.joints))[1:]:
+        own = slice(joint.idx_v, joint.idx_v + joint.nv)
+        linear, angular = np.split(data.oMi[index].actionInverse @ motions[:, own], 2)
+        ways = np.where(angular.any(axis=0), angular, linear)
+        ways = ways / np.linalg.norm(ways, axis=0)
+        axis = ways[:, 0]
+        if (np.abs(np.cross(axis, ways.T)) <= _PARALLEL).all():
+            slides = bool((np.abs(axis @ linear) > _PARALLEL).any())
+            found[index] = Axis(axis, bool(angular.any()), slides)
     return found

@@ -22,6 +22,7 @@ from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.brief import brief
 from pmjac_pin.values.ties import first_largest
 from pmjac_pin.words.modes_report import ModeReport, ModesReport, make_modes_report
+from pmjac_pin.words.modes_tables import no_more
 from pmjac_pin.words.tables import motor_line
 
 if TYPE_CHECKING:
@@ -179,7 +180,7 @@ def _new_sheet(report: ModesReport, columns: int, height: float) -> tuple[Figure
     # Of a title in bold and a footer in a smaller type: characters to the inch.
     title = [f"Assembly modes of {report.name}"]
     title += wrapped(motor_line(report.motors), round(11.0 * width)).split("\n")
-    footer = textwrap.wrap(f"Complete? {report.found.complete.statement}.", round(17.0 * width))
+    footer = textwrap.wrap(no_more(report.found.evidence), round(17.0 * width))
     room = 0.22 * len(title) + 0.14 * len(footer) + 0.2
     size = (width, rows * (height * width / columns + _CAPTION) + room)
     figure: Any = new_figure("\n".join(title), size, fontsize=11)

@@ -95,7 +95,7 @@ def dependent_rows(scaled: Array, partition: Partition) -> dict[int, tuple[int, 
     size = partition.size_of(scaled)
     kept = independent_rows(scaled, partition.factorise(scaled, size).rank)
     dropped = np.setdiff1d(np.arange(scaled.shape[0]), kept)
-    shares = np.linalg.lstsq(scaled[kept].T, scaled[dropped].T, rcond=None)[0]
+    shares = partition.factorise(scaled[kept].T, size).solve(scaled[dropped].T, kept.size)
     parts = np.abs(shares) * np.linalg.norm(scaled[kept], axis=1)[:, None]
     return {
         int(row): tuple(map(int, kept[part > partition.rank_tolerance * size]))

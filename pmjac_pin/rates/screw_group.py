@@ -13,6 +13,7 @@ import itertools
 
 import numpy as np
 
+from pmjac_pin.rates.factorisation import factorise
 from pmjac_pin.values.arrays import Array
 
 # By the ranks of the rotations and of the pure translations among the twists.
@@ -28,6 +29,7 @@ _NAMES = {
     (3, 0): "spherical",
     (3, 3): "spatial",
 }
+_SCREWS = {(1, 0): "along a screw", (1, 2): "along parallel screws"}  # where the turns have a pitch
 
 
 def generated_algebra(twists: Array, tolerance: float) -> Array:
@@ -61,9 +63,11 @@ def generated_algebra(twists: Array, tolerance: float) -> Array:
 
 def group_name(algebra: Array, tolerance: float) -> str:
     """Return the name of the group of an algebra (6, λ)."""
-    turns = _orthonormal(algebra[3:], tolerance).shape[1]
-    dimension = algebra.shape[1]
-    return _NAMES.get((turns, dimension - turns), f"of dimension {dimension}")
+    directions, dimension = _orthonormal(algebra[3:], tolerance), algebra.shape[1]
+    ranks = (directions.shape[1], dimension - directions.shape[1])
+    if ranks in _SCREWS and np.abs(directions.T @ algebra[:3]).max() > tolerance:
+        return _SCREWS[ranks]
+    return _NAMES.get(ranks, f"of dimension {dimension}")
 
 
 def _bracket(one: Array, other: Array) -> Array:
@@ -73,6 +77,5 @@ def _bracket(one: Array, other: Array) -> Array:
 
 
 def _orthonormal(columns: Array, tolerance: float) -> Array:
-    left, values, _ = np.linalg.svd(columns, full_matrices=False)
-    basis: Array = left[:, values > tolerance]
-    return basis
+    factors = factorise(columns, 1.0, tolerance)
+    return factors.left[:, : factors.rank]

@@ -16,7 +16,7 @@ from pmjac_pin.files.output_file import check_place, write_files
 from pmjac_pin.files.source import Source, read_source
 from pmjac_pin.files.urdf.robot import Urdf, parse_urdf
 from pmjac_pin.files.user_path import followed, is_file, readable, real, shown_path, user_path
-from pmjac_pin.loading import adjusted, build
+from pmjac_pin.loading import adjusted, mechanism_of
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.spec import JointValue, MechanismSpec, encode_spec
 
@@ -78,12 +78,12 @@ def convert(
     tree = _urdf_beside(target, read)
     _check_places(target, tree, read, force)
     _check_beside(given, tree)
-    mechanism = build(source)
+    mechanism = mechanism_of(source)
     spec = msgspec.structs.replace(
         source.spec, name="", urdf=tree.name, poses=_closed_poses(mechanism)
     )
     urdf, model_file = _indented(source.urdf), _toml(spec, _comments(path, source))
-    build(Source(target, parse_model_file(model_file, target), parse_urdf(urdf, str(tree))))
+    mechanism_of(Source(target, parse_model_file(model_file, target), parse_urdf(urdf, str(tree))))
     write_files({tree: urdf.encode(), target: model_file.encode()}, replace=force)
     return target, tree
 

@@ -16,32 +16,17 @@ import pinocchio as pin
 from msgspec.structs import replace
 
 from pmjac_pin.closing.assembly import build_parts
-from pmjac_pin.closing.machine_size import shifted
+from pmjac_pin.closing.machine_size import shifted_model
 from pmjac_pin.errors import ArgumentError, quoted, unknown_name
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.linkage import Edge, build, edges_of
 from pmjac_pin.model.loop_joint import Anchor, LoopJoint, loop_joint
-from pmjac_pin.model.loop_spec import (
-    DistanceLoop,
-    FrameLoop,
-    JointLoop,
-    Loop,
-    PlanarLoop,
-    PrismaticLoop,
-    RevoluteLoop,
-    SphericalLoop,
-)
+from pmjac_pin.model.loop_spec import DistanceLoop, FrameLoop, JointLoop, Loop
 from pmjac_pin.model.spec import JointValue, MechanismSpec
 from pmjac_pin.values.arrays import Array
 
-_LOOPS = {
-    "revolute": RevoluteLoop,
-    "continuous": RevoluteLoop,
-    "prismatic": PrismaticLoop,
-    "spherical": SphericalLoop,
-    "planar": PlanarLoop,
-}
+_ALL = 6  # freedoms: such a joint holds nothing
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,7 +42,8 @@ def recut(mechanism: Mechanism, joint: str) -> Mechanism:
     """Return the same mechanism with its loops cut at another joint.
 
     The joint becomes a loop closure of its kind, and a loop that led to it a joint. A motor,
-    or a geared joint, keeps its value: it is cut behind its hub, which is welded again.
+    or a geared joint, keeps its value: it is cut behind its hub, which is welded again. So is a
+    joint of a kind that no loop closure is of: a screw, whose turns count.
     J_eq does not change; K, K* and their shapes do.
 
     Parameters
@@ -124,7 +110,9 @@ def _recut(
     turned = _turned_round(edges, held.edges[-1].child, edges[joint].child)
     cut = _cut(edges[joint], model.njoints + 1, _keeps_its_value(spec, joint), _frame_names(model))
     stay = [turned.get(name, edge) for name, edge in edges.items() if name != joint]
-    tree = shifted(build(model, [*stay, *cut.edges, *held.edges], cut.frames), mechanism.place)
+    tree = shifted_model(
+        build(model, [*stay, *cut.edges, *held.edges], cut.frames), mechanism.place
+    )
     loops = [_resolved(loop, mechanism.parameters) for loop in spec.loops if loop is not opened]
 
     def pose(q: Array) -> dict[str, JointValue]:
@@ -136,6 +124,7 @@ def _recut(
         loops=(*loops, *cut.loops),
         passive=None,
         spherical=(),
+        helical={},
         parameters={},
         poses={name: pose(q) for name, q in poses.items()},
     )
@@ -193,13 +182,13 @@ def _cut(edge: Edge, hub: int, keeps_its_value: bool, taken: Set[str]) -> _Cut:
     """Return what a joint becomes: a loop, or what it moves a hub, and the hub is welded."""
     one, other = (_unused(f"{edge.name}_{side}", taken) for side in ("child", "parent"))
     on_child = (edge.child, edge.after.inverse())
-    if keeps_its_value:
+    loop = edge.kind.loop
+    if keeps_its_value or (loop is None and edge.kind.nv < _ALL):
         driven = dataclasses.replace(edge, child=hub, after=pin.SE3.Identity())
         frames = {one: on_child, other: (hub, pin.SE3.Identity())}
         return _Cut((FrameLoop(frames=(one, other)),), frames, (driven,))
     frames = {one: on_child, other: (edge.parent, edge.before)}
-    kind = _LOOPS.get(edge.kind)
-    return _Cut((kind(frames=(one, other)),) if kind else (), frames, ())
+    return _Cut((loop(frames=(one, other)),) if loop else (), frames, ())
 
 
 def _frame_names(model: pin.Model) -> set[str]:

@@ -54,9 +54,24 @@ def _pairs(given: Any) -> list[tuple[Any, Any]] | None:
         return _zipped(given.keys(), given)
     dimensions: Any = getattr(given, "dims", ())
     coordinates: Any = getattr(given, "coords", {})
-    if len(dimensions) == 1 and dimensions[0] in coordinates:
-        return _zipped(np.asarray(coordinates[dimensions[0]]).tolist(), np.asarray(given))
+    if len(dimensions) == 1 and (labels := _labels(dimensions, coordinates)) is not None:
+        return _zipped(labels, np.asarray(given))
     return None
+
+
+def _labels(dimensions: Any, coordinates: Any) -> list[Any] | None:
+    """Return what labels the one dimension of xarray's array, under its own name or another."""
+    if dimensions[0] in coordinates:
+        return list(np.asarray(coordinates[dimensions[0]]).tolist())
+    along = [one for one in coordinates.values() if getattr(one, "dims", ()) == dimensions]
+    named = [labels for one in along if _are_names(labels := np.asarray(one).tolist())]
+    if len(named) > 1:
+        raise ArgumentError(f"values are labelled in {len(named)} ways; give them by one name each")
+    return named[0] if named else None
+
+
+def _are_names(labels: list[Any]) -> bool:
+    return all(isinstance(label, str) for label in labels)
 
 
 def _zipped(labels: Iterable[Any], values: Iterable[Any]) -> list[tuple[Any, Any]]:

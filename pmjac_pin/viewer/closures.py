@@ -10,7 +10,7 @@ import numpy as np
 from pmjac_pin.files.shapes import Cylinder, Sphere, scaled
 from pmjac_pin.model.joint_form import shifted
 from pmjac_pin.model.loop_between_frames import Opening
-from pmjac_pin.pictures.anatomy import Anatomy, Anchors
+from pmjac_pin.pictures.anatomy import Anatomy, LoopAnchors
 from pmjac_pin.pictures.bodies import Points
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.viewer.items import Carried, Part, between
@@ -135,7 +135,7 @@ def _pins(anatomy: Anatomy) -> Iterator[Carried]:
             yield Part(f"loops/{number}/{name}", Cylinder(), colour), point.body, place
 
 
-def _rod_radius(anchors: Anchors) -> float:
+def _rod_radius(anchors: LoopAnchors) -> float:
     if anchors.loop.opening == "along":
         return SLIDE_RADIUS
     return ROD_RADIUS if anchors.length > 0.0 else 0.0

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from pmjac_pin.files.shapes import Box, Colour, Cone, Cylinder, Shape, Sphere, scaled
-from pmjac_pin.pictures.anatomy import BALL_JOINTS, Anatomy
+from pmjac_pin.pictures.anatomy import Anatomy
 from pmjac_pin.pictures.bodies import Point, Points
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.viewer.items import Part, between
@@ -28,7 +28,7 @@ SLIDER = 0.05
 BALL_RADIUS = 0.03
 RAIL_RADIUS = 0.008
 FRAME_LENGTH = 0.15
-LETTERS = 0.055
+MOTOR_LETTERS = 0.055
 
 
 def joint_layer(anatomy: Anatomy) -> Attached:
@@ -40,13 +40,16 @@ def joint_layer(anatomy: Anatomy) -> Attached:
 
 
 def rail_layer(anatomy: Anatomy) -> Lines:
-    """Return what prismatic joints slide on: a bar from where they are fixed to where they are.
+    """Return what joints slide on along an axis: a bar from where they are fixed to where they are.
 
     A slide whose body has visuals is seen without.
     """
     drawn = anatomy.drawn_by_visuals
     sliding = [joint for joint in anatomy.joints if anatomy.slides(joint) and joint not in drawn]
-    parts = [Part(f"{_path(anatomy, j)}/rail", Cylinder(), _colour(anatomy, j)) for j in sliding]
+    parts = [
+        Part(f"{_joint_path(anatomy, j)}/rail", Cylinder(), _joint_colour(anatomy, j))
+        for j in sliding
+    ]
     return Lines(
         parts=distinct_parts(parts),
         starts=Points.of([anatomy.root(joint) for joint in sliding]),
@@ -64,7 +67,7 @@ def motor_names(anatomy: Anatomy) -> MidwayLabels:
         parts=distinct_parts([words(f"names/{part_of_path(name)}", name, WORDS) for name in names]),
         starts=Points.of([anatomy.root(motor) for motor in motors]),
         ends=Points.of([Point(motor, np.zeros(3)) for motor in motors]),
-        height=LETTERS * anatomy.size,
+        height=MOTOR_LETTERS * anatomy.size,
     )
 
 
@@ -84,16 +87,16 @@ def tool_layer(anatomy: Anatomy) -> Attached:
 
 def _glyphs(anatomy: Anatomy) -> Iterator[tuple[Part, int, Array]]:
     for joint in anatomy.joints:
-        path, colour = _path(anatomy, joint), _colour(anatomy, joint)
+        path, colour = _joint_path(anatomy, joint), _joint_colour(anatomy, joint)
         if joint in anatomy.bodies.axes:
             name, shape, place = _along_axis(anatomy, joint)
             yield Part(f"{path}/{name}", shape, colour), joint, place
-        elif anatomy.model.joints[joint].shortname() in BALL_JOINTS:
+        elif anatomy.ball(joint):
             yield Part(f"{path}/ball", Sphere(), colour), joint, scaled(BALL_RADIUS * anatomy.size)
 
 
 def _along_axis(anatomy: Anatomy, joint: int) -> tuple[str, Shape, Array]:
-    axis, turns = anatomy.bodies.axes[joint]
+    axis, turns, _ = anatomy.bodies.axes[joint]
     size = anatomy.size
     length = (PIN_LENGTH if turns else SLIDER) * size
     radius = (PIN_RADIUS if turns else SLIDER) * size
@@ -102,10 +105,10 @@ def _along_axis(anatomy: Anatomy, joint: int) -> tuple[str, Shape, Array]:
     return ("pin", Cylinder(), place) if turns else ("slider", Box(), place)
 
 
-def _path(anatomy: Anatomy, joint: int) -> str:
+def _joint_path(anatomy: Anatomy, joint: int) -> str:
     kind = "motors" if joint in anatomy.motors else "joints"
     return f"{kind}/{part_of_path(str(anatomy.model.names[joint]))}"
 
 
-def _colour(anatomy: Anatomy, joint: int) -> Colour:
+def _joint_colour(anatomy: Anatomy, joint: int) -> Colour:
     return MOTOR if joint in anatomy.motors else JOINT

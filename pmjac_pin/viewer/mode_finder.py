@@ -21,7 +21,7 @@ from pmjac_pin.viewer.messages import FindModes, Modes, ModesCommand, ShowMode, 
 from pmjac_pin.viewer.session import Session
 from pmjac_pin.viewer.worker import Worker
 from pmjac_pin.words.modes_report import ModeReport, make_modes_report
-from pmjac_pin.words.modes_tables import count
+from pmjac_pin.words.modes_tables import count, no_more
 
 _logger = logging.getLogger(__name__)
 
@@ -47,7 +47,7 @@ class _SearchOutcome:
         try:
             modes = find_modes(mechanism, theta, np.random.default_rng(seed), True, aim)
             report = make_modes_report(mechanism, theta, modes)
-            text = f"{count(report)} Complete? {modes.complete.statement}."
+            text = f"{count(report)} {no_more(modes.evidence)}"
             told = tuple(mode.told() for mode in report.modes)
             return cls(text, modes, report.modes, told, Recognition(modes))
         except PmjacError as error:

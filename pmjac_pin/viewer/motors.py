@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.model.joint_kinds import pitch_of
 from pmjac_pin.viewer.messages import Motor
 
 #: A motor without limits takes no value beyond this, m or rad.
@@ -25,12 +26,15 @@ def motors_of(mechanism: Mechanism) -> tuple[Motor, ...]:
     motors = []
     for name, home in zip(mechanism.actuated, mechanism.home.actuated.tolist(), strict=True):
         unit, (lower, upper) = mechanism.units[name], mechanism.limits(name)
-        if model.joints[model.getJointId(name)].nq == 2:  # cosine and sine: it turns endlessly
+        joint = model.joints[model.getJointId(name)]
+        pitch = abs(pitch_of(joint))
+        if joint.nq == 2:  # cosine and sine: it turns endlessly
             reach, middle = math.pi, 0.0
-        elif unit == "rad":
+        elif unit == "rad" and not pitch:
             reach, middle = 2.0 * math.pi, 0.0
         else:
-            reach, middle = 2.0 * mechanism.characteristic_length, home
+            slide, middle = 2.0 * mechanism.characteristic_length, home
+            reach = min(slide / (pitch or 1.0), 0.5 * WIDEST_SLIDER)
         limited = max(-lower, upper) < _ENDLESS
         low = lower if lower > -_ENDLESS else middle - reach
         high = upper if upper < _ENDLESS else middle + reach

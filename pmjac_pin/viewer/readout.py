@@ -16,14 +16,14 @@ from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.singularity import Singularity
 from pmjac_pin.values.arrays import Array, norm
-from pmjac_pin.viewer.free_motion import NEAR_SINGULAR, easiest_motions
+from pmjac_pin.viewer.free_motion import ALMOST_SINGULAR, easiest_motions
 from pmjac_pin.viewer.tool_ranks import ToolRanks
 from pmjac_pin.words.labelled import SHOWN_AS_ZERO
 
-Vector = tuple[float, ...]
+Values = tuple[float, ...]
 
 
-_KINDS = {
+_SINGULARITIES = {
     "gain": "a gain (parallel) singularity",
     "loss": "a loss (serial) singularity",
     "gain and loss": "a gain and loss singularity",
@@ -47,8 +47,8 @@ class Section(msgspec.Struct, frozen=True):
     """
 
     plane: str
-    radii: Vector
-    axes: tuple[Vector, ...]
+    radii: Values
+    axes: tuple[Values, ...]
 
 
 class Nearness(msgspec.Struct, frozen=True):
@@ -95,8 +95,8 @@ class Readout(msgspec.Struct, frozen=True, kw_only=True):
         Why J_eq does not exist here.
     """
 
-    Jv_singular_values: Vector | None
-    Jw_singular_values: Vector | None
+    Jv_singular_values: Values | None
+    Jw_singular_values: Values | None
     smallest: float | None
     condition: float | None
     loops: bool
@@ -104,7 +104,7 @@ class Readout(msgspec.Struct, frozen=True, kw_only=True):
     generic_tool_rank: int
     judged: tuple[str, str]
     residual: float
-    J_eq: tuple[Vector, ...] | None
+    J_eq: tuple[Values, ...] | None
     sections: tuple[Section, ...] | None
     warning: Nearness
     beyond: str
@@ -196,14 +196,16 @@ def _warning(
     ranks: ToolRanks | None,
 ) -> Nearness:
     if singularity.kind != "regular":
-        return Nearness("singular", f"At {_KINDS[singularity.kind]}{_consequence(singularity)}.")
-    if singularity.smallest < NEAR_SINGULAR:
-        names = _moving(singularity.passive_names, easiest_motions(configuration)[:, 0])
+        return Nearness(
+            "singular", f"At {_SINGULARITIES[singularity.kind]}{_consequence(singularity)}."
+        )
+    if singularity.smallest < ALMOST_SINGULAR:
+        names = _moving_names(singularity.passive_names, easiest_motions(configuration)[:, 0])
         text = f"Near a gain singularity: with all motors locked, {names} almost come free."
         return Nearness("near", text)
     if jacobian is None:
         return Nearness("regular", "")
-    if _tool_share(configuration, jacobian) < NEAR_SINGULAR:
+    if _tool_share(configuration, jacobian) < ALMOST_SINGULAR:
         text = f"the tool almost loses a motion, judged on {singularity.tool_rows}"
         return Nearness("near", f"Near a loss singularity: {text}.")
     loss = (ranks or ToolRanks.of(configuration.mechanism)).loss(jacobian)
@@ -212,14 +214,14 @@ def _warning(
 
 def _consequence(singularity: Singularity) -> str:
     if singularity.gained > 0:
-        names = _moving(singularity.passive_names, singularity.free_motions[:, 0])
+        names = _moving_names(singularity.passive_names, singularity.free_motions[:, 0])
         return f": with all motors locked, {names} come free"
     if singularity.lost > 0:
         return f": the tool has lost a motion, judged on {singularity.tool_rows}"
     return ": branches of motion meet here"
 
 
-def _moving(names: tuple[str, ...], rates: Array) -> str:
+def _moving_names(names: tuple[str, ...], rates: Array) -> str:
     """Name the joints that take part in a motion: those above 5 % of the largest rate."""
     largest = np.abs(rates).max()
     moving = [n for n, r in zip(names, rates, strict=True) if abs(r) > 0.05 * largest]
@@ -237,5 +239,5 @@ def _tool_share(configuration: Configuration, jacobian: EquivalentJacobian) -> f
     scaled = scaled[rows.linear + rows.angular]
     if not rank or not norm(scaled):
         return 1.0
-    values = np.linalg.svd(scaled, compute_uv=False)
+    values = partition.factorise(scaled, norm(scaled)).singular_values
     return float(values[rank - 1] / values[0]) if rank <= values.size else 1.0

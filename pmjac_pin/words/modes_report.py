@@ -88,7 +88,7 @@ class ModeReport:
             **told(self, "det_K_star", "sign", "share", "ways", "mirror_image", "operation_mode"),
             "certificate": {
                 "certified": bool(certificate),
-                **told(certificate, "existence_radius", "uniqueness_radius", "statement"),
+                **told(certificate, "existence_radius", "uniqueness_radius", "evidence"),
             },
         }
 
@@ -133,7 +133,7 @@ class ModesReport:
             "parameters": parameters_told(self.mechanism),
             "characteristic_length": self.mechanism.characteristic_length,
             **told(self, "motors", "limits"),
-            **told(self.found, "starts", "complete"),
+            **told(self.found, "starts", "evidence"),
             "solutions": solutions and solutions_told(solutions, self.operation_modes),
             "modes": [mode.told() for mode in self.modes],
         }
@@ -194,9 +194,9 @@ def solutions_told(
         "count": found.count,
         "real": len(found.real),
         **told(found, "certified", "at_infinity", "singular"),
-        "statement": found.complete.statement,
+        "evidence": found.evidence,
         "operation_modes": operation_modes.sizes if operation_modes else (),
-        "operation_statement": operation_modes.complete.statement if operation_modes else "",
+        "operation_evidence": operation_modes.evidence if operation_modes else None,
     }
 
 

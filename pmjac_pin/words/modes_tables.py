@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from scipy.spatial.transform import Rotation
 
+from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
 from pmjac_pin.studies.homotopy.operation_modes import OperationModes
 from pmjac_pin.values.brief import brief
@@ -31,10 +32,10 @@ def modes_blocks(report: ModesReport) -> Iterator[Block]:
         yield _table(report)
         yield Paragraph(_legend(report))
         yield _tools(report)
-    complete = report.found.complete.statement
-    yield Paragraph(f"Complete? {complete}.")
+    evidence = report.found.evidence
+    yield Paragraph(no_more(evidence))
     if report.solutions is not None:
-        yield _solutions(report.solutions, complete)
+        yield _solutions(report.solutions, evidence)
     if report.operation_modes:
         yield _operation_modes(report.operation_modes)
 
@@ -63,27 +64,31 @@ def count(report: ModesReport) -> str:
     return f"{found or 'No'} assembly mode{'s' * (found != 1)} {within}{turned}."
 
 
+def no_more(evidence: Evidence) -> str:
+    """Say in a sentence what it rests on that no mode is missing."""
+    return f"That there are no more rests on {evidence}."
+
+
 def _legend(report: ModesReport) -> str:
     if all(mode.ways == 1 for mode in report.modes):
         return MODES_LEGEND
     return f"{MODES_LEGEND[:-1]}; ways, in how many its bodies fit: some turn over unseen."
 
 
-def _solutions(found: ComplexModes, complete: str) -> Paragraph:
+def _solutions(found: ComplexModes, of_modes: Evidence) -> Paragraph:
     """Say how many solutions there are over the complex numbers."""
     many = "is 1 solution" if found.count == 1 else f"are {found.count} solutions"
     text = f"Over the complex numbers there {many}; {len(found.real)} real, limits left aside; "
     text += f"{found.certified} proven to be there"
-    # Where it settles the modes, its statement has just been made.
-    statement = found.complete.statement
-    return Paragraph(text + ("." if statement == complete else f" ({statement})."))
+    # Where it settles the modes, its evidence has just been told.
+    return Paragraph(text + ("." if found.evidence == of_modes else f" ({found.evidence})."))
 
 
 def _operation_modes(found: OperationModes) -> Paragraph:
     """Say how the solutions hang together."""
     return Paragraph(
         "Operation modes, by how many of the solutions at almost all motor values they have: "
-        f"{', '.join(map(str, found.sizes))} ({found.complete.statement})."
+        f"{', '.join(map(str, found.sizes))} ({found.evidence})."
     )
 
 

@@ -58,7 +58,7 @@ def joint_of(model: Any, number: int, name: str) -> MjcfJoint:
     """Return the joint of this number of a mujoco.MjModel."""
     kind = JOINT_TYPES[model.jnt_type[number]]
     start = int(model.jnt_qposadr[number])
-    qpos = slice(start, start + {"free": 7, "ball": 4}.get(kind, 1))
+    qpos = slice(start, start + {"free": 7, "ball": 4, "slide": 1, "hinge": 1}[kind])
     lower, upper = model.jnt_range[number].tolist()
     return MjcfJoint(
         name=name,

@@ -36,12 +36,15 @@ class Compiled:
         The geoms that would need another file.
     unknown_mass : frozenset of int
         Bodies of which a mesh would make the mass.
+    rotors : tuple of int
+        Joints that have an inertia of their own.
     """
 
     model: Any
     equalities: tuple[str, ...]
     meshes: frozenset[int]
     unknown_mass: frozenset[int]
+    rotors: tuple[int, ...]
 
 
 def compiled(file: MjcfFile) -> Compiled:
@@ -60,6 +63,7 @@ def compiled(file: MjcfFile) -> Compiled:
     _check_names(mujoco, spec, labels)
     _check_values(spec)
     meshes = _without_meshes(mujoco, spec)
+    rotors = [joint for joint in spec.joints if joint.armature]
     for joint in spec.joints:
         joint.armature = _HEAVY  # the mass matrix, which nobody reads, must not be singular
     with _refusals(root):
@@ -69,6 +73,7 @@ def compiled(file: MjcfFile) -> Compiled:
         equalities=labels,
         meshes=frozenset(geom.id for geom, _ in meshes),
         unknown_mass=frozenset(geom.parent.id for geom, heavy in meshes if heavy),
+        rotors=tuple(joint.id for joint in rotors),
     )
 
 

@@ -64,7 +64,7 @@ body name pos quat axisangle euler xyaxes zaxis childclass mocap fuse* gravcomp*
   flexcomp replicate
 inertial mass diaginertia fullinertia pos quat axisangle euler xyaxes zaxis
 joint name class type pos axis ref range limited actuatorfrclimited* actuatorfrcrange*
-  actuatorgravcomp* armature* damping* frictionloss* group* margin* solimpfriction* solimplimit*
+  actuatorgravcomp* armature damping* frictionloss* group* margin* solimpfriction* solimplimit*
   solreffriction* solreflimit* springdamper* springref* springyield* stiffness* user*
 freejoint name align group*
 geom name class pos quat axisangle euler xyaxes zaxis type size fromto mesh mass density group

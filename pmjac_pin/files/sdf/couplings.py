@@ -14,7 +14,8 @@ from pmjac_pin.files.vocabulary import spelt
 from pmjac_pin.files.xml_text import label, numbers, numbers_in, only
 from pmjac_pin.model.loop_spec import JointLoop
 
-_PARALLEL = 1e-6
+_PARALLEL_AXES = 1e-6
+_TURNING = ("revolute", "continuous", "screw")
 
 
 def coupling(gearbox: SdfJoint, tree: Sequence[SdfJoint]) -> JointLoop:
@@ -62,7 +63,7 @@ def _turning(
     for joint in tree:
         if len(joint.axes) == 1 and {joint.parent, joint.child} == {body, link}:
             along = float(wanted @ joint.placement.rotation @ joint.axes[0].direction)
-            if abs(abs(along) - 1.0) < _PARALLEL and joint.kind != "prismatic":
+            if abs(abs(along) - 1.0) < _PARALLEL_AXES and joint.kind in _TURNING:
                 return joint.name, float(np.sign(along)) * (1.0 if joint.child == link else -1.0)
     what = f"{label(gearbox.element)}: no joint of the tree turns {link!r} against {body!r}"
     raise ModelFileError(f"{what} about the axis that the gearbox gives")
@@ -98,7 +99,7 @@ def _of_axes(
                 continue
             leader = _freedom(where, mimic.get("joint", ""), mimic.get("axis", "axis"), freedoms)
             ratio, offset, reference = (
-                _number(where, mimic, tag, default)
+                _gear_number(where, mimic, tag, default)
                 for tag, default in (("multiplier", "1"), ("offset", "0"), ("reference", "0"))
             )
             yield where, _gear(where, (leader, follower), ratio, offset - ratio * reference)
@@ -121,7 +122,7 @@ def _of_plugins(
             for tag in ("joint", "mimicJoint")
         )
         ratio, offset = (
-            _number(where, plugin, tag, default)
+            _gear_number(where, plugin, tag, default)
             for tag, default in (("multiplier", "1"), ("offset", "0"))
         )
         yield where, _gear(where, (leader, follower), ratio, offset)
@@ -147,5 +148,5 @@ def _freedom(where: str, joint: str, axis: str, freedoms: Mapping[str, tuple[str
     return known[axis]
 
 
-def _number(where: str, parent: Element, tag: str, default: str) -> float:
+def _gear_number(where: str, parent: Element, tag: str, default: str) -> float:
     return numbers_in(f"{where}, <{tag}>", text_of(where, parent, tag) or default)[0]

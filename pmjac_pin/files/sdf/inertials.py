@@ -14,6 +14,7 @@ from pmjac_pin.files.sdf.frames import Frames, pose, truth
 from pmjac_pin.files.sdf.joints import text_of
 from pmjac_pin.files.xml_text import label, numbers_in, only
 
+_ONES = ("mass", "inertia/ixx", "inertia/iyy", "inertia/izz")  # of which the default is 1
 _DEFAULTS = {"ixx": "1", "ixy": "0", "ixz": "0", "iyy": "1", "iyz": "0", "izz": "1"}
 
 
@@ -28,6 +29,7 @@ def read_inertias(
         A number that is none, or a mass below zero.
     """
     found, without, computed = {}, [], []
+    partly: dict[str, list[str]] = {}
     for link in links:
         name, where = link.get("name", ""), f"{label(link)}, <inertial>"
         inertial = only(label(link), link, "inertial")
@@ -38,7 +40,12 @@ def read_inertias(
             computed.append(name)
         else:
             found[name] = _inertia(where, inertial, name, frames)
-    notes = []
+            missing = [tag for tag in _ONES if inertial.find(tag) is None]
+            if missing and name not in without:
+                tags = ", ".join(f"<{tag.rpartition('/')[2]}>" for tag in missing)
+                partly.setdefault(tags, []).append(name)
+    one = "SDFormat's default, 1, is taken"
+    notes = [f"no {tags} is given for {listed(names)}: {one}" for tags, names in partly.items()]
     if without:
         default = "SDFormat's default, 1 kg and 1 kg m², is taken"
         notes.append(f"no <inertial> is given for {listed(without)}: {default}")

@@ -16,6 +16,7 @@ from pmjac_pin.files.joint_dialects import WITHOUT_LIMIT
 from pmjac_pin.files.sdf.frames import MODEL, WORLD, Frames, pose, truth
 from pmjac_pin.files.urdf.checks import SHORTEST_AXIS
 from pmjac_pin.files.xml_text import label, numbers_in, only, written
+from pmjac_pin.values.checks import LARGEST, SMALLEST
 
 ENDS = ("parent", "child")
 AXIS_TAGS = ("axis", "axis2")
@@ -24,6 +25,7 @@ AXES: Mapping[str, int] = {
     "revolute": 1,
     "continuous": 1,
     "prismatic": 1,
+    "screw": 1,
     "ball": 0,
     "fixed": 0,
     "universal": 2,
@@ -63,6 +65,8 @@ class SdfJoint:
         As many as `AXES` says.
     element : Element
         What else the file says of it.
+    pitch : float
+        Of a screw, m/rad.
     """
 
     name: str
@@ -72,6 +76,7 @@ class SdfJoint:
     placement: pin.SE3
     axes: tuple[Axis, ...]
     element: Element
+    pitch: float = 0.0
 
 
 def read_joint(element: Element, frames: Frames, version: tuple[int, int]) -> SdfJoint:
@@ -94,8 +99,9 @@ def read_joint(element: Element, frames: Frames, version: tuple[int, int]) -> Sd
     relative_to, local = pose(where, element, end_of(element, "child"))
     placement = frames.placement(relative_to, where) * local
     tags = AXIS_TAGS[: AXES[kind]]
-    axes = tuple(_axis(element, tag, placement, frames, version) for tag in tags)
-    return SdfJoint(name, kind, parent, child, placement, axes, element)
+    axes = tuple(_joint_axis(element, tag, placement, frames, version) for tag in tags)
+    pitch = _pitch(where, element) if kind == "screw" else 0.0
+    return SdfJoint(name, kind, parent, child, placement, axes, element, pitch)
 
 
 def freedom_names(joint: SdfJoint) -> tuple[str, ...]:
@@ -122,7 +128,23 @@ def text_of(where: str, parent: Element, tag: str) -> str | None:
     return None if element is None else (element.text or "").strip()
 
 
-def _axis(
+def _pitch(where: str, joint: Element) -> float:
+    """Return the pitch of a screw, m/rad, right-handed.
+
+    <screw_thread_pitch> has it in m per turn, <thread_pitch> the inverse in rad/m of a left-handed
+    one; the former counts where both are given.
+    """
+    for tag in ("screw_thread_pitch", "thread_pitch"):
+        if text := text_of(where, joint, tag):
+            (given,) = numbers_in(f"{where}, <{tag}>", text)
+            if not SMALLEST <= abs(given) <= LARGEST:
+                limits = f"is {given:g}; a screw's is of magnitude {SMALLEST:g} to {LARGEST:g}"
+                raise ModelFileError(f"{where}, <{tag}> {limits}")
+            return given / math.tau if tag == "screw_thread_pitch" else -1.0 / given
+    raise ModelFileError(f"{where} is a screw and has no <screw_thread_pitch>, in m per turn")
+
+
+def _joint_axis(
     joint: Element, tag: str, placement: pin.SE3, frames: Frames, version: tuple[int, int]
 ) -> Axis:
     where = f"{label(joint)}, <{tag}>"
@@ -138,7 +160,7 @@ def _axis(
     if seen_from is not None:
         turn = frames.placement(seen_from, f"{where}, <xyz>").rotation
         direction = placement.rotation.T @ turn @ direction
-    return Axis(direction / length, _limits(where, element))
+    return Axis(direction / length, _axis_limits(where, element))
 
 
 def _expressed_in(
@@ -157,7 +179,7 @@ def _expressed_in(
     return MODEL if truth(f"{where}, <use_parent_model_frame>", flag) else None
 
 
-def _limits(where: str, axis: Element) -> tuple[float, float]:
+def _axis_limits(where: str, axis: Element) -> tuple[float, float]:
     """Return the limits; one beyond 1e16, or infinite, is none, as in SDFormat."""
     where, limit = f"{where}, <limit>", only(where, axis, "limit")
     found = []

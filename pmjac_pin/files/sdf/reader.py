@@ -23,14 +23,15 @@ from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.files.xml_text import parse_xml
 from pmjac_pin.model.loop_spec import JointLoop
 
-MAXIMAL_SIZE = 20_000_000  # bytes
+MAXIMAL_SDF = 20_000_000  # bytes
 
 
 def read_sdf(path: Path, motors: Collection[str] = ()) -> ForeignModel:
     """Read an SDFormat file with one model.
 
     Of several joints with the same child the first in the file stays in the tree, and the others
-    become loops of their kind: revolute, prismatic, spherical, universal or frame. Where no joint
+    become loops of their kind: revolute, prismatic, spherical, universal or frame; a screw is cut
+    behind its hub. Where no joint
     holds a link to the world, the canonical link, or else the first that is no joint's child, is
     held at its pose in the file. Links that no joint joins to it are left out.
 
@@ -45,7 +46,7 @@ def read_sdf(path: Path, motors: Collection[str] = ()) -> ForeignModel:
     ModelFileError
         The message starts with the file's path and names the element at fault.
     """
-    text = read_text(path, MAXIMAL_SIZE)
+    text = read_text(path, MAXIMAL_SDF)
     with at_file(str(path)):
         return _foreign_model(read_model(parse_xml(text)), path, motors)
 
@@ -83,15 +84,16 @@ def _foreign_model(model: SdfModel, path: Path, motors: Collection[str]) -> Fore
     return ForeignModel(
         name=model.name or path.stem,
         urdf=Urdf.of(tree.urdf.robot, str(path)),
-        loops=(*tree.loops, *couplings, *_within(mimics, kept)),
+        loops=(*tree.loops, *couplings, *_within_tree(mimics, kept)),
         spherical=tuple(tree.spherical),
+        helical=tree.helical,
         home=tree.home,
         notes=(*model.notes, *_notes(graph, joints, tree)),
         unread=model.unread,
     )
 
 
-def _within(mimics: Iterable[JointLoop], kept: Sequence[SdfJoint]) -> Iterator[JointLoop]:
+def _within_tree(mimics: Iterable[JointLoop], kept: Sequence[SdfJoint]) -> Iterator[JointLoop]:
     """Yield the couplings of joints that are in the tree: the others' links are left out."""
     names = {name for joint in kept for name in freedom_names(joint)}
     for loop in mimics:
@@ -137,6 +139,8 @@ def _notes(graph: SpanningTree, joints: Sequence[SdfJoint], tree: SdfTree) -> It
     for joint in (joints[number] for number in graph.cut):
         other = f"joint {above[joint.child]!r}" if joint.child in above else "the base"
         cut = f"joint {joint.name!r} is cut into a loop of kind {joint.kind}, without its limits"
+        if joint.kind == "screw":
+            cut = f"joint {joint.name!r} is cut behind its hub, which a frame loop holds"
         yield f"{cut}: {other} holds its child {joint.child!r} already"
     for name, value in tree.home.items():
         yield f"the file has joint {name!r} at 0, outside its limits: home starts at {value:g}"

@@ -30,7 +30,7 @@ from pmjac_pin.model.loop_spec import (
     UniversalLoop,
 )
 
-_SAME = 1e-12  # m or rad: rounding of one frame's placement in another
+_SAME_PLACE = 1e-12  # m or rad: rounding of one frame's placement in another
 _PERPENDICULAR = 1e-6  # a universal joint's loop assumes axes that are perpendicular
 
 
@@ -48,6 +48,8 @@ class SdfTree:
     urdf : TreeUrdf
     loops : list of Loop
     spherical : list of str
+    helical : dict of str to float
+        The screws' pitches, m/rad.
     home : dict of str to float
         The nearest to zero, for joints whose limits leave zero out.
     """
@@ -59,6 +61,7 @@ class SdfTree:
         self.urdf = TreeUrdf(model.name, WORLD, model.links[WORLD], taken)
         self.loops: list[Loop] = []
         self.spherical: list[str] = []
+        self.helical: dict[str, float] = {}
         self.home: dict[str, float] = {}
 
     def add(self, joint: SdfJoint, branch: Branch) -> None:
@@ -71,7 +74,7 @@ class SdfTree:
             self.spherical.append(joint.name)
         elif len(joint.axes) == 1:
             ends = (branch.above, self._body(joint, branch.below))
-            self._moving(joint.name, joint.kind, ends, _seen(joint.axes[0], branch.turned))
+            self._single(joint, ends, _seen(joint.axes[0], branch.turned))
         else:
             self._add_cross(joint, branch)
 
@@ -81,6 +84,10 @@ class SdfTree:
             self.urdf.fixed(link, self._at(joint, link), joint.placement)
             for link in (joint.parent, joint.child)
         )
+        if joint.kind == "screw":  # its turns count: it moves a hub, which is welded to the link
+            hub = self.urdf.link(self.urdf.unused(f"{joint.name}_hub"), joint.placement)
+            self._single(joint, (first, hub), joint.axes[0])
+            first = hub
         self.loops.append(_loop(joint, (first, second)))
 
     def tie(self, tie: PointTie, number: int) -> None:
@@ -110,11 +117,18 @@ class SdfTree:
     def _body(self, joint: SdfJoint, link: str) -> str:
         """Add a link of the URDF at the joint's frame, and the model's link fixed to it."""
         offset = self._links[link].actInv(joint.placement)
-        if offset.isIdentity(_SAME):
+        if offset.isIdentity(_SAME_PLACE):
             return self.urdf.link(link, joint.placement)
         body = self.urdf.link(self._at(joint, link), joint.placement)
         self.urdf.fixed(body, link, self._links[link])
         return body
+
+    def _single(self, joint: SdfJoint, ends: tuple[str, str], axis: Axis) -> None:
+        """Add a joint of one degree of freedom."""
+        kind = joint.kind
+        if kind == "screw":
+            kind, self.helical[joint.name] = "revolute", joint.pitch
+        self._moving(joint.name, kind, ends, axis)
 
     def _moving(self, name: str, kind: str, ends: tuple[str, str], axis: Axis) -> None:
         kind = "revolute" if kind == "continuous" and name in self._counted else kind
@@ -143,7 +157,7 @@ def _seen(axis: Axis, turned: bool) -> Axis:
 def _loop(joint: SdfJoint, frames: tuple[str, str]) -> Loop:
     directions = [(float(x), float(y), float(z)) for x, y, z in (a.direction for a in joint.axes)]
     match joint.kind:
-        case "fixed":
+        case "fixed" | "screw":
             return FrameLoop(frames=frames)
         case "ball":
             return SphericalLoop(frames=frames)

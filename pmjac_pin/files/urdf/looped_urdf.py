@@ -22,7 +22,7 @@ from pmjac_pin.files.joint_dialects import (
     independence,
     opened_limits,
 )
-from pmjac_pin.files.massless import massless_bodies, without_mass
+from pmjac_pin.files.massless import mass_notes
 from pmjac_pin.files.sdf.plugins import is_detachable
 from pmjac_pin.files.sdf.vocabulary import SDF_WORDS
 from pmjac_pin.files.text_file import at_file, read_text
@@ -118,7 +118,7 @@ def read_robot(
     home, home_notes = home_within_limits(cut.checked, cut.kept)
     closing_notes = _closing_notes(closings, cut.kept)
     urdf = Urdf.of(robot, str(path))
-    massless = without_mass(massless_bodies(urdf, set(names) - set(added)))
+    massless = mass_notes(urdf, set(names) - set(added))
     return ForeignModel(
         name=path.stem,
         urdf=urdf,

@@ -18,7 +18,8 @@ from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.partition import Partition, independent_rows
 from pmjac_pin.studies.certificates.equations import LoopEquations
-from pmjac_pin.studies.certificates.krawczyk import RADII, block_norms, radii
+from pmjac_pin.studies.evidence import Evidence
+from pmjac_pin.studies.krawczyk import RADII, block_norms, radii
 from pmjac_pin.values.arrays import Array, Index
 
 # Those of a mechanism are written once, for all its poses.
@@ -62,10 +63,10 @@ class Certificate:
         return not self.failed
 
     @property
-    def statement(self) -> str:
-        """What is proven, in one sentence."""
+    def evidence(self) -> Evidence:
+        """What is proven."""
         if self.failed:
-            return f"nothing is proven: {self.failed}"
+            return Evidence("nothing", self.failed)
         parts = [
             f"an exact solution exists within {self.existence_radius:.2g} rad, "
             f"the only one within {self.uniqueness_radius:.2g} rad"
@@ -75,7 +76,7 @@ class Certificate:
         if self.left_out:
             rows = f"{len(self.left_out)} dependent row" + "s" * (len(self.left_out) > 1)
             parts.append(f"of all rows but {rows}, which it solves to {self.left_out_gap:.2g} m")
-        return "; ".join(parts)
+        return Evidence("proof", "; ".join(parts))
 
 
 def certify(configuration: Configuration) -> Certificate:
@@ -120,7 +121,7 @@ def certify(configuration: Configuration) -> Certificate:
     try:
         equations = _equations(mechanism)
     except ArgumentError as error:
-        return _nothing(str(error))
+        return _no_certificate(str(error))
     names, partition = mechanism.rows, mechanism.problem.partition
     # Where A is beyond all bounds, so are Y and Z₁, and nothing is proven.
     with precise(), np.errstate(over="ignore", invalid="ignore"):
@@ -138,7 +139,7 @@ def _equations(mechanism: Mechanism) -> LoopEquations:
     return equations
 
 
-def _nothing(reason: str) -> Certificate:
+def _no_certificate(reason: str) -> Certificate:
     return Certificate(math.inf, 0.0, reason)
 
 
@@ -148,13 +149,13 @@ def _certified(
     at = equations.at(q)
     residual, around = equations.residual(at, q), equations.around(at, RADII, partition.length)
     scaled = around.jacobian.middle[0] * partition.row_scale[:, None]
-    rows, columns = _independent(scaled, partition.passive_rank)
+    rows, columns = _independent_square(scaled, partition.passive_rank)
     groups = equations.unknowns.groups
     found = radii(residual[rows], around.jacobian[:, rows], columns, groups)
     if found.failed:
-        return _nothing(found.failed)
+        return _no_certificate(found.failed)
     if not around.cosine[found.ball] > 0.0:
-        return _nothing(
+        return _no_certificate(
             "axes of a loop must be less than a quarter turn apart, for its rows vanish at half "
             f"a turn, too: the cosine between them may be {around.cosine[found.ball]:.3g}"
         )
@@ -171,7 +172,7 @@ def _certified(
     )
 
 
-def _independent(scaled: Array, rank: int) -> tuple[Index, Index]:
+def _independent_square(scaled: Array, rank: int) -> tuple[Index, Index]:
     """Return rows and columns of a square system of this rank."""
     rows = independent_rows(scaled, rank)
     return rows, independent_rows(scaled[rows].T, rank)

@@ -13,10 +13,10 @@ from flint import arb
 from pmjac_pin.algebra.balls import ZERO, BallArray, exactly
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.algebra.jets import Jets
-from pmjac_pin.kinematics.joints import Motion
 from pmjac_pin.kinematics.loops import Loops
 from pmjac_pin.kinematics.tree import Link, Poses, Tree
 from pmjac_pin.model.coupling import Coupling
+from pmjac_pin.model.joint_kind import Motion
 from pmjac_pin.model.loop_spec import Loop
 from pmjac_pin.studies.certificates.chains import BALLS, BOXES, Chain
 from pmjac_pin.studies.certificates.neighbourhoods import Neighbourhoods

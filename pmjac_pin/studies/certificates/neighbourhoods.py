@@ -14,10 +14,9 @@ from pmjac_pin.algebra import Number
 from pmjac_pin.algebra.balls import OUTWARDS, enclosing
 from pmjac_pin.algebra.boxes import Boxes
 from pmjac_pin.algebra.intervals import Intervals
-from pmjac_pin.algebra.jets import Columns
-from pmjac_pin.kinematics.joints import Motion
-from pmjac_pin.kinematics.places import Pose, standing
-from pmjac_pin.kinematics.tree import Link, Poses, moved, with_rates
+from pmjac_pin.kinematics.places import Pose
+from pmjac_pin.kinematics.tree import Link, Poses
+from pmjac_pin.model.joint_kind import Motion
 from pmjac_pin.values.arrays import Array
 
 
@@ -38,32 +37,19 @@ class Neighbourhoods(Poses):
         How far unknown joints turn and slide, rad and m.
     """
 
-    __slots__ = ("_unknown", "at", "slides", "turns")
+    __slots__ = ("at", "slides", "turns")
 
     def __init__(
         self, algebra: Boxes, at: Poses, unknown: Collection[int], turns: Array, slides: Array
     ) -> None:
-        super().__init__(at.tree, algebra, self._enclosed)
+        super().__init__(at.tree, algebra, self._enclosed, unknown)
         self.at, self.turns, self.slides = at, turns, slides
-        self._unknown = unknown
 
     def _enclosed(self, link: Link) -> Motion:
         slides, turn = self.at.motion(link)
         return Motion(tuple(map(enclosing, slides)), tuple(map(enclosing, turn)))
 
-    def _body(self, base: int, body: int) -> tuple[Pose, Columns]:
-        if body == base:
-            return standing(self.algebra), ()
-        link = self.tree.links[body]
-        pose, columns = self.before(base, link)
-        pose = moved(self.algebra, pose, link.kind, self.motion(link))
-        if link.column not in self._unknown:
-            return pose, columns
-        own = range(link.kind.nv)
-        around = with_rates(self.algebra, self._around(pose, link), pose, link, own)
-        return around, (*columns, *(link.column + k for k in own))
-
-    def _around(self, pose: Pose, link: Link) -> Pose:
+    def _reached(self, pose: Pose, link: Link) -> Pose:
         """Return all poses that a joint's slides and then its turns reach."""
         kind, p = link.kind, pose.p
         for axis in kind.along:

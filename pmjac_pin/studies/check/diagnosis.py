@@ -12,6 +12,7 @@ import msgspec
 
 from pmjac_pin.model.tool_rows import ToolRows, checked_axes
 from pmjac_pin.studies.check.diagnosis_parts import BodyEntry, FreedomEntry, LoopEntry, Mobility
+from pmjac_pin.studies.evidence import Evidence
 
 Severity = Literal["ok", "note", "warning", "error"]
 Rates = dict[str, float]
@@ -188,6 +189,8 @@ class Diagnosis(msgspec.Struct, frozen=True, kw_only=True):
         How many independent velocities the loops allow these rows in general.
     loops : tuple of LoopEntry
     mobility : Mobility
+    evidence : Evidence
+        What mobility and ranks rest on.
     redundancy : Redundancy or None
     actuation : ActuationEntry or None
     poses : tuple of PoseEntry
@@ -220,6 +223,7 @@ class Diagnosis(msgspec.Struct, frozen=True, kw_only=True):
     tool_rank: int | None
     loops: tuple[LoopEntry, ...]
     mobility: Mobility
+    evidence: Evidence
     redundancy: Redundancy | None
     actuation: ActuationEntry | None
     poses: tuple[PoseEntry, ...]

@@ -18,6 +18,7 @@ from pmjac_pin.files.source import Source
 from pmjac_pin.loading import load
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.actuation import analyse_actuation
+from pmjac_pin.rates.partition import Partition
 from pmjac_pin.rates.redundancy import LoopRank, dependent_rows, loop_ranks
 from pmjac_pin.rates.singularity import Singularity, analyse_singularity
 from pmjac_pin.studies.check.diagnosis import (
@@ -41,11 +42,12 @@ from pmjac_pin.studies.check.diagnosis_structure import (
 )
 from pmjac_pin.studies.check.findings import find
 from pmjac_pin.studies.check.machine import CheckedMachine
+from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.encodable import encodable
 
-_STRIDE = 0.1  # rad or share of the length, from home to where rounding is looked for
-_ROUNDING = 1e-5  # of the length: the gap of a structure is a hundred times as large there
+_ROUNDING_STRIDE = 0.1  # rad or share of the length, from home to where rounding is looked for
+_ROUNDED_GAP = 1e-5  # of the length: the gap of a structure is a hundred times as large there
 
 
 def check(source: str | Path | Mechanism | PmjacError, **options: Any) -> Diagnosis:
@@ -106,6 +108,7 @@ def _of_mechanism(mechanism: Mechanism) -> Diagnosis:
         tool_rank=partition.tool_rank,
         loops=loops(structure, ranks),
         mobility=mobility(structure, None if partition.isolated else partition.constraint_rank),
+        evidence=_evidence(partition),
         redundancy=_redundancy(scaled, ranks, mechanism),
         actuation=None
         if partition.isolated
@@ -142,6 +145,7 @@ def _of_error(error: PmjacError) -> Diagnosis:
         tool_rank=None,
         loops=loops(structure, None, getattr(cause, "q", None)),
         mobility=mobility(structure, None),
+        evidence=Evidence("nothing", "the home pose could not be built"),
         redundancy=None,
         actuation=None,
         poses=tuple(
@@ -156,6 +160,13 @@ def _of_error(error: PmjacError) -> Diagnosis:
         unread=tuple(map(encodable, source.unread)) if source else (),
     )
     return msgspec.structs.replace(diagnosis, findings=find(diagnosis))
+
+
+def _evidence(partition: Partition) -> Evidence:
+    if partition.isolated:
+        return Evidence("nothing", "no pose near home closes")
+    zero = f"singular values up to {partition.rank_tolerance:.2g} of the size of [K K*]"
+    return Evidence("tolerance", f"at home and near it, {zero} count as zero")
 
 
 def _far(machine: CheckedMachine) -> float | None:
@@ -244,10 +255,10 @@ def _rounding(mechanism: Mechanism) -> float | None:
     allowed = partition.factorise(scaled, partition.size_of(scaled)).null_space
     gaps = []
     for direction in (*allowed.T, *-allowed.T):
-        stride = _STRIDE * partition.length * partition.column_scale * direction
+        stride = _ROUNDING_STRIDE * partition.length * partition.column_scale * direction
         weights = motor_weights(problem, 0.0 if stride[partition.actuated].any() else 1.0)
         gaps.append(assemble(problem, problem.integrate(q, stride), weights).gap)
-    if not gaps or max(gaps) <= problem.tolerance or max(gaps) > _ROUNDING * partition.length:
+    if not gaps or max(gaps) <= problem.tolerance or max(gaps) > _ROUNDED_GAP * partition.length:
         return None
     return max(gaps)
 

@@ -17,7 +17,7 @@ from pmjac_pin.closing.machine_size import Size
 from pmjac_pin.closing.nearby_poses import FARTHEST
 from pmjac_pin.closing.pose_assembly import motor_weights, shaken
 from pmjac_pin.model.frames import find_frame
-from pmjac_pin.model.linkage import known_kind
+from pmjac_pin.model.joint_kinds import kind_of
 from pmjac_pin.model.loop_spec import JointLoop, Loop
 from pmjac_pin.rates.redundancy import LoopRank
 from pmjac_pin.studies.check.diagnosis_parts import BodyEntry, FreedomEntry, LoopEntry, Mobility
@@ -67,7 +67,7 @@ def bodies(structure: Structure) -> tuple[BodyEntry, ...]:
     model, spec = structure.machine.kinematics.model, structure.machine.spec
     on: dict[int, list[str]] = {}
     for name, loop in zip(structure.loop_names, spec.loops, strict=True):
-        for body in _ends(model, loop):
+        for body in _end_bodies(model, loop):
             on.setdefault(body, []).append(name)
     tools = {find_frame(model, name).joint for name in spec.tool.names}
     names = body_names(model)
@@ -194,7 +194,7 @@ def _gap_alone(structure: Structure, rows: slice, best: Array | None) -> float:
     return least
 
 
-def _ends(model: pin.Model, loop: Loop) -> set[int]:
+def _end_bodies(model: pin.Model, loop: Loop) -> set[int]:
     if isinstance(loop, JointLoop):
         return set()
     return {find_frame(model, name).joint for name in loop.frames}
@@ -210,8 +210,9 @@ def _links(model: pin.Model, body: int) -> tuple[str, ...]:
 
 def _joint_kind(model: pin.Model, name: str) -> str:
     joint = model.joints[model.getJointId(name)]
-    kind = known_kind(joint) or joint.shortname().removeprefix("JointModel")
-    return "floating" if kind == "free" else kind  # as URDF calls it
+    if (kind := kind_of(joint)) is None:
+        return str(joint.shortname().removeprefix("JointModel"))
+    return kind.title or kind.name
 
 
 def _finite(value: float) -> float | None:

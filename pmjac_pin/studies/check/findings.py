@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from pmjac_pin.model.joint_kinds import JOINT_KINDS
 from pmjac_pin.model.rounded_numbers import wider_tolerance
 from pmjac_pin.model.spec import LARGEST_TOLERANCE
 from pmjac_pin.studies.check.actuation_findings import (
@@ -165,8 +166,8 @@ def _limit_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
 
 def _lacks_limits(freedom: FreedomEntry) -> bool:
     unlimited = freedom.lower is None or freedom.upper is None
-    limited_kind = freedom.kind in ("revolute", "prismatic")
-    return freedom.role == "actuated" and limited_kind and unlimited
+    kind = JOINT_KINDS.get(freedom.kind)
+    return freedom.role == "actuated" and kind is not None and kind.nq == 1 and unlimited
 
 
 _NO_NEIGHBOUR = (

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.model.frames import find_frame
@@ -40,7 +39,9 @@ def loop_motions(machine: CheckedMachine, q: Array) -> tuple[LoopMotion, ...]:
     data = model.createData()
     twists = pin.computeJointJacobians(model, data, q).reshape(6, -1)
     return tuple(
-        _coupled(loop) if isinstance(loop, JointLoop) else _between(machine, data, twists, k, loop)
+        _coupled(loop)
+        if isinstance(loop, JointLoop)
+        else _motion_between(machine, data, twists, k, loop)
         for k, loop in enumerate(machine.spec.loops)
     )
 
@@ -49,7 +50,7 @@ def _coupled(loop: JointLoop) -> LoopMotion:
     return LoopMotion(loop.joints, None, 1)
 
 
-def _between(
+def _motion_between(
     machine: CheckedMachine, data: pin.Data, twists: Array, index: int, loop: Loop
 ) -> LoopMotion:
     model, partition = machine.kinematics.model, machine.problem.partition
@@ -68,6 +69,5 @@ def _between(
     rows = machine.kinematics.loops.rows_by_twists(model, data, index, metres)
     scaled = rows * partition.row_scale[machine.kinematics.loops.slices[index], None]
     scaled /= partition.length
-    rank = int(np.linalg.matrix_rank(scaled, tol=tolerance))
     names = tuple(model.names[joint] for joint in joints)
-    return LoopMotion(names, group_name(algebra, tolerance), rank)
+    return LoopMotion(names, group_name(algebra, tolerance), partition.factorise(scaled, 1.0).rank)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.studies.modes.assembly_modes import Completeness
+from pmjac_pin.studies.evidence import Evidence
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,8 +35,8 @@ class ComplexModes:
         Paths that ended at a solution where K* is singular, or were lost: not counted above.
     generic : tuple of int
         For each real one, the solution of the random machine whose path ended there.
-    complete : Completeness
-        Whether these are all, and what this rests on.
+    evidence : Evidence
+        What it rests on that these are all.
     key : int
         Of the homotopy that they come from.
     """
@@ -49,8 +49,8 @@ class ComplexModes:
     at_infinity: int
     singular: int
     generic: tuple[int, ...]
-    complete: Completeness
+    evidence: Evidence
     key: int
 
     def __repr__(self) -> str:
-        return f"ComplexModes({self.count} solutions, {len(self.real)} real, {self.complete})"
+        return f"ComplexModes({self.count} solutions, {len(self.real)} real, {self.evidence})"

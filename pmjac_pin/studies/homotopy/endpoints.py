@@ -1,8 +1,8 @@
 """Endpoints: a proof, one by one, that a computed complex solution is near an exact one.
 
-Krawczyk's operator K(X) = m − C F(m) + (I − C J(X)) (X − m) over a box X of complex balls about
-m: where K(X) lies inside X, there is exactly one solution in X, and it is in K(X). A box about a
-real m contains with each point its conjugate, so the one solution in it is real.
+Krawczyk's test, by real and imaginary parts, in the largest of these: within some distance of x
+there is exactly one solution. The points that near to a real x are so with their conjugates, so
+that this one solution is real.
 
 The equations are polynomials with rational coefficients: placements and lengths as doubles, in
 characteristic lengths. The motors' values are taken exactly, with enclosures of their cosines and
@@ -18,15 +18,18 @@ References
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 from flint import acb, arb
 from numpy.typing import NDArray
 
-from pmjac_pin.algebra.balls import precise
+from pmjac_pin.algebra.balls import OUTWARDS, BallArray, enclosing, precise
+from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.studies.homotopy.polynomial_loops import PolynomialLoops
-from pmjac_pin.values.arrays import Complex, Mask
+from pmjac_pin.studies.krawczyk import Radii, radii
+from pmjac_pin.values.arrays import Array, Complex, Mask
 
 Balls = NDArray[Any]
 
@@ -47,13 +50,16 @@ def proven(loops: PolynomialLoops, driven: Balls, x: Complex) -> Mask:
     x : ndarray, shape (r, n)
         Real where the solution is to be proven real.
     """
-    with precise():
-        boxes = [_box(loops, driven, one) for one in x]
-        certain = np.array([_told(box, one) for box, one in zip(boxes, x, strict=True)], bool)
-        for index, box in enumerate(boxes):
-            for other in boxes[:index]:
-                if box is not None and other is not None and _overlap(loops, box, other):
-                    certain[index] = False
+    # Where a derivative is beyond all bounds, nothing is proven.
+    with precise(), np.errstate(over="ignore", invalid="ignore"):
+        found = [_radii(loops, driven, one) for one in x]
+    existence = np.array([one.existence for one in found])
+    near = np.where(np.isfinite(existence), existence, -np.inf)  # what is not proven is near none
+    certain: Mask = np.isfinite(existence) & _told(x, existence)
+    for index, one in enumerate(x):
+        for twin in loops.twins(one):
+            if (_size(x[:index] - twin) <= OUTWARDS * (near[:index] + near[index])).any():
+                certain[index] = False
     return certain
 
 
@@ -71,31 +77,31 @@ def told_real(loops: PolynomialLoops, driven: Balls, x: Complex) -> Complex:
     return x
 
 
-def _box(loops: PolynomialLoops, driven: Balls, x: Complex) -> Balls | None:
-    """Return a box near x that contains exactly one solution, None where none is proven."""
-    middle = _balls(x, 0.0)
-    value, jacobian = loops.in_balls(middle, driven)
-    slope = np.array([complex(entry) for entry in jacobian.ravel()]).reshape(jacobian.shape)
-    try:
-        inverse = np.linalg.inv(slope)
-    except np.linalg.LinAlgError:
-        return None
-    move = -(_exact(inverse) @ value)
-    for radius in _RADII:
-        box = _balls(x, radius * (1.0 + float(np.abs(x).max(initial=0.0))))
-        _, slopes = loops.in_balls(box, driven)
-        rest = _exact(np.eye(len(x))) - _exact(inverse) @ slopes
-        image: Balls = middle + move + rest @ (box - middle)
-        if all(_inside(one, other) for one, other in zip(image, box, strict=True)):
-            return image
-    return None
+def _radii(loops: PolynomialLoops, driven: Balls, x: Complex) -> Radii:
+    """Return what Krawczyk's test proves of the solutions near x."""
+    value, _ = loops.in_balls(_balls(x, 0.0), driven)
+    residual, columns = np.concatenate(_parts(value)), np.arange(2 * len(x))
+    found = Radii(math.inf, 0.0)
+    for share in _RADII:
+        radius = share * (1.0 + float(np.abs(x).max(initial=0.0)))
+        jacobian = _real(loops.in_balls(_balls(x, radius), driven)[1])
+        nested = Intervals.stack([jacobian, jacobian], axis=0)  # at x, too, if not as sharp
+        found = radii(residual, nested, columns, np.eye(columns.size), np.array([0.0, radius]))
+        if not found.failed:
+            break
+    return found
 
 
-def _told(box: Balls | None, x: Complex) -> bool:
-    """Tell whether a box proves a solution that is real where x is, and only there."""
-    if box is None:
-        return False
-    return bool((x.imag == 0.0).all()) or not all(entry.imag.contains(0) for entry in box)
+def _size(x: Complex) -> Array:
+    """Return the largest part of the unknowns (r, n), real or imaginary."""
+    parts = np.maximum(np.abs(x.real), np.abs(x.imag))
+    return np.asarray(parts.max(axis=1, initial=0.0))
+
+
+def _told(x: Complex, existence: Array) -> Mask:
+    """Tell which solutions are proven to be real where x is, and only there."""
+    imaginary = np.abs(x.imag).max(axis=1, initial=0.0)
+    return np.asarray((imaginary == 0.0) | (imaginary > existence))
 
 
 def _balls(numbers: Complex, radius: float) -> Balls:
@@ -103,19 +109,15 @@ def _balls(numbers: Complex, radius: float) -> Balls:
     return np.array(found, dtype=object)
 
 
-def _exact(matrix: NDArray[Any]) -> Balls:
-    entries = [acb(z.real, z.imag) for z in matrix.astype(complex).ravel().tolist()]
-    return np.array(entries, dtype=object).reshape(matrix.shape)
+def _parts(numbers: Balls) -> tuple[BallArray, BallArray]:
+    """Return the real and the imaginary parts."""
+    parts = [(entry.real, entry.imag) for entry in numbers.ravel()]
+    real, imaginary = np.array(parts, dtype=object).reshape(-1, 2).T
+    return real.reshape(numbers.shape), imaginary.reshape(numbers.shape)
 
 
-def _inside(one: acb, other: acb) -> bool:
-    real = bool(other.real.contains_interior(one.real))
-    return real and bool(other.imag.contains_interior(one.imag))
-
-
-def _overlap(loops: PolynomialLoops, one: Balls, other: Balls) -> bool:
-    """Tell whether two boxes, or one and the other's quaternions with other signs, meet."""
-    return any(
-        all(bool(a.overlaps(b)) for a, b in zip(one, twin, strict=True))
-        for twin in loops.twins(other)
-    )
+def _real(slopes: Balls) -> Intervals:
+    """Return derivatives of real and imaginary parts by real and imaginary parts."""
+    real, imaginary = map(enclosing, _parts(slopes))
+    rows = Intervals.join([real, -imaginary], 1), Intervals.join([imaginary, real], 1)
+    return Intervals.join(rows)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.algebra.polynomials import Symbols
 from pmjac_pin.errors import ArgumentError
-from pmjac_pin.kinematics.joints import JOINT_KINDS, JointKind, Motion
+from pmjac_pin.model.joint_kind import JointKind, Motion
 from pmjac_pin.model.linkage import Edge
 from pmjac_pin.values.arrays import Array, Complex
 
@@ -52,7 +52,7 @@ class JointUnknowns:
     @property
     def kind(self) -> JointKind:
         """The kind of the joint."""
-        return JOINT_KINDS[self.edge.kind]
+        return self.edge.kind
 
     @property
     def floating(self) -> bool:
@@ -96,7 +96,8 @@ class JointUnknowns:
         """Return the joint's numbers (b, size) at rows of q."""
         entries = q[:, self.joint.idx_q : self.joint.idx_q + self.joint.nq].copy()
         if self.kind.angle:
-            entries = np.hstack([np.cos(entries), np.sin(entries)])
+            angle = entries[:, self.slides :]
+            entries = np.hstack([entries[:, : self.slides], np.cos(angle), np.sin(angle)])
         if self.floating:
             place = np.hstack([entries[:, :3] / self.length, np.zeros((len(q), 1))])
             return np.hstack([_product(place, entries[:, 3:]), entries[:, 3:]]).astype(complex)
@@ -114,7 +115,8 @@ class JointUnknowns:
         if self.kind.turns:
             entries[:, unit:] /= np.linalg.norm(entries[:, unit:], axis=1, keepdims=True)
         if self.kind.angle:
-            entries = np.arctan2(entries[:, 1:], entries[:, :1])
+            angle = np.arctan2(entries[:, unit + 1 :], entries[:, unit : unit + 1])
+            entries = np.hstack([entries[:, :unit], angle])
         q[:, self.joint.idx_q : self.joint.idx_q + self.joint.nq] = entries
 
     def parameter(self, q: Array) -> complex:
@@ -158,7 +160,7 @@ def joint_unknowns(
     """
     names, columns, first = list(model.names)[1:], {}, 0
     for name in sorted(names, key=lambda name: name not in passive):
-        kind = JOINT_KINDS[edges[name].kind]
+        kind = edges[name].kind
         columns[name] = slice(first, first + _size(kind))
         first, why = columns[name].stop, ""
         if name not in passive and kind.nv > 1:

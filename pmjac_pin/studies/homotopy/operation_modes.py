@@ -13,7 +13,6 @@ References
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -22,11 +21,11 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from pmjac_pin.errors import ArgumentError
+from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.homotopy.curve import SAME, Curve, Planes
 from pmjac_pin.studies.homotopy.machines import Line, Machine
 from pmjac_pin.studies.homotopy.monodromy import STRAIGHT, PlaneSection, random_turn
 from pmjac_pin.studies.homotopy.polynomial_loops import PolynomialLoops
-from pmjac_pin.studies.modes.assembly_modes import Completeness
 from pmjac_pin.values.arrays import Complex, Index
 
 if TYPE_CHECKING:
@@ -45,8 +44,8 @@ class OperationModes:
         For each solution of the random machine, the index of its operation mode.
     bends : tuple of float
         How far the trace of each one's points is from a straight line, relative to its terms.
-    complete : Completeness
-        Whether these sets are whole and no finer ones are, and what this rests on.
+    evidence : Evidence
+        What it rests on that these sets are whole and that no finer ones are.
     key : int
         Of the homotopy whose solutions they are.
     """
@@ -54,7 +53,7 @@ class OperationModes:
     sizes: tuple[int, ...]
     labels: tuple[int, ...]
     bends: tuple[float, ...]
-    complete: Completeness
+    evidence: Evidence
     key: int = 0
 
     def of(self, modes: ComplexModes) -> tuple[int, ...]:
@@ -134,15 +133,14 @@ def _sorted(
         sizes=tuple(int(size) for size in np.sort(sizes)[::-1]),
         labels=tuple(int(np.flatnonzero(order == part)[0]) for part in parts[:count]),
         bends=tuple(float(bend) for bend in own),
-        complete=_completeness(own),
+        evidence=_evidence(own),
     )
 
 
-def _completeness(bends: list[float]) -> Completeness:
+def _evidence(bends: list[float]) -> Evidence:
     worst = max(bends, default=np.inf)
     if worst < STRAIGHT:
         sets = "its one set" if len(bends) == 1 else f"each of the {len(bends)} sets"
-        statement = f"tolerance: the trace of {sets} of points is straight to {worst:.1g}"
-        return Completeness("tolerance", statement, 0.0, math.nan)
-    statement = f"neither: the trace of a set of points is bent by {worst:.1g}: it is not whole"
-    return Completeness("neither", statement, 1.0, math.nan)
+        return Evidence("tolerance", f"the trace of {sets} of points is straight to {worst:.1g}")
+    bent = f"the trace of a set of points is bent by {worst:.1g}: it is not whole"
+    return Evidence("nothing", bent)

@@ -14,9 +14,8 @@ References
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -24,6 +23,7 @@ from pmjac_pin.closing.motor_values import MotorValues
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
 from pmjac_pin.studies.homotopy.curve import Curve, Planes
 from pmjac_pin.studies.homotopy.endpoints import proven, told_real
@@ -38,7 +38,6 @@ from pmjac_pin.studies.homotopy.monodromy import (
 from pmjac_pin.studies.homotopy.operation_modes import OperationModes, find_operation_modes
 from pmjac_pin.studies.homotopy.paths import Ends, led, led_to_end
 from pmjac_pin.studies.homotopy.solving import near, solutions_of
-from pmjac_pin.studies.modes.assembly_modes import Completeness
 from pmjac_pin.studies.modes.closed_pose import closed_pose, generator, order
 from pmjac_pin.studies.modes.recognition import Recognition
 from pmjac_pin.values.arrays import Array, Complex, Index, read_only
@@ -87,6 +86,20 @@ class ParameterHomotopy:
     def __repr__(self) -> str:
         return f"ParameterHomotopy({self.mechanism.name}, {self.count} solutions)"
 
+    @property
+    def evidence(self) -> Evidence:
+        """What it rests on that these are all solutions at almost all motor values."""
+        trace = f"the trace of {self.degree} points found by monodromy"
+        if self.bend > STRAIGHT:
+            return Evidence("nothing", f"{trace} is bent by {self.bend:.1g}, solutions are missing")
+        if self.lost:
+            ends = f"{self.lost} end at solutions that are not isolated, or are lost"
+            return Evidence("nothing", f"of {self.degree} paths to random motor values {ends}")
+        if not self.home_met:
+            return Evidence("nothing", "no path ends at the home pose, solutions are missing")
+        straight = f"{trace} is straight to {self.bend:.1g}"
+        return Evidence("tolerance", f"{straight}, and no path from there was lost")
+
     def at(self, actuated: MotorValues) -> ComplexModes:
         """Return all complex solutions at given motor values.
 
@@ -98,7 +111,7 @@ class ParameterHomotopy:
         Returns
         -------
         ComplexModes
-            The solutions, the real ones as Configurations; `complete` says what it rests on
+            The solutions, the real ones as Configurations; `evidence` says what it rests on
             that these are all.
 
         Raises
@@ -110,7 +123,7 @@ class ParameterHomotopy:
         --------
         >>> import pmjac_pin as pj
         >>> found = pj.parameter_homotopy(pj.load("four_bar"), rng=0).at([0.9])
-        >>> found.count, len(found.real), found.certified, found.complete.kind
+        >>> found.count, len(found.real), found.certified, found.evidence.kind
         (2, 2, 2, 'tolerance')
         """
         machine, form = self._machines.at(actuated)
@@ -133,7 +146,7 @@ class ParameterHomotopy:
             at_infinity=infinite,
             singular=len(self._solutions) - met.size - infinite,
             generic=tuple(index for _, index in found),
-            complete=self._completeness(met.size, infinite, certified),
+            evidence=self._evidence_of(met.size, infinite, certified),
             key=self._key,
         )
 
@@ -147,7 +160,7 @@ class ParameterHomotopy:
         rng : numpy.random.Generator or int
             For planes and paths; a seed makes a generator.
         most_rounds : int
-            Of closed paths, after which it gives up; `complete` then says so.
+            Of closed paths, after which it gives up; `evidence` then says so.
 
         Returns
         -------
@@ -169,28 +182,13 @@ class ParameterHomotopy:
         found = find_operation_modes(
             self._machines.loops, self._machine, self._solutions, generator(rng), most_rounds
         )
-        complete = self._unsound() or found.complete
-        return replace(found, complete=complete, key=self._key)
+        evidence = found.evidence if self.evidence.kind == "tolerance" else self.evidence
+        return replace(found, evidence=evidence, key=self._key)
 
     @property
     def _key(self) -> int:
         """What tells the solutions of one homotopy from those of another."""
         return hash(self._solutions.tobytes())
-
-    def _unsound(self) -> Completeness | None:
-        """Return why solutions of the random machine may be missing, None where none are."""
-        why = ""
-        if self.bend > STRAIGHT:
-            trace = f"the trace of {self.degree} points found by monodromy"
-            why = f"{trace} is bent by {self.bend:.1g}, solutions are missing"
-        elif self.lost:
-            why = (
-                f"of {self.degree} paths to random motor values {self.lost} end at solutions "
-                "that are not isolated, or are lost"
-            )
-        elif not self.home_met:
-            why = "no path ends at the home pose, solutions are missing"
-        return Completeness("neither", f"neither: {why}", 1.0, math.nan) if why else None
 
     def _configurations(
         self, form: ClosedForm, x: Array, generic: Index
@@ -204,23 +202,22 @@ class ParameterHomotopy:
         length = self._machines.loops.length
         return sorted(found, key=lambda pair: order(pair[0], length))
 
-    def _completeness(self, met: int, infinite: int, certified: int) -> Completeness:
-        if (unsound := self._unsound()) is not None:
-            return unsound
+    def _evidence_of(self, met: int, infinite: int, certified: int) -> Evidence:
+        """Return what it rests on that so many ends are all solutions at some motor values."""
+        if self.evidence.kind == "nothing":
+            return self.evidence
         total = len(self._solutions)
         singular = total - met - infinite
-        settled = not singular and certified == met
         ends = [f"{met} end at solutions, {certified} of them proven to be there and isolated"]
         if infinite:
             ends.append(f"{infinite} at infinity or far away")
         if singular:
             ends.append(f"{singular} at singular solutions, or are lost")
-        kind: Literal["neither", "tolerance"] = "tolerance" if settled else "neither"
-        statement = (
-            f"{kind}: of {total} paths of complex solutions (monodromy; the trace of {self.degree} "
-            f"points is straight to {self.bend:.1g}) {', '.join(ends)}"
+        paths = f"of {total} paths of complex solutions {', '.join(ends)}"
+        settled = not singular and certified == met
+        return Evidence(
+            "tolerance" if settled else "nothing", f"{paths}; {self.evidence.statement}"
         )
-        return Completeness(kind, statement, 0.0, math.nan)
 
 
 def parameter_homotopy(

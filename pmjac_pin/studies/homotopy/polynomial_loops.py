@@ -24,11 +24,10 @@ from pmjac_pin.rates.partition import independent_rows
 from pmjac_pin.studies.homotopy.joint_unknowns import Numbers, joint_unknowns
 from pmjac_pin.studies.homotopy.polynomial_rows import PolynomialRows
 from pmjac_pin.studies.homotopy.polynomial_table import PolynomialTable
-from pmjac_pin.studies.modes.idling import scaled_passive
 from pmjac_pin.studies.modes.search_problem import SearchProblem
 from pmjac_pin.values.arrays import Array, Complex
 
-_SPREAD = 0.3  # of random unknowns about home's
+_UNKNOWN_SPREAD = 0.3  # of random unknowns about home's
 
 
 class PolynomialLoops:
@@ -173,7 +172,7 @@ class PolynomialLoops:
     def somewhere(self, rng: np.random.Generator) -> Complex:
         """Return random complex unknowns about home whose units have length 1, shape (count,)."""
         x: Complex = rng.normal(size=self.count) + 1j * rng.normal(size=self.count)
-        x = self._home + _SPREAD * x
+        x = self._home + _UNKNOWN_SPREAD * x
         for unit in self._units:
             x[unit] /= np.sqrt((x[unit] * x[unit]).sum())
         for own in self._free:
@@ -229,6 +228,6 @@ def _homogeneous(one: fmpq_mpoly, context: fmpq_mpoly_ctx, unknowns: int) -> fmp
 
 def _independent_rows(problem: SearchProblem) -> NDArray[np.intp]:
     """Return rows of η that are independent at the problem's base."""
-    (K_star,), (size,) = scaled_passive(problem, problem.base[None])
-    values = np.linalg.svd(K_star, compute_uv=False)
-    return independent_rows(K_star, int((values > problem.rank_tolerance * size).sum()))
+    [jacobian] = problem.loops.evaluate(problem.base[None])[1]
+    scaled, _, passive = problem.partition.loop_rates(jacobian)
+    return independent_rows(scaled[:, problem.partition.passive], passive.rank)

@@ -4,35 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal, overload
+from typing import overload
 
 from pmjac_pin.configuration import Configuration
-
-
-@dataclass(frozen=True)
-class Completeness:
-    """What it rests on that no assembly mode is missing.
-
-    Attributes
-    ----------
-    kind : {"proof", "statistics", "tolerance", "neither"}
-        A tolerance is that of path tracking in floating-point numbers, see `ParameterHomotopy`.
-    statement : str
-        One sentence.
-    unseen : float
-        Upper bound on the share of the start space that leads to modes not found; 0 for a proof,
-        and for a tolerance.
-    confidence : float
-        Probability that this bound holds, for statistics; 1 for a proof, NaN for a tolerance.
-    """
-
-    kind: Literal["proof", "statistics", "tolerance", "neither"]
-    statement: str
-    unseen: float
-    confidence: float
-
-    def __str__(self) -> str:
-        return self.statement
+from pmjac_pin.studies.evidence import Evidence
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,8 +22,8 @@ class AssemblyModes(Sequence[Configuration]):
         The share of random starts that led to each.
     starts : int
         How many starts were tried.
-    complete : Completeness
-        Whether that is all of them, and what this rests on.
+    evidence : Evidence
+        What it rests on that these are all.
     mirror_images : tuple of (int or None)
         For each mode, the index of the one that is its mirror image in the plane of the base.
     poses : tuple of tuple of Configuration
@@ -59,7 +34,7 @@ class AssemblyModes(Sequence[Configuration]):
     configurations: tuple[Configuration, ...]
     shares: tuple[float, ...]
     starts: int
-    complete: Completeness
+    evidence: Evidence
     mirror_images: tuple[int | None, ...]
     poses: tuple[tuple[Configuration, ...], ...] = ()
 
@@ -86,4 +61,4 @@ class AssemblyModes(Sequence[Configuration]):
         return iter(self.configurations)
 
     def __repr__(self) -> str:
-        return f"AssemblyModes({len(self)} modes, {self.complete})"
+        return f"AssemblyModes({len(self)} modes, {self.evidence})"

@@ -49,7 +49,7 @@ def box_domain(
         Nothing bounds a slide.
     """
     coordinates, names = mechanism.coordinates, [edge.name for edge in unknowns]
-    slides = np.array([edge.kind == "prismatic" for edge in unknowns], dtype=bool)
+    slides = np.array([bool(edge.kind.along) for edge in unknowns], dtype=bool)
     lower, upper = np.full(len(names), -np.inf), np.full(len(names), np.inf)
     if limits:
         columns = coordinates.columns(names)

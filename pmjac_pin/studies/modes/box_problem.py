@@ -27,7 +27,7 @@ from pmjac_pin.studies.modes.interval_loops import BoxRows, IntervalLoops, PairR
 from pmjac_pin.studies.modes.interval_tree import IntervalTree
 from pmjac_pin.values.arrays import Array, Mask
 
-_ONE = ("revolute", "continuous", "prismatic")
+_FREE = 6  # freedoms of a body that nothing holds
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,14 +88,14 @@ def box_problem(mechanism: Mechanism, motors: Mapping[str, float], limits: bool)
         raise NoBoxesError("passive joints can move with all motors locked, at every pose")
     if not partition.passive.size:
         raise NoBoxesError("no joint is passive: the motors alone have to close the loops")
-    several = [edge for edge in edges.values() if edge.kind not in _ONE]
+    several = [edge for edge in edges.values() if edge.kind.nv > 1]
     names = tuple(
         name for name, edge in edges.items() if name not in motors and edge not in several
     )
     tree = IntervalTree(model, names, motors)
     rows, floating = _rows(mechanism, tree.tree, edges, several)
     domain, endless = box_domain(mechanism, motors, [edges[name] for name in names], rows, limits)
-    slides = np.array([edges[name].kind == "prismatic" for name in names], dtype=bool)
+    slides = np.array([not edges[name].kind.turns for name in names], dtype=bool)
     return BoxProblem(
         names=names,
         loops=IntervalLoops(tree, rows),
@@ -134,7 +134,7 @@ def _rows(
         rows.append(PairRows(pair, names, sizes))
     floating = []
     for body, edge in bodies.items():
-        plane = Frame(-1 - body, edge.parent, edge.before) if edge.kind == "planar" else None
+        plane = Frame(-1 - body, edge.parent, edge.before) if _in_plane(edge) else None
         carries = any(other.parent == body for other in edges.values())
         found = None if carries else _held_rows(edge, plane, holds[body], closed, closed / length)
         if found is None:
@@ -150,13 +150,18 @@ def _held_rows(
     """Return the rows that stand for a floating body and its loops, None where none do."""
     if plane is not None:
         return FloatingInPlane.of(edge, plane, holds, closed, tilted)
-    return FloatingTriangle.of(edge, holds, closed) if edge.kind == "free" else None
+    return FloatingTriangle.of(edge, holds, closed) if edge.kind.nv == _FREE else None
+
+
+def _in_plane(edge: Edge) -> bool:
+    """Tell whether a joint slides along x and y and turns about z."""
+    return (edge.kind.along, edge.kind.about) == ((0, 1), (2,))
 
 
 def _not_at_points(edge: Edge) -> str:
-    wanted = "three points of a free body, or points of a body in a plane"
+    kind, wanted = edge.kind.name, "three points of a free body, or points of a body in a plane"
     return (
-        f"passive joint {edge.name!r} is {edge.kind}: of several degrees of freedom, and its loops "
+        f"passive joint {edge.name!r} is {kind}: of several degrees of freedom, and its loops "
         f"do not just hold {wanted}"
     )
 

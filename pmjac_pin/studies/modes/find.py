@@ -15,8 +15,9 @@ from pmjac_pin.direct_kinematics import check_limits
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.jacobian import refuse_felt_idle_motion
+from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.modes.aim import Aim
-from pmjac_pin.studies.modes.assembly_modes import AssemblyModes, Completeness
+from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
 from pmjac_pin.studies.modes.closed_pose import closed_pose, generator, open_by, order
 from pmjac_pin.studies.modes.mirror import mirror_images
 from pmjac_pin.studies.modes.proof import prove
@@ -84,7 +85,7 @@ def assembly_modes(
     Returns
     -------
     AssemblyModes
-        A sequence of Configurations; `complete` says what its completeness rests on.
+        A sequence of Configurations; `evidence` says what it rests on that these are all.
 
     Raises
     ------
@@ -98,7 +99,7 @@ def assembly_modes(
     >>> modes = pj.assembly_modes(pj.load("four_bar"), [0.9], rng=0)
     >>> [round(float(mode.passive[0]), 4) for mode in modes]
     [-2.4793, 2.0236]
-    >>> modes.complete.kind
+    >>> modes.evidence.kind
     'proof'
     """
     if not isinstance(mechanism, Mechanism):
@@ -125,31 +126,31 @@ def find_modes(
     def rows() -> list[Array]:
         return [with_legs(mechanism, legs, problem, base, q) for q, _ in search.modes()]
 
-    def judged() -> tuple[list[_Found], Completeness | None]:
+    def judged() -> tuple[list[_Found], Evidence | None]:
         shares = [share for _, share in search.modes()]
         return _settled(mechanism, _closed(mechanism, rows(), shares, limits), censuses, limits)
 
-    found, complete = judged() if censuses else ([], None)
-    if complete is None:
+    found, evidence = judged() if censuses else ([], None)
+    if evidence is None:
         search.until(aim)
-        found, complete = judged()
-    if complete is None:
-        complete = _without_open(mechanism, rows(), search.completeness(aim))
-    return _modes(mechanism, found, search.starts, complete)
+        found, evidence = judged()
+    if evidence is None:
+        evidence = _without_open(mechanism, rows(), search.evidence(aim))
+    return _modes(mechanism, found, search.starts, evidence)
 
 
-def _without_open(mechanism: Mechanism, rows: list[Array], complete: Completeness) -> Completeness:
+def _without_open(mechanism: Mechanism, rows: list[Array], evidence: Evidence) -> Evidence:
     """Say what a search met that does not close to the tolerance and is left out."""
     gaps = list(filter(None, (open_by(mechanism, q) for q in rows)))
     if not gaps:
-        return complete
+        return evidence
     least = f"the tolerance of {mechanism.tolerance:.2g} m"
     left_out = f"{len(gaps)} more, open by {max(gaps):.2g} m at most, miss {least} and are left out"
-    return replace(complete, statement=f"{complete.statement}; {left_out}")
+    return replace(evidence, statement=f"{evidence.statement}; {left_out}")
 
 
 def _modes(
-    mechanism: Mechanism, found: list[_Found], starts: int, complete: Completeness
+    mechanism: Mechanism, found: list[_Found], starts: int, evidence: Evidence
 ) -> AssemblyModes:
     """Return the poses found as modes, those that are the same machine as one."""
     groups = same_machines(mechanism, [configuration for configuration, _ in found])
@@ -158,13 +159,13 @@ def _modes(
     poses = tuple(tuple(configuration for configuration, _ in group) for group in ways)
     modes = tuple(group[0] for group in poses)
     if len(modes) < len(found):
-        statement = f"{complete.statement}; {len(found)} poses are {len(modes)} modes"
-        complete = replace(complete, statement=f"{statement}, with bodies turned over unseen")
+        statement = f"{evidence.statement}; {len(found)} poses are {len(modes)} modes"
+        evidence = replace(evidence, statement=f"{statement}, with bodies turned over unseen")
     return AssemblyModes(
         configurations=modes,
         shares=tuple(sum(share for _, share in group) for group in ways),
         starts=starts,
-        complete=complete,
+        evidence=evidence,
         mirror_images=mirror_images(mechanism, modes),
         poses=poses,
     )
@@ -182,13 +183,13 @@ def _censuses(mechanism: Mechanism, values: Array, limits: bool, aim: Aim) -> It
 
 def _settled(
     mechanism: Mechanism, found: list[_Found], censuses: list[Census], limits: bool
-) -> tuple[list[_Found], Completeness | None]:
+) -> tuple[list[_Found], Evidence | None]:
     """Return the modes found with those that a census adds, and whether one says these are all."""
     for census in censuses:
         lost = missing(census, [one for one, _ in found])
         more = found + _closed(mechanism, lost, [0.0] * len(lost), limits)
-        if (complete := settled(census, [one for one, _ in more])) is not None:
-            return more, complete
+        if (evidence := settled(census, [one for one, _ in more])) is not None:
+            return more, evidence
     return found, None
 
 

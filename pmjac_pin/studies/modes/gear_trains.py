@@ -21,9 +21,9 @@ from pmjac_pin.values.arrays import Array, Index
 
 _MOST_TEETH = 1000  # in a ratio of whole numbers
 _MOST_TURNS = 64  # after which a train is the same again
-_FAR = 10  # turns to either side of home, for a train that is never the same again
+_TURNS_ASIDE = 10  # turns to either side of home, for a train that is never the same again
 _FULL_TURN = 2.0 * math.pi
-_SLACK = 1e-9  # m or rad: rounding on the way to a limit is no violation
+_ROUNDED_SLACK = 1e-9  # m or rad: rounding on the way to a limit is no violation
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,7 +36,7 @@ class GearTrain:
     columns : ndarray of int
     slopes, offsets : ndarray
     turning : bool
-        No joint slides.
+        No joint slides, nor is a screw.
     period : float
         After which, in t, all bodies are where they were; infinite where they never are.
     driver : int or None
@@ -71,7 +71,9 @@ class GearTrain:
 
         It does not where nothing bounds a train that is never the same again.
         """
-        width = min(self.period, upper - lower, 2.0 * _FAR * _FULL_TURN if self.turning else np.inf)
+        width = min(
+            self.period, upper - lower, 2.0 * _TURNS_ASIDE * _FULL_TURN if self.turning else np.inf
+        )
         if not width < upper - lower:
             return lower, upper, False
         middle = min(max(home, lower + 0.5 * width), upper - 0.5 * width)
@@ -85,8 +87,8 @@ class GearTrain:
         if lower <= t <= upper:
             return t
         if math.isfinite(lower):
-            return t + self.period * math.ceil((lower - t - _SLACK) / self.period)
-        return t - self.period * math.ceil((t - upper - _SLACK) / self.period)
+            return t + self.period * math.ceil((lower - t - _ROUNDED_SLACK) / self.period)
+        return t - self.period * math.ceil((t - upper - _ROUNDED_SLACK) / self.period)
 
 
 def gear_trains(
@@ -145,7 +147,7 @@ def _train(
 ) -> GearTrain:
     columns = coordinates.columns(lines)
     slopes, offsets = (np.array(numbers) for numbers in zip(*lines.values(), strict=True))
-    turning = bool(coordinates.rotational[columns].all())
+    turning = bool((coordinates.angles | coordinates.wraps)[columns].all())
     driver = next((k for k, name in enumerate(lines) if name in motors and slopes[k]), None)
     period = _FULL_TURN * _turns(slopes.tolist()) if turning else math.inf
     return GearTrain(tuple(lines), columns, slopes, offsets, turning, period, driver)

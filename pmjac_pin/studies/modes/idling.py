@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pmjac_pin.kinematics.many import WorldPoses
+from pmjac_pin.rates.factorisation import Factorisation
 from pmjac_pin.studies.modes.search import ManyClosures
 from pmjac_pin.studies.modes.search_problem import SearchProblem
 from pmjac_pin.values.arrays import Array, Mask
@@ -23,7 +24,7 @@ _TURNS = 2  # how often each of them idles for a while
 _REGULAR = 1e-2  # of the size of [K K*]: the worse, the less is known of what idles
 _STEP = 1e-4  # of an idle motion, rad or lengths
 _AT_REST = 1e-5  # what an idle motion of one changes, and does not count as moved
-_SAME = 1e-5  # two roots that meet are known to √1e-12
+_SAME_ROOT = 1e-5  # two roots that meet are known to √1e-12
 _ROUND = 4.0  # rates by which what idles once around may be off
 _LOOSE = 10.0  # gaps that stay, by which bodies that idle together may be off
 
@@ -52,15 +53,15 @@ class Idling:
         if not problem.idle or not len(rows):
             return cls(problem, (), 0.0)
         some = rows[np.unique(np.linspace(0, len(rows) - 1, _TRIED).astype(int))]
-        rows = _regular(problem, _wandered(problem, some))
-        gaps = problem.loops.evaluate(rows)[0] * problem.row_scale / problem.length
+        rows = _regular_rows(problem, _wandered(problem, some))
+        gaps = problem.loops.evaluate(rows)[0] * problem.partition.row_scale / problem.length
         looseness = _LOOSE * float(np.linalg.norm(gaps, axis=1).max())
         return cls(problem, tuple(_steps(problem, rows)), looseness)
 
     @property
     def sameness(self) -> float:
         """Within what difference, without dimension, two poses are the same one."""
-        return max(_SAME, _ROUND * self.looseness)
+        return max(_SAME_ROOT, _ROUND * self.looseness)
 
     def at_rest(
         self, blocks: Sequence[Array], seen: Callable[[WorldPoses], Sequence[Array]]
@@ -92,7 +93,7 @@ class Idling:
             first = int(np.argmax(left))
 
             def seen(poses: WorldPoses, body: int = first) -> list[Array]:
-                return [_bodies(poses.seen_from(body), self.problem.length)]
+                return [_body_coordinates(poses.seen_from(body), self.problem.length)]
 
             [together] = self.at_rest([left[None]], seen)
             groups.append(np.flatnonzero(together & left).tolist())
@@ -102,22 +103,19 @@ class Idling:
 
 def isolated(problem: SearchProblem, rows: Array) -> Mask:
     """Tell at which closed poses (b, nq) nothing moves but what idles at every pose."""
-    K_star, sizes = scaled_passive(problem, rows)
-    values = np.asarray(np.linalg.svd(K_star, compute_uv=False), float)
-    ranks = (values > problem.rank_tolerance * sizes[:, None]).sum(axis=1)
-    return np.asarray(ranks >= problem.columns.size - problem.idle)
+    ranks = np.array([factors.rank for factors in _passive(problem, rows)])
+    return np.asarray(ranks >= problem.partition.passive_rank)
 
 
-def scaled_passive(problem: SearchProblem, rows: Array) -> tuple[Array, Array]:
-    """Return K* (b, p, m_p), dimensionless, at rows of q, and the sizes (b,) of [K K*] there."""
-    _, jacobian = problem.loops.evaluate(rows)
-    scaled = jacobian * problem.row_scale[:, None] * problem.column_scale
-    return scaled[:, :, problem.columns], np.linalg.norm(scaled, axis=(1, 2))
+def _passive(problem: SearchProblem, rows: Array) -> list[Factorisation]:
+    """Return K*, without dimension, factorised at rows of q."""
+    jacobians = problem.loops.evaluate(rows)[1]
+    return [problem.partition.loop_rates(jacobian).passive for jacobian in jacobians]
 
 
 def _steps(problem: SearchProblem, rows: Array) -> list[tuple[WorldPoses, WorldPoses]]:
     """Return closed poses a little forth and back along each idle motion."""
-    tree, motions = problem.tree, _motions(problem, rows)
+    tree, motions = problem.tree, _idle_motions(problem, rows)
     return [
         (tree.poses(tree.moved(rows, step)), tree.poses(tree.moved(rows, -step)))
         for step in _STEP * problem.length * motions.transpose(1, 0, 2)
@@ -126,35 +124,36 @@ def _steps(problem: SearchProblem, rows: Array) -> list[tuple[WorldPoses, WorldP
 
 def _wandered(problem: SearchProblem, rows: Array) -> Array:
     """Return closed poses, and where they are after having idled for a while."""
-    strides = np.full(problem.columns.size, problem.length)
+    strides = np.full(problem.partition.passive.size, problem.length)
     rng, closures = np.random.default_rng(0), ManyClosures(problem, strides)
     there = [rows]
     for _ in range(_TURNS):
-        motions = _motions(problem, rows)
+        motions = _idle_motions(problem, rows)
         way = np.einsum("bk,bkv->bv", rng.normal(size=motions.shape[:2]), motions)
         there.append(closures.closed(problem.tree.moved(rows, problem.length * way)))
     return np.concatenate(there)
 
 
-def _regular(problem: SearchProblem, rows: Array) -> Array:
+def _regular_rows(problem: SearchProblem, rows: Array) -> Array:
     """Return the regular ones of closed poses, at least the most regular one."""
-    K_star, sizes = scaled_passive(problem, rows)
-    values = np.linalg.svd(K_star, compute_uv=False)
-    rank = problem.columns.size - problem.idle
-    smallest = values[:, rank - 1] / sizes if rank else np.ones(len(rows))
+    rank, found = problem.partition.passive_rank, _passive(problem, rows)
+    if not rank:
+        return rows
+    smallest = np.array([one.singular_values[rank - 1] / one.size for one in found])
     return np.asarray(rows[smallest >= min(_REGULAR, float(smallest.max()))])
 
 
-def _motions(problem: SearchProblem, rows: Array) -> Array:
+def _idle_motions(problem: SearchProblem, rows: Array) -> Array:
     """Return a basis of the idle motions at closed poses, v (b, idle, nv)."""
-    _, _, right = np.linalg.svd(scaled_passive(problem, rows)[0])
-    motions = np.zeros((len(rows), problem.idle, problem.column_scale.size))
-    rank = problem.columns.size - problem.idle
-    motions[:, :, problem.columns] = right[:, rank:] * problem.column_scale[problem.columns]
+    partition = problem.partition
+    passive, scale = partition.passive, partition.column_scale
+    motions = np.zeros((len(rows), problem.idle, scale.size))
+    for motion, factors in zip(motions, _passive(problem, rows), strict=True):
+        motion[:, passive] = factors.right[partition.passive_rank :] * scale[passive]
     return motions
 
 
-def _bodies(poses: WorldPoses, length: float) -> Array:
+def _body_coordinates(poses: WorldPoses, length: float) -> Array:
     """Return the places and axes of bodies, without dimension, shape (b, bodies, 12)."""
     places = poses.positions.swapaxes(0, 1) / length
     axes = poses.rotations.swapaxes(0, 1)

@@ -11,8 +11,8 @@ import pinocchio as pin
 
 from pmjac_pin.algebra.boxes import Boxes
 from pmjac_pin.algebra.intervals import Intervals
-from pmjac_pin.kinematics.joints import Motion
 from pmjac_pin.kinematics.tree import Link, Poses, Tree
+from pmjac_pin.model.joint_kind import Motion
 
 _BOXES = Boxes()
 

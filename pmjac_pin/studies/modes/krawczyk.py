@@ -1,7 +1,8 @@
 """Krawczyk's test: exactly one root of as many rows as unknowns in a neighbourhood of a box.
 
 K(X) = m − C η(m) + (I − C J(X)) (X − m), with C about J(m)⁻¹: where K(X) is in the interior of X,
-η has exactly one root in X, and that is in K(X).
+η has exactly one root in X, and that is in K(X). It is not that of `studies/krawczyk.py`, for balls
+about a point: boxes that hold all poses near a root are longer in some unknowns than in others.
 
 Source: R. Krawczyk, Newton-Algorithmen zur Bestimmung von Nullstellen mit Fehlerschranken,
 Computing 4 (1969); R. E. Moore, A test for existence of solutions, SIAM J. Numer. Anal. 14 (1977).

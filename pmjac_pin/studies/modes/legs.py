@@ -63,7 +63,7 @@ def find_legs(mechanism: Mechanism, q: Array) -> list[Leg]:
         if isinstance(loop, PointLoop):
             ends = [find_frame(model, name) for name in loop.frames]
             for end, other in ((ends[0], loop.frames[1]), (ends[1], loop.frames[0])):
-                chain = _chain(mechanism, joints, lonely, end.joint)
+                chain = _leg_chain(mechanism, joints, lonely, end.joint)
                 if chain and (leg := _leg(mechanism, data, chain, end)):
                     centre, length = leg
                     legs.append(Leg(chain, loop, other, chain[-1].parent, centre, length))
@@ -88,23 +88,23 @@ def _lonely_bodies(mechanism: Mechanism, joints: dict[int, Edge]) -> set[int]:
     }
 
 
-def _chain(
+def _leg_chain(
     mechanism: Mechanism, joints: dict[int, Edge], lonely: set[int], end: int
 ) -> tuple[Edge, ...] | None:
     """Return the joints from a leg's end up to its ball or universal joint, or None."""
     chain: list[Edge] = []
-    freedoms = 0
+    hinges = 0
     body = end
     while body in lonely:
         edge = joints[body]
         chain.append(edge)
         if edge.name not in mechanism.spec.actuated:
-            freedoms += {"spherical": 3, "revolute": 2, "continuous": 2}.get(edge.kind, 9)
-            if freedoms in (3, 4):
-                return tuple(chain)
-            if freedoms > 4:
+            hinges += not edge.kind.ball
+            if edge.kind.along or (edge.kind.ball and hinges):
                 return None
-        elif freedoms:
+            if edge.kind.ball or hinges == 2:
+                return tuple(chain)
+        elif hinges:
             return None
         body = edge.parent
     return None
@@ -120,7 +120,7 @@ def _leg(
     hinges = [
         (place.translation, place.rotation[:, 2])
         for place, edge in zip(places, chain, strict=True)
-        if edge.kind != "spherical" and edge.name not in mechanism.spec.actuated
+        if not edge.kind.ball and edge.name not in mechanism.spec.actuated
     ]
     if hinges:
         (second, b), (first, a) = hinges

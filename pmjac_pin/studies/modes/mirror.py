@@ -11,6 +11,7 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.loop_spec import JointLoop
+from pmjac_pin.rates.factorisation import factorise
 from pmjac_pin.values.arrays import Array
 
 _SAME = 1e-5  # of the characteristic length
@@ -62,10 +63,8 @@ def _plane(points: Array, length: float) -> tuple[Array, Array] | None:
     if len(points) < 3:
         return None
     middle = points.mean(axis=0)
-    _, sizes, axes = np.linalg.svd(points - middle)
-    if sizes[1] <= _SAME * length or sizes[2] > _SAME * length:
-        return None
-    return middle, axes[2]
+    factors = factorise(points - middle, length, _SAME)
+    return (middle, factors.right[2]) if factors.rank == 2 else None
 
 
 def _points(mechanism: Mechanism, mode: Configuration) -> Array:

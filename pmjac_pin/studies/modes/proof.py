@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.closing.motor_values import MotorValues, motor_values
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.modes.box_domain import NoBoxesError
 from pmjac_pin.studies.modes.box_problem import BoxProblem, box_problem, given_values, start
 from pmjac_pin.studies.modes.branch_and_prune import Budget, branch_and_prune
@@ -30,8 +31,9 @@ _MOST_BOXES = 1000  # small ones: more are a motion or a singularity, not modes
 class Proof:
     """What interval arithmetic proves about the assembly modes at given motor values.
 
-    If `complete`: every pose that counts as closed is in the neighbourhood of an enclosure, each
-    of which holds exactly one root of its kept rows, where the other rows count as closed.
+    True where it is settled: every pose that counts as closed is in the neighbourhood of an
+    enclosure, each of which holds exactly one root of its kept rows, where the other rows count as
+    closed.
 
     Attributes
     ----------
@@ -41,7 +43,7 @@ class Proof:
         Proven even where the whole is not settled.
     unsettled : Intervals, shape (u, k)
         Boxes that may hold further modes, or none.
-    reason : str
+    failed : str
         Why it is not settled; empty if it is.
     boxes : int
         How many were looked at.
@@ -55,24 +57,23 @@ class Proof:
     names: tuple[str, ...]
     enclosures: tuple[Enclosure, ...]
     unsettled: Intervals
-    reason: str
+    failed: str
     boxes: int
     seconds: float
     q: Array
     endless: NDArray[np.bool_]
 
-    @property
-    def complete(self) -> bool:
-        """Whether the enclosures are all modes."""
-        return not self.reason
+    def __bool__(self) -> bool:
+        return not self.failed
 
     @property
-    def statement(self) -> str:
-        """What is proven, in one line."""
-        if not self.complete:
-            return f"not settled: {self.reason}"
+    def evidence(self) -> Evidence:
+        """What it rests on that the enclosures are all modes."""
+        if self.failed:
+            return Evidence("nothing", self.failed)
         rest = "interval arithmetic over all values of the passive joints"
-        return f"complete: exactly {len(self.enclosures)}, by {rest} ({self.boxes} boxes)"
+        exactly = f"exactly {len(self.enclosures)}, by {rest} ({self.boxes} boxes)"
+        return Evidence("proof", exactly)
 
     def match(self, values: ArrayLike) -> tuple[int | None, ...]:
         """Return for each row of joint values the one enclosure whose mode it stands for.
@@ -122,8 +123,8 @@ def prove(
     --------
     >>> import pmjac_pin as pj
     >>> proof = pj.prove(pj.load("four_bar"), [0.9])
-    >>> proof.statement
-    'complete: exactly 2, by interval arithmetic over all values of the passive joints (... boxes)'
+    >>> print(proof.evidence)
+    proof: exactly 2, by interval arithmetic over all values of the passive joints (... boxes)
     >>> [enclosure.mode.middle.round(4).tolist() for enclosure in proof.enclosures]
     [[-2.4793, -2.2632], [2.0236, 0.0075]]
     """
@@ -134,21 +135,21 @@ def prove(
     try:
         problem = box_problem(mechanism, given_values(mechanism, values), limits)
     except NoBoxesError as error:
-        return _nothing(mechanism, str(error))
+        return _no_proof(mechanism, str(error))
     with np.errstate(over="ignore", invalid="ignore"):  # what is not a number excludes nothing
         pruned = branch_and_prune(
             problem.loops, problem.domain[None], problem.scale, budget or Budget()
         )
-        enclosures, unsettled, reason = _settled(problem, pruned.small)
+        enclosures, unsettled, failed = _settled(problem, pruned.small)
     if len(pruned.unfinished.lower):
-        reason = f"{len(pruned.unfinished.lower)} boxes were not looked at within the budget"
+        failed = f"{len(pruned.unfinished.lower)} boxes were not looked at within the budget"
     base = _home_with(mechanism, values)
     rows = [start(mechanism, problem, base, one.mode.middle) for one in enclosures]
     return Proof(
         names=problem.names,
         enclosures=enclosures,
         unsettled=Intervals.join([unsettled, pruned.unfinished]),
-        reason=reason,
+        failed=failed,
         boxes=pruned.boxes,
         seconds=time.monotonic() - began,
         q=np.array(rows).reshape(-1, base.size),
@@ -170,11 +171,11 @@ def _home_with(mechanism: Mechanism, values: Array) -> Array:
     return mechanism.coordinates.with_values(mechanism.home.q, columns, values)
 
 
-def _nothing(mechanism: Mechanism, reason: str) -> Proof:
+def _no_proof(mechanism: Mechanism, failed: str) -> Proof:
     """Return the proof of nothing, where intervals do not apply."""
     none = Intervals.exact(np.zeros((0, 0)))
     q, endless = np.zeros((0, mechanism.nq)), np.zeros(0, dtype=bool)
-    return Proof((), (), none, reason, 0, 0.0, q, endless)
+    return Proof((), (), none, failed, 0, 0.0, q, endless)
 
 
 def _settled(problem: BoxProblem, small: Intervals) -> tuple[tuple[Enclosure, ...], Intervals, str]:
@@ -197,8 +198,8 @@ def _settled(problem: BoxProblem, small: Intervals) -> tuple[tuple[Enclosure, ..
     left = Intervals.join(unsettled)
     count = len(left.lower)
     boxes = "one box" if count == 1 else f"{count} boxes"
-    reason = f"{boxes} may hold modes or none, as near a singularity" if count else ""
-    return tuple(found), left, reason
+    failed = f"{boxes} may hold modes or none, as near a singularity" if count else ""
+    return tuple(found), left, failed
 
 
 def _same(one: Enclosure, box: Intervals, other: Enclosure, problem: BoxProblem) -> bool:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.modes.aim import Aim
-from pmjac_pin.studies.modes.assembly_modes import Completeness
 from pmjac_pin.studies.modes.distinct import Distinct, Signatures
 from pmjac_pin.studies.modes.idling import isolated
 from pmjac_pin.studies.modes.search import ManyClosures, unseen_share
@@ -13,7 +13,7 @@ from pmjac_pin.studies.modes.search_problem import SearchProblem
 from pmjac_pin.studies.modes.starts import StartSpace
 from pmjac_pin.values.arrays import Array
 
-_BATCH = 2048
+_STARTS_AT_ONCE = 2048
 _MOST_MODES = 2000  # more is a motion, not a set of poses
 
 
@@ -64,31 +64,29 @@ class RandomSearch:
     def until(self, aim: Aim) -> None:
         """Go on until the aim is met, or its budget is spent."""
         while self.starts < aim.most_starts and self._bound(aim) > aim.unseen and aim.wanted():
-            self.run(_BATCH)
+            self.run(_STARTS_AT_ONCE)
             if self.moving:
                 break
 
-    def completeness(self, aim: Aim) -> Completeness:
-        """Return what the search alone says about what it may have missed."""
-        bound = self._bound(aim)
+    def evidence(self, aim: Aim) -> Evidence:
+        """Return what it rests on, by the search alone, that no mode is missing."""
         if self.moving:
-            statement = (
-                "neither proof nor statistics: the loops also move with all motors locked, and "
-                f"{len(self.met.q) - len(self.modes())} poses of that motion are left out"
-            )
-            return Completeness("neither", statement, 1.0, aim.confidence)
+            left_out = len(self.met.q) - len(self.modes())
+            moves = "the loops also move with all motors locked"
+            return Evidence("nothing", f"{moves}, and {left_out} poses of that motion are left out")
+        bound = self._bound(aim)
         if bound <= aim.unseen:
             only = f" ({self._space.cut_off})" if self._space.cut_off else ""
             statement = (
-                f"statistics: with confidence {aim.confidence:g}, at most {bound:.2g} of the "
-                f"start space{only} leads to modes not found, after {self.starts} random starts"
+                f"with confidence {aim.confidence:g}, at most {bound:.2g} of the start space{only} "
+                f"leads to modes not found, after {self.starts} random starts"
             )
-            return Completeness("statistics", statement, bound, aim.confidence)
+            return Evidence("statistics", statement, bound, aim.confidence)
         statement = (
-            f"neither proof nor statistics: new modes were met among the last of {self.starts} "
-            f"random starts; the share not seen is bounded by {bound:.2g} only"
+            f"new modes were met among the last of {self.starts} random starts; the share not "
+            f"seen is bounded by {bound:.2g} only"
         )
-        return Completeness("neither", statement, bound, aim.confidence)
+        return Evidence("nothing", statement, bound, aim.confidence)
 
     def _bound(self, aim: Aim) -> float:
         return unseen_share(self._in_a_row, self._question, aim.confidence)

@@ -4,6 +4,9 @@ Damped Newton (Levenberg–Marquardt) runs from all starts of a batch at once. T
 start space that leads to poses not seen yet is bounded with a confidence 1 − δ: had n starts in
 a row, drawn after the last new pose, met none, then (1 − p)ⁿ ≥ δ, hence p ≤ −ln δ / n. The k-th
 such question gets δₖ = 6δ/(πk)², so that all of them together err with probability δ at most.
+
+That of one pose, `closing/damped_closure.py`, is another one: here a single pose would take several
+times as long, and there hundreds of starts a hundred times, each of them by itself.
 """
 
 from __future__ import annotations
@@ -49,7 +52,7 @@ class ManyClosures:
         """
         problem, length = self.problem, self.problem.length
         farthest = float(self.strides.max(initial=length))
-        redundant = problem.row_scale.size > problem.columns.size - problem.idle
+        redundant = problem.partition.row_scale.size > problem.partition.passive_rank
         tolerance = problem.tolerance if redundant else 0.0
         q, found = starts, []
         damping = np.full(len(q), 1e-2)
@@ -92,10 +95,10 @@ class ManyClosures:
 
     def _scaled(self, q: Array) -> tuple[Array, Array]:
         """Return η in m and K* on the scaled columns."""
-        problem = self.problem
-        residual, jacobian = problem.loops.evaluate(q)
-        K_star = jacobian[:, :, problem.columns] * problem.column_scale[problem.columns]
-        return residual * problem.row_scale, K_star * problem.row_scale[:, None]
+        partition = self.problem.partition
+        residual, jacobian = self.problem.loops.evaluate(q)
+        K_star = jacobian[:, :, partition.passive] * partition.column_scale[partition.passive]
+        return residual * partition.row_scale, K_star * partition.row_scale[:, None]
 
     def _step(self, error: Array, rows: Array, damping: Array) -> Array:
         """Return v (b, nv): −D⁻¹(JᵀJ + λ)⁻¹ Jᵀη on the passive columns, J = K D⁻¹, not too long.
@@ -104,7 +107,7 @@ class ManyClosures:
         moving the loops little: a platform's turn moves them by its own size only, however long
         its legs are.
         """
-        problem = self.problem
+        partition = self.problem.partition
         sizes = np.sqrt(np.einsum("bij,bij->bj", rows, rows))
         sizes = np.maximum(sizes, _IDLE * sizes.max(axis=1, initial=0.0, keepdims=True))
         sizes = np.where(sizes > 0.0, sizes, 1.0)  # no passive joint moves the loops at all
@@ -116,8 +119,8 @@ class ManyClosures:
         step = -np.linalg.solve(square, across @ error[:, :, None])[:, :, 0] / sizes
         stride = np.linalg.norm(step / self.strides, axis=1)
         step /= np.maximum(stride, 1.0)[:, None]
-        velocity = np.zeros((len(error), problem.column_scale.size))
-        velocity[:, problem.columns] = step * problem.column_scale[problem.columns]
+        velocity = np.zeros((len(error), partition.column_scale.size))
+        velocity[:, partition.passive] = step * partition.column_scale[partition.passive]
         return velocity
 
 

@@ -6,11 +6,10 @@ Where the mechanism has legs, they are rods here and their joints are found afte
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.scales import column_scale, row_scale
 from pmjac_pin.kinematics.loop_system import LoopSystem
@@ -20,6 +19,7 @@ from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.linkage import Edge, build, edges_of
 from pmjac_pin.model.loop_spec import DistanceLoop, JointLoop, Loop
 from pmjac_pin.model.spec import Tool
+from pmjac_pin.rates.partition import Partition
 from pmjac_pin.studies.modes.leg_reach import reached
 from pmjac_pin.studies.modes.legs import Leg, find_legs, names_of
 from pmjac_pin.values.arrays import Array
@@ -42,17 +42,10 @@ class SearchProblem:
         The parameters' values.
     passive : tuple of (slice, Edge)
         Each unknown joint's entries in q.
-    columns : ndarray of int
-        Their degrees of freedom.
-    row_scale, column_scale : ndarray, shapes (p,) and (nv,)
-        As in `Partition`.
-    rank_tolerance, tolerance : float
-        Those of the mechanism: what counts as zero beside the size of [K K*], and the gap in m
-        that counts as closed.
-    length : float
-        The characteristic length, m.
-    idle : int
-        How many degrees of freedom idle at every pose.
+    partition : Partition
+        The mechanism's, or with rods in place of the legs.
+    tolerance : float
+        The gap in m that counts as closed.
     tool : Tool
         Its frames are in `model`.
     sensed : frozenset of str
@@ -66,25 +59,29 @@ class SearchProblem:
     closures: tuple[Loop, ...]
     values: Mapping[str, float]
     passive: tuple[tuple[slice, Edge], ...]
-    columns: NDArray[np.intp]
-    row_scale: Array
-    column_scale: Array
-    rank_tolerance: float
+    partition: Partition
     tolerance: float
-    length: float
-    idle: int
     tool: Tool
     sensed: frozenset[str]
+
+    @property
+    def length(self) -> float:
+        """The characteristic length, m."""
+        return self.partition.length
+
+    @property
+    def idle(self) -> int:
+        """How many degrees of freedom idle at every pose."""
+        return self.partition.passive.size - self.partition.passive_rank
 
 
 def search_problem(mechanism: Mechanism, base: Array) -> tuple[SearchProblem, list[Leg]]:
     """Return the problem of a mechanism with its motors as in `base`, and the legs left out."""
     legs = find_legs(mechanism, base)
-    if not legs:
-        sizes = mechanism.problem.partition.loop_sizes
-        model, loops = mechanism.kinematics.model, mechanism.spec.loops
-        return _problem(mechanism, model, loops, sizes, base), legs
-    return _problem(mechanism, *_without(mechanism, legs, base)), legs
+    if legs:
+        return _without(mechanism, legs, base), legs
+    model, loops = mechanism.kinematics.model, mechanism.spec.loops
+    return _problem(mechanism, model, loops, mechanism.problem.partition, base), legs
 
 
 def with_legs(
@@ -104,10 +101,8 @@ def without_legs(mechanism: Mechanism, problem: SearchProblem, q: Array) -> Arra
     return _copied(mechanism.kinematics.model, q, problem.model, problem.base)
 
 
-def _without(
-    mechanism: Mechanism, legs: list[Leg], base: Array
-) -> tuple[pin.Model, Sequence[Loop], Sequence[float], Array]:
-    """Return model, loops, their sizes and q with rods in place of the legs."""
+def _without(mechanism: Mechanism, legs: list[Leg], base: Array) -> SearchProblem:
+    """Return the problem with rods in place of the legs."""
     gone = set(names_of(legs))
     whole, everything = mechanism.kinematics.model, mechanism.spec.loops
     edges = [edge for name, edge in edges_of(whole).items() if name not in gone]
@@ -121,13 +116,38 @@ def _without(
         DistanceLoop(frames=(leg.frame, centre), length=leg.length)
         for leg, centre in zip(legs, centres, strict=True)
     ]
-    loops = [loop for loop in everything if not any(loop is end for end in ended)]
+    stay = [loop for loop in everything if not any(loop is end for end in ended)]
     sizes = dict(zip(map(id, everything), mechanism.problem.partition.loop_sizes, strict=True))
-    return (
-        model,
-        [*loops, *rods],
-        [sizes[id(loop)] for loop in (*loops, *ended)],
-        _copied(whole, base, model, pin.neutral(model)),
+    loops, kept = [*stay, *rods], [sizes[id(loop)] for loop in (*stay, *ended)]
+    q = _copied(whole, base, model, pin.neutral(model))
+    return _problem(mechanism, model, loops, _rescaled(mechanism, model, loops, kept, q), q)
+
+
+def _rescaled(
+    mechanism: Mechanism,
+    model: pin.Model,
+    loops: Sequence[Loop],
+    sizes: Sequence[float],
+    q: Array,
+) -> Partition:
+    """Return the partition of a model that has rods, of these sizes, in place of legs."""
+    partition, coordinates = mechanism.problem.partition, JointCoordinates(model)
+    system, motors = LoopSystem(model, loops, mechanism.parameters), mechanism.spec.actuated
+    columns = column_scale(system, coordinates.rotational, partition.length, sizes)
+    rows = row_scale(system, columns, partition.length, sizes)
+    driven, passive = (
+        coordinates.columns(name for name in coordinates.names if (name in motors) is moved)
+        for moved in (True, False)
+    )
+    return replace(
+        partition,
+        actuated=driven,
+        passive=passive,
+        row_scale=rows,
+        column_scale=columns,
+        # The rows that a rod has less than the leg in its place are independent of all others.
+        passive_rank=partition.passive_rank - partition.row_scale.size + rows.size,
+        size=0.0,  # that of the legs says nothing of rods
     )
 
 
@@ -135,23 +155,16 @@ def _problem(
     mechanism: Mechanism,
     model: pin.Model,
     loops: Sequence[Loop],
-    sizes: Sequence[float],
+    partition: Partition,
     base: Array,
 ) -> SearchProblem:
-    partition = mechanism.problem.partition
-    coordinates, length = JointCoordinates(model), partition.length
-    system = LoopSystem(model, loops, mechanism.parameters)
-    columns = column_scale(system, coordinates.rotational, length, sizes)
-    edges = edges_of(model)
-    passive = [name for name in edges if name not in mechanism.spec.actuated]
-    tree = ManyPoses(model)
+    tree, edges = ManyPoses(model), edges_of(model)
     geared = [name for loop in loops if isinstance(loop, JointLoop) for name in loop.ends]
     entries = []
-    for name in passive:
-        joint = model.joints[model.getJointId(name)]
-        entries.append((slice(joint.idx_q, joint.idx_q + joint.nq), edges[name]))
-    rows = row_scale(system, columns, length, sizes)
-    unknown = coordinates.columns(passive)
+    for name in edges:
+        if name not in mechanism.spec.actuated:
+            joint = model.joints[model.getJointId(name)]
+            entries.append((slice(joint.idx_q, joint.idx_q + joint.nq), edges[name]))
     return SearchProblem(
         model=model,
         base=base,
@@ -160,14 +173,8 @@ def _problem(
         closures=tuple(loops),
         values=mechanism.parameters,
         passive=tuple(entries),
-        columns=unknown,
-        row_scale=rows,
-        column_scale=columns,
-        rank_tolerance=partition.rank_tolerance,
+        partition=partition,
         tolerance=mechanism.problem.tolerance,
-        length=length,
-        # The rows that a rod has less than the leg in its place are independent of all others.
-        idle=unknown.size - partition.passive_rank + partition.row_scale.size - rows.size,
         tool=mechanism.spec.tool,
         sensed=frozenset([*mechanism.spec.actuated, *geared]),
     )

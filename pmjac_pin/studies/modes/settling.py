@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.studies.modes.assembly_modes import Completeness
+from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.modes.closed_pose import closed_pose
 from pmjac_pin.studies.modes.proof import Proof
 from pmjac_pin.studies.modes.recognition import Recognition
@@ -32,7 +32,7 @@ class Census(Protocol):
     @property
     def whole(self) -> bool: ...  # noqa: D102
 
-    def completeness(self, count: int) -> Completeness:
+    def evidence(self, count: int) -> Evidence:
         """Return what it rests on that they are all, the rows being so many modes."""
         ...
 
@@ -50,7 +50,7 @@ class ProofCensus:
     """The modes that interval arithmetic has proven.
 
     It counts values of joints: two of its rows may be one mode, a leg's universal joint being
-    turned over.
+    turned over, or the two being nearer than modes are told apart.
     """
 
     mechanism: Mechanism
@@ -59,16 +59,15 @@ class ProofCensus:
     @property
     def whole(self) -> bool:
         """Whether it is settled."""
-        return self.proof.complete
+        return bool(self.proof)
 
-    def completeness(self, count: int) -> Completeness:
+    def evidence(self, count: int) -> Evidence:
         """Return a proof; it says where joint values are more than modes."""
-        turned = (
-            ""
-            if count == len(self.proof.q)
-            else f": {count} modes, universal joints turned over or not"
-        )
-        return Completeness("proof", f"proof: {self.proof.statement}{turned}", 0.0, 1.0)
+        evidence = self.proof.evidence
+        if count == len(self.proof.q):
+            return evidence
+        same = f"{count} modes, all bodies of some being where those of others are, to 1e-5"
+        return replace(evidence, statement=f"{evidence.statement}: {same}")
 
     def rows(self) -> list[Array]:
         """Return the middles of the enclosures."""
@@ -102,16 +101,16 @@ class HomotopyCensus:
     def __init__(self, mechanism: Mechanism, modes: ComplexModes, limits: bool) -> None:
         rows = [closed_pose(mechanism, mode.q, limits) for mode in modes.real]
         self._modes = [mode for mode in rows if mode is not None]
-        self._complete = modes.complete
+        self._evidence = modes.evidence
 
     @property
     def whole(self) -> bool:
         """Whether no path was lost."""
-        return self._complete.kind == "tolerance"
+        return self._evidence.kind == "tolerance"
 
-    def completeness(self, count: int) -> Completeness:
+    def evidence(self, count: int) -> Evidence:
         """Return a tolerance."""
-        return self._complete
+        return self._evidence
 
     def rows(self) -> list[Array]:
         """Return the real solutions."""
@@ -129,7 +128,7 @@ def missing(census: Census, found: Sequence[Configuration]) -> list[Array]:
     return [row for row, place in zip(census.rows(), places, strict=True) if place is None]
 
 
-def settled(census: Census, found: Sequence[Configuration]) -> Completeness | None:
+def settled(census: Census, found: Sequence[Configuration]) -> Evidence | None:
     """Return what the census rests on, where it says that the found modes are all; else None."""
     places = census.found_as(found)
-    return census.completeness(len(found)) if {*places} == {*range(len(found))} else None
+    return census.evidence(len(found)) if {*places} == {*range(len(found))} else None

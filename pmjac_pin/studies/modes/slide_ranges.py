@@ -21,6 +21,7 @@ from pmjac_pin.model.frames import Frame, find_frame
 from pmjac_pin.model.linkage import Edge, edges_of
 from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.model.rows import Distance, Gap
+from pmjac_pin.rates.factorisation import factorise
 from pmjac_pin.studies.modes.search_problem import SearchProblem
 from pmjac_pin.values.arrays import Array
 
@@ -31,35 +32,48 @@ _DIGITS = 1e-14  # of values that are added up
 _ROUNDS = 10  # in which one loop's bounds help in others
 _FAR = 5.0  # times the loop's own sides: how far is looked where nothing bounds a slide
 _PARALLEL = 1e-6  # axes whose directions differ by less do not tell how far each one slid
-_AXES = {"prismatic": [2], "planar": [0, 1], "free": [0, 1, 2]}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SlideRange:
-    """The values of a joint's translation, along its own axes: m, shapes (k,).
+    """The values of a joint's translation, along its own axes: shapes (k,).
 
     Attributes
     ----------
     lower, upper : ndarray
+    unit : str
+        "m"; of a screw, whose value is its angle, "rad".
     cut_off : float or None
-        m to either side of the pose it was measured at, where neither limits nor loops bound it.
+        To either side of the pose it was measured at, where neither limits nor loops bound it.
     """
 
     lower: Array
     upper: Array
+    unit: str
     cut_off: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Slide:
-    """A passive joint's translation at the pose: its axes (3, k) in the world, and values (k,)."""
+    """A passive joint's translation at the pose.
+
+    Attributes
+    ----------
+    axes : ndarray, shape (3, k)
+        What one unit of its values moves by, in the world.
+    values : ndarray, shape (k,)
+    reach : float
+        How long each of the axes is: 1, or the pitch of a screw, m/rad.
+    """
 
     axes: Array
     values: Array
+    reach: float
 
     def room(self, lower: Array, upper: Array) -> float:
-        """Return how far it can be from these values."""
-        return float(np.linalg.norm(np.maximum(self.values - lower, upper - self.values)))
+        """Return how far, m, it can be from these values."""
+        units = np.linalg.norm(np.maximum(self.values - lower, upper - self.values))
+        return self.reach * float(units)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,11 +107,14 @@ def slide_ranges(problem: SearchProblem, limits: bool) -> dict[str, SlideRange]:
     limits : bool
         Keep within the joints' limits.
     """
-    edges = [edge for _, edge in problem.passive if edge.kind in _AXES]
+    edges = [edge for _, edge in problem.passive if edge.kind.along]
     polygons = Polygons(problem.model, problem.base, edges, _spans(problem))
     bounds = polygons.bounds({edge.name: _limits(edge, limits) for edge in edges})
+    units = {edge.name: "rad" if edge.kind.screw else "m" for edge in edges}
     return {
-        name: _cut_off(slide, bounds[name], max(problem.length, polygons.length_with(name)))
+        name: _cut_off(
+            *(slide, bounds[name], units[name]), max(problem.length, polygons.length_with(name))
+        )
         for name, slide in polygons.slides.items()
     }
 
@@ -163,19 +180,18 @@ class Polygons:
 
 def _values(model: pin.Model, edge: Edge, q: Array) -> Array:
     first = model.joints[edge.child].idx_q
-    return q[first : first + len(_AXES[edge.kind])]
+    return q[first : first + len(edge.kind.along)]
 
 
 def _slide(data: pin.Data, edge: Edge, values: Array) -> _Slide:
     parent: Array = (data.oMi[edge.parent] * edge.before).rotation
-    return _Slide(parent[:, _AXES[edge.kind]], values)
+    reach = edge.kind.reach(edge.pitch)
+    return _Slide(reach * parent[:, list(edge.kind.along)], values, abs(reach))
 
 
 def _limits(edge: Edge, limits: bool) -> tuple[Array, Array]:
-    count = len(_AXES[edge.kind])
-    if not limits or edge.limits is None or edge.kind != "prismatic":
-        return np.full(count, -np.inf), np.full(count, np.inf)
-    return edge.limits
+    lower, upper = edge.bounds if limits else (-np.inf, np.inf)
+    return np.full(len(edge.kind.along), lower), np.full(len(edge.kind.along), upper)
 
 
 def _spans(problem: SearchProblem) -> Iterator[Span]:
@@ -202,7 +218,7 @@ def _sides(
     for edge, sense in [*((e, -1.0) for e in inwards), *((e, 1.0) for e in reversed(outwards))]:
         if sense > 0.0 and edge.name in slides:
             between.append((edge.name, sense))
-        if edge.kind != "prismatic":
+        if edge.kind.turns:
             turning: Array = (data.oMi[edge.child] * edge.after.inverse()).translation
             yield _Side(turning - here, tuple(between))
             here, between = turning, []
@@ -236,9 +252,9 @@ def _tighten(
 
 def _independent(side: _Side, slides: Mapping[str, _Slide]) -> bool:
     """Tell whether the place at the end of a side gives what slides in it."""
-    axes = np.column_stack([np.zeros((3, 0)), *(slides[name].axes for name, _ in side.slides)])
-    values = np.linalg.svd(axes, compute_uv=False)
-    return axes.shape[1] <= 3 and bool((values > _PARALLEL).all())
+    own = [slides[name] for name, _ in side.slides]
+    axes = np.column_stack([np.zeros((3, 0)), *(slide.axes / slide.reach for slide in own)])
+    return bool(factorise(axes, 1.0, _PARALLEL).rank == axes.shape[1])
 
 
 def _bound(
@@ -254,7 +270,7 @@ def _bound(
     by d, and so |Z (d + Z⁺c)|² at most rest² − |c − Z Z⁺c|².
     """
     axes = np.column_stack([sense * slides[name].axes for name, sense in group])
-    inverse = np.linalg.pinv(axes)
+    inverse = factorise(axes, 1.0).inverse(axes.shape[1])
     middle = -inverse @ side.vector
     aside = side.vector + axes @ middle
     left = math.sqrt(max(0.0, rest**2 - float(aside @ aside)))
@@ -270,11 +286,11 @@ def _bound(
         ranges[name] = np.minimum(low, high), np.maximum(low, high)
 
 
-def _cut_off(slide: _Slide, bounds: tuple[Array, Array], length: float) -> SlideRange:
+def _cut_off(slide: _Slide, bounds: tuple[Array, Array], unit: str, length: float) -> SlideRange:
     """Return the range, cut off where it is beyond all measure."""
     lower, upper = bounds
-    far = _FAR * length
+    far = _FAR * length / slide.reach
     if (upper - lower <= 2.0 * far).all():
-        return SlideRange(lower, upper)
+        return SlideRange(lower, upper, unit)
     nearest = np.clip(slide.values, lower, upper)
-    return SlideRange(np.maximum(lower, nearest - far), np.minimum(upper, nearest + far), far)
+    return SlideRange(np.maximum(lower, nearest - far), np.minimum(upper, nearest + far), unit, far)

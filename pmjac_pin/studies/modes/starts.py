@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.linkage import Edge
@@ -16,7 +15,7 @@ from pmjac_pin.studies.modes.slide_ranges import SlideRange, slide_ranges
 from pmjac_pin.values.arrays import Array
 
 _STRIDE = 0.1  # of what a slide can reach: in a few steps it has been everywhere
-_ANYWHERE = (np.array([-np.inf]), np.array([np.inf]))
+_ANYWHERE = (-np.inf, np.inf)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,7 +73,7 @@ class StartSpace:
     def cut_off(self) -> str:
         """What of all values is left out, as nothing bounds them; empty for none."""
         slides = [
-            f"{name!r} within {one.cut_off:.3g} m of home"
+            f"{name!r} within {one.cut_off:.3g} {one.unit} of home"
             for name, one in self.slides.items()
             if one.cut_off is not None
         ]
@@ -96,8 +95,10 @@ class StartSpace:
             if reached is not None:
                 widest = float((reached.upper - reached.lower).max())
                 columns = slice(joint.idx_v, joint.idx_v + reached.lower.size)
-                found[columns] = max(problem.length, _STRIDE * widest)
-        return np.asarray(found[problem.columns])
+                # A rad of a screw is one length here, a metre of a slide a metre.
+                unit = problem.length if reached.unit == "rad" else 1.0
+                found[columns] = max(problem.length, _STRIDE * widest * unit)
+        return np.asarray(found[problem.partition.passive])
 
     def draw(self, rng: np.random.Generator, count: int) -> Array:
         """Return `count` random rows of q."""
@@ -107,23 +108,15 @@ class StartSpace:
         for one in self.trains:
             values = one.train.values(rng.uniform(one.lower, one.upper, count))
             for joint, entries, edge in one.joints:
-                q[:, entries] = _written(edge, values[:, joint])
+                q[:, entries] = edge.kind.of_value(values[:, joint])
         return q
 
     def _drawn(self, rng: np.random.Generator, edge: Edge, count: int) -> Array:
-        match edge.kind:
-            case "revolute":
-                return rng.uniform(*_turn(edge, self.limits), (count, 1))
-            case "continuous":
-                return _on_circle(rng, count)
-            case "spherical":
-                return _rotations(rng, count)
-        reached = self.slides[edge.name]
-        places = rng.uniform(reached.lower, reached.upper, (count, reached.lower.size))
-        if edge.kind == "prismatic":
-            return places
-        turns = _on_circle(rng, count) if edge.kind == "planar" else _rotations(rng, count)
-        return np.column_stack([places, turns])
+        places = np.zeros((count, 0))
+        if edge.kind.along:
+            reached = self.slides[edge.name]
+            places = rng.uniform(reached.lower, reached.upper, (count, reached.lower.size))
+        return edge.kind.drawn(rng, places, _turn(edge, self.limits))
 
 
 def _bounded(
@@ -136,7 +129,7 @@ def _bounded(
         t = train.first(train.driver, float(home[train.driver]))
         return _Train(train, t, t, False, tuple((k, *one) for k, one in joints.items()))
     bounds = [
-        _bounds(joints[index][1], slides, limits) if index in joints else _ANYWHERE
+        _bounds(joints[index][1], slides, limits) if index in joints else _ends(*_ANYWHERE)
         for index in range(len(train.names))
     ]
     lower, upper = (np.concatenate(ends) for ends in zip(*bounds, strict=True))
@@ -155,29 +148,13 @@ def _passive(problem: SearchProblem, train: GearTrain) -> Iterator[tuple[int, tu
 def _bounds(edge: Edge, slides: Mapping[str, SlideRange], limits: bool) -> tuple[Array, Array]:
     if edge.name in slides:
         return slides[edge.name].lower, slides[edge.name].upper
-    if not limits or edge.kind != "revolute" or edge.limits is None:
-        return _ANYWHERE
-    return edge.limits
+    return _ends(*(edge.bounds if limits else _ANYWHERE))
 
 
-def _written(edge: Edge, values: Array) -> Array:
-    if edge.kind == "continuous":
-        return np.column_stack([np.cos(values), np.sin(values)])
-    return values[:, None]
+def _ends(lower: float, upper: float) -> tuple[Array, Array]:
+    return np.array([lower]), np.array([upper])
 
 
-def _turn(edge: Edge, limits: bool) -> tuple[Array, Array]:
-    lower, upper = edge.limits if limits and edge.limits else _ANYWHERE
-    if np.all(upper / 2.0 - lower / 2.0 < np.pi):
-        return np.asarray(lower), np.asarray(upper)
-    return np.array([-np.pi]), np.array([np.pi])
-
-
-def _on_circle(rng: np.random.Generator, count: int) -> Array:
-    angle = rng.uniform(-np.pi, np.pi, count)
-    return np.column_stack([np.cos(angle), np.sin(angle)])
-
-
-def _rotations(rng: np.random.Generator, count: int) -> Array:
-    quaternions: Array = Rotation.random(count, rng).as_quat()
-    return quaternions
+def _turn(edge: Edge, limits: bool) -> tuple[float, float]:
+    lower, upper = edge.bounds if limits else _ANYWHERE
+    return (lower, upper) if upper / 2.0 - lower / 2.0 < np.pi else (-np.pi, np.pi)

@@ -126,8 +126,8 @@ def _between(share: float, Z: Array, M: Array, tried: Array, outer: int) -> floa
 
 def _why(Y: float, M: Array, tried: Array) -> str:
     """Return the inequality, with its numbers where it fails by least."""
-    lack = np.where(M < 1.0, Y - (1.0 - M) * tried, np.inf)
-    best = 1 + int(lack[1:-1].argmin())
+    lack = np.where((M < 1.0) & np.isfinite(tried), Y - (1.0 - M) * tried, np.inf)
+    best = 1 + int(lack[1:].argmin())
     return (
         f"Y + M r < r does not hold for any r: Newton's step is Y = {Y:.3g} rad, and ‖I − A K*‖ "
         f"up to r = {tried[best]:.3g} rad from the pose may be M = {M[best]:.3g} in the mean"

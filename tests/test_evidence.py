@@ -1,0 +1,76 @@
+"""Evidence: every answer of a study says in the same words what it rests on."""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+from typing import get_args, get_type_hints
+
+import pytest
+
+import pmjac_pin as pj
+from pmjac_pin.cli import main
+
+KINDS = get_args(get_type_hints(pj.Evidence)["kind"])
+STUDIES = {
+    pj.AssemblyModes: lambda machine, theta: pj.assembly_modes(machine, theta, rng=0),
+    pj.Certificate: lambda machine, theta: pj.certify(machine.close(theta)),
+    pj.ComplexModes: lambda machine, theta: pj.parameter_homotopy(machine, rng=0).at(theta),
+    pj.Diagnosis: lambda machine, theta: pj.check(machine),
+    pj.OperationModes: lambda machine, theta: pj.parameter_homotopy(
+        machine, rng=0
+    ).operation_modes(),
+    pj.ParameterHomotopy: lambda machine, theta: pj.parameter_homotopy(machine, rng=0),
+    pj.Proof: pj.prove,
+}
+
+
+def test_every_answer_that_is_exported_is_tried():
+    """Those whose class is defined in a study; a budget is a question."""
+    own = {one for one in map(partial(getattr, pj), pj.__all__) if isinstance(one, type)}
+    found = {one for one in own if one.__module__.startswith("pmjac_pin.studies.")}
+    assert found - {pj.Evidence, pj.Budget} == set(STUDIES)
+
+
+@pytest.mark.parametrize("name", ["four_bar", "slider_crank"])
+@pytest.mark.parametrize("kind", STUDIES, ids=lambda kind: kind.__name__)
+def test_what_an_answer_rests_on(kind, name):
+    machine = pj.load(name)
+    answer = STUDIES[kind](machine, machine.home.actuated)
+    evidence = answer.evidence
+    assert isinstance(answer, kind)
+    assert type(evidence) is pj.Evidence
+    assert evidence.kind in KINDS
+    assert str(evidence) == f"{evidence.kind}: {evidence.statement}"
+    assert not evidence.statement.startswith(KINDS)
+    assert not evidence.statement.endswith(".")
+    assert evidence.kind != "statistics" or evidence.confidence
+
+
+@pytest.mark.parametrize("parameters", [{}, {"l1": 100.0}], ids=["closes", "open"])
+def test_the_command_and_its_json_say_it_in_the_same_words(parameters, capsys):
+    evidence = pj.check("four_bar", parameters=parameters).evidence
+    given = [f"--set={name}={value}" for name, value in parameters.items()]
+    main(["check", "four_bar", *given, "--json"])
+    assert json.loads(capsys.readouterr().out)["evidence"] == {
+        "kind": evidence.kind,
+        "statement": evidence.statement,
+        "unseen": None,
+        "confidence": None,
+    }
+    main(["check", "four_bar", *given])
+    shown = " ".join(capsys.readouterr().out.split())
+    assert f"Mobility and ranks rest on {evidence}." in shown
+
+
+def test_an_answer_of_yes_or_no_is_true_where_it_is_proven():
+    machine = pj.load("four_bar")
+    folding = pj.load("four_bar", {"l0": 4.0, "l1": 1.0, "l2": 2.0, "l3": 3.0})
+    answers = [
+        *(pj.prove(machine, [0.9], budget=pj.Budget(boxes=boxes)) for boxes in (1, 1000)),
+        *map(pj.certify, (machine.home, folding.close([3.1415926]))),
+    ]
+    assert [bool(answer) for answer in answers] == [False, True, True, False]
+    for answer in answers:
+        assert answer.evidence.kind == ("proof" if answer else "nothing")
+        assert bool(answer.failed) is not bool(answer)

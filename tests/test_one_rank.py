@@ -1,0 +1,46 @@
+"""One file decomposes matrices and says a rank: `rates/factorisation.py`."""
+
+from __future__ import annotations
+
+import ast
+
+from draw_architecture import PACKAGE
+
+#: What reveals a rank, or takes one for granted, of NumPy's and SciPy's linear algebra.
+REVEALING = {
+    *("svd", "svdvals", "matrix_rank", "qr", "lstsq", "pinv", "pinvh", "null_space", "orth"),
+    *("cond", "eig", "eigvals", "eigvalsh", "lu", "ldl", "gelsd", "gesvd", "geqp3"),
+}
+#: Where something else is asked than a rank, and what.
+OTHERWISE = {
+    "rates/factorisation.py": {"svd"},
+    "rates/jacobian.py": {"qr"},  # unit vectors along columns that are independent
+    "rates/singularity.py": {"qr"},  # the same
+    "rates/ellipse.py": {"svd"},  # the axes of an ellipsoid; flat by a tolerance of its own
+    "rates/ellipsoid.py": {"svd"},  # what is across one vector
+    "closing/damped_closure.py": {"svd"},  # a step that damping holds back
+    "studies/modes/marks.py": {"qr"},  # the space of a joint's own motions, for many poses
+    "studies/modes/krawczyk.py": {"lstsq", "pinv"},  # guesses: what they are worth is proven
+    "studies/homotopy/curve.py": {"pinv"},  # a step where there is no other
+    "words/report_maker.py": {"svd"},  # the singular values that are shown
+    "pictures/mode_sheet.py": {"svd"},  # planes of points
+    "pictures/stick_figure.py": {"svd"},
+}
+
+
+def of_linear_algebra(path):
+    """Return the names that a file takes from a module `linalg`, or from one within it."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        match node:
+            case ast.ImportFrom(module=str(module), names=names) if "linalg" in module.split("."):
+                yield from (name.name for name in names)
+            case ast.Attribute(value=ast.Attribute(attr="linalg") | ast.Name(id="linalg")):
+                yield node.attr
+
+
+def test_ranks_are_said_in_one_file():
+    found = {}
+    for path in PACKAGE.rglob("*.py"):
+        if names := REVEALING & set(of_linear_algebra(path)):
+            found[path.relative_to(PACKAGE).as_posix()] = names
+    assert found == OTHERWISE
