@@ -19,6 +19,7 @@ lowest:
 
 bench: .venv/ready
 	$(BIN)/python benchmarks/bench_jacobian.py
+	$(BIN)/python benchmarks/bench_batch.py
 	$(BIN)/python benchmarks/bench_error.py
 	$(BIN)/python benchmarks/bench_modes.py
 	$(BIN)/python benchmarks/bench_homotopy.py

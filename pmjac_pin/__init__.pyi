@@ -1,5 +1,10 @@
 # What `import pmjac_pin` offers, by its names there; each is imported when it is asked for.
 
+from .batches import Batch as Batch
+from .batches import ManyClosed as ManyClosed
+from .batches import ManyJacobians as ManyJacobians
+from .batches import Status as Status
+from .batches import batch as batch
 from .configuration import Configuration as Configuration
 from .errors import (
     ArgumentError as ArgumentError,

@@ -195,7 +195,7 @@ class Configuration:
         >>> pj.load("four_bar").home.split_jacobian().K_star.shape
         (2, 2)
         """
-        name = _frame_name(frame)
+        name = frame_name(frame)
         constraint, tool = self._jacobians(self._snapshot, name)
         partition = self._parts.problem.partition
         return SplitJacobian(constraint, tool, name, partition, pose=PoseRounding(self, name))
@@ -256,7 +256,8 @@ class Configuration:
         return f"Configuration({self.mechanism.name}, {motors}, {gap}{beyond})"
 
 
-def _frame_name(frame: str | pin.ReferenceFrame) -> FrameName:
+def frame_name(frame: str | pin.ReferenceFrame) -> FrameName:
+    """Return the name of one of Pinocchio's frames, or say which there are."""
     name = frame.name if isinstance(frame, pin.ReferenceFrame) else frame
     if isinstance(name, str):  # of an array, a comparison is none
         match name:

@@ -29,7 +29,7 @@ ORDER = (
     ("rates",),
     ("closing",),
     ("configuration mechanism mechanism_value direct_kinematics pose_rounding",),
-    ("loading",),
+    ("loading", "batches"),
     ("studies",),
     ("words",),
     ("pictures",),

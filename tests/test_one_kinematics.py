@@ -16,6 +16,7 @@ from pmjac_pin.algebra.boxes import Boxes
 from pmjac_pin.algebra.floats import Floats
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.algebra.polynomials import Polynomials, symbols
+from pmjac_pin.algebra.programs import Programs, Recording, Term
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.loops import Loops, by_twists, riding
 from pmjac_pin.kinematics.tree import Poses, Tree
@@ -233,6 +234,46 @@ def _evaluated(polynomial, point):
     )
 
 
+def by_programs(loops, model, q, way):
+    """Recorded over the entries of q, and then run term by term."""
+    programs, recording = Programs(), Recording(model.nq)
+    entries = programs.numbers(recording.inputs)
+
+    def motion(link):
+        return link.kind.motion(programs, entries[link.entries], link.edge.pitch)
+
+    riders = range(model.nv) if way is riding else ()
+    blocks = way(loops.pairs[0], Poses(loops.tree, programs, motion, riders))
+    values = run(recording, q)
+
+    def at_point(array):
+        known = [values[x.index] if isinstance(x, Term) else x for x in array.ravel().tolist()]
+        return np.array(known, dtype=float).reshape(array.shape)
+
+    return assembled(loops, blocks, model.nv, at_point)
+
+
+def run(recording, q):
+    operations = {
+        "input": lambda index: q[index],
+        "+": lambda x, y: x + y,
+        "-": lambda x, y: x - y,
+        "*": lambda x, y: x * y,
+        "neg": lambda x: -x,
+        "/": lambda x, y: x / y,
+        "sqrt": np.sqrt,
+        "atan2": np.arctan2,
+        "round": np.round,
+        "sin": np.sin,
+        "cos": np.cos,
+    }
+    values = []
+    for term in recording.terms:
+        operands = [values[x.index] if isinstance(x, Term) else x for x in term.operands]
+        values.append(operations[term.operation](*operands))
+    return values
+
+
 NUMBERS = {
     "floats, twists": lambda *case: by_floats(*case, True, by_twists),
     "floats, riding": lambda *case: by_floats(*case, True, riding),
@@ -243,6 +284,8 @@ NUMBERS = {
     "balls, twists": lambda *case: by_balls(*case, by_twists),
     "balls, riding": lambda *case: by_balls(*case, riding),
     "polynomials, riding": by_polynomials,
+    "programs, twists": lambda *case: by_programs(*case, by_twists),
+    "programs, riding": lambda *case: by_programs(*case, riding),
 }
 
 

@@ -15,8 +15,8 @@ before it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -45,6 +45,8 @@ class Bends:
     Parameters
     ----------
     arms : Arms
+    root : callable, optional
+        The square root of arrays: numbers may also be recorded ones (`algebra.programs`).
 
     Attributes
     ----------
@@ -55,10 +57,11 @@ class Bends:
 
     __slots__ = (
         "_above", "_blocks", "_distances", "_inside", "_lengths", "_lies", "_members", "_of_row",
-        "_rods", "_slid", "_sums", "_turned", "_values", "off_closure",
+        "_rods", "_root", "_slid", "_sums", "_turned", "_values", "off_closure",
     )  # fmt: skip
 
-    def __init__(self, arms: Arms) -> None:
+    def __init__(self, arms: Arms, root: Callable[[Any], Any] = np.sqrt) -> None:
+        self._root = root
         segments = [segment for block in arms.blocks for segment in block.segments]
         count, blocks = len(arms.rates), np.arange(len(arms.blocks))
         self._members, self._values = arms.rates.T**2, arms.values.T**2
@@ -80,7 +83,7 @@ class Bends:
 
     def speeds(self, rates: Array) -> Array:
         """Return the norms of rates (..., nv) in each group, shape (..., groups)."""
-        norms: Array = np.sqrt(rates**2 @ self._members)
+        norms: Array = self._root((rates * rates) @ self._members)
         return norms
 
     def block_norms(self, residual: Array) -> Array:
@@ -103,7 +106,7 @@ class Bends:
         square = a1 * a1
         e2, e3 = square / 2.0 + a2, square * a1 / 6.0 + a1 * a2 + a3
         e4 = square * square / 24.0 + square * a2 / 2.0 + a2 * a2 / 2.0 + a1 * a3
-        length = self._lengths + np.sqrt(q**2 @ self._values) @ self._lies.T + d1
+        length = self._lengths + self._root((q * q) @ self._values) @ self._lies.T + d1
         arms = [
             length,
             a1 * length + d1,

@@ -24,15 +24,15 @@ from pmjac_pin.values.arrays import Array, norm
 MOST_STEPS = 20_000  #: tried in one path
 
 # All lengths relative to the mechanism's characteristic length.
-_LARGEST_STEP = 0.25  # motion in one step, a rad counted as one length
-_LEAST_MOTION = 1e-9  # motion in one step that is not the last: less is not resolved
-_LARGEST_CORRECTION = 0.25  # first Newton correction, as a share of the predicted motion
-_SLOWEST_CONTRACTION = 0.25  # of one Newton correction by the next
+LARGEST_STEP = 0.25  # motion in one step, a rad counted as one length
+SMALLEST_STEP = 1e-9  # motion in one step that is not the last: less is not resolved
+LARGEST_CORRECTION = 0.25  # first Newton correction, as a share of the predicted motion
+SLOWEST_CONTRACTION = 0.25  # of one Newton correction by the next
 _HARDLY_ANYTHING = 1e-5  # left of the motors' path, where it may end in a singular target
 _BESIDE = 1e-5  # lengths or rad: both modes that meet at a fold are as near when the gap is 1e-12
-_WALKING = 1e-13  # gap on the way: beside a fold, more would hide how near that is
-_NO_INVERSE = 1e-9  # relative singular value of K* at a pose that no step is proven to lead to
-_MOST_CORRECTIONS = 50  # at a fold, polishing halves the error each time
+WALKING = 1e-13  # gap on the way: beside a fold, more would hide how near that is
+NO_INVERSE = 1e-9  # relative singular value of K* at a pose that no step is proven to lead to
+MOST_CORRECTIONS = 50  # at a fold, polishing halves the error each time
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,7 +72,7 @@ def follow(
     """
     partition = problem.partition
     distance = norm(displacement / partition.column_scale[partition.actuated])
-    if distance > MOST_STEPS * _LARGEST_STEP * partition.length:
+    if distance > MOST_STEPS * LARGEST_STEP * partition.length:
         return Followed(start, 0.0, 0, spent=True)
     point, share, step, iterations = start, 0.0, 1.0, 0
     regular = not _is_singular(start, partition)
@@ -81,10 +81,10 @@ def follow(
     while regular and tries < MOST_STEPS:
         tries += 1
         pace = norm(velocity / partition.column_scale)
-        step = min(step, _LARGEST_STEP * partition.length / pace if pace else 1.0)
+        step = min(step, LARGEST_STEP * partition.length / pace if pace else 1.0)
         last = step >= 1.0 - share
         stride = 1.0 - share if last else step
-        if not last and stride * pace < _LEAST_MOTION * partition.length:
+        if not last and stride * pace < SMALLEST_STEP * partition.length:
             break
         tangent = velocity * stride
         ahead = problem.integrate(point.q, tangent)
@@ -140,7 +140,7 @@ def _is_singular(point: Closed, partition: Partition) -> bool:
 
 def _is_invertible(point: Closed, partition: Partition) -> bool:
     rank, values = partition.passive_rank, point.factors.singular_values
-    return not rank or float(values[rank - 1]) > _NO_INVERSE * point.factors.size
+    return not rank or float(values[rank - 1]) > NO_INVERSE * point.factors.size
 
 
 def _weakest(point: Closed, partition: Partition) -> float:
@@ -169,11 +169,11 @@ def _correct(problem: ClosureProblem, q: Array, tangent: Array, last: bool) -> C
     tolerance there is nothing left to tell apart: there it only polishes, slowly at a fold.
     """
     partition = problem.partition
-    enough = (ROUNDING if last else _WALKING) * partition.length
-    allowed = _LARGEST_CORRECTION * norm(tangent / partition.column_scale)
+    enough = (ROUNDING if last else WALKING) * partition.length
+    allowed = LARGEST_CORRECTION * norm(tangent / partition.column_scale)
     no_motion = np.zeros(tangent.size)
     previous_gap = np.inf
-    for iteration in range(1, _MOST_CORRECTIONS):
+    for iteration in range(1, MOST_CORRECTIONS):
         residual, jacobian = problem.evaluate(q)
         gap = problem.gap(residual)
         closed = gap <= problem.tolerance
@@ -184,7 +184,7 @@ def _correct(problem: ClosureProblem, q: Array, tangent: Array, last: bool) -> C
             return point_at(problem, q, residual, jacobian, iteration)
         if not (closed or size <= allowed):
             return None
-        allowed, previous_gap = _SLOWEST_CONTRACTION * size, gap
+        allowed, previous_gap = SLOWEST_CONTRACTION * size, gap
         q = problem.integrate(q, velocity)
     return None
 

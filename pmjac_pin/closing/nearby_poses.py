@@ -40,7 +40,7 @@ def nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
     rng = np.random.default_rng(0)
     allowed = _allowed(problem, home_q)
     directions = list(_directions(problem, allowed, rng))
-    for distance in _distances(problem):
+    for distance in _seen_distances(problem):
         starts = ((distance * step, weights) for step, weights in directions)
         found = _closed_starts(problem, home_q, starts, distance)
         if not found:
@@ -80,7 +80,7 @@ def _reach(
     tries = [step, *(step + weights * rng.normal(size=step.size) for _ in range(_SHAKEN))]
     moved = (
         distance
-        for distance in _distances(problem)
+        for distance in _seen_distances(problem)
         for one in tries
         for way in (1.0, -1.0)
         if _closed_starts(problem, q, [(way * distance * one, weights)], distance)
@@ -88,7 +88,7 @@ def _reach(
     return next(moved, 0.0)
 
 
-def _distances(problem: ClosureProblem) -> tuple[float, ...]:
+def _seen_distances(problem: ClosureProblem) -> tuple[float, ...]:
     """Return the distances at which a gap of second order would be seen under the tolerance."""
     least = _SEEN * problem.tolerance / problem.partition.length
     first, *nearer = _DISTANCES

@@ -34,10 +34,10 @@ from pmjac_pin.model.joint_kinds import kind_of
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array
 
-_QUADRATIC = 3**0.5 / 216.0  # of |f‴|: f between its values at 0, ½ and 1
-_CUBIC = 1.0 / 384.0  # of |f⁗|: f between its values and slopes at 0 and 1
-_SLOPES = 8.0 / 27.0  # of |f'|: what such slopes at both ends add
-_MARGIN = 1.1  # for rounding, and so that ends are not nearly singular
+QUADRATIC = 3**0.5 / 216.0  # of |f‴|: f between its values at 0, ½ and 1
+CUBIC = 1.0 / 384.0  # of |f⁗|: f between its values and slopes at 0 and 1
+SLOPES = 8.0 / 27.0  # of |f'|: what such slopes at both ends add
+MARGIN = 1.1  # for rounding, and so that ends are not nearly singular
 
 
 class _Step(NamedTuple):
@@ -96,10 +96,10 @@ class StepGuard:
         straight = inverse @ (end.scaled - start.scaled).take(passive, axis=1)
         middle = inverse @ (partition.scaled(jacobian) - start.scaled).take(passive, axis=1)
         off = self._bends.off_closure * self._bends.block_norms(residual)[:, None]
-        left_out = partition.scaled(_QUADRATIC * self._bends.rates(motion) + off)
-        open_by = _CUBIC * self._bends.residual(motion) + self._bends.rounding(motion)
+        left_out = partition.scaled(QUADRATIC * self._bends.rates(motion) + off)
+        open_by = CUBIC * self._bends.residual(motion) + self._bends.rounding(motion)
         open_by *= partition.row_scale
-        open_by += _SLOPES * np.abs(end.residual - start.residual)
+        open_by += SLOPES * np.abs(end.residual - start.residual)
         step = _Step(
             partition,
             motion,
@@ -155,7 +155,7 @@ class StepGuard:
         else:
             return False
         change += sizes @ within
-        *_, weights, failed = dgesv(identity - _MARGIN * change, np.ones(len(change)))
+        *_, weights, failed = dgesv(identity - MARGIN * change, np.ones(len(change)))
         return not failed and bool((weights >= 1.0).all())
 
     def _within(self, step: _Step, tube: Array, mixed: Array | None) -> Array:

@@ -127,6 +127,10 @@ class JointCoordinates:
         """Return the number of degrees of freedom of a joint."""
         return self._joint(name).nv
 
+    def entry(self, column: int) -> int:
+        """Return where q holds a freedom's value, or its cosine and behind it its sine."""
+        return int(self._entries_of[column])
+
     def values(self, q: Array) -> Array:
         """Return the value of every degree of freedom, shape (nv,), in the columns' order."""
         values: Array = pin.difference(self._model, self._neutral, q)
@@ -137,14 +141,28 @@ class JointCoordinates:
         return values
 
     def with_values(self, q: Array, columns: Index, values: Array) -> Array:
-        """Return q with the values of these columns, of joints with one degree of freedom."""
+        """Return q with the values of these columns, of joints with one degree of freedom.
+
+        Both may have any leading axes, the same.
+        """
         q = q.copy()
         entries, wraps = self._entries_of[columns], self.wraps[columns]
         if wraps.any():
-            q[entries[wraps] + 1] = np.sin(values[wraps])
+            q[..., entries[wraps] + 1] = np.sin(values[..., wraps])
             values = np.where(wraps, np.cos(values), values)
-        q[entries] = values
+        q[..., entries] = values
         return q
+
+    def values_of(self, q: Array, columns: Index) -> Array:
+        """Return the values of these columns, of joints with one degree of freedom.
+
+        q may have any leading axes.
+        """
+        entries, wraps = self._entries_of[columns], self.wraps[columns]
+        values: Array = q[..., entries]
+        if wraps.any():
+            values[..., wraps] = np.arctan2(q[..., entries[wraps] + 1], values[..., wraps])
+        return values
 
     def q(self, poses: Mapping[str, float | Sequence[float]], base: Array | None = None) -> Array:
         """Return q with these joints' values, the others as in `base` (neutral when None).
@@ -200,13 +218,17 @@ class JointCoordinates:
         values = self.values(q)
         return values - self.lower, self.upper - values
 
+    def beyond(self, values: Array, columns: Index) -> NDArray[np.bool_]:
+        """Tell which values of these columns are outside their limits; with any leading axes."""
+        below = values < self.lower[columns] - _LIMIT_SLACK
+        return np.asarray(below | (values > self.upper[columns] + _LIMIT_SLACK))
+
     def outside(self, values: Array, columns: Index) -> list[str]:
         """Return the joints of these columns whose values are outside their limits."""
-        below = values < self.lower[columns] - _LIMIT_SLACK
-        above = values > self.upper[columns] + _LIMIT_SLACK
-        if not (below | above).any():
+        beyond = self.beyond(values, columns)
+        if not beyond.any():
             return []
-        wrong = set(columns[below | above].tolist())
+        wrong = set(columns[beyond].tolist())
         return [joint.name for joint in self._joints.values() if joint.idx_v in wrong]
 
     def _joint(self, name: str) -> _Joint:

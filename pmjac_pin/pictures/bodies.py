@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from pmjac_pin.values.arrays import Array, Index
 
-_PARALLEL = 1e-9  # the sine of an angle, or a pitch in m/rad: less is rounding
+_SAME_LINE = 1e-9  # the sine of an angle, or a pitch in m/rad: less is rounding
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,7 +108,7 @@ def _joint_axes(model: pin.Model, data: pin.Data) -> dict[int, Axis]:
         ways = np.where(angular.any(axis=0), angular, linear)
         ways = ways / np.linalg.norm(ways, axis=0)
         axis = ways[:, 0]
-        if (np.abs(np.cross(axis, ways.T)) <= _PARALLEL).all():
-            slides = bool((np.abs(axis @ linear) > _PARALLEL).any())
+        if (np.abs(np.cross(axis, ways.T)) <= _SAME_LINE).all():
+            slides = bool((np.abs(axis @ linear) > _SAME_LINE).any())
             found[index] = Axis(axis, bool(angular.any()), slides)
     return found

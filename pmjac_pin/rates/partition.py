@@ -187,7 +187,12 @@ class Partition(ReadOnlyArrays):
         Where a single loop is singular, all of [K K*] may vanish, and would have full rank beside
         itself.
         """
-        return max(norm(scaled), _LEAST_SIZE * self.size)
+        return max(norm(scaled), self.least_size)
+
+    @property
+    def least_size(self) -> float:
+        """What the size of [K K*] is taken for where it vanishes."""
+        return _LEAST_SIZE * self.size
 
     def loop_rates(self, constraint_jacobian: Array) -> LoopRates:
         """Return [K K*] without dimension at one pose, and K* factorised."""

@@ -53,7 +53,7 @@ class ToolRanks:
         (2, 1)
         """
         probes = list(_probes(mechanism))
-        found = [tuple(map(_largest, _halves(jacobian))) for jacobian in probes]
+        found = [tuple(map(_largest, _scaled_blocks(jacobian))) for jacobian in probes]
         sizes = [max((pair[half] for pair in found), default=0.0) for half in (0, 1)]
         linear = max((jacobian.tool_ranks.linear for jacobian in probes), default=0)
         angular = max((jacobian.tool_ranks.angular for jacobian in probes), default=0)
@@ -64,7 +64,7 @@ class ToolRanks:
         (_, *ranks), rows = jacobian.tool_ranks, jacobian.partition.tool_rows
         if lost := self._drops(rows, ranks, "has"):
             return f"Here the tool cannot move in every way that it can elsewhere: {lost}."
-        of_both = zip(_halves(jacobian), self.sizes, strict=True)
+        of_both = zip(_scaled_blocks(jacobian), self.sizes, strict=True)
         large = [factorise(half, size, _NEARLY_ZERO).rank for half, size in of_both]
         if almost := self._drops(rows, large, "is near"):
             return f"Here the tool almost loses a way to move: {almost}."
@@ -80,7 +80,7 @@ class ToolRanks:
         )
 
 
-def _halves(jacobian: EquivalentJacobian) -> tuple[Array, Array]:
+def _scaled_blocks(jacobian: EquivalentJacobian) -> tuple[Array, Array]:
     """Return [J_v]eq and [J_ω]eq, of motor rates without dimension."""
     scale = jacobian.partition.column_scale[jacobian.partition.actuated]
     return jacobian.Jv_eq * scale, jacobian.Jw_eq * scale

@@ -133,8 +133,8 @@ class Report:
         motors, ellipsoids = len(self.labels.actuated), self.ellipsoids
         return {
             "K_star": SingularValues(spectrum, common_unit(rows, self.labels.passive_powers)),
-            "Jv_eq": _radii(ellipsoids["velocity"], motors),
-            "Jw_eq": _radii(ellipsoids["angular"], motors),
+            "Jv_eq": _first_radii(ellipsoids["velocity"], motors),
+            "Jw_eq": _first_radii(ellipsoids["angular"], motors),
         }
 
     @cached_property
@@ -247,7 +247,7 @@ def ellipsoid_told(ellipsoid: Ellipsoid) -> dict[str, object]:
     return {**told(ellipsoid, "unit", "rank", "radii"), "directions": ellipsoid.axes.T}
 
 
-def _radii(ellipsoid: Ellipsoid | None, motors: int) -> SingularValues | None:
+def _first_radii(ellipsoid: Ellipsoid | None, motors: int) -> SingularValues | None:
     if ellipsoid is None:
         return None
     return SingularValues(ellipsoid.radii[:motors].tolist(), ellipsoid.unit)

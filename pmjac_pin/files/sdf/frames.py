@@ -119,7 +119,7 @@ def pose(where: str, element: Element, default: str) -> tuple[str, pin.SE3]:
     rotation_format = found.get("rotation_format", "euler_rpy")
     if rotation_format == "quat_xyzw":
         values = numbers_in(where, text or "0 0 0 0 0 0 1", count=7)
-        return relative_to, pin.SE3(_rotation(where, values[3:]), np.array(values[:3]))
+        return relative_to, pin.SE3(_rotation_of(where, values[3:]), np.array(values[:3]))
     if rotation_format != "euler_rpy":
         got = f"`rotation_format` is {quoted(rotation_format)}"
         raise ModelFileError(f"{where}: {got}; euler_rpy and quat_xyzw are read")
@@ -130,7 +130,7 @@ def pose(where: str, element: Element, default: str) -> tuple[str, pin.SE3]:
     )
 
 
-def _rotation(where: str, xyzw: list[float]) -> NDArray[np.float64]:
+def _rotation_of(where: str, xyzw: list[float]) -> NDArray[np.float64]:
     length = float(np.linalg.norm(xyzw))
     if not abs(length - 1.0) < 1e-3:
         raise ModelFileError(f"{where}: the quaternion has length {length:g}, not 1")

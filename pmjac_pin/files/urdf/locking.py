@@ -74,7 +74,7 @@ def _lock_joint(joint: Element, value: JointValue, pitch: float) -> None:
         raise ArgumentError(f"joint {name!r} is locked at one number, got {len(value)}")
     else:
         _check_limits(joint, value)
-        _shift_origin(joint, _motion(joint, value, pitch))
+        _shift_origin(joint, _motion_at(joint, value, pitch))
     for tag in ("axis", "limit", "dynamics"):
         for element in joint.findall(tag):
             joint.remove(element)
@@ -94,7 +94,7 @@ def _check_limits(joint: Element, value: float) -> None:
         raise LimitError(message, joint=name, value=value, lower=lower, upper=upper)
 
 
-def _motion(joint: Element, value: float, pitch: float) -> pin.SE3:
+def _motion_at(joint: Element, value: float, pitch: float) -> pin.SE3:
     """Return the motion of a joint of one degree of freedom at this value."""
     direction = np.array(numbers("axis", joint.find("axis"), "xyz", default=_AXIS, count=3))
     step = value * direction / np.linalg.norm(direction)

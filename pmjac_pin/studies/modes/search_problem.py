@@ -120,10 +120,10 @@ def _without(mechanism: Mechanism, legs: list[Leg], base: Array) -> SearchProble
     sizes = dict(zip(map(id, everything), mechanism.problem.partition.loop_sizes, strict=True))
     loops, kept = [*stay, *rods], [sizes[id(loop)] for loop in (*stay, *ended)]
     q = _copied(whole, base, model, pin.neutral(model))
-    return _problem(mechanism, model, loops, _rescaled(mechanism, model, loops, kept, q), q)
+    return _problem(mechanism, model, loops, _with_rods(mechanism, model, loops, kept, q), q)
 
 
-def _rescaled(
+def _with_rods(
     mechanism: Mechanism,
     model: pin.Model,
     loops: Sequence[Loop],

@@ -1,0 +1,234 @@
+"""Programs: numbers that are recorded operations, so that kinematics becomes straight-line code.
+
+Each term is an operation on earlier terms and on doubles. The same operation on the same operands
+is the same term, zeros and ones are never multiplied or added, and signs are drawn outwards, so
+that a sum and its opposite are one term as well.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any, Literal, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.algebra.arrays import Arrays, Numbers
+from pmjac_pin.values.arrays import Array
+
+Operation = Literal[
+    "input", "+", "-", "*", "/", "neg", "sin", "cos", "sqrt", "abs", "max", "copysign", "atan2",
+    "round",
+]  # fmt: skip
+
+#: What an operation is of: terms, doubles, or the number of an input.
+Operand = Union["Term", float, int]
+
+
+class Recording:
+    """The terms of a program, in an order in which they can be computed.
+
+    Parameters
+    ----------
+    inputs : int
+        How many numbers the program is a function of.
+
+    Attributes
+    ----------
+    terms : list of Term
+        The inputs first.
+
+    Examples
+    --------
+    >>> recording = Recording(2)
+    >>> x, y = recording.inputs
+    >>> (x + y) * 0.0, (x + 0.0) is x, (x - y) is -(y - x)
+    (0.0, True, True)
+    """
+
+    __slots__ = ("_known", "inputs", "terms")
+
+    def __init__(self, inputs: int) -> None:
+        self.terms: list[Term] = []
+        self._known: dict[tuple[Any, ...], Term] = {}
+        self.inputs = tuple(self.term("input", index) for index in range(inputs))
+
+    def term(self, operation: Operation, *operands: Operand) -> Term:
+        """Return the term of an operation, a new one where it was not recorded before."""
+        key = (operation, *(_identity(operand) for operand in operands))
+        if key not in self._known:
+            self._known[key] = Term(self, len(self.terms), operation, operands)
+            self.terms.append(self._known[key])
+        return self._known[key]
+
+
+def _identity(operand: Operand) -> object:
+    return ("term", operand.index) if isinstance(operand, Term) else operand
+
+
+class Term:
+    """A number of a program.
+
+    Attributes
+    ----------
+    recording : Recording
+    index : int
+        Among the terms.
+    operation : str
+    operands : tuple of Term, float or int
+    """
+
+    __slots__ = ("index", "operands", "operation", "recording")
+
+    def __init__(
+        self,
+        recording: Recording,
+        index: int,
+        operation: Operation,
+        operands: tuple[Operand, ...],
+    ) -> None:
+        self.recording, self.index = recording, index
+        self.operation, self.operands = operation, operands
+
+    def __neg__(self) -> Any:
+        if self.operation == "neg":
+            return self.operands[0]
+        if self.operation == "-":
+            first, second = self.operands
+            return self.recording.term("-", second, first)
+        return self.recording.term("neg", self)
+
+    def __add__(self, other: Any) -> Any:
+        if other == 0.0:
+            return self
+        if _is_negative(other):
+            return self - (-other)
+        if self.operation == "neg":
+            return other - self.operands[0]
+        return self.recording.term("+", *_sorted(self, other))
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Any:
+        if other is self:
+            return 0.0
+        if other == 0.0:
+            return self
+        if _is_negative(other):
+            return self + (-other)
+        if self.operation == "neg":
+            return -(self.operands[0] + other)
+        return self.recording.term("-", self, other)
+
+    def __rsub__(self, other: float) -> Any:
+        return -(self - other)
+
+    def __mul__(self, other: Any) -> Any:
+        if not isinstance(other, Term) and other in (0.0, 1.0, -1.0):
+            return 0.0 if other == 0.0 else self if other == 1.0 else -self
+        if self.operation == "neg":
+            return -(self.operands[0] * other)
+        if _is_negative(other):
+            return -(self * -other)
+        return self.recording.term("*", *_sorted(self, other))
+
+    __rmul__ = __mul__
+
+    def __abs__(self) -> Any:
+        return self.recording.term("abs", self)
+
+    def __truediv__(self, other: Any) -> Any:
+        if isinstance(other, Term):
+            return self.recording.term("/", self, other)
+        return self * (1.0 / other)
+
+    def __rtruediv__(self, other: float) -> Any:
+        return 0.0 if other == 0.0 else self.recording.term("/", other, self)
+
+
+def _is_negative(number: Any) -> bool:
+    return number.operation == "neg" if isinstance(number, Term) else number < 0.0
+
+
+def _sorted(one: Term, other: Any) -> tuple[Operand, Operand]:
+    """Return operands that may be exchanged in one order: a double first, then by age."""
+    if not isinstance(other, Term):
+        return float(other), one
+    return (one, other) if one.index <= other.index else (other, one)
+
+
+class Programs(Arrays):
+    """Recorded numbers, and doubles among them.
+
+    Examples
+    --------
+    >>> programs, recording = Programs(), Recording(1)
+    >>> x = programs.numbers(recording.inputs)
+    >>> square = programs.squared(programs.stack([programs.cos(x[0]), programs.constant(2.0)]))
+    >>> [term.operation for term in recording.terms]
+    ['input', 'cos', '*', '+']
+    """
+
+    __slots__ = ()
+
+    def exact(self, values: Array) -> Numbers:
+        """Return doubles as they are."""
+        return np.asarray(values, dtype=float).astype(object)
+
+    def numbers(self, terms: Sequence[Term]) -> Numbers:
+        """Return terms as components."""
+        return _objects(terms)[:, None, None]
+
+    def cos(self, x: Numbers) -> Numbers:
+        """Return cos x."""
+        return _each(x, "cos")
+
+    def sin(self, x: Numbers) -> Numbers:
+        """Return sin x."""
+        return _each(x, "sin")
+
+    def unit(self, x: Numbers) -> Numbers:
+        """Return x: what q holds of a turn has length 1, as Pinocchio takes it to have."""
+        return x
+
+
+def root(x: Any) -> Any:
+    """Return √x of a term or a double."""
+    return x.recording.term("sqrt", x) if isinstance(x, Term) else math.sqrt(x)
+
+
+def roots(x: Numbers) -> Numbers:
+    """Return √x of each term or double."""
+    return np.asarray(_ROOTS(x), dtype=object)
+
+
+def largest(x: Any, y: Any) -> Any:
+    """Return the larger of two terms or doubles."""
+    if x is y or (not isinstance(y, Term) and y == -math.inf):
+        return x
+    if isinstance(x, Term):
+        return x.recording.term("max", x, y)
+    return y.recording.term("max", y, x) if isinstance(y, Term) else max(x, y)
+
+
+def with_sign(x: Any, of: Any) -> Any:
+    """Return |x| with the sign of another term or double."""
+    if isinstance(of, Term):
+        return of.recording.term("copysign", x, of)
+    return abs(x) * math.copysign(1.0, of)
+
+
+_ROOTS = np.frompyfunc(root, 1, 1)
+
+
+def _each(x: Numbers, operation: Operation) -> Numbers:
+    of = [term.recording.term(operation, term) for term in x.ravel().tolist()]
+    return _objects(of).reshape(x.shape)
+
+
+def _objects(entries: Iterable[Any]) -> NDArray[Any]:
+    known = list(entries)
+    found = np.empty(len(known), dtype=object)
+    found[:] = known
+    return found

@@ -1,0 +1,160 @@
+"""Tape: a recorded program as instructions over numbered slots."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.algebra.programs import Operand, Recording, Term
+from pmjac_pin.values.arrays import Array
+
+#: What instructions do; the last three are a·b + c, a·b − c and c − a·b.
+INSTRUCTIONS = (
+    "load", "store", "+", "-", "*", "/", "neg", "sin", "cos", "sqrt", "abs", "max", "copysign",
+    "atan2", "round", "muladd", "mulsub", "submul",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tape:
+    """A program that can be run.
+
+    Attributes
+    ----------
+    code : ndarray of int32, shape (instructions, 5)
+        Which of `INSTRUCTIONS`, the target, and up to three operands. All are slots, but for the
+        input that is loaded and the output that is stored to.
+    constants : ndarray
+        What the first slots hold from the beginning.
+    slots, inputs, outputs : int
+        How many.
+
+    Examples
+    --------
+    >>> recording = Recording(2)
+    >>> x, y = recording.inputs
+    >>> tape = Tape.of(recording, [x * y + 1.0])
+    >>> [INSTRUCTIONS[code] for code in tape.code[:, 0]]
+    ['load', 'load', 'muladd', 'store']
+    """
+
+    code: NDArray[np.int32]
+    constants: Array
+    slots: int
+    inputs: int
+    outputs: int
+
+    @classmethod
+    def of(cls, recording: Recording, outputs: Sequence[Term | float]) -> Tape:
+        """Return the instructions that compute some terms, and nothing else."""
+        return _Writer(recording, outputs).tape()
+
+
+class _Writer:
+    """Writes a tape: slots are used again as soon as what they hold has been used."""
+
+    def __init__(self, recording: Recording, outputs: Sequence[Term | float]) -> None:
+        self._recording, self._outputs = recording, outputs
+        self._targets: dict[int, list[int]] = {}
+        for number, output in enumerate(outputs):
+            if isinstance(output, Term):
+                self._targets.setdefault(output.index, []).append(number)
+        self._uses = _uses(recording, self._targets)
+        self._factor = dict(self._fused())
+        self._left: Counter[int] = Counter()
+        self._constants: dict[float, int] = {}
+        self._slot: dict[int, int] = {}
+        self._free: list[int] = []
+        self._count = 0
+        self._code: list[tuple[int, ...]] = []
+
+    def tape(self) -> Tape:
+        hidden = {term.index for term in self._factor.values()}
+        steps = [
+            (term, *self._instruction(term))
+            for term in self._recording.terms
+            if self._uses[term.index] and term.index not in hidden
+        ]
+        for _, _, operands in steps:
+            self._left.update(x.index for x in operands if isinstance(x, Term))
+            self._know(x for x in operands if not isinstance(x, Term))
+        self._know(x for x in self._outputs if not isinstance(x, Term))
+        self._count = len(self._constants)
+        for number, output in enumerate(self._outputs):
+            if not isinstance(output, Term):
+                self._write("store", number, self._constants[float(output)])
+        for term, name, operands in steps:
+            self._compute(term, name, operands)
+        return Tape(
+            code=np.array(self._code, dtype=np.int32).reshape(-1, 5),
+            constants=np.array(list(self._constants), dtype=float),
+            slots=self._count,
+            inputs=len(self._recording.inputs),
+            outputs=len(self._outputs),
+        )
+
+    def _fused(self) -> Iterator[tuple[int, Term]]:
+        """Return sums by the product that is computed with them, and used by nothing else."""
+        taken: set[int] = set()
+        for term in self._recording.terms:
+            if term.operation not in {"+", "-"} or not self._uses[term.index]:
+                continue
+            for x in term.operands:
+                if isinstance(x, Term) and self._serves_once(x) and x.index not in taken:
+                    taken.add(x.index)
+                    yield term.index, x
+                    break
+
+    def _serves_once(self, term: Term) -> bool:
+        return term.operation == "*" and self._uses[term.index] == 1
+
+    def _instruction(self, term: Term) -> tuple[str, Sequence[Operand]]:
+        if term.operation == "input":
+            return "load", ()
+        if (product := self._factor.get(term.index)) is None:
+            return term.operation, term.operands
+        first, second = term.operands
+        other = second if first is product else first
+        name = "muladd" if term.operation == "+" else "mulsub" if first is product else "submul"
+        return name, (*product.operands, other)
+
+    def _compute(self, term: Term, name: str, operands: Sequence[Operand]) -> None:
+        sources = [self._place(x) for x in operands]
+        for index in {x.index for x in operands if isinstance(x, Term)}:
+            self._left[index] -= sum(isinstance(x, Term) and x.index == index for x in operands)
+            if not self._left[index]:
+                self._free.append(self._slot[index])
+        if name == "load":
+            sources = [int(term.operands[0])]  # type: ignore[arg-type]
+        self._slot[term.index] = self._free.pop() if self._free else self._count
+        self._count = max(self._count, self._slot[term.index] + 1)
+        self._write(name, self._slot[term.index], *sources)
+        for number in self._targets.get(term.index, ()):
+            self._write("store", number, self._slot[term.index])
+        if not self._left[term.index]:
+            self._free.append(self._slot[term.index])
+
+    def _place(self, operand: Operand) -> int:
+        if isinstance(operand, Term):
+            return self._slot[operand.index]
+        return self._constants[float(operand)]
+
+    def _know(self, numbers: Iterator[float]) -> None:
+        for number in numbers:
+            self._constants.setdefault(float(number), len(self._constants))
+
+    def _write(self, name: str, target: int, *sources: int) -> None:
+        self._code.append((INSTRUCTIONS.index(name), target, *(*sources, 0, 0, 0)[:3]))
+
+
+def _uses(recording: Recording, targets: dict[int, list[int]]) -> Counter[int]:
+    """Return how often each term that the targets rest on is used."""
+    uses = Counter({index: len(numbers) for index, numbers in targets.items()})
+    for term in reversed(recording.terms):
+        if uses[term.index] and term.operation != "input":
+            uses.update(x.index for x in term.operands if isinstance(x, Term))
+    return uses

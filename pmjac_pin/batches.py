@@ -1,0 +1,254 @@
+"""Many poses of one mechanism at once: closed, and with their J_eq, by a recorded program.
+
+What a program certifies is what the single call says; where it cannot, the single call is made.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.algebra.tape_runner import kernel, run
+from pmjac_pin.closing.arms import arms_of
+from pmjac_pin.closing.many_paths import Walker
+from pmjac_pin.closing.recorded_rates import RecordedRates
+from pmjac_pin.closing.recorded_step import step_tape
+from pmjac_pin.configuration import Configuration, frame_name
+from pmjac_pin.errors import ArgumentError, ClosureError, NoJacobianError, SingularError
+from pmjac_pin.kinematics.loops import Loops
+from pmjac_pin.kinematics.many import ManyPoses
+from pmjac_pin.kinematics.recorded import Recorder
+from pmjac_pin.kinematics.tree import Tree
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.model.limits import enforced
+from pmjac_pin.values.arrays import Array, Index, ReadOnlyArrays
+from pmjac_pin.values.checks import as_numbers
+
+_FELT = 1e-13  # of the tool's motion: what idle motions may do to it by rounding
+
+
+class Status(IntEnum):
+    """What became of one pose among many."""
+
+    CLOSED = 0
+    STOPPED = 1
+    LIMITS = 2
+    OPEN = 3
+    SINGULAR = 4
+    NO_JACOBIAN = 5
+
+
+@dataclass(frozen=True, eq=False)
+class ManyClosed(ReadOnlyArrays):
+    """Closed poses, or where their paths ended.
+
+    Attributes
+    ----------
+    q : ndarray, shape (N, nq)
+        Pinocchio's configuration vectors. Where a path ended early, its last closed pose.
+    share : ndarray, shape (N,)
+        Of the way from the guess to the target; 1 where it was reached.
+    status : ndarray of int, shape (N,)
+        `Status`: CLOSED; STOPPED where `close` raises ClosureError; LIMITS where it raises
+        LimitError.
+    """
+
+    q: Array
+    share: Array
+    status: NDArray[np.int8]
+
+
+@dataclass(frozen=True, eq=False)
+class ManyJacobians(ReadOnlyArrays):
+    """J_eq of many poses.
+
+    Attributes
+    ----------
+    J_eq : ndarray, shape (N, 6, n)
+        J − J* K*⁻¹ K, linear rows first; NaN where there is none.
+    status : ndarray of int, shape (N,)
+        `Status`: CLOSED; OPEN where `configuration` raises ClosureError; SINGULAR where
+        `jacobian` raises SingularError; NO_JACOBIAN where it raises another NoJacobianError.
+    """
+
+    J_eq: Array
+    status: NDArray[np.int8]
+
+
+def batch(mechanism: Mechanism) -> Batch:
+    """Return what computes many poses of a mechanism at once.
+
+    Examples
+    --------
+    >>> import numpy as np, pmjac_pin as pj
+    >>> many = pj.batch(pj.load("five_bar"))
+    >>> poses = many.close(many.mechanism.home.actuated + np.linspace(0, 0.1, 1000)[:, None])
+    >>> many.jacobian(poses.q).J_eq.shape, int(poses.status.max())
+    ((1000, 6, 2), 0)
+    """
+    return Batch(mechanism)
+
+
+class Batch:
+    """Many poses of one mechanism.
+
+    Attributes
+    ----------
+    mechanism : Mechanism
+    runs_on : str
+        "kernel", or "NumPy" where none was built when the package was installed.
+    """
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self.mechanism = mechanism
+        self.runs_on = "NumPy" if kernel() is None else "kernel"
+        parts = mechanism._parts
+        tree = Tree(parts.model)
+        loops = Loops(parts.model, tree, parts.spec.loops, parts.values)
+        recorder = Recorder(parts.model, loops, parts.spec.tool, parts.place)
+        scaled = parts.problem.partition.scaled(parts.problem.evaluate(parts.home_q)[1])
+        self._rates = RecordedRates.at(recorder, parts.problem.partition, scaled)
+        self._walker = Walker(
+            parts.problem,
+            ManyPoses(parts.model),
+            self._rates.point_tape(),
+            step_tape(self._rates, arms_of(parts.model, parts.spec.loops, parts.values)),
+            run,
+        )
+        self._tapes: dict[str, Tape] = {}
+        self._coordinates = parts.coordinates
+        partition = parts.problem.partition
+        self._tied = partition.constraint_rank > partition.passive_rank
+
+    def close(
+        self,
+        actuated: ArrayLike,
+        guess: str | Configuration | ArrayLike = "home",
+        *,
+        enforce_limits: bool | str = True,
+    ) -> ManyClosed:
+        """Close the loops at many motor values, each on the assembly mode of its guess.
+
+        Parameters
+        ----------
+        actuated : array_like, shape (N, n)
+            Motor values, m or rad.
+        guess : str, Configuration or array_like
+            Where the paths begin: one pose, or closed q of shape (N, nq).
+        enforce_limits : bool or "all"
+            As for `Mechanism.close`.
+
+        Raises
+        ------
+        ArgumentError, UnknownNameError
+            Values that are no finite numbers of that shape; no such pose.
+        ClosureError
+            A guess that is not closed.
+        """
+        values, whose = self._values(actuated), enforced(enforce_limits)
+        start = self._start(guess, len(values))
+        closed = self._singly(start, values) if self._tied else self._together(start, values)
+        status = np.where(closed.share == 1.0, Status.CLOSED, Status.STOPPED).astype(np.int8)
+        if whose != "none":
+            status[self._beyond(values, self._rates.partition.actuated)] = Status.LIMITS
+        if whose == "all":
+            limited = np.flatnonzero(np.isfinite(self._coordinates.lower))
+            reached = self._coordinates.values_of(closed.q, limited)
+            status[self._beyond(reached, limited) & (status == Status.CLOSED)] = Status.LIMITS
+        return replace(closed, status=status)
+
+    def _beyond(self, values: Array, columns: Index) -> NDArray[np.bool_]:
+        return np.asarray(self._coordinates.beyond(values, columns).any(axis=1))
+
+    def _together(self, start: Array, values: Array) -> ManyClosed:
+        """Walk all paths by the program."""
+        coordinates, motors = self._coordinates, self._rates.partition.actuated
+        displacement = values - coordinates.values_of(start, motors)
+        turns = np.round(displacement / (2.0 * np.pi)) * coordinates.wraps[motors]
+        paths = self._walker.walk(
+            start,
+            displacement - 2.0 * np.pi * turns,
+            lambda q, which: coordinates.with_values(q, motors, values[which]),
+        )
+        return ManyClosed(paths.points.q, paths.share, np.zeros(len(values), dtype=np.int8))
+
+    def _singly(self, start: Array, values: Array) -> ManyClosed:
+        """Walk the paths one by one: where loops tie motors, some lead and others are led."""
+        q, share = start.copy(), np.ones(len(values))
+        for index, (one, target) in enumerate(zip(start, values, strict=True)):
+            guess = self.mechanism.configuration(one)
+            try:
+                q[index] = self.mechanism.close(target, guess, enforce_limits=False).q
+            except ClosureError as error:
+                share[index] = error.share
+                q[index] = one if error.reached is None else error.reached.q
+        return ManyClosed(q, share, np.zeros(len(values), dtype=np.int8))
+
+    def jacobian(
+        self, q: ArrayLike, frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED"
+    ) -> ManyJacobians:
+        """Return J_eq at many closed poses.
+
+        Parameters
+        ----------
+        q : array_like, shape (N, nq)
+        frame : {"LOCAL_WORLD_ALIGNED", "LOCAL", "WORLD"} or pin.ReferenceFrame
+        """
+        poses, name = self._poses(q), frame_name(frame)
+        if name not in self._tapes:
+            self._tapes[name] = self._rates.jacobian_tape(name)
+        gap, inverse, size, forbidden, felt, tool, *entries = run(self._tapes[name], poses.T)
+        partition, n = self._rates.partition, len(self.mechanism.actuated)
+        least = partition.rank_tolerance * np.maximum(size, partition.least_size)
+        certain = (gap <= self.mechanism.problem.tolerance) & (inverse * least < 1.0)
+        certain &= (forbidden <= least) & (felt <= _FELT * tool) & (not partition.isolated)
+        J_eq = np.array(entries).T.reshape(-1, 6, n)
+        status = np.zeros(len(poses), dtype=np.int8)
+        for index in np.flatnonzero(~certain).tolist():
+            J_eq[index], status[index] = self._single(poses[index], name)
+        return ManyJacobians(J_eq, status)
+
+    def _single(self, q: Array, frame: str) -> tuple[Any, Status]:
+        """Return what the single call says at a pose."""
+        try:
+            return self.mechanism.configuration(q).jacobian(frame).J_eq, Status.CLOSED
+        except ClosureError:
+            return np.nan, Status.OPEN
+        except SingularError:
+            return np.nan, Status.SINGULAR
+        except NoJacobianError:
+            return np.nan, Status.NO_JACOBIAN
+
+    def _values(self, actuated: Any) -> Array:
+        names = self.mechanism.actuated
+        values = as_numbers(actuated, "motor values")
+        if values.ndim != 2 or values.shape[1] != len(names):
+            wanted = f"(N, {len(names)}) for {', '.join(names)}"
+            raise ArgumentError(f"motor values of shape {wanted} expected, got {values.shape}")
+        return values
+
+    def _start(self, guess: Any, count: int) -> Array:
+        if isinstance(guess, str):
+            guess = self.mechanism.pose(guess)
+        if isinstance(guess, Configuration):
+            return np.tile(self.mechanism.configuration(guess.q).q, (count, 1))
+        start = self._poses(guess)
+        if len(start) != count:
+            raise ArgumentError(f"{count} guesses expected, one for each target; got {len(start)}")
+        gap = self._walker.at(start, np.zeros((count, len(self.mechanism.actuated)))).gap
+        for index in np.flatnonzero(gap > self.mechanism.problem.tolerance)[:1].tolist():
+            self.mechanism.configuration(start[index])  # says how far the loops are open
+        return start
+
+    def _poses(self, q: Any) -> Array:
+        poses = as_numbers(q, "q")
+        if poses.ndim != 2 or poses.shape[1] != self.mechanism.nq:
+            wanted = f"(N, {self.mechanism.nq})"
+            raise ArgumentError(f"q of shape {wanted} expected, got {poses.shape}")
+        return poses

@@ -1,0 +1,129 @@
+"""The rates of a mechanism at one pose as programs: φ̇ = −K*⁻¹ K θ̇, J_eq, and how certain they are.
+
+K* is taken on kept columns, as many as it has rank, independent where the ranks are from: idle
+motions rest. That K* has this rank at a pose is certain where 1/‖R⁻¹‖, which is no more than its
+smallest singular value, is above the rank tolerance; where it is not, nothing is said.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.algebra.programs import Recording
+from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
+from pmjac_pin.model.twist_frame import FrameName
+from pmjac_pin.rates.partition import Partition
+from pmjac_pin.rates.sparse_qr import Triangle, norm
+from pmjac_pin.values.arrays import Array, Index
+from pmjac_pin.values.ties import pivots
+
+Entries = NDArray[Any]  # of terms and doubles
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RecordedRates:
+    """What programs are recorded of.
+
+    Attributes
+    ----------
+    recorder : Recorder
+    partition : Partition
+    kept : ndarray of int
+        Passive columns, as many as K* has rank.
+    """
+
+    recorder: Recorder
+    partition: Partition
+    kept: Index
+
+    @classmethod
+    def at(cls, recorder: Recorder, partition: Partition, scaled: Array) -> RecordedRates:
+        """Keep the columns that are independent best in [K K*] of one regular pose."""
+        passive, rank = partition.passive, partition.passive_rank
+        return cls(recorder, partition, passive[pivots(scaled[:, passive], rank)])
+
+    def scaled(self, rates: Entries) -> Entries:
+        """Return ∂η/∂v (p, nv) without dimension."""
+        scale = np.outer(self.partition.row_scale, self.partition.column_scale)
+        scaled: Entries = rates * scale
+        return scaled
+
+    def point_tape(self) -> Tape:
+        """Return (q, θ̇) ↦ (gap, ‖K*⁻¹‖, ‖[K K*]‖, Newton step, path velocity).
+
+        The gap is in m; both motions are (nv,) in the units of v, the latter −K*⁻¹ K θ̇ beside θ̇.
+        """
+        nq, nv, motors = self.recorder.nq, self.recorder.nv, self.partition.actuated
+        recording = Recording(nq + motors.size)
+        rates = np.array(recording.inputs[nq:], dtype=object)
+        kinematics = self.recorder.at(recording.inputs[:nq])
+        matrix, scale = self.scaled(kinematics.rates), self.partition.column_scale
+        error = kinematics.residual * self.partition.row_scale
+        driven = matrix[:, motors] @ (rates / scale[motors])
+        count = self.kept.size
+        triangle = Triangle.of(np.column_stack([matrix[:, self.kept], error, driven]), count)
+        newton, velocity = zeros(nv), zeros(nv)
+        steps = triangle.solve([count, count + 1])
+        newton[self.kept], velocity[self.kept] = -(steps * scale[self.kept, None]).T
+        velocity[motors] = rates
+        known = [norm(error), triangle.inverse_norm(), norm(matrix)]
+        return Tape.of(recording, [*known, *newton, *velocity])
+
+    def jacobian_tape(self, frame: FrameName) -> Tape:
+        """Return q ↦ (gap, ‖K*⁻¹‖, ‖[K K*]‖, forbidden, felt, ‖J‖, J_eq).
+
+        `forbidden` is what K* cannot follow of K, `felt` what idle motions do to the tool: norms
+        that vanish where J_eq exists. J_eq is (6, n), in a frame.
+        """
+        recording, partition = Recording(self.recorder.nq), self.partition
+        kinematics, motors = self.recorder.at(recording.inputs), partition.actuated
+        matrix = self.scaled(kinematics.rates)
+        idle = np.setdiff1d(partition.passive, self.kept)
+        followed, count = np.concatenate([idle, motors]), self.kept.size
+        triangle = Triangle.of(np.hstack([matrix[:, self.kept], matrix[:, followed]]), count)
+        rates = triangle.solve(range(count, count + followed.size))
+        tool = in_frame(kinematics, frame) * partition.column_scale
+        moved = tool[:, followed] - tool[:, self.kept] @ rates
+        judged = np.vstack([tool[:3], partition.length * tool[3:]])
+        felt = np.vstack([moved[:3], partition.length * moved[3:]])[:, : idle.size]
+        forbidden = triangle.matrix[
+            np.ix_(triangle.left_over, range(count + idle.size, count + followed.size))
+        ]
+        known = [
+            norm(kinematics.residual * partition.row_scale),
+            triangle.inverse_norm(),
+            norm(matrix),
+            norm(forbidden),
+            norm(felt),
+            norm(judged),
+        ]
+        J_eq = moved[:, idle.size :] / partition.column_scale[motors]
+        return Tape.of(recording, [*known, *J_eq.ravel()])
+
+
+def in_frame(kinematics: RecordedKinematics, frame: FrameName) -> Entries:
+    """Return the tool's Jacobian in one of Pinocchio's frames, as `change_frame` does."""
+    linear, angular = kinematics.tool[:3], kinematics.tool[3:]
+    match frame:
+        case "LOCAL_WORLD_ALIGNED":
+            return kinematics.tool
+        case "LOCAL":
+            back = kinematics.rotation.T
+            return np.vstack([back @ linear, back @ angular])
+        case "WORLD":
+            x, y, z = kinematics.position
+            u, v, w = angular
+            moved = np.array([w * y - v * z, u * z - w * x, v * x - u * y])
+            return np.vstack([linear + moved, angular])
+
+
+def zeros(*shape: int) -> Entries:
+    """Return an array of the double 0, for numbers of a program."""
+    found = np.empty(shape, dtype=object)
+    found[...] = 0.0
+    return found

@@ -1,0 +1,64 @@
+"""What the step guard asks of a step of a path, as a program, in Frobenius' norms.
+
+`StepGuard` has the mathematics and measures entry by entry; here, with A⁺ the inverse of K* on its
+kept columns at the start, and norms of dimensionless matrices,
+
+    N = ‖A⁺(K*(q₁) − A)‖ + ‖A⁺(K*(p(½)) − A) − ½ A⁺(K*(q₁) − A)‖ + ‖A⁺‖ ‖left out‖,
+    τ = ‖A⁺‖ ρ / (1 − N),    W = ‖how K* changes within 2τ‖,
+
+a step is covered where W τ ≤ ρ and N + ‖A⁺‖ W < 1.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.algebra.programs import Recording, largest, roots
+from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.closing.arms import Arms
+from pmjac_pin.closing.bends import Bends, MotionSeries
+from pmjac_pin.closing.recorded_rates import RecordedRates, zeros
+from pmjac_pin.closing.step_guard import CUBIC, QUADRATIC, SLOPES
+from pmjac_pin.rates.sparse_qr import Triangle, norm
+
+Entries = NDArray[Any]
+
+
+def step_tape(loops: RecordedRates, arms: Arms) -> Tape:
+    """Return (q₀, q₁, p(½), leaving, arriving, way) ↦ (N, ρ, τ, W, ‖A⁺‖)."""
+    nq, nv, kept = loops.recorder.nq, loops.recorder.nv, loops.kept
+    recording = Recording(3 * nq + 3 * nv)
+    inputs = np.array(recording.inputs, dtype=object)
+    poses = [loops.recorder.at(inputs[k * nq : (k + 1) * nq].tolist()) for k in range(3)]
+    first, last, middle = (loops.scaled(pose.rates)[:, kept] for pose in poses)
+    triangle = Triangle.of(np.hstack([first, last - first, middle - first]), kept.size)
+    changes = triangle.solve(range(kept.size, 3 * kept.size))
+    straight, bent = changes[:, : kept.size], changes[:, kept.size :]
+    inverse, bends = triangle.inverse_norm(), Bends(arms, roots)
+    motion = _motion(bends, inputs[:nq], *inputs[3 * nq :].reshape(3, nv))
+    row_scale = loops.partition.row_scale
+    open_by = (CUBIC * bends.residual(motion) + bends.rounding(motion)) * row_scale
+    slopes = (poses[1].residual - poses[0].residual) * row_scale
+    rho = norm(open_by) + SLOPES * norm(slopes)
+    left_out = loops.scaled(QUADRATIC * bends.rates(motion))[:, kept]
+    change = norm(straight) + norm(bent - 0.5 * straight) + inverse * norm(left_out)
+    tau = inverse * rho / (1.0 - change)
+    reach = zeros(nv)
+    reach[kept] = [2.0 * tau * scale for scale in loops.partition.column_scale[kept].tolist()]
+    within = norm(loops.scaled(bends.within(motion, reach))[:, kept])
+    return Tape.of(recording, [change, rho, tau, within, inverse])
+
+
+def _motion(
+    bends: Bends, q: Entries, leaving: Entries, arriving: Entries, way: Entries
+) -> MotionSeries:
+    """Return the series along the cubic curve that `StepGuard` takes."""
+    third = 6.0 * (leaving + arriving - 2.0 * way)
+    second = 6.0 * way - 4.0 * leaving - 2.0 * arriving
+    rates = np.array([leaving, arriving, third, second, second + third])
+    u0, u1, c, b0, b1 = bends.speeds(rates)
+    most = np.frompyfunc(largest, 2, 1)
+    return bends.motion(q, np.array([most(u0, u1) + c / 8.0, most(b0, b1), c]))

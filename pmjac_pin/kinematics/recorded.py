@@ -1,0 +1,173 @@
+"""The kinematics of a mechanism as a program: η, ∂η/∂v and the tool, over the entries of q."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from pmjac_pin.algebra.jets import Jet
+from pmjac_pin.algebra.programs import Programs, Term, root
+from pmjac_pin.kinematics.loops import Loops, by_twists
+from pmjac_pin.kinematics.tree import Link, Poses
+from pmjac_pin.model.coupling import Coupling
+from pmjac_pin.model.frames import find_frame
+from pmjac_pin.model.joint_kind import Motion
+from pmjac_pin.model.spec import Tool
+from pmjac_pin.values.arrays import Array
+
+Entries = NDArray[Any]  # of terms and doubles
+
+_PROGRAMS = Programs()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RecordedKinematics:
+    """Terms over the entries of q; what is zero by structure is the double 0.
+
+    Attributes
+    ----------
+    residual, rates : ndarray, shapes (p,) and (p, nv)
+        η and ∂η/∂v, each loop seen from the last body that carries both frames; tilts and turns
+        by polynomials.
+    cosines : ndarray, shape (k,)
+        Of the angles that tilts and turns leave: −1 where these vanish by mistake.
+    tool : ndarray, shape (6, nv)
+        The tool's Jacobian in LOCAL_WORLD_ALIGNED.
+    rotation, position : ndarray, shapes (3, 3) and (3,)
+        Of the tool.
+    """
+
+    residual: Entries
+    rates: Entries
+    cosines: Entries
+    tool: Entries
+    rotation: Entries
+    position: Entries
+
+
+class Recorder:
+    """Records the kinematics of a model, its loops and its tool.
+
+    Parameters
+    ----------
+    model : pin.Model
+    loops : Loops
+    tool : Tool
+    place : ndarray, shape (3,)
+        Where the model stands in the world, m.
+
+    Attributes
+    ----------
+    nq, nv : int
+        Of the model.
+    """
+
+    __slots__ = ("_loops", "_model", "_names", "_place", "nq", "nv")
+
+    def __init__(self, model: pin.Model, loops: Loops, tool: Tool, place: Array) -> None:
+        self._model, self._loops, self._place = model, loops, place
+        self._names = (tool.frame,) if tool.frame else tool.points or ()
+        self.nq, self.nv = model.nq, model.nv
+
+    def at(self, q: Sequence[Term]) -> RecordedKinematics:
+        """Record it at entries of q."""
+        entries = _PROGRAMS.numbers(q)
+
+        def motion(link: Link) -> Motion:
+            return link.kind.motion(_PROGRAMS, entries[link.entries], link.edge.pitch)
+
+        poses = Poses(self._loops.tree, _PROGRAMS, motion)
+        residual, rates, cosines = _rows(self._loops, poses, entries[:, 0, 0], self.nv)
+        points = [_frame(self._model, poses, name) for name in self._names]
+        rotation, position, jacobian = _spanned(points) if len(points) > 1 else points[0]
+        stands = position + self._place
+        return RecordedKinematics(residual, rates, cosines, jacobian, rotation, stands)
+
+
+def _rows(loops: Loops, poses: Poses, q: Entries, nv: int) -> tuple[Entries, Entries, Entries]:
+    residual, rates = _zeros(loops.count), _zeros(loops.count, nv)
+    cosines: list[Any] = []
+    for pair in loops.pairs:
+        for (rows, _), block in zip(pair.blocks, by_twists(pair, poses), strict=True):
+            residual[rows] = block.rows.value[:, 0, 0]
+            _spread(block.rows, rates[rows])
+            if block.cosine is not None:
+                cosines += block.cosine.value.ravel().tolist()
+    for row, coupling in loops.couplings.items():
+        residual[row], rates[row] = _coupled(coupling, q), coupling.gradient.astype(object)
+    return residual, rates, _objects(cosines)
+
+
+def _coupled(coupling: Coupling, q: Entries) -> Any:
+    first, second = (_value(coupling, q, column) for column in coupling.columns.tolist())
+    difference = second - coupling.ratio * first - coupling.offset
+    if coupling.coordinates.wraps[coupling.columns[1]]:
+        turns = difference * (1.0 / math.tau)
+        difference = difference - math.tau * turns.recording.term("round", turns)
+    return difference
+
+
+def _value(coupling: Coupling, q: Entries, column: int) -> Any:
+    """Return the value of a joint of one freedom."""
+    coordinates = coupling.coordinates
+    start = coordinates.entry(column)
+    if not coordinates.wraps[column]:
+        return q[start]
+    return q[start].recording.term("atan2", q[start + 1], q[start])
+
+
+def _frame(model: pin.Model, poses: Poses, name: str) -> tuple[Entries, Entries, Entries]:
+    """Return rotation, position and Jacobian (6, nv) of a frame."""
+    frame = find_frame(model, name)
+    seen, jacobian = poses.twisted(0, frame), _zeros(6, model.nv)
+    origin = seen.origin()
+    _spread(origin, jacobian[:3])
+    for one in poses.freedoms(0, frame.joint):
+        if one.origin is not None:
+            jacobian[3:, one.column] = one.axis[:, 0, 0]
+    rotation = seen.carried(np.eye(3)).value[..., 0, 0]
+    return rotation, origin.value[:, 0, 0], jacobian
+
+
+def _spanned(points: list[tuple[Entries, Entries, Entries]]) -> tuple[Entries, Entries, Entries]:
+    """Return the same of the frame that three points span, as `PointsTool` does."""
+    one, two, three = (position for _, position, _ in points)
+    rate, second, third = (jacobian[:3] for _, _, jacobian in points)
+    side, apex = two - one, three - one
+    normal = _cross(side, apex)
+    x, z = side / root(side @ side), normal / root(normal @ normal)
+    y = _cross(z, x)
+    side_rate, apex_rate = second - rate, third - rate
+    length, sinking = x @ side, z @ side_rate
+    roll = (z @ apex_rate - sinking * (x @ apex / length)) / (y @ apex)
+    turn = _objects([roll, -sinking / length, (y @ side_rate) / length])
+    rotation = _objects([x, y, z]).T
+    linear = (rate + second + third) / 3.0
+    return rotation, (one + two + three) / 3.0, np.vstack([linear, rotation @ turn])
+
+
+def _cross(u: Entries, v: Entries) -> Entries:
+    crossed: Entries = _PROGRAMS.cross(u, v)
+    return crossed
+
+
+def _spread(jet: Jet, rates: Entries) -> None:
+    """Write a jet's rates into all columns."""
+    if jet.columns:
+        rates[:, jet.columns] = jet.rates[..., 0]
+
+
+def _zeros(*shape: int) -> Entries:
+    found = np.empty(shape, dtype=object)
+    found[...] = 0.0
+    return found
+
+
+def _objects(entries: list[Any]) -> Entries:
+    return np.array(entries, dtype=object)

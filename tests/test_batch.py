@@ -1,0 +1,110 @@
+"""Many poses at once are what the single calls say: the same poses, J_eq, and where paths end."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from random_machines import random_machine
+
+import pmjac_pin as pj
+
+NAMES = pj.list_mechanisms()
+RANDOM = [
+    pytest.param(f"random {seed}", marks=[pytest.mark.slow] if seed >= 5 else [])
+    for seed in range(20)
+]
+
+
+def machine(name):
+    return random_machine(int(name.split()[1])) if name.startswith("random ") else pj.load(name)
+
+
+def targets(mechanism, count, share, rng):
+    slides = np.array([mechanism.units[name] == "m" for name in mechanism.actuated])
+    size = np.where(slides, mechanism.characteristic_length, 1.0)
+    return mechanism.home.actuated + share * size * rng.uniform(-1, 1, (count, size.size))
+
+
+def single(mechanism, values):
+    try:
+        pose = mechanism.close(values, enforce_limits=False)
+    except pj.ClosureError as error:
+        return error.share, error.reached.q
+    return 1.0, pose.q
+
+
+@pytest.mark.parametrize("share", [0.03, 0.6])
+@pytest.mark.parametrize("name", [*NAMES, *RANDOM])
+def test_the_same_as_one_by_one(name, share, rng):
+    mechanism = machine(name)
+    many = pj.batch(mechanism)
+    values = targets(mechanism, 12, share, rng)
+    poses = many.close(values, enforce_limits=False)
+    jacobians = many.jacobian(poses.q)
+    length = mechanism.characteristic_length
+    for k, (end, q) in enumerate(single(mechanism, one) for one in values):
+        assert poses.share[k] == pytest.approx(end, abs=1e-6)
+        assert (poses.status[k] == pj.Status.CLOSED) == (end == 1.0)
+        if end < 1.0:
+            continue
+        np.testing.assert_allclose(poses.q[k], q, atol=1e-10 * max(1.0, length))
+        try:
+            J_eq = mechanism.configuration(poses.q[k]).jacobian().J_eq
+        except pj.SingularError:
+            assert jacobians.status[k] == pj.Status.SINGULAR
+            continue
+        except pj.NoJacobianError:
+            assert jacobians.status[k] == pj.Status.NO_JACOBIAN
+            continue
+        assert jacobians.status[k] == pj.Status.CLOSED
+        condition = mechanism.configuration(poses.q[k]).singularity().condition
+        np.testing.assert_allclose(
+            jacobians.J_eq[k], J_eq, atol=1e-13 * condition * np.abs(J_eq).max()
+        )
+
+
+def test_over_actuated_motors_lead_and_are_led():
+    mechanism = pj.load("five_bar", actuated=["theta1", "theta2", "phi1"])
+    end = pj.load("five_bar").close(pj.load("five_bar").home.actuated + 0.1).joint_values
+    fits = [float(end[name]) for name in mechanism.actuated]
+    forbidden = mechanism.home.actuated + np.array([0.01, 0.01, 0.0])
+    poses = pj.batch(mechanism).close([fits, forbidden])
+    assert poses.status.tolist() == [pj.Status.CLOSED, pj.Status.STOPPED]
+    np.testing.assert_allclose(mechanism.configuration(poses.q[0]).actuated, fits, atol=1e-9)
+
+
+def test_guesses_and_limits():
+    mechanism = pj.load("four_bar")
+    many, values = pj.batch(mechanism), np.array([[0.5], [1.0], [7.0]])
+    assert many.close(values).status.tolist() == [*[pj.Status.CLOSED] * 2, pj.Status.LIMITS]
+    free = many.close(values, enforce_limits=False)
+    assert free.status.tolist() == [pj.Status.CLOSED] * 3
+    again = many.close(values + 0.1, guess=free.q, enforce_limits=False)
+    for q, value in zip(again.q, values + 0.1, strict=True):
+        np.testing.assert_allclose(q, mechanism.close(value, enforce_limits=False).q, atol=1e-12)
+    with pytest.raises(pj.ClosureError, match="are open by"):
+        many.close(values, guess=free.q + 0.1)
+    with pytest.raises(pj.ArgumentError, match="3 guesses expected"):
+        many.close(values, guess=free.q[:2])
+    with pytest.raises(pj.ArgumentError, match=r"shape \(N, 1\) for theta1 expected"):
+        many.close([0.5, 1.0])
+    with pytest.raises(pj.ArgumentError, match=r"q of shape \(N, 3\) expected"):
+        many.jacobian(free.q[0])
+
+
+@pytest.mark.parametrize("frame", ["LOCAL", "WORLD", "LOCAL_WORLD_ALIGNED"])
+@pytest.mark.parametrize("name", ["three_rps_ss", "delta", "ur5"])
+def test_in_every_frame(name, frame):
+    mechanism = pj.load(name)
+    found = pj.batch(mechanism).jacobian(mechanism.home.q[None], frame)
+    expected = mechanism.home.jacobian(frame).J_eq
+    np.testing.assert_allclose(found.J_eq[0], expected, atol=1e-12 * np.abs(expected).max())
+
+
+def test_poses_without_a_jacobian_say_why():
+    mechanism = pj.load("four_bar", {"l0": 2.0, "l1": 1.0, "l2": 2.0, "l3": 1.0})
+    flat = mechanism.close([0.0], enforce_limits=False).q
+    found = pj.batch(mechanism).jacobian([mechanism.home.q, flat, flat + 0.1])
+    assert found.status.tolist() == [pj.Status.CLOSED, pj.Status.SINGULAR, pj.Status.OPEN]
+    assert np.isnan(found.J_eq[1:]).all()
+    assert np.isfinite(found.J_eq[0]).all()

@@ -1,0 +1,113 @@
+"""What is recorded of every mechanism is what Pinocchio and LAPACK compute."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import pmjac_pin as pj
+from pmjac_pin.algebra.numpy_tape import run
+from pmjac_pin.algebra.programs import Recording
+from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.kinematics.loops import Loops
+from pmjac_pin.kinematics.recorded import Recorder
+from pmjac_pin.kinematics.tree import Tree
+from pmjac_pin.model.joint_kinds import JOINT_KINDS
+from pmjac_pin.rates.sparse_qr import Triangle, norm
+
+
+def recorded(mechanism, q):
+    """The recorded kinematics at one q, as floats."""
+    model, spec = mechanism.model, mechanism.spec
+    loops = Loops(model, Tree(model), spec.loops, mechanism.parameters)
+    recording = Recording(model.nq)
+    found = Recorder(model, loops, spec.tool, np.zeros(3)).at(recording.inputs)
+
+    def number(entries):
+        tape = Tape.of(recording, entries.ravel().tolist())
+        return run(tape, q[:, None])[:, 0].reshape(entries.shape)
+
+    return found, number
+
+
+@pytest.mark.parametrize("name", pj.list_mechanisms())
+def test_the_tool_of_any_pose_and_the_loops_of_a_closed_one(name, rng):
+    mechanism = pj.load(name)
+    model, length = mechanism.model, mechanism.characteristic_length
+    q = pin.integrate(model, mechanism.home.q, rng.normal(size=model.nv))
+    snapshot = mechanism.kinematics.snapshot(q)
+    found, number = recorded(mechanism, q)
+    np.testing.assert_allclose(number(found.tool), snapshot.tool_jacobian, atol=1e-12 * length)
+    np.testing.assert_allclose(number(found.position), snapshot.position, atol=1e-12 * length)
+    np.testing.assert_allclose(number(found.rotation), snapshot.rotation, atol=1e-12)
+    found, number = recorded(mechanism, mechanism.home.q)
+    residual, rates = mechanism.kinematics.closure(mechanism.home.q)
+    np.testing.assert_allclose(number(found.residual), residual, atol=1e-12 * length)
+    # Rows of one loop may be seen in other axes.
+    ours, theirs = number(found.rates), rates
+    np.testing.assert_allclose(ours.T @ ours, theirs.T @ theirs, atol=1e-12 * length**2)
+    np.testing.assert_allclose(number(found.cosines), 1.0, atol=1e-12)
+
+
+@pytest.mark.parametrize(("rows", "columns"), [(1, 1), (4, 4), (7, 4), (3, 0)])
+def test_least_squares_of_sparse_matrices(rows, columns, rng):
+    """Recorded once for where entries are, and right at any entries."""
+    pattern = rng.random((rows, columns + 2)) < 0.7
+    pattern[:columns, :columns] |= np.eye(columns, dtype=bool)
+    recording = Recording(int(pattern.sum()))
+    matrix = np.full(pattern.shape, 0.0, dtype=object)
+    matrix[pattern] = recording.inputs
+    triangle = Triangle.of(matrix, columns)
+    right = range(columns, columns + 2)
+    left = triangle.matrix[np.ix_(triangle.left_over, right)]
+    known = [triangle.inverse_norm(), norm(left), *triangle.solve(right).ravel()]
+    tape = Tape.of(recording, known)
+    for _ in range(5):
+        entries = rng.normal(size=int(pattern.sum()))
+        whole = np.zeros(pattern.shape)
+        whole[pattern] = entries
+        a, b = whole[:, :columns], whole[:, columns:]
+        size, left_over, *solution = run(tape, entries[:, None])[:, 0]
+        expected = np.linalg.lstsq(a, b, rcond=None)[0] if columns else np.zeros((0, 2))
+        np.testing.assert_allclose(np.reshape(solution, (columns, 2)), expected, rtol=1e-9)
+        assert left_over == pytest.approx(np.linalg.norm(b - a @ expected), abs=1e-12)
+        if columns:
+            assert size * np.linalg.svd(a)[1].min() >= 1.0 - 1e-9
+
+
+def test_a_program_folds_what_is_known(rng):
+    recording = Recording(3)
+    x, y, z = recording.inputs
+    assert x + y is y + x
+    assert x - y is -(y - x)
+    assert (-x) * y is -(x * y)
+    assert x - (-y) is x + y
+    assert x * 0.0 == 0.0
+    assert x * 1.0 is x
+    assert x - x == 0.0
+    outputs = [x * y + z, x * y - z, z - x * y, 2.0 / x, abs(x), -x * 0.5, 3.0]
+    u, v, w = values = rng.normal(size=(3, 5000))  # more than are computed at a time
+    expected = [u * v + w, u * v - w, w - u * v, 2.0 / u, abs(u), -u * 0.5, 3.0 + 0.0 * u]
+    np.testing.assert_allclose(run(Tape.of(recording, outputs), values), expected, rtol=1e-15)
+
+
+@pytest.mark.parametrize("kind", JOINT_KINDS)
+def test_motions_between_poses(kind, rng):
+    """`between` undoes `moved`, and `arriving` is the rate of `between` at its end."""
+    entry = JOINT_KINDS[kind]
+    start = entry.moved(_somewhere(entry, 6), rng.normal(size=(6, entry.nv)))
+    way, v = 0.7 * rng.normal(size=(2, 6, entry.nv))
+    end = entry.moved(start, way)
+    np.testing.assert_allclose(entry.between(start, end), way, atol=1e-12)
+    step = 1e-6
+    after, before = (entry.between(start, entry.moved(end, s * v)) for s in (step, -step))
+    rates = (after - before) / (2.0 * step)
+    np.testing.assert_allclose(entry.arriving(way, v), rates, atol=1e-8)
+
+
+def _somewhere(entry, count):
+    if entry.angle:
+        return np.zeros((count, entry.nq))
+    turn = {0: [], 1: [1.0, 0.0], 3: [0.0, 0.0, 0.0, 1.0]}[entry.turns]
+    return np.tile([0.0] * entry.slides + turn, (count, 1))
