@@ -10,6 +10,7 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
+from pmjac_pin.closing.step_guard import StepGuard
 
 NOTHING = np.full(1, 1e9)
 RESOLVED = 1e-6  # the relative singular value that counts as zero
@@ -254,3 +255,61 @@ def test_machines_made_to_mislead(rng):
     outcomes = [trial(rng) for _ in range(50)]
     assert outcomes.count("stopped") > 10
     assert outcomes.count("closed") > 3
+
+
+def judged(mechanism, target, monkeypatch):
+    """What the guard knows of the first step of a path, with the pose it starts from."""
+    known = []
+    contracts, covers = StepGuard._contracts, StepGuard.covers
+
+    def recorded(guard, step, basis):
+        known.append(step)
+        return contracts(guard, step, basis)
+
+    def told(guard, problem, start, end, leaving, arriving):
+        known.append((start, end, leaving, arriving))
+        return covers(guard, problem, start, end, leaving, arriving)
+
+    with monkeypatch.context() as context:
+        context.setattr(StepGuard, "_contracts", recorded)
+        context.setattr(StepGuard, "covers", told)
+        mechanism.close(target, enforce_limits=False)
+    return known[0], known[1]
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["four_bar", "five_bar", "watt_six_bar", "three_rps", "delta", "stewart_gough", "bennett"],
+)
+def test_what_lies_between_measured_poses_is_bounded(name, monkeypatch, rng):
+    """K* beside the parabola through three of them, η beside zero: by what the guard adds.
+
+    Neither may be left out: the bounds are within a few powers of ten of what there is.
+    """
+    mechanism = pj.load(name)
+    problem, model = mechanism.problem, mechanism._parts.model
+    slides = np.array([mechanism.units[motor] == "m" for motor in mechanism.actuated])
+    size = 0.2 * np.where(slides, mechanism.characteristic_length, 1.0)
+    target = mechanism.home.actuated + size * rng.choice([-1.0, 1.0], size.size)
+    (start, end, leaving, arriving), step = judged(mechanism, target, monkeypatch)
+    way = pin.difference(model, start.q, end.q)
+    arriving = pin.dDifference(model, start.q, end.q, pin.ArgumentPosition.ARG1) @ arriving
+    passive = problem.partition.passive
+
+    def at(s):
+        x = leaving * s * (1 - s) ** 2 + way * s**2 * (3 - 2 * s) + arriving * s**2 * (s - 1)
+        residual, jacobian = problem.evaluate(pin.integrate(model, start.q, x))
+        scaled = problem.partition.scaled(jacobian)[:, passive]
+        return residual * problem.partition.row_scale, scaled
+
+    (_, first), (_, middle), (_, last) = (at(s) for s in (0.0, 0.5, 1.0))
+    aside, opened = [], []
+    for s in np.linspace(0.05, 0.95, 19):
+        residual, scaled = at(s)
+        parabola = first * (1 - s) * (1 - 2 * s) + middle * 4 * s * (1 - s) + last * s * (2 * s - 1)
+        assert (np.abs(scaled - parabola) <= step.left_out + 1e-14).all()
+        assert (np.abs(residual) <= step.open_by + 1e-15).all()
+        aside.append(np.abs(scaled - parabola).max())
+        opened.append(np.abs(residual).max())
+    assert step.left_out.max() / 1e4 < max(aside) > 1e-9
+    assert step.open_by.max() / 1e4 < max(opened) > 1e-10

@@ -49,7 +49,8 @@ class Singularity(ReadOnlyArrays):
         Dimensions of the linear and of the angular velocities that the loops allow, on all rows.
     free_motions : ndarray, shape (m_p, gained)
         The passive rates, in m/s or rad/s, that come free here with all motors locked: columns
-        span null(K*) modulo the idle motions, orthogonal to these on dimensionless rates.
+        span null(K*) modulo the idle motions, orthogonal to these on dimensionless rates. Where
+        `isolated`, to first order only: they may lead nowhere.
     idle_motions : ndarray, shape (m_p, idle)
         Columns span the passive rates that are free at every pose. Where nothing tells them from
         what is gained (matrices of a singular pose alone, or all poses nearby singular as well)
@@ -82,8 +83,8 @@ class Singularity(ReadOnlyArrays):
 
     @property
     def idle(self) -> int:
-        """Number of passive motions that are free at every pose."""
-        return len(self.passive_names) - self.generic_rank
+        """Number of passive motions that are free at every pose; 0 where that is not known."""
+        return 0 if self.isolated else len(self.passive_names) - self.generic_rank
 
     @property
     def gained(self) -> int:
@@ -209,6 +210,8 @@ def analyse_singularity(
 def _free(passive: Factorisation, partition: Partition, split: Split | None) -> tuple[Array, Array]:
     """Return bases of what is gained and of what is idle in null K*, on the scaled rates."""
     gained, free = max(partition.passive_rank - passive.rank, 0), passive.null_space
+    if partition.isolated:
+        return free, free[:, :0]
     if gained in (0, free.shape[1]) or passive.tells_apart(partition.passive_rank):
         return free[:, :gained], free[:, gained:]
     return (free, free[:, :0]) if split is None else split(passive.rank)

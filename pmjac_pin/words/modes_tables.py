@@ -18,7 +18,8 @@ _SIGNS = {1: "+", -1: "-", 0: "0", None: ""}
 
 MODES_LEGEND = (
     "σ is the smallest singular value of K*, relative to the size of [K K*]; share, of the random "
-    "starts that led here; proven, that an exact solution is no farther away than this."
+    "starts that led here; proven, that an exact solution is no farther away than this: of all "
+    "rows but the dependent ones, which hold to the residual."
 )
 
 

@@ -46,6 +46,9 @@ ELLIPSOIDS = {
 LEGEND = "The unit of an entry is its row's unit over its column's."
 
 
+_STILL = 1e-10  # of a motion's largest rate: motions come of differences between poses
+
+
 def report_blocks(report: Report) -> Iterator[Block]:
     """Show all of a report."""
     yield Heading(title(report))
@@ -261,7 +264,8 @@ def _ranks(found: Singularity) -> Iterator[tuple[str, str]]:
 
 def _largest_rate_one(rates: Mapping[str, float]) -> dict[str, float]:
     largest = max(rates.values(), key=abs)
-    return {name: rate / largest for name, rate in rates.items()}
+    shares = {name: rate / largest for name, rate in rates.items()}
+    return {name: share if abs(share) > _STILL else 0.0 for name, share in shares.items()}
 
 
 def _motions_table(report: Report, heading: str, motions: Sequence[Mapping[str, float]]) -> Table:

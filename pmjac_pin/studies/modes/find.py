@@ -215,6 +215,8 @@ def _refuse_felt_idle_motion(mechanism: Mechanism) -> None:
     """Raise IdleMotionError where the tool moves with all motors locked, at every pose."""
     partition = mechanism.problem.partition
     factors = closed_point(mechanism.problem, mechanism.home.q).factors
+    if partition.isolated:  # to first order alone the tool moves, and perhaps no farther
+        return
     if factors.rank == partition.passive_rank < partition.passive.size:
         tool_jacobian = mechanism.kinematics.snapshot(mechanism.home.q).tool_jacobian
         refuse_felt_idle_motion(factors, tool_jacobian, partition)
