@@ -82,13 +82,13 @@ from .rates.jacobian import (
     EquivalentJacobian as EquivalentJacobian,
 )
 from .rates.jacobian import (
-    SplitJacobian as SplitJacobian,
-)
-from .rates.jacobian import (
     equivalent_jacobian as equivalent_jacobian,
 )
 from .rates.partition import Partition as Partition
 from .rates.singularity import Singularity as Singularity
+from .rates.split import (
+    SplitJacobian as SplitJacobian,
+)
 from .studies.certificates.certificate import Certificate as Certificate
 from .studies.certificates.certificate import certify as certify
 from .studies.check.diagnosis import Diagnosis as Diagnosis

@@ -27,11 +27,8 @@ from pmjac_pin.kinematics.recorded import Recorder
 from pmjac_pin.kinematics.tree import Tree
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import enforced
+from pmjac_pin.values.arrays import Array, Index, ReadOnlyArrays
 from pmjac_pin.values.checks import as_numbers
-from pmjac_pin.values.read_only import ReadOnlyArrays
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 _FELT = 1e-13  # of the tool's motion: what idle motions may do to it by rounding
 

@@ -21,15 +21,14 @@ from pmjac_pin.kinematics.pinocchio import Snapshot
 from pmjac_pin.model.limits import Violation, violations
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.pose_rounding import PoseRounding
-from pmjac_pin.rates.jacobian import EquivalentJacobian, SplitJacobian, equivalent_jacobian
+from pmjac_pin.rates.jacobian import EquivalentJacobian, equivalent_jacobian
 from pmjac_pin.rates.partition import LoopRates
 from pmjac_pin.rates.singularity import Singularity, analyse_singularity
-from pmjac_pin.values.read_only import read_only
+from pmjac_pin.rates.split import SplitJacobian
+from pmjac_pin.values.arrays import Array, read_only
 
 if TYPE_CHECKING:
     from pmjac_pin.mechanism import Mechanism
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

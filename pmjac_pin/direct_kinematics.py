@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.closure import MOST_STEPS, Followed
 from pmjac_pin.closing.closure_problem import ClosureProblem
@@ -20,12 +19,12 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError
 from pmjac_pin.model.limits import Violation, enforced, limit_error
 from pmjac_pin.model.rounded_numbers import wider_tolerance
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.named_values import named_values
 
 if TYPE_CHECKING:
     from pmjac_pin.mechanism import Mechanism
 
-Array = NDArray[np.float64]
 Guess: TypeAlias = "str | Configuration | Mapping[str, float | Sequence[float]]"
 
 _ARRIVED = 1e-9  # m or rad
@@ -73,7 +72,7 @@ def _start(mechanism: Mechanism, guess: Guess, values: Array) -> Configuration:
             message = f"the guess is a pose of {guess.mechanism.name!r}, not of {mechanism.name!r}"
             raise ArgumentError(message)
         # The same machine, from another process or with other parameters.
-        return _assembled(mechanism, guess.joint_values, values)
+        return _assembled_at_guess(mechanism, guess.joint_values, values)
     if isinstance(guess, str):
         return mechanism.pose(guess)
     by_name = named_values(guess, "joint values of a guess")
@@ -83,10 +82,10 @@ def _start(mechanism: Mechanism, guess: Guess, values: Array) -> Configuration:
             f"got {type(guess).__name__}"
         )
         raise ArgumentError(message)
-    return _assembled(mechanism, by_name, values)
+    return _assembled_at_guess(mechanism, by_name, values)
 
 
-def _assembled(
+def _assembled_at_guess(
     mechanism: Mechanism, guess: Mapping[str, float | Sequence[float]], values: Array
 ) -> Configuration:
     """Assemble at the guessed joint values; motors it does not name start at their target."""

@@ -84,7 +84,7 @@ def load(
     """
     source = read_source(find_model_file(name_or_path), actuated, tool)
     try:
-        return build(adjusted(source, locked, tool_rows, tool_axes, tolerance), parameters)
+        return mechanism_of(adjusted(source, locked, tool_rows, tool_axes, tolerance), parameters)
     except PmjacError as error:
         error.source = source
         raise
@@ -104,7 +104,7 @@ def adjusted(
     return replace(source, spec=spec)
 
 
-def build(source: Source, parameters: Mapping[str, float] | None = None) -> Mechanism:
+def mechanism_of(source: Source, parameters: Mapping[str, float] | None = None) -> Mechanism:
     """Return the mechanism that a file describes, at these values of its parameters.
 
     Raises

@@ -8,9 +8,8 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Literal
 
-import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pmjac_pin.closing.arms import arms_of, without_arms
 from pmjac_pin.closing.assembly import build_parts
@@ -24,10 +23,8 @@ from pmjac_pin.mechanism_value import MechanismValue
 from pmjac_pin.model.loop_spec import Loop
 from pmjac_pin.model.pinocchio_model import Constraint, RobotWrapper, own_model
 from pmjac_pin.model.spec import JointValue
+from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.values.checks import as_numbers
-from pmjac_pin.values.read_only import read_only
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

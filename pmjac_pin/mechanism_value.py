@@ -7,9 +7,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Self
 
-import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.assembly import build_parts
 from pmjac_pin.closing.closure_problem import ClosureProblem
@@ -20,9 +18,7 @@ from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.kinematics.pinocchio import Kinematics
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.spec import MechanismSpec
-from pmjac_pin.values.read_only import read_only
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array, read_only
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -7,19 +7,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pmjac_pin.values.norm import norm
+from pmjac_pin.rates.error_estimate import EPS
+from pmjac_pin.values.arrays import Array, norm
 
 if TYPE_CHECKING:
     from pmjac_pin.configuration import Configuration
     from pmjac_pin.model.twist_frame import FrameName
 
-Array = NDArray[np.float64]
 
-_EPS = float(np.finfo(float).eps)
 _PLACES = 16.0  # units in the last place of a length: what chains of joints add up to
-_STEP = 1e-7  # of the length: for differences, between what is curved and what is rounding
+_DIFFERENCE = 1e-7  # of the length: for differences, between what is curved and what is rounding
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,13 +37,13 @@ class PoseRounding:
         problem = configuration.mechanism._parts.problem
         values = np.abs(configuration.mechanism._parts.coordinates.values(configuration.q))
         rows = problem.partition.row_scale[:, None] * configuration._snapshot.constraint_jacobian
-        places = problem.rounding + _PLACES * _EPS * problem.partition.length
-        return configuration.residual_norm + places + _EPS * norm(rows * values)
+        places = problem.rounding + _PLACES * EPS * problem.partition.length
+        return configuration.residual_norm + places + EPS * norm(rows * values)
 
     def slopes(self, motions: Array) -> Iterator[tuple[Array, Array]]:
         """Yield how the constraint and the tool Jacobian change along each motion, per metre."""
         here, problem = self.configuration, self.configuration.mechanism._parts.problem
-        step = _STEP * problem.partition.length
+        step = _DIFFERENCE * problem.partition.length
         first = here._jacobians(here._snapshot, self.frame)
         for motion in motions.T:
             q = problem.integrate(here.q, step * problem.partition.column_scale * motion)

@@ -14,9 +14,9 @@ from test_tables import drawn
 import pmjac_pin as pj
 from pmjac_pin.closing import idle_motions
 from pmjac_pin.rates.singularity import analyse_singularity
-from pmjac_pin.values.norm import norm
+from pmjac_pin.values.arrays import norm
 from pmjac_pin.viewer.free_motion import easiest_motions
-from pmjac_pin.words.report_maker import make_report
+from pmjac_pin.words.report import make_report
 from pmjac_pin.words.tables import report_blocks
 
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
@@ -291,7 +291,8 @@ def test_regular_poses_gain_nothing_and_keep_their_idle_motions():
 def test_a_report_tells_them_apart():
     pose = same_with_rods(*random_fold(0))
     report, singularity = make_report(pose), pose.singularity()
-    [free], [idle] = report.singularity.free_motions, report.singularity.idle_motions
+    found = report.told()["singularity"]
+    [free], [idle] = found["free_motions"], found["idle_motions"]
     assert list(free.values()) == singularity.free_motions[:, 0].tolist()
     assert list(idle.values()) == singularity.idle_motions[:, 0].tolist()
     text = drawn(report_blocks(report))

@@ -22,7 +22,7 @@ from pmjac_pin.files.mjcf import file as mjcf_file
 from pmjac_pin.files.mjcf import guards as mjcf_guards
 from pmjac_pin.files.sdf import reader as sdf
 from pmjac_pin.files.urdf import checks as urdf_checks
-from pmjac_pin.files.urdf import closure_yaml
+from pmjac_pin.files.urdf import closure_yaml, joint_tree
 from pmjac_pin.files.urdf import robot as urdf
 from pmjac_pin.files.xml_text import parse_xml
 from pmjac_pin.model.loop_spec import MAXIMAL_LOOPS
@@ -252,12 +252,12 @@ def test_the_page_states_each_limit():
     stated = {f"{what.strip()} {of.strip()}": value.strip() for what, of, value in rows}
     expected = {
         "size of a model file": "1 MiB",
-        "size of a URDF or SDF": f"{urdf.MAXIMAL_SIZE:,} bytes",
-        "size of an MJCF, with all that it includes": f"{mjcf_file.MAXIMAL_SIZE:,} bytes",
-        "size of the YAML of an extended URDF": f"{closure_yaml.MAXIMAL_SIZE:,} bytes",
+        "size of a URDF or SDF": f"{urdf.MAXIMAL_URDF:,} bytes",
+        "size of an MJCF, with all that it includes": f"{mjcf_file.MAXIMAL_MJCF:,} bytes",
+        "size of the YAML of an extended URDF": f"{closure_yaml.MAXIMAL_YAML:,} bytes",
         "files included in an MJCF, or attached": f"{mjcf_file.MAXIMAL_INCLUDES}",
         "elements of an MJCF that are read, copies by `replicate` and `attach` counted": (
-            f"{mjcf_guards.MAXIMAL_ELEMENTS:,}"
+            f"{mjcf_guards.MAXIMAL_MJCF_ELEMENTS:,}"
         ),
         "default classes of an MJCF": f"{mjcf_guards.MAXIMAL_CLASSES:,}",
         "parts of a dotted TOML key": f"{MAXIMAL_PARTS}",
@@ -266,7 +266,7 @@ def test_the_page_states_each_limit():
         "attributes of an XML element": f"{MAXIMAL_ATTRIBUTES:,}",
         "links of a machine": f"{urdf_checks.MAXIMAL_LINKS:,}",
         "joints of a machine, with those that close loops": f"{urdf_checks.MAXIMAL_JOINTS:,}",
-        "joints in a row of the tree": f"{urdf_checks.MAXIMAL_DEPTH}",
+        "joints in a row of the tree": f"{joint_tree.MAXIMAL_DEPTH}",
         "degrees of freedom of the tree": f"{urdf_checks.MAXIMAL_VELOCITIES}",
         "loops of a machine, in a model file or from Pinocchio, too": f"{MAXIMAL_LOOPS}",
         "poses, parameters of a model file": f"{MAXIMAL_ENTRIES:,} each",
@@ -275,6 +275,6 @@ def test_the_page_states_each_limit():
         "length, ratio of a rod; of a gear": "1e-9 to 1e9",
     }
     assert {key: stated.get(key) for key in expected} == expected
-    assert (model_file.MAXIMAL_SIZE, sdf.MAXIMAL_SIZE) == (1 << 20, urdf.MAXIMAL_SIZE)
+    assert (model_file.MAXIMAL_MODEL_FILE, sdf.MAXIMAL_SDF) == (1 << 20, urdf.MAXIMAL_URDF)
     assert urdf_checks.MAXIMAL_NAME == LONGEST_NAME
     assert (LARGEST, SMALLEST) == (1e9, 1e-9)

@@ -15,8 +15,8 @@ from pmjac_pin.model.limits import Violation
 from pmjac_pin.viewer.readout import make_readout
 from pmjac_pin.words.modes_report import make_modes_report
 from pmjac_pin.words.modes_tables import modes_blocks
-from pmjac_pin.words.report import to_json
-from pmjac_pin.words.report_maker import make_report
+from pmjac_pin.words.plain import to_json
+from pmjac_pin.words.report import make_report
 from pmjac_pin.words.tables import report_blocks
 from pmjac_pin.words.terminal import draw, new_console
 
@@ -101,7 +101,7 @@ def test_reports_warn(bar, capsys):
     text = shown(report_blocks(report), capsys)
     assert "Warning: phi1 = " in text
     assert "the machine cannot be here" in text
-    [found] = json.loads(to_json(report))["limits_violated"]
+    [found] = json.loads(to_json(report.told()))["limits_violated"]
     assert (found["name"], found["lower"], found["upper"]) == ("phi1", 2.0, 2.05)
     assert "Warning" not in shown(report_blocks(make_report(bar.home)), capsys)
 

@@ -54,7 +54,8 @@ def shown(directory, mechanism, values):
     report = make_modes_report(
         mechanism, values, pj.assembly_modes(mechanism, values, rng=0, **QUICKLY)
     )
-    message = Modes(status="found", text=count(report), current=1, modes=report.modes)
+    told = tuple(mode.told() for mode in report.modes)
+    message = Modes(status="found", text=count(report), current=1, modes=told)
     for script in PAGE.glob("*.js"):
         shutil.copy(script, directory)
     (directory / "package.json").write_text('{"type": "module"}')

@@ -11,7 +11,7 @@ import pytest
 from flint import Ordering, fmpq_mpoly_ctx
 
 import pmjac_pin as pj
-from pmjac_pin.algebra.balls import Balls, middles, precise, uppers
+from pmjac_pin.algebra.balls import Balls, precise, uppers
 from pmjac_pin.algebra.boxes import Boxes
 from pmjac_pin.algebra.floats import Floats
 from pmjac_pin.algebra.intervals import Intervals
@@ -151,6 +151,10 @@ def as_numbers(motion, of):
         return Motion(tuple(map(of, floats.slides)), tuple(map(of, floats.turn)))
 
     return mapped
+
+
+def middles(balls):
+    return np.array([float(ball.mid()) for ball in balls.ravel()]).reshape(balls.shape)
 
 
 def assembled(loops, blocks, nv, middle):

@@ -22,7 +22,7 @@ OTHERWISE = {
     "studies/modes/marks.py": {"qr"},  # the space of a joint's own motions, for many poses
     "studies/modes/krawczyk.py": {"lstsq", "pinv"},  # guesses: what they are worth is proven
     "studies/homotopy/curve.py": {"pinv"},  # a step where there is no other
-    "words/report_maker.py": {"svd"},  # the singular values that are shown
+    "words/report.py": {"svd"},  # the singular values that are shown
     "pictures/mode_sheet.py": {"svd"},  # planes of points
     "pictures/stick_figure.py": {"svd"},
 }

@@ -13,7 +13,8 @@ import pytest
 import pmjac_pin as pj
 from pmjac_pin.model import loop_spec
 from pmjac_pin.model.joint_form import JointForm, Step, about_z, frame_along
-from pmjac_pin.model.loop_spec import LOOP_KINDS, LoopBetweenFrames, register
+from pmjac_pin.model.loop_between_frames import LoopBetweenFrames
+from pmjac_pin.model.loop_spec import LOOP_KINDS, register
 from pmjac_pin.model.rows import Along, Rows, Tilt, across
 from pmjac_pin.model.spec import decode_spec, encode_spec
 from pmjac_pin.model.table import Vector

@@ -26,7 +26,8 @@ def test_what_was_put_in_is_found(shared, inside, rng):
         slices, partition = [slice(0, 3), slice(3, 6), slice(6, 8 + inside)], partition_of(mixed)
         scaled = partition.scaled(mixed)
         first, second, third = loop_ranks(scaled, slices, partition)
-        assert (first.implied, second.implied, third.implied) == (shared, shared, 0)
+        implied = [loop.rank - loop.needed for loop in (first, second, third)]
+        assert implied == [shared, shared, 0]
         assert [loop.redundant_inside for loop in (first, second, third)] == [0, 0, inside]
         dependent = dependent_rows(scaled, partition)
         assert len(dependent) == shared + inside

@@ -18,7 +18,7 @@ from pmjac_pin.studies.modes.recognition import Recognition
 from pmjac_pin.studies.modes.same_machine import _Looks, same_machines
 from pmjac_pin.words.modes_report import make_modes_report
 from pmjac_pin.words.modes_tables import count, modes_blocks
-from pmjac_pin.words.report import to_json
+from pmjac_pin.words.plain import to_json
 
 LONG = ("agile_eye", "delta", "sarrus", "stewart_gough", "stewart_gough_dietmaier", "three_rps")
 QUICK = [name for name in mechanisms.CATALOGUE if name not in LONG]
@@ -139,7 +139,7 @@ def test_ways_are_shown_where_there_are_several():
     mechanism = rusr("rocker_tip")
     modes = pj.assembly_modes(mechanism, THETA, rng=0, **QUICKLY)
     report = make_modes_report(mechanism, THETA, modes)
-    assert [mode["ways"] for mode in json.loads(to_json(report))["modes"]] == [4, 4]
+    assert [mode["ways"] for mode in json.loads(to_json(report.told()))["modes"]] == [4, 4]
     assert count(report).startswith("2 assembly modes within")
     assert count(report).endswith("; 8 poses, bodies turned over or not.")
     table = next(block for block in modes_blocks(report) if hasattr(block, "rows"))

@@ -14,8 +14,8 @@ import pmjac_pin as pj
 from pmjac_pin.files.catalog import find_model_file, find_urdf
 from pmjac_pin.files.shapes import Box, Cone, Cylinder, Sphere, Text
 from pmjac_pin.rates.ellipsoid import velocity_ellipsoid
-from pmjac_pin.viewer.ellipsoids import LIMIT, THINNEST, directions_after, label
-from pmjac_pin.viewer.free_motion import NEAR_SINGULAR
+from pmjac_pin.viewer.ellipsoids import LIMIT, THINNEST, directions_after, radius_label
+from pmjac_pin.viewer.free_motion import ALMOST_SINGULAR
 from pmjac_pin.viewer.scene import SceneMaker, SceneOptions
 
 EVERYTHING = SceneOptions(linear=True, angular=True, force=True)
@@ -516,10 +516,10 @@ def items_size(mechanism):
 
 
 def test_labels_keep_their_width():
-    assert label(2.34349, "m/s") == "2.343 m/s"
-    assert label(2.0, "m/s") == "2.000 m/s"
-    assert label(1000.0, "N") == "1000 N"
-    assert label(np.inf, "N") == "∞ N"
+    assert radius_label(2.34349, "m/s") == "2.343 m/s"
+    assert radius_label(2.0, "m/s") == "2.000 m/s"
+    assert radius_label(1000.0, "N") == "1000 N"
+    assert radius_label(np.inf, "N") == "∞ N"
 
 
 def test_an_unbounded_force_is_clipped_and_marked():
@@ -563,7 +563,7 @@ def coupler_turn(configuration):
 def test_free_motion_arrows_show_the_hand_computed_direction(limit):
     size = items_size(limit[0].mechanism)
     for configuration in limit:
-        assert configuration.singularity().smallest < NEAR_SINGULAR
+        assert configuration.singularity().smallest < ALMOST_SINGULAR
         items = by_name(scene(configuration))
         middle, across = coupler_turn(configuration)
         first, last = ends(items["free/tool/forth"])[1], ends(items["free/tool/back"])[1]
@@ -580,7 +580,7 @@ def test_free_motion_arrows_show_the_hand_computed_direction(limit):
 
 
 def test_at_regular_poses_nothing_comes_free(mechanism):
-    assert mechanism.home.singularity().smallest > NEAR_SINGULAR
+    assert mechanism.home.singularity().smallest > ALMOST_SINGULAR
     for item in scene(mechanism.home).items:
         assert not (item.name.startswith("free/") and item.visible)
 

@@ -23,7 +23,7 @@ from viewer_clients import connected, fetch
 
 import pmjac_pin as pj
 from pmjac_pin.viewer.hub import Outbox
-from pmjac_pin.viewer.messages import MAXIMAL_SIZE
+from pmjac_pin.viewer.messages import MAXIMAL_MESSAGE
 
 ROOT = Path(__file__).resolve().parent.parent
 HOME = {"command": "home"}
@@ -237,11 +237,11 @@ def test_a_long_message_is_answered_and_an_absurd_one_ends_its_connection(viewer
     async def run():
         async with connected(viewer) as page:
             await page.read()
-            answer = await page.ask("x" * (MAXIMAL_SIZE + 1))
+            answer = await page.ask("x" * (MAXIMAL_MESSAGE + 1))
             assert "too long" in answer["message"]
             assert (await page.ask(HOME))["type"] == "state"
             with contextlib.suppress(WebSocketClosedError):
-                await page.send("x" * (64 * MAXIMAL_SIZE))
+                await page.send("x" * (64 * MAXIMAL_MESSAGE))
             assert await page.socket.read_message() is None
         async with connected(viewer) as page:
             assert (await page.read())["type"] == "state"

@@ -14,9 +14,9 @@ import scipy.optimize
 import pmjac_pin as pj
 from pmjac_pin.model.tool_rows import TWIST_ROWS
 from pmjac_pin.viewer.messages import (
-    MAXIMAL_SIZE,
+    MAXIMAL_MESSAGE,
     Home,
-    Move,
+    MoveMotors,
     NamedPose,
     Options,
     Refusal,
@@ -34,7 +34,7 @@ def session_of(name="three_rps", **options):
 
 def test_a_move_goes_to_the_values():
     session = session_of()
-    session.obey(Move(values=[1.1, 1.0, 0.9]))
+    session.obey(MoveMotors(values=[1.1, 1.0, 0.9]))
     np.testing.assert_allclose(session.configuration.actuated, [1.1, 1.0, 0.9], atol=1e-12)
     assert session.notice.kind == ""
     assert session.pose is None
@@ -44,14 +44,14 @@ def test_moves_follow_the_assembly_mode():
     """Many small steps end where one large one does."""
     session = session_of("four_bar")
     for value in np.linspace(0.9, 4.0, 200):
-        session.obey(Move(values=[value]))
+        session.obey(MoveMotors(values=[value]))
     at_once = session.mechanism.close([4.0])
     np.testing.assert_allclose(session.configuration.q, at_once.q, atol=1e-9)
 
 
 def test_the_end_of_the_range_stops_the_motion():
     session = session_of()
-    session.obey(Move(values=[1.0, 3.0, 1.0]))
+    session.obey(MoveMotors(values=[1.0, 3.0, 1.0]))
     l1, l2, l3 = session.configuration.actuated
     assert (l1, l3) == pytest.approx((1.0, 1.0), abs=1e-9)
     assert 1.9 < l2 < 2.0
@@ -67,7 +67,7 @@ def test_motors_that_are_tied_are_told_and_not_called_the_end_of_a_range():
     before = session.configuration
     texts = set()
     for way in (0.2, 0.4):
-        session.obey(Move(values=[None, None, before.actuated[2] + way]))
+        session.obey(MoveMotors(values=[None, None, before.actuated[2] + way]))
         np.testing.assert_array_equal(session.configuration.q, before.q)
         assert session.notice.kind == "stop"
         assert session.notice.stops == (0, 0, 1)
@@ -86,7 +86,7 @@ def test_tied_motors_move_together_on_the_page():
     session = Session(
         pj.load("five_bar", actuated=["theta1", "theta2", "phi1"]).home, SceneOptions()
     )
-    session.obey(Move(values=[*there.actuated.tolist(), there.joint_values["phi1"]]))
+    session.obey(MoveMotors(values=[*there.actuated.tolist(), there.joint_values["phi1"]]))
     assert session.notice.kind == ""
     np.testing.assert_allclose(session.configuration.q, there.q, atol=1e-9)
 
@@ -94,9 +94,9 @@ def test_tied_motors_move_together_on_the_page():
 def test_the_end_of_the_range_can_be_left_again():
     session = session_of()
     for _ in range(3):
-        session.obey(Move(values=[1.0, 3.0, 1.0]))
+        session.obey(MoveMotors(values=[1.0, 3.0, 1.0]))
     assert session.readout().warning.level == "singular"
-    session.obey(Move(values=[1.0, 1.9, 1.0]))
+    session.obey(MoveMotors(values=[1.0, 1.9, 1.0]))
     assert session.notice.kind == ""
     assert session.configuration.actuated[1] == pytest.approx(1.9)
     home = session.mechanism.close([1.0, 1.9, 1.0])
@@ -119,7 +119,7 @@ def test_a_first_pose_at_the_end_of_the_range_can_be_left(mechanism, beyond, bac
     started, shown = Session(end, SceneOptions()), Session(mechanism.home, SceneOptions())
     shown.show(end)
     for session in (started, shown):
-        session.obey(Move(values=back))
+        session.obey(MoveMotors(values=back))
         assert session.notice.kind == ""
         home = mechanism.close(back)
         np.testing.assert_allclose(session.configuration.q, home.q, atol=1e-9)
@@ -130,25 +130,25 @@ def test_beyond_a_fold_there_is_no_way_from_it_either():
     with pytest.raises(pj.ClosureError) as caught:
         mechanism.close([3.0])
     session = Session(caught.value.reached, SceneOptions())
-    session.obey(Move(values=[3.0]))
+    session.obey(MoveMotors(values=[3.0]))
     assert session.notice.kind == "stop"
     assert session.configuration.actuated == pytest.approx(caught.value.reached.actuated)
 
 
 def test_at_the_end_of_a_range_no_motor_moves_that_was_not_asked_to():
     session = session_of()
-    session.obey(Move(values=[None, 3.0, None]))
+    session.obey(MoveMotors(values=[None, 3.0, None]))
     end = session.configuration.actuated
     for _ in range(5):
-        session.obey(Move(values=[session.configuration.actuated[0] - 0.02, None, None]))
+        session.obey(MoveMotors(values=[session.configuration.actuated[0] - 0.02, None, None]))
         np.testing.assert_allclose(session.configuration.actuated[1:], end[1:], atol=2e-3)
 
 
 def test_values_seen_at_the_end_and_sent_again_are_no_trap():
     session = session_of()
-    session.obey(Move(values=[1.0, 3.0, 1.0]))
-    session.obey(Move(values=session.configuration.actuated.tolist()))
-    session.obey(Move(values=[None, 1.5, None]))
+    session.obey(MoveMotors(values=[1.0, 3.0, 1.0]))
+    session.obey(MoveMotors(values=session.configuration.actuated.tolist()))
+    session.obey(MoveMotors(values=[None, 1.5, None]))
     home = session.mechanism.close([1.0, 1.5, 1.0])
     np.testing.assert_allclose(session.configuration.q, home.q, atol=1e-9)
 
@@ -157,16 +157,16 @@ def test_where_branches_cross_the_way_back_is_open():
     parallelogram = pj.load("four_bar", {"l0": 3.0, "l1": 1.0, "l2": 3.0, "l3": 1.0})
     session = Session(parallelogram.home, SceneOptions())
     before = session.configuration.actuated
-    session.obey(Move(values=[0.0]))
+    session.obey(MoveMotors(values=[0.0]))
     assert session.readout().warning.level == "singular"
-    session.obey(Move(values=before.tolist()))
+    session.obey(MoveMotors(values=before.tolist()))
     np.testing.assert_allclose(session.configuration.q, parallelogram.home.q, atol=1e-9)
 
 
 def test_two_pages_move_two_motors():
     session = session_of()
-    session.obey(Move(values=[1.1, None, None]))
-    session.obey(Move(values=[None, 0.9, None]))
+    session.obey(MoveMotors(values=[1.1, None, None]))
+    session.obey(MoveMotors(values=[None, 0.9, None]))
     np.testing.assert_allclose(session.configuration.actuated, [1.1, 0.9, 1.0])
 
 
@@ -189,7 +189,7 @@ def test_a_pose_that_does_not_close_is_left_out(monkeypatch):
     monkeypatch.setattr(type(mechanism), "pose", broken)
     session = Session(mechanism.home, SceneOptions())
     assert session.state(about=True).about.poses == ("home", "lecture_a")
-    session.obey(Move(values=[1.1, 1.0, 1.0]))
+    session.obey(MoveMotors(values=[1.1, 1.0, 1.0]))
 
 
 @pytest.mark.parametrize(
@@ -209,7 +209,7 @@ def test_a_value_that_is_none_changes_nothing(values):
     session = session_of()
     before = session.configuration
     with pytest.raises(pj.ArgumentError):
-        session.obey(Move(values=values))
+        session.obey(MoveMotors(values=values))
     assert session.configuration is before
 
 
@@ -248,7 +248,7 @@ def test_the_same_mechanism_loaded_twice_is_welcome():
     session = session_of()
     session.show(pj.load("three_rps").close([1.1, 1.0, 1.0]))
     assert session.configuration.actuated[0] == pytest.approx(1.1)
-    session.obey(Move(values=[1.2, 1.0, 1.0]))
+    session.obey(MoveMotors(values=[1.2, 1.0, 1.0]))
 
 
 @pytest.mark.parametrize("name", pj.list_mechanisms())
@@ -284,7 +284,7 @@ def test_the_readout_is_the_library_s(name):
 
 def test_near_a_singularity_the_joints_that_come_free_are_named():
     session = session_of()
-    session.obey(Move(values=[1.0, 1.9729, 1.0]))
+    session.obey(MoveMotors(values=[1.0, 1.9729, 1.0]))
     readout = session.readout()
     assert readout.smallest < 0.01
     assert readout.warning.level == "near"
@@ -295,7 +295,7 @@ def test_near_a_singularity_the_joints_that_come_free_are_named():
 
 def test_at_a_singularity_there_is_no_jacobian_and_the_readout_says_why():
     session = session_of()
-    session.obey(Move(values=[1.0, 3.0, 1.0]))
+    session.obey(MoveMotors(values=[1.0, 3.0, 1.0]))
     readout = session.readout()
     assert readout.J_eq is None
     assert readout.sections is None
@@ -383,7 +383,7 @@ def test_a_stop_is_said_in_the_same_words_wherever_beyond_the_target_is():
     session = session_of()
     notices = set()
     for beyond in (1.98, 2.2, 2.9, 2.5):
-        session.obey(Move(values=[None, beyond, None]))
+        session.obey(MoveMotors(values=[None, beyond, None]))
         notices.add(session.notice)
     (notice,) = notices
     assert notice.stops == (0, 1, 0)
@@ -393,7 +393,7 @@ def test_home_looks_as_it_did_at_first():
     session = session_of("serial_2r")
     first = [item.transform for item in session.scene().items]
     for value in np.linspace(1.0, -1.0, 30):
-        session.obey(Move(values=[None, value]))
+        session.obey(MoveMotors(values=[None, value]))
         session.scene()
     session.obey(Home())
     np.testing.assert_array_equal([item.transform for item in session.scene().items], first)
@@ -404,7 +404,7 @@ def test_a_warning_has_no_changing_numbers():
     session = session_of()
     texts = set()
     for l2 in (1.9725, 1.9727, 1.9729):
-        session.obey(Move(values=[1.0, l2, 1.0]))
+        session.obey(MoveMotors(values=[1.0, l2, 1.0]))
         texts.add(session.readout().warning.text)
     assert len(texts) == 1
 
@@ -421,9 +421,9 @@ def test_motors_without_limits_get_sensible_sliders():
     assert not slider.limited
     assert (turn.lower, turn.upper) == pytest.approx((-math.pi, math.pi))
     assert -100 < slider.lower < 0 < slider.upper < 100
-    session.obey(Move(values=[9.0, 50.0]))
+    session.obey(MoveMotors(values=[9.0, 50.0]))
     with pytest.raises(pj.ArgumentError, match="beyond"):
-        session.obey(Move(values=[0.0, 1e5]))
+        session.obey(MoveMotors(values=[0.0, 1e5]))
 
 
 def test_the_first_view_holds_everything():
@@ -476,7 +476,7 @@ def test_a_flat_mechanism_is_looked_at_from_above(name):
         '{"command": "home", "id": 1.5}',
         '{"command": "home", "id": ' + "9" * 40 + "}",
         "[" * 60_000,
-        '{"command": "pose", "name": "' + "x" * MAXIMAL_SIZE + '"}',
+        '{"command": "pose", "name": "' + "x" * MAXIMAL_MESSAGE + '"}',
         "\ud800",
         b'{"command": "home"}',
     ],
@@ -487,5 +487,7 @@ def test_what_is_no_message_is_refused(message):
 
 
 def test_messages():
-    assert decode('{"command": "move", "values": [1, 2.5], "id": 7}') == Move(id=7, values=[1, 2.5])
+    assert decode('{"command": "move", "values": [1, 2.5], "id": 7}') == MoveMotors(
+        id=7, values=[1, 2.5]
+    )
     assert json.loads(encode(Refusal(None, "no"))) == {"type": "error", "id": None, "message": "no"}

@@ -13,8 +13,8 @@ from rich.console import Console
 
 import pmjac_pin as pj
 from pmjac_pin.values.brief import brief
-from pmjac_pin.words.blocks import Heading, Paragraph, Table, Verbatim, number, numbers
-from pmjac_pin.words.report_maker import make_report
+from pmjac_pin.words.blocks import Heading, Paragraph, Table, Verbatim, matrix_numbers, number
+from pmjac_pin.words.report import make_report
 from pmjac_pin.words.tables import (
     TITLES,
     ellipsoid_table,
@@ -54,9 +54,11 @@ def test_no_line_is_too_long_and_no_number_is_cut(reports, name, width):
     assert max(cell_len(line) for line in text.splitlines()) <= width
     assert "…" not in text
     for key in ("K", "K_star", "Jv", "Jv_star"):
-        matrix = getattr(report.matrices, key)
+        matrix = report.matrices[key]
         if matrix.rows and matrix.columns:
-            shown = sorted(entry for row in numbers(matrix.values, matrix.size) for entry in row)
+            shown = sorted(
+                entry for row in matrix_numbers(matrix.values, matrix.size) for entry in row
+            )
             [block] = [b for b in matrix_blocks(report, (key,)) if isinstance(b, Table)]
             found = re.findall(r"-?\d\.\d{3,4}(?:e-\d\d)?\b", drawn([block], width))
             assert sorted(found) == shown
@@ -65,7 +67,7 @@ def test_no_line_is_too_long_and_no_number_is_cut(reports, name, width):
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_rounding_is_shown_as_zero(reports, name):
     report = reports[name]
-    keys = [key for key in TITLES if getattr(report.matrices, key) is not None]
+    keys = [key for key in TITLES if report.matrices[key] is not None]
     blocks = [*matrix_blocks(report, tuple(keys)), singular_values_table(report)]
     blocks += [block for block in report_blocks(report) if "Tool" in getattr(block, "title", "")]
     assert not re.search(r"e-[1-9]\d", drawn(blocks))
@@ -154,7 +156,7 @@ def test_free_motions_have_largest_rate_one():
     ],
 )
 def test_numbers(given, expected):
-    assert numbers([given]) == [expected]
+    assert matrix_numbers([given]) == [expected]
 
 
 def test_single_numbers():

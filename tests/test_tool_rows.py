@@ -17,8 +17,8 @@ from pmjac_pin.cli import main
 from pmjac_pin.model.spec import decode_spec, encode_spec
 from pmjac_pin.model.tool_rows import TWIST_ROWS, WHOLE_TWIST, ToolRows
 from pmjac_pin.words.diagnosis_tables import diagnosis_blocks
-from pmjac_pin.words.report import to_json
-from pmjac_pin.words.report_maker import make_report
+from pmjac_pin.words.plain import to_json
+from pmjac_pin.words.report import make_report
 from pmjac_pin.words.tables import report_blocks
 
 PLANAR = ("five_bar", "planar_3rpr", "planar_3rrr", "serial_2r")
@@ -293,7 +293,7 @@ def test_every_report_says_what_was_judged():
     assert "kind='loss'" in repr(pose.singularity())
     assert repr(pose.singularity()).endswith("judged on vx, vy in the tool's own axes)")
     report = make_report(pose)
-    found = json.loads(to_json(report))["singularity"]
+    found = json.loads(to_json(report.told()))["singularity"]
     assert (found["tool_rows"], found["tool_axes"]) == (["vx", "vy"], "LOCAL")
     assert (found["tool_rank"], found["generic_tool_rank"], found["lost"]) == (1, 2, 1)
     text = drawn(report_blocks(report), 100)

@@ -62,9 +62,9 @@ async def test_it_says_searching_then_what_was_found():
     assert finder.finder.message().status == "searching"
     message = await finder.found()
     assert [told.status for told in finder.told] == ["searching", "found"]
-    assert [mode.number for mode in message.modes] == list(range(1, 9))
+    assert [mode["number"] for mode in message.modes] == list(range(1, 9))
     assert message.text.startswith("8 assembly modes within the limits of the joints. That there")
-    assert message.modes[message.current - 1].poses == ("lecture_a",)
+    assert message.modes[message.current - 1]["poses"] == ("lecture_a",)
 
 
 @running
@@ -73,12 +73,12 @@ async def test_showing_a_mode_goes_there_and_dragging_stays_on_it():
     finder = Finder(mechanism.close(LECTURE, guess="lecture_a"))
     finder.finder.obey(FindModes())
     message = await finder.found()
-    other = message.modes[message.current - 1].mirror_image
+    other = message.modes[message.current - 1]["mirror_image"]
     finder.finder.obey(ShowMode(number=other))
     finder.finder.follow()
     assert finder.finder.message().current == other
     shown = finder.session.configuration
-    np.testing.assert_array_equal(shown.q, message.modes[other - 1].q)
+    np.testing.assert_array_equal(shown.q, message.modes[other - 1]["q"])
     finder.move([0.7, 0.62, 0.74])
     expected = mechanism.close([0.7, 0.62, 0.74], guess=shown)
     np.testing.assert_allclose(finder.session.configuration.q, expected.q, atol=1e-9)
@@ -89,7 +89,7 @@ async def test_a_mode_with_a_name_is_that_pose():
     finder = Finder(pj.load("four_bar").home)
     finder.finder.obey(FindModes())
     message = await finder.found()
-    names = {mode.number: mode.poses for mode in message.modes}
+    names = {mode["number"]: mode["poses"] for mode in message.modes}
     assert names == {1: (), 2: ("home",)}
     poses = []
     for number in names:

@@ -29,7 +29,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 #: A number of one of the types: an array of floats, `Intervals`, an array of objects, a `Jet`.
 Number = Any

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
+
 Numbers = NDArray[Any]
 
 

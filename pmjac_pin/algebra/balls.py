@@ -16,8 +16,9 @@ import numpy as np
 from flint import arb, ctx
 from numpy.typing import ArrayLike, NDArray
 
-from pmjac_pin.algebra.arrays import Array, Arrays
+from pmjac_pin.algebra.arrays import Arrays
 from pmjac_pin.algebra.intervals import Intervals
+from pmjac_pin.values.arrays import Array
 
 BallArray = NDArray[np.object_]  # of flint.arb
 
@@ -30,7 +31,7 @@ PLACEMENT_WIDTH = 4.0 * _EPS
 #: Far above the rounding of the few thousand sums and products of numbers ≥ 0 that it covers.
 OUTWARDS = 1.0 + 1e-10
 
-ZERO, ONE = arb(0), arb(1)
+ZERO = arb(0)
 
 _lock = threading.RLock()
 
@@ -109,7 +110,9 @@ def rotation_width(matrix: ArrayLike) -> float:
 def _rotation_width(entries: bytes, shape: tuple[int, ...]) -> float:
     with precise():
         stored = exactly(np.frombuffer(entries).reshape(shape))
-        return PLACEMENT_WIDTH + upper(norm((stored @ stored.T - np.eye(len(stored))).ravel()))
+        return PLACEMENT_WIDTH + upper(
+            euclidean_norm((stored @ stored.T - np.eye(len(stored))).ravel())
+        )
 
 
 def widened(numbers: BallArray, width: float) -> BallArray:
@@ -124,7 +127,7 @@ def _each(x: BallArray, of: Callable[[arb], arb]) -> BallArray:
     return found
 
 
-def norm(vector: BallArray) -> arb:
+def euclidean_norm(vector: BallArray) -> arb:
     """Return the Euclidean norm."""
     return sum((entry * entry for entry in vector), ZERO).nonnegative_part().sqrt()
 
@@ -139,11 +142,6 @@ def uppers(numbers: BallArray) -> NDArray[np.float64]:
     """Return doubles that are not below the numbers' sizes."""
     sizes = [upper(abs(number)) for number in numbers.ravel()]
     return np.array(sizes, dtype=float).reshape(numbers.shape)
-
-
-def middles(numbers: BallArray) -> NDArray[np.float64]:
-    """Return the middles as doubles, of which nothing is promised."""
-    return np.array([float(number.mid()) for number in numbers.ravel()]).reshape(numbers.shape)
 
 
 def enclosing(numbers: BallArray) -> Intervals:

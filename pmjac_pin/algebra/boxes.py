@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pmjac_pin.algebra.intervals import Intervals
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 
 class Boxes:

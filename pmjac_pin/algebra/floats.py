@@ -7,7 +7,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from pmjac_pin.algebra import Function
-from pmjac_pin.algebra.arrays import Array, Arrays, Numbers
+from pmjac_pin.algebra.arrays import Arrays, Numbers
+from pmjac_pin.values.arrays import Array
 
 
 class Floats(Arrays):

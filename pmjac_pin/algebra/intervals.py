@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 _UNIT = 2.0**-53
 _ABSOLUTE = 1e-290

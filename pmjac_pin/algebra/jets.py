@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pmjac_pin.algebra import Algebra, Function, Number, RootedAlgebra
+from pmjac_pin.values.arrays import Array
 
-Array = NDArray[np.float64]
 Columns = tuple[int, ...]
 
 _SMALL_ANGLE = 1e-2  # rad: below it a series is as exact

@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pmjac_pin.algebra.tape import INSTRUCTIONS, Array, Tape
+from pmjac_pin.algebra.tape import INSTRUCTIONS, Tape
+from pmjac_pin.values.arrays import Array
 
 _CHUNK = 2048  # sets of inputs at a time: what the slots hold stays in the processor's cache
 

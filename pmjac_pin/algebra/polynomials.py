@@ -12,7 +12,8 @@ import numpy as np
 from flint import fmpq, fmpq_mpoly
 from numpy.typing import NDArray
 
-from pmjac_pin.algebra.arrays import Array, Arrays
+from pmjac_pin.algebra.arrays import Arrays
+from pmjac_pin.values.arrays import Array
 
 #: Of polynomials, or of rational numbers.
 Symbols = NDArray[Any]

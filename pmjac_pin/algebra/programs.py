@@ -14,7 +14,8 @@ from typing import Any, Literal, Union
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.algebra.arrays import Array, Arrays, Numbers
+from pmjac_pin.algebra.arrays import Arrays, Numbers
+from pmjac_pin.values.arrays import Array
 
 Operation = Literal[
     "input", "+", "-", "*", "/", "neg", "sin", "cos", "sqrt", "abs", "max", "copysign", "atan2",

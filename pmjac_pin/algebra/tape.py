@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.algebra.programs import Operand, Recording, Term
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 #: What instructions do; the last three are a·b + c, a·b − c and c − a·b.
 INSTRUCTIONS = (

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from pmjac_pin.algebra import numpy_tape
-from pmjac_pin.algebra.tape import Array, Tape
+from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.values.arrays import Array
 
 _FOLDER = Path(__file__).parent
 

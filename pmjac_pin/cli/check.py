@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from pmjac_pin.cli.options import Choice, Json, Name
+from msgspec.structs import asdict
+
+from pmjac_pin.cli.options import Choice, Json, NameOption
 from pmjac_pin.cli.output import Output, Verdict
 from pmjac_pin.studies.check.diagnosis_maker import check
 from pmjac_pin.words.diagnosis_tables import diagnosis_blocks
-from pmjac_pin.words.report import to_json
+from pmjac_pin.words.plain import to_json
 
 
-def check_command(mechanism: Name, /, *, choice: Choice = Choice(), json: Json = False) -> Verdict:
+def check_command(
+    mechanism: NameOption, /, *, choice: Choice = Choice(), json: Json = False
+) -> Verdict:
     """Show what a model is made of and what is wrong with it; exit status 1 for an error."""
     parameters, keywords = choice.parameters(), choice.reading.keywords()
     diagnosis = check(mechanism, parameters=parameters, **keywords)
-    output: Output = f"{to_json(diagnosis)}\n" if json else diagnosis_blocks(diagnosis)
+    output: Output = f"{to_json(asdict(diagnosis))}\n" if json else diagnosis_blocks(diagnosis)
     return Verdict(output, 1 if diagnosis.severity == "error" else 0)

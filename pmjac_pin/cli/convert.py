@@ -7,14 +7,14 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from pmjac_pin.cli.options import Name, Reading
+from pmjac_pin.cli.options import NameOption, Reading
 from pmjac_pin.cli.output import Output
 from pmjac_pin.studies.convert import convert
 from pmjac_pin.words.terminal import one_line
 
 
 def convert_command(
-    mechanism: Name,
+    mechanism: NameOption,
     /,
     *,
     output: Annotated[

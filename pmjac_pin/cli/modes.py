@@ -9,7 +9,7 @@ from typing import Annotated, TypeAlias
 
 from cyclopts import Parameter
 
-from pmjac_pin.cli.options import At, Choice, Json, Name, motor_values
+from pmjac_pin.cli.options import At, Choice, Json, NameOption, parsed_motor_values
 from pmjac_pin.cli.output import Output
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
@@ -21,17 +21,9 @@ from pmjac_pin.studies.modes.find import assembly_modes
 from pmjac_pin.words.blocks import Block, Verbatim
 from pmjac_pin.words.modes_report import ModesReport, make_modes_report
 from pmjac_pin.words.modes_tables import modes_blocks
-from pmjac_pin.words.report import to_json
+from pmjac_pin.words.plain import to_json
 
 Given: TypeAlias = Sequence[float] | Mapping[str, float]
-
-
-@dataclass(frozen=True, slots=True)
-class Found:
-    """The assembly modes, and what is known of them."""
-
-    modes: AssemblyModes
-    report: ModesReport
 
 
 @Parameter(name="*")
@@ -59,13 +51,13 @@ class Search:
         bool, Parameter(help="And tell which of them hang together: longer.")
     ] = False
 
-    def report(self, mechanism: Mechanism, values: Given) -> Found:
+    def report(self, mechanism: Mechanism, values: Given) -> ModesReport:
         """Return the closed poses at these motor values, and what is known of them."""
         homotopy = None
         if self.homotopy or self.operation_modes:
             homotopy = parameter_homotopy(mechanism, rng=self.seed)
         modes = self._modes(mechanism, values, homotopy)
-        report = make_modes_report(
+        return make_modes_report(
             mechanism,
             values,
             modes,
@@ -75,7 +67,6 @@ class Search:
             if homotopy and self.operation_modes
             else None,
         )
-        return Found(modes, report)
 
     def _modes(
         self,
@@ -97,7 +88,7 @@ class Search:
 
 
 def modes_command(
-    mechanism: Name,
+    mechanism: NameOption,
     /,
     *,
     at: At = None,
@@ -118,12 +109,12 @@ def modes_command(
         check_figure_file(output)  # before what may take minutes
     loaded = choice.load(mechanism)
     values = _motor_values(loaded, at, from_)
-    found = search.report(loaded, values)
+    report = search.report(loaded, values)
     drawn: list[Block] = []
     if output is not None:
-        save_figure(modes_figure(found.modes, found.report), output)
+        save_figure(modes_figure(report), output)
         drawn = [Verbatim(str(output))]
-    return f"{to_json(found.report)}\n" if json else [*modes_blocks(found.report), *drawn]
+    return f"{to_json(report.told())}\n" if json else [*modes_blocks(report), *drawn]
 
 
 def _motor_values(mechanism: Mechanism, at: str | None, pose: str | None) -> Given:
@@ -132,4 +123,4 @@ def _motor_values(mechanism: Mechanism, at: str | None, pose: str | None) -> Giv
         return values
     if pose is not None:
         raise ArgumentError("--at and --from both give motor values; take one of them")
-    return motor_values(at)
+    return parsed_motor_values(at)

@@ -13,14 +13,14 @@ from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.loading import load
 from pmjac_pin.mechanism import Mechanism
 
-Name: TypeAlias = Annotated[
+NameOption: TypeAlias = Annotated[
     str,
     Parameter(help="A name that pmjac list shows, or the path of a model file, URDF, MJCF or SDF."),
 ]
 At: TypeAlias = Annotated[
     str | None, Parameter(help="Motor values, m or rad, such as 0.5,1,2 or l1=0.5,l2=1,l3=2.")
 ]
-Frame: TypeAlias = Annotated[
+FrameOption: TypeAlias = Annotated[
     str, Parameter(help="Of the twist: LOCAL, WORLD or LOCAL_WORLD_ALIGNED (default).")
 ]
 Json: TypeAlias = Annotated[bool, Parameter(help="Write JSON: all digits, SI units.")]
@@ -54,11 +54,11 @@ class Reading:
     def keywords(self) -> dict[str, Any]:
         """Return them as `load`, `check` and `convert` take them."""
         return {
-            "actuated": None if self.actuated is None else _names(self.actuated),
+            "actuated": None if self.actuated is None else _split_names(self.actuated),
             "tool": self.tool,
-            "tool_rows": None if self.tool_rows is None else _names(self.tool_rows),
+            "tool_rows": None if self.tool_rows is None else _split_names(self.tool_rows),
             "tool_axes": None if self.tool_axes is None else self.tool_axes.upper(),
-            "locked": () if self.locked is None else _names(self.locked),
+            "locked": () if self.locked is None else _split_names(self.locked),
             "tolerance": self.tolerance,
         }
 
@@ -86,7 +86,7 @@ class Choice:
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class Pose:
+class PoseOption:
     """A named pose, or motor values to walk to from one."""
 
     at: At = None
@@ -102,7 +102,10 @@ class Pose:
         start = "home" if self.from_ is None else self.from_
         if self.at is None:
             return mechanism.pose(start), {"pose": start, "start": None}
-        return mechanism.close(motor_values(self.at), guess=start), {"pose": None, "start": start}
+        return mechanism.close(parsed_motor_values(self.at), guess=start), {
+            "pose": None,
+            "start": start,
+        }
 
 
 def numbers_by_name(option: str, items: Iterable[str]) -> dict[str, float]:
@@ -120,7 +123,7 @@ def numbers_by_name(option: str, items: Iterable[str]) -> dict[str, float]:
     return numbers
 
 
-def motor_values(at: str) -> list[float] | dict[str, float]:
+def parsed_motor_values(at: str) -> list[float] | dict[str, float]:
     """Return the numbers given by ``--at``, by the motors' names where it has them."""
     items = at.split(",")
     if all("=" in item for item in items):
@@ -132,5 +135,5 @@ def motor_values(at: str) -> list[float] | dict[str, float]:
         raise ArgumentError(message) from None
 
 
-def _names(text: str) -> list[str]:
+def _split_names(text: str) -> list[str]:
     return [name.strip() for name in text.split(",")]

@@ -7,22 +7,22 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from pmjac_pin.cli.options import Choice, Frame, Name, Pose
+from pmjac_pin.cli.options import Choice, FrameOption, NameOption, PoseOption
 from pmjac_pin.cli.output import Output
 from pmjac_pin.pictures.pose_figure import save_pose_figure
 from pmjac_pin.words.blocks import Verbatim
-from pmjac_pin.words.report_maker import make_report
+from pmjac_pin.words.report import make_report
 
 
 def plot_command(
-    mechanism: Name,
+    mechanism: NameOption,
     /,
     *,
     output: Annotated[
         Path, Parameter(name=["--output", "-o"], help="The file: .png, .pdf or .svg.")
     ],
-    pose: Pose = Pose(),
-    frame: Frame = "LOCAL_WORLD_ALIGNED",
+    pose: PoseOption = PoseOption(),
+    frame: FrameOption = "LOCAL_WORLD_ALIGNED",
     choice: Choice = Choice(),
 ) -> Output:
     """Draw the velocity ellipsoid at one pose and its sections; print the file's path."""

@@ -24,7 +24,7 @@ from pmjac_pin.words.terminal import complain, draw, new_console, one_line, writ
 
 _EXAMPLE = "Example: pmjac report four_bar --at 1.2 --set l1=1.1,l2=2.9"
 
-_LONGEST = 600  # characters of a message that quotes what was typed
+_LONGEST_TYPED = 600  # characters of a message that quotes what was typed
 
 
 def _version() -> str:
@@ -57,7 +57,7 @@ app.command(convert_command, name="convert")
 def run(argv: Sequence[str]) -> int:
     """Run a command; return the exit status, 130 where it was interrupted."""
     try:
-        return _run(argv)
+        return _run_app(argv)
     except BrokenPipeError:  # the reader, such as `head`, has seen enough
         return 0
     except KeyboardInterrupt:
@@ -67,12 +67,14 @@ def run(argv: Sequence[str]) -> int:
         return 2
 
 
-def _run(argv: Sequence[str]) -> int:
+def _run_app(argv: Sequence[str]) -> int:
     """Write nothing before all is computed, so that an error stands alone."""
     console = new_console()
     # Absurd lengths overflow on their way to an error; NumPy's warnings would stand beside it.
     with console.capture() as capture, np.errstate(all="ignore"):
-        output = app(_joined(argv), console=console, exit_on_error=False, print_error=False)
+        output = app(
+            _with_values_joined(argv), console=console, exit_on_error=False, print_error=False
+        )
         verdict = output if isinstance(output, Verdict) else Verdict(output, 0)
         output = verdict.output
         if output is not None and not isinstance(output, str):
@@ -81,7 +83,7 @@ def _run(argv: Sequence[str]) -> int:
     return verdict.status
 
 
-def _joined(argv: Sequence[str]) -> list[str]:
+def _with_values_joined(argv: Sequence[str]) -> list[str]:
     """Write ``--at -0.5,1`` as ``--at=-0.5,1``, which cannot be taken for an option."""
     tokens: list[str] = []
     for token in argv:
@@ -102,4 +104,4 @@ def _message(error: Exception) -> str:
         return str(error).partition("; enforce_limits")[0]  # of Python alone
     if isinstance(error, OSError) and error.strerror:
         return ": ".join(map(str, filter(None, (error.filename, error.strerror))))
-    return shortened(str(error), _LONGEST) if isinstance(error, CycloptsError) else str(error)
+    return shortened(str(error), _LONGEST_TYPED) if isinstance(error, CycloptsError) else str(error)

@@ -6,15 +6,15 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from pmjac_pin.cli.options import Choice, Name, Pose
+from pmjac_pin.cli.options import Choice, NameOption, PoseOption
 from pmjac_pin.cli.output import Output
 
 
 def view_command(
-    mechanism: Name,
+    mechanism: NameOption,
     /,
     *,
-    pose: Pose = Pose(),
+    pose: PoseOption = PoseOption(),
     choice: Choice = Choice(),
     port: Annotated[
         int | None, Parameter(help="The first port to try (default: 7000); 0 for any.")

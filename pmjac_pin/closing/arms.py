@@ -15,16 +15,13 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.model.frames import Frame, find_frame
 from pmjac_pin.model.joint_kinds import known_kind, pitch_of
 from pmjac_pin.model.loop_spec import JointLoop, Loop
 from pmjac_pin.model.rows import Rows
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from pmjac_pin.values.arrays import Array
 
 _NONE = -1
 

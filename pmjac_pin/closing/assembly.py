@@ -8,12 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.closure_problem import LARGEST_SHARE, ClosureProblem
 from pmjac_pin.closing.damped_closure import assemble
-from pmjac_pin.closing.machine_size import Size, shifted
+from pmjac_pin.closing.machine_size import Size, shifted_model
 from pmjac_pin.closing.nearby_poses import FARTHEST, nearby, reach_of_joints
 from pmjac_pin.closing.parts import Parts
 from pmjac_pin.closing.pose_assembly import assemble_pose, check_motors, motor_weights
@@ -28,8 +27,7 @@ from pmjac_pin.model.frames import carrying_columns
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.rates.factorisation import RANK_TOLERANCE
 from pmjac_pin.rates.partition import Partition
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 # Numbers that are off by a share of the mechanism's length are off by that in K*, and more.
 _SMALLEST_SIZE = 1e-2  # of [K K*]: rows are measured by their loops, columns by the machine
@@ -75,7 +73,7 @@ def build_parts(
 
 def _ranked(parts: Parts) -> Parts:
     problem, kinematics = parts.problem, parts.kinematics
-    size = _size(kinematics, parts.spec, parts.home_q)
+    size = _machine_size(kinematics, parts.spec, parts.home_q)
     partition = _partition(parts.spec, parts.coordinates, kinematics, size, problem.rounding)
     problem = replace(problem, partition=partition)
     poses = [parts.home_q, *nearby(problem, parts.home_q)]
@@ -152,8 +150,8 @@ def unassembled(
     """
     coordinates = JointCoordinates(model)
     given = coordinates.q(spec.poses["home"])
-    size = _size(_kinematics(model, spec, values), spec, given)
-    near = shifted(model, -size.place) if size.place.any() else model
+    size = _machine_size(_kinematics(model, spec, values), spec, given)
+    near = shifted_model(model, -size.place) if size.place.any() else model
     kinematics = _kinematics(near, spec, values)
     rounding = size.rounding
     partition = _partition(spec, coordinates, kinematics, size, rounding)
@@ -175,7 +173,7 @@ def _kinematics(model: pin.Model, spec: MechanismSpec, values: Mapping[str, floa
     return Kinematics(model, loops, tool_kinematics(model, spec.tool))
 
 
-def _size(kinematics: Kinematics, spec: MechanismSpec, q: Array) -> Size:
+def _machine_size(kinematics: Kinematics, spec: MechanismSpec, q: Array) -> Size:
     return Size(kinematics.model, spec, kinematics.loops, kinematics.tool, q)
 
 

@@ -19,17 +19,14 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.arms import Arms
+from pmjac_pin.values.arrays import Array, Index
 
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
-
-_ROUNDING = 1e-15  # of the segments of a loop together
+_LENGTH_ROUNDING = 1e-15  # of the segments of a loop together
 
 
-class Motion(NamedTuple):
+class MotionSeries(NamedTuple):
     """Coefficients of power series along a motion, the first for s⁰, each (segments,).
 
     Attributes
@@ -94,7 +91,7 @@ class Bends:
         norms: Array = np.sqrt(self._blocks @ residual**2)[self._of_row]
         return norms
 
-    def motion(self, q: Array, speeds: Array) -> Motion:
+    def motion(self, q: Array, speeds: Array) -> MotionSeries:
         """Return the series along a motion from q.
 
         Parameters
@@ -117,9 +114,9 @@ class Bends:
             e3 * length + e2 * d1 + a1 * d2 + d3,
             e4 * length + e3 * d1 + e2 * d2 + a1 * d3,
         ]
-        return Motion([np.ones_like(a1), a1, e2, e3, e4], arms)
+        return MotionSeries([np.ones_like(a1), a1, e2, e3, e4], arms)
 
-    def residual(self, motion: Motion) -> Array:
+    def residual(self, motion: MotionSeries) -> Array:
         """Return a bound on the fourth derivative of η, shape (p,)."""
         bound = 24.0 * (self._sums @ motion.arms[4])
         if self._rods.size:
@@ -128,13 +125,13 @@ class Bends:
             bound[self._distances] = 24.0 * square
         return self._by_row(bound)
 
-    def rounding(self, motion: Motion) -> Array:
+    def rounding(self, motion: MotionSeries) -> Array:
         """Return how far η as evaluated may be off, shape (p,): a few units in the last place."""
-        bound = _ROUNDING * (self._sums @ motion.arms[0])
+        bound = _LENGTH_ROUNDING * (self._sums @ motion.arms[0])
         bound[self._distances] *= 2.0 * self._rods
         return self._by_row(bound)
 
-    def rates(self, motion: Motion) -> Array:
+    def rates(self, motion: MotionSeries) -> Array:
         """Return a bound on the third derivative of ∂η/∂v, shape (p, nv)."""
         bound = 6.0 * self._rates(motion, 3)
         if self._rods.size:
@@ -145,7 +142,7 @@ class Bends:
             bound[self._distances] = 12.0 * product
         return self._by_row(bound)
 
-    def within(self, motion: Motion, reach: Array) -> Array:
+    def within(self, motion: MotionSeries, reach: Array) -> Array:
         """Return a bound on how ∂η/∂v changes up to `reach` (nv,) from the motion, (p, nv)."""
         speeds = self.speeds(reach)
         turn, slide = speeds @ self._above.T, speeds @ self._inside.T
@@ -165,7 +162,7 @@ class Bends:
         gaps: Array = self._sums[self._distances] @ arms
         return gaps
 
-    def _rates(self, motion: Motion, order: int, block: Index | slice = slice(None)) -> Array:
+    def _rates(self, motion: MotionSeries, order: int, block: Index | slice = slice(None)) -> Array:
         turned = motion.arms[order][:, None] * self._turned
         moved = turned + motion.turns[order][:, None] * self._slid
         rates: Array = self._sums[block] @ moved

@@ -4,14 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.rates.factorisation import Factorisation
-from pmjac_pin.values.norm import norm
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array, norm
 
 
 @dataclass(frozen=True, slots=True, eq=False)

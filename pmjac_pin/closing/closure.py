@@ -12,7 +12,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg.lapack import dgesv
 
 from pmjac_pin.closing.closed import Closed, point_at
@@ -20,10 +19,7 @@ from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
 from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.step_guard import StepGuard
 from pmjac_pin.rates.partition import Partition
-from pmjac_pin.values.norm import norm
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from pmjac_pin.values.arrays import Array, norm
 
 MOST_STEPS = 20_000  #: tried in one path
 

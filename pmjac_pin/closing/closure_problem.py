@@ -5,14 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from pmjac_pin.model.spec import LARGEST_TOLERANCE
 from pmjac_pin.rates.partition import Partition
-from pmjac_pin.values.norm import norm
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array, norm
 
 #: Loops count as closed below this gap, of the characteristic length.
 CLOSURE_TOLERANCE = 1e-12

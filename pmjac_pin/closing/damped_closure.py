@@ -6,12 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
-from pmjac_pin.values.norm import norm
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array, norm
 
 _LONGEST_STRIDE = 0.5  # of one iteration, in characteristic lengths: joints must not wind up
 _HOPELESS = 1e16  # a damping at which the steps are shorter than rounding

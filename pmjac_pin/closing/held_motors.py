@@ -5,18 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.damped_closure import Assembled, assemble, unlimited
+from pmjac_pin.values.arrays import Array
 
-Array = NDArray[np.float64]
 Room = Callable[[Array], tuple[Array | float, Array | float]]
 
 #: How far the passive joints are shaken from where they were given, rad or share of the length:
 #: nearby first, so that of several assembly modes the nearer ones are met first.
 SHAKES = (0.03, 0.1, 0.3, 0.6, *4 * (1.0,), *8 * (1.5,), *8 * (3.0,))
-_NEAR = 8  # of them, where the gap is small already
+_NEARLY_ALL = 8  # of them, where the gap is small already
 _LIMIT = 100  # iterations from a shaken start: those that close at all mostly do within these
 
 
@@ -39,7 +38,7 @@ def assemble_held(problem: ClosureProblem, q: Array, room: Room = unlimited) -> 
     weights = np.zeros(problem.partition.column_scale.size)
     weights[problem.partition.passive] = 1.0
     best = assemble(problem, q, weights, room=room)
-    sizes = SHAKES[:_NEAR] if is_rounding(problem, best.gap) else SHAKES
+    sizes = SHAKES[:_NEARLY_ALL] if is_rounding(problem, best.gap) else SHAKES
     scale = weights * problem.partition.column_scale * problem.partition.length
     rng = np.random.default_rng(0)
     for size in sizes if best.gap > problem.tolerance else ():

@@ -28,18 +28,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.rates.factorisation import Factorisation, factorise
-from pmjac_pin.values.norm import norm
+from pmjac_pin.values.arrays import Array, norm
 
-Array = NDArray[np.float64]
-
-_STEP = 1e-3  # of the characteristic length, of differences of fourth order
-_SEEN = 1e-3  # of the size of [K K*]: how much K* changes where a radian or a length is moved
-_DISTANCES = (1e-3, 1e-2, 1e-1)  # of the characteristic length, to regular poses nearby
+_DIFFERENCE_STEP = 1e-3  # of the characteristic length, of differences of fourth order
+_NOTICED = 1e-3  # of the size of [K K*]: how much K* changes where a radian or a length is moved
+_PROBE_DISTANCES = (1e-3, 1e-2, 1e-1)  # of the characteristic length, to regular poses nearby
 
 
 def gained_and_idle(problem: ClosureProblem, q: Array, rank: int) -> tuple[Array, Array]:
@@ -79,14 +76,14 @@ def _by_what_changes(
     free, left = passive.right[rank:].T, passive.left[:, rank:]
     allowed = partition.factorise(scaled, partition.size_of(scaled)).null_space
     changes = [left.T @ _derivative(problem, q, v) @ free for v in allowed.T]
-    seen = factorise(np.vstack(changes), partition.size_of(scaled), _SEEN)
+    seen = factorise(np.vstack(changes), partition.size_of(scaled), _NOTICED)
     return seen.right.T if seen.rank == partition.passive_rank - rank else None
 
 
 def _derivative(problem: ClosureProblem, q: Array, v: Array) -> Array:
     """Return the change of the scaled K* where the joints move by the length along v."""
     partition = problem.partition
-    stride = _STEP * partition.length * partition.column_scale * v
+    stride = _DIFFERENCE_STEP * partition.length * partition.column_scale * v
 
     def passive_columns(steps: int) -> Array:
         there = problem.evaluate(problem.integrate(q, steps * stride))[1]
@@ -94,13 +91,13 @@ def _derivative(problem: ClosureProblem, q: Array, v: Array) -> Array:
         return columns
 
     near, far = (passive_columns(k) - passive_columns(-k) for k in (1, 2))
-    change: Array = (8.0 * near - far) / (12.0 * _STEP)
+    change: Array = (8.0 * near - far) / (12.0 * _DIFFERENCE_STEP)
     return change
 
 
 def _by_neighbours(problem: ClosureProblem, q: Array, scaled: Array, free: Array) -> Array | None:
     """Return an orthogonal matrix, its last columns those nearest to null K* at regular poses."""
-    for distance in _DISTANCES:
+    for distance in _PROBE_DISTANCES:
         if found := list(_regular_null_spaces(problem, q, scaled, distance)):
             nearest_first = factorise(free.T @ np.hstack(found), 1.0).left
             return nearest_first[:, ::-1]

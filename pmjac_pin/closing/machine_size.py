@@ -11,7 +11,6 @@ from collections.abc import Iterator
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.tool import ToolKinematics, frame_jacobian
@@ -19,8 +18,7 @@ from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.frames import Frame, find_frame, moving_columns
 from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.model.spec import MechanismSpec
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 #: Shorter than this, m, a lever arm is rounding: of a spherical linkage's joints, for one.
 NO_LENGTH = 1e-9
@@ -33,7 +31,7 @@ SPHERICAL = 1e-6
 SMALL = 1e-2
 
 _TOLERANCES = 3.0  # a length that the tolerance covers is rounding, too
-_FAR = 8.0  # lengths: from here on the machine is computed beside itself, not from the origin
+_BESIDE_ITSELF = 8.0  # lengths: from here on it is computed beside itself, not from the origin
 
 
 class Size:
@@ -100,7 +98,7 @@ class Size:
         )
         self.rounding = opened * self.length / min(self.loop_sizes, default=self.length)
         middle = np.mean(points, axis=0)
-        self.place: Array = np.where(np.abs(middle) > _FAR * self.length, middle, 0.0)
+        self.place: Array = np.where(np.abs(middle) > _BESIDE_ITSELF * self.length, middle, 0.0)
 
     def _arms(self, frames: list[Frame]) -> Iterator[float]:
         moving = moving_columns(self._model, frames) if frames else []
@@ -110,13 +108,13 @@ class Size:
             yield from _distances(motions).tolist()
 
 
-def shifted(model: pin.Model, by: Array) -> pin.Model:
+def shifted_model(model: pin.Model, by: Array) -> pin.Model:
     """Return the model moved in the world; q stays what it is.
 
     Examples
     --------
     >>> arm = pin.buildSampleModelManipulator()
-    >>> moved = shifted(arm, np.array([0.0, 0.0, 5e6]))
+    >>> moved = shifted_model(arm, np.array([0.0, 0.0, 5e6]))
     >>> float(moved.jointPlacements[1].translation[2] - arm.jointPlacements[1].translation[2])
     5000000.0
     """

@@ -18,10 +18,9 @@ from pmjac_pin.closing import closure
 from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
 from pmjac_pin.closing.step_guard import MARGIN
 from pmjac_pin.kinematics.many import ManyPoses
+from pmjac_pin.values.arrays import Array, Index
 
-Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
-Index = NDArray[np.intp]
 Run = Callable[[Tape, Array], Array]
 
 

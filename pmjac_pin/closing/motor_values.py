@@ -6,15 +6,15 @@ from collections.abc import Mapping
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import ArgumentError, unknown_name
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.spec import MechanismSpec
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_numbers
 from pmjac_pin.values.named_values import named_values
 
-Array = NDArray[np.float64]
 MotorValues: TypeAlias = ArrayLike | Mapping[str, float]
 
 

@@ -11,15 +11,11 @@ import math
 from collections.abc import Iterable, Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.damped_closure import assemble
-from pmjac_pin.values.norm import norm
+from pmjac_pin.values.arrays import Array, Index, norm
 from pmjac_pin.values.ties import pivots
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 _PROBES = 2  # times three poses along allowed rates or with displaced motors
 #: How far joints are displaced at most, rad or a share of the characteristic length.
@@ -44,13 +40,13 @@ def nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
     rng = np.random.default_rng(0)
     allowed = _allowed(problem, home_q)
     directions = list(_directions(problem, allowed, rng))
-    for distance in _distances(problem):
+    for distance in _seen_distances(problem):
         starts = ((distance * step, weights) for step, weights in directions)
-        found = _closed(problem, home_q, starts, distance)
+        found = _closed_starts(problem, home_q, starts, distance)
         if not found:
             held = (_held(allowed, k, rng) for k in _moving(allowed) for _ in range(_SHAKEN))
             starts = ((distance * step, weights) for step, weights in held)
-            found = _closed(problem, home_q, starts, distance)
+            found = _closed_starts(problem, home_q, starts, distance)
         if found:
             return found
     return []
@@ -84,15 +80,15 @@ def _reach(
     tries = [step, *(step + weights * rng.normal(size=step.size) for _ in range(_SHAKEN))]
     moved = (
         distance
-        for distance in _distances(problem)
+        for distance in _seen_distances(problem)
         for one in tries
         for way in (1.0, -1.0)
-        if _closed(problem, q, [(way * distance * one, weights)], distance)
+        if _closed_starts(problem, q, [(way * distance * one, weights)], distance)
     )
     return next(moved, 0.0)
 
 
-def _distances(problem: ClosureProblem) -> tuple[float, ...]:
+def _seen_distances(problem: ClosureProblem) -> tuple[float, ...]:
     """Return the distances at which a gap of second order would be seen under the tolerance."""
     least = _SEEN * problem.tolerance / problem.partition.length
     first, *nearer = _DISTANCES
@@ -119,11 +115,11 @@ def _directions(
     motors_kept = np.zeros(count)
     motors_kept[partition.passive] = 1.0
     for _ in range(_PROBES):
-        yield _unit(allowed @ rng.normal(size=allowed.shape[1])), np.ones(count)
+        yield _unit_step(allowed @ rng.normal(size=allowed.shape[1])), np.ones(count)
         motors = np.zeros(count)
         motors[partition.actuated] = rng.normal(size=partition.actuated.size)
-        yield _unit(motors), motors_kept
-        yield -_unit(motors), motors_kept
+        yield _unit_step(motors), motors_kept
+        yield -_unit_step(motors), motors_kept
 
 
 def _held(allowed: Array, joint: int, rng: np.random.Generator) -> tuple[Array, Array]:
@@ -136,7 +132,7 @@ def _held(allowed: Array, joint: int, rng: np.random.Generator) -> tuple[Array, 
     return step, weights
 
 
-def _closed(
+def _closed_starts(
     problem: ClosureProblem, q: Array, starts: Iterable[tuple[Array, Array]], distance: float
 ) -> list[Array]:
     """Return where these starts close, away from q and not on another assembly mode."""
@@ -151,5 +147,5 @@ def _closed(
     return found
 
 
-def _unit(step: Array) -> Array:
+def _unit_step(step: Array) -> Array:
     return step / (norm(step) or 1.0)

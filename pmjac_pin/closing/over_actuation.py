@@ -12,19 +12,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.closed import Closed, closed_point
 from pmjac_pin.closing.closure import Followed, beside, follow
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.parts import Parts
 from pmjac_pin.closing.step_guard import StepGuard
+from pmjac_pin.values.arrays import Array, Index
 from pmjac_pin.values.ties import pivots
 
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
-
-_NOTHING = 1e-9  # of the largest ratio between rates of motors, or of one to one
+_NO_RATE = 1e-9  # of the largest ratio between rates of motors, or of one to one
 
 
 def walk(
@@ -128,7 +125,7 @@ def ties_in_words(problem: ClosureProblem, point: Closed) -> str:
 
 def _tie(led: str, ratios: Mapping[str, float]) -> str:
     """Say at what rate a motor is led, leaving out what rounding makes of nothing."""
-    least = _NOTHING * max(1.0, *map(abs, ratios.values()), 0.0)
+    least = _NO_RATE * max(1.0, *map(abs, ratios.values()), 0.0)
     parts = [
         f"{ratio:+.3g} that of {name!r}" for name, ratio in ratios.items() if abs(ratio) > least
     ]

@@ -5,17 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.kinematics.pinocchio import Kinematics
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.spec import MechanismSpec
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)

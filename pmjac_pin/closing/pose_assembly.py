@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.damped_closure import Assembled, assemble
@@ -16,16 +15,14 @@ from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.limits import Violation, limit_error, violations
 from pmjac_pin.model.rounded_numbers import wider_tolerance
 from pmjac_pin.model.spec import MechanismSpec
-from pmjac_pin.values.norm import norm
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array, norm
 
 # How easily the motors move, beside the passive joints, where a pose does not assemble with them
 # at rest: reluctantly, then like the others.
 _MOTOR_WEIGHTS = (0.1, 1.0)
-_FAR = 1e-2  # lengths: at the end of the reach, motors move about as far as the gap
+_FAR_MOTORS = 1e-2  # lengths: at the end of the reach, motors move about as far as the gap
 _STARTS_WITHIN = 64  # random, within all limits
-_MOST_NAMED = 8
+_MOST_JOINTS = 8
 _SHAKES = (0.03, 0.03, 0.1, 0.1, 0.3, 0.3, 0.6, 0.6)  # rad or share of the length
 
 
@@ -49,7 +46,7 @@ def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
         found.append(assemble(problem, q, motor_weights(problem, motor_weight), room=room))
         if found[-1].gap > problem.tolerance:
             continue
-        if is_rounding(problem, found[0].gap) and _moved(problem, q, found[-1].q) > _FAR:
+        if is_rounding(problem, found[0].gap) and _moved(problem, q, found[-1].q) > _FAR_MOTORS:
             break
         return _beyond_the_end(parts, q, found[-1].q)
     # A small gap that stays is the rounding of the model's numbers: no fold would cure it, and
@@ -129,7 +126,7 @@ def _open(parts: Parts, q: Array, best: Assembled, pose: str) -> ClosureError:
     outside = violations(coordinates, freely.q, coordinates.names)
     if freely.gap <= problem.tolerance and outside:
         beyond = "; ".join(f"{name!r} = {one.words}" for name, one in outside.items())
-        message = f"{what} closes where {beyond}; {_within(parts)}"
+        message = f"{what} closes where {beyond}; {_within_limits(parts)}"
         return ClosureError(message, residual_norm=best.gap, q=best.q)
     residual = np.abs(problem.evaluate(best.q)[0] * problem.partition.row_scale)
     row, loops = int(np.argmax(residual)), parts.kinematics.loops
@@ -143,7 +140,7 @@ def _open(parts: Parts, q: Array, best: Assembled, pose: str) -> ClosureError:
     return ClosureError(message, residual_norm=best.gap, q=best.q, loop=loops.row_loops[row])
 
 
-def _within(parts: Parts) -> str:
+def _within_limits(parts: Parts) -> str:
     """Say whether the loops close within all limits, as far as random starts tell."""
     problem, coordinates = parts.problem, parts.coordinates
     rng = np.random.default_rng(0)
@@ -152,9 +149,9 @@ def _within(parts: Parts) -> str:
         q = _anywhere(parts, rng)
         found = assemble(problem, q, weights, room=coordinates.room)
         if found.gap <= problem.tolerance:
-            pose = coordinates.joint_values(found.q, coordinates.names[:_MOST_NAMED])
-            values = ", ".join(f"{name} = {_brief(value)}" for name, value in pose.items())
-            more = ", ..." * (len(coordinates.names) > _MOST_NAMED)
+            pose = coordinates.joint_values(found.q, coordinates.names[:_MOST_JOINTS])
+            values = ", ".join(f"{name} = {_few_digits(value)}" for name, value in pose.items())
+            more = ", ..." * (len(coordinates.names) > _MOST_JOINTS)
             return f"within all limits they close elsewhere, at {values}{more}"
     return f"from {_STARTS_WITHIN} random starts no pose within all limits was found"
 
@@ -174,7 +171,7 @@ def _anywhere(parts: Parts, rng: np.random.Generator) -> Array:
     return coordinates.with_values(q, columns, inside)
 
 
-def _brief(value: float | tuple[float, ...]) -> str:
+def _few_digits(value: float | tuple[float, ...]) -> str:
     """Return a joint's value, or values, in a few digits."""
     if isinstance(value, tuple):
         return f"({', '.join(f'{one:.4g}' for one in value)})"

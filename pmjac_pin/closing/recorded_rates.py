@@ -19,11 +19,10 @@ from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
 from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.rates.sparse_qr import Triangle, norm
+from pmjac_pin.values.arrays import Array, Index
 from pmjac_pin.values.ties import pivots
 
-Array = NDArray[np.float64]
 Entries = NDArray[Any]  # of terms and doubles
-Index = NDArray[np.intp]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

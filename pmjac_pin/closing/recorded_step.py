@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from pmjac_pin.algebra.programs import Recording, largest, roots
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.arms import Arms
-from pmjac_pin.closing.bends import Bends, Motion
+from pmjac_pin.closing.bends import Bends, MotionSeries
 from pmjac_pin.closing.recorded_rates import RecordedRates, zeros
 from pmjac_pin.closing.step_guard import CUBIC, QUADRATIC, SLOPES
 from pmjac_pin.rates.sparse_qr import Triangle, norm
@@ -52,7 +52,9 @@ def step_tape(loops: RecordedRates, arms: Arms) -> Tape:
     return Tape.of(recording, [change, rho, tau, within, inverse])
 
 
-def _motion(bends: Bends, q: Entries, leaving: Entries, arriving: Entries, way: Entries) -> Motion:
+def _motion(
+    bends: Bends, q: Entries, leaving: Entries, arriving: Entries, way: Entries
+) -> MotionSeries:
     """Return the series along the cubic curve that `StepGuard` takes."""
     third = 6.0 * (leaving + arriving - 2.0 * way)
     second = 6.0 * way - 4.0 * leaving - 2.0 * arriving

@@ -13,13 +13,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.model.coupling import Coupling
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from pmjac_pin.values.arrays import Array, Mask
 
 
 def column_scale(

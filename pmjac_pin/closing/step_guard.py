@@ -24,17 +24,15 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.linalg.lapack import dgesv
 
 from pmjac_pin.closing.arms import Arms
-from pmjac_pin.closing.bends import Bends, Motion
+from pmjac_pin.closing.bends import Bends, MotionSeries
 from pmjac_pin.closing.closed import Closed
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.model.joint_kinds import kind_of
 from pmjac_pin.rates.partition import Partition
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 QUADRATIC = 3**0.5 / 216.0  # of |f‴|: f between its values at 0, ½ and 1
 CUBIC = 1.0 / 384.0  # of |f⁗|: f between its values and slopes at 0 and 1
@@ -50,7 +48,7 @@ class _Step(NamedTuple):
     """
 
     partition: Partition
-    motion: Motion
+    motion: MotionSeries
     inverse: Array
     straight: Array
     bent: Array
@@ -118,7 +116,7 @@ class StepGuard:
 
     def _curve(
         self, first: Array, last: Array, leaving: Array, arriving: Array
-    ) -> tuple[Array, Motion]:
+    ) -> tuple[Array, MotionSeries]:
         """Return x(½), and the series along the cubic curve x(s)."""
         way = pin.difference(self._model, first, last)
         if self._curved:

@@ -15,11 +15,11 @@ from pmjac_pin.errors import (
     shortened,
 )
 from pmjac_pin.files.text_file import at_file
-from pmjac_pin.files.user_path import followed, is_file, told, user_path
+from pmjac_pin.files.user_path import followed, is_file, shown_path, user_path
 
 SUFFIXES = (".toml", ".urdf", ".sdf", ".xml", ".mjcf")  # of files that tell of a mechanism
 _EXAMPLE_ROBOTS = "example-robot-data:"
-_LONGEST = 300  # characters of all places in which a URDF was looked for
+_LONGEST_PLACES = 300  # characters of all places in which a URDF was looked for
 
 
 def list_mechanisms() -> tuple[str, ...]:
@@ -91,10 +91,10 @@ def find_urdf(urdf: str, model_file: Path) -> Path:
     for place in places:
         if is_file(place):
             return place
-    looked = " nor ".join(shortened(str(place), _LONGEST // len(places)) for place in places)
+    looked = " nor ".join(shortened(str(place), _LONGEST_PLACES // len(places)) for place in places)
     neither = "neither" if len(places) > 1 else "no"
     message = f"the URDF {quoted(urdf)} does not exist: {neither} {looked}"
-    raise ModelFileError(f"{told(model_file)}: {message}", path=str(model_file))
+    raise ModelFileError(f"{shown_path(model_file)}: {message}", path=str(model_file))
 
 
 def _urdf_path(urdf: str, model_file: Path) -> Path:

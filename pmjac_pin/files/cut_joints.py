@@ -12,8 +12,10 @@ import pinocchio as pin
 from pmjac_pin.errors import ModelFileError
 from pmjac_pin.files.anchors import Anchors, loop_of_kind, placement_of
 from pmjac_pin.files.spanning_tree import SpanningTree, spanning_tree
-from pmjac_pin.files.urdf.checks import UrdfJoint, checked_joint, joints_of
-from pmjac_pin.model.loop_spec import Loop, X
+from pmjac_pin.files.urdf.checks import checked_joint
+from pmjac_pin.files.urdf.joint_tree import UrdfJoint, joints_of
+from pmjac_pin.model.loop_between_frames import X
+from pmjac_pin.model.loop_spec import Loop
 
 
 @dataclass(frozen=True)

@@ -77,10 +77,10 @@ class ForeignModel:
         motors = self.actuated if actuated is None else tuple(actuated)
         frame = self.tool if tool is None else tool
         if not motors:
-            raise _missing(path, "which joints are motors", "actuated", _moving(self.urdf))
+            raise _missing(path, "which joints are motors", "actuated", _movable(self.urdf))
         if not frame:
             raise _missing(path, "which frame is the tool", "tool", self.urdf.links)
-        check_motors(self.urdf, motors)
+        checked_motors(self.urdf, motors)
         check_frame(self.urdf, frame)
         return MechanismSpec(
             name=readable(self.name),
@@ -94,9 +94,9 @@ class ForeignModel:
         )
 
 
-def check_motors(urdf: Urdf, names: tuple[str, ...]) -> tuple[str, ...]:
+def checked_motors(urdf: Urdf, names: tuple[str, ...]) -> tuple[str, ...]:
     """Return the names, if all of them are joints that move."""
-    moving = _moving(urdf)
+    moving = _movable(urdf)
     for name in names:
         if name not in moving:
             raise unknown_name("joint", name, moving)
@@ -111,7 +111,7 @@ def check_frame(urdf: Urdf, name: str) -> str:
     return name
 
 
-def _moving(urdf: Urdf) -> tuple[str, ...]:
+def _movable(urdf: Urdf) -> tuple[str, ...]:
     return tuple(joint.name for joint in urdf.joints if joint.type != "fixed")
 
 

@@ -13,7 +13,7 @@ from pmjac_pin.files.vocabulary import Vocabulary
 
 # Sensors, controllers, publishers and forces, by their whole names as `_bare` gives them: what a
 # name merely contains says nothing.
-_NAMES = """
+_HARMLESS_NAMES = """
     ackermanndrive ackermannodometry ackermannsteering acousticcomms actuator advancedliftdrag
     airpressure airspeed altimeter applyforce applyjointforce applylinkwrench attachlight barometer
     battery blocklaser breadcrumbs bumper buoyancy buoyancyengine camera cameravideorecorder
@@ -35,7 +35,7 @@ _NAMES = """
     usercommands velocitycontrol velodynegpulaser velodynelaser video wheelslip wind windeffects
     worldodometry
 """
-_HARMLESS = frozenset(_NAMES.split())
+_HARMLESS = frozenset(_HARMLESS_NAMES.split())
 _PACKAGING = re.compile(r"(gazebo|gz|ign|ignition|sim)\d*|ros2?|hector|rotors|plugins?|system")
 
 
@@ -68,7 +68,7 @@ plugin name filename : joint mimicJoint multiplier offset sensitiveness* maxEffo
 def unread_harmless(root: Element) -> Iterator[Element]:
     """Yield the plugins of a file that have no bearing on the machine."""
     for plugin in root.iter("plugin"):
-        if is_harmless(plugin.get("filename", "")) and not is_mimic(plugin):
+        if is_harmless(plugin.get("filename", "")) and not is_mimic_plugin(plugin):
             yield plugin
 
 
@@ -84,6 +84,6 @@ def misread_mimics(root: Element) -> list[str]:
     return [note for plugin in plugins for note in _MIMIC_WORDS.unread(plugin)]
 
 
-def is_mimic(plugin: Element) -> bool:
+def is_mimic_plugin(plugin: Element) -> bool:
     """Whether a plugin makes one joint follow another, as that of roboticsgroup and its kin do."""
     return plugin.find("joint") is not None and plugin.find("mimicJoint") is not None

@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from xml.etree.ElementTree import Element
 
-from pmjac_pin.errors import ModelFileError
-from pmjac_pin.files.urdf.checks import UrdfJoint
-from pmjac_pin.files.xml_text import label, only, shown, written
+from pmjac_pin.errors import ModelFileError, quoted
+from pmjac_pin.files.urdf.joint_tree import UrdfJoint
+from pmjac_pin.files.xml_text import label, only, written
 
-WITHOUT_LIMIT = 1e16  # m or rad, lower and upper: none that matters
+WITHOUT_LIMIT = 1e16  # m, rad, N, N m, m/s or rad/s: what SDFormat writes for none
 _TRUTHS: Mapping[str, bool] = {"true": True, "1": True, "false": False, "0": False}
 _MOST_NAMED = 6
 _WIDEST = 1e4  # m or rad: the middle of a wider range is nowhere
@@ -45,7 +45,7 @@ def independence(joints: Sequence[Element]) -> dict[str, bool]:
     for joint in joints:
         if (text := joint.attrib.pop("independent", None)) is not None:
             if text.strip().lower() not in _TRUTHS:
-                got = f"`independent` is {shown(text)}"
+                got = f"`independent` is {quoted(text)}"
                 raise ModelFileError(f"{label(joint)}: {got}, neither true nor false")
             found[joint.get("name", "")] = _TRUTHS[text.strip().lower()]
     return found

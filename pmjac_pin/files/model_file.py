@@ -16,8 +16,8 @@ from pmjac_pin.model.loop_spec import LOOP_KINDS
 from pmjac_pin.model.parameter import Move, Parameter
 from pmjac_pin.model.spec import MechanismSpec, Tool, converted
 
-MAXIMAL_SIZE = 1 << 20  # bytes; the largest of our own model files has a few thousand
-_LONGEST = 400  # characters of one of msgspec's messages
+MAXIMAL_MODEL_FILE = 1 << 20  # bytes; the largest of our own model files has a few thousand
+_LONGEST_MESSAGE = 400  # characters of one of msgspec's messages
 
 # Which table a path in one of msgspec's messages leads to: the last that fits.
 _TABLES = (
@@ -26,7 +26,7 @@ _TABLES = (
     (r"^parameters\[", Parameter),
     (r"moves\[", Move),
 )
-_WORDS = {
+_OUR_WORDS = {
     "Object contains unknown field": "unknown key",
     "Object missing required field": "missing key",
     "`object": "`table",
@@ -45,7 +45,7 @@ def read_model_file(path: Path) -> MechanismSpec:
     ModelFileError
         The message starts with the file's path and names the key at fault.
     """
-    return parse_model_file(read_text(path, MAXIMAL_SIZE), path)
+    return parse_model_file(read_text(path, MAXIMAL_MODEL_FILE), path)
 
 
 def parse_model_file(text: str, path: Path) -> MechanismSpec:
@@ -77,9 +77,9 @@ def _spec(text: str) -> MechanismSpec:
 def _explained(error: msgspec.ValidationError, given: dict[str, Any]) -> str:
     """Turn msgspec's message into ours: TOML's words for things, and the near match."""
     message = str(error)
-    for theirs, ours in _WORDS.items():
+    for theirs, ours in _OUR_WORDS.items():
         message = message.replace(theirs, ours)
-    return shortened(message, _LONGEST) + _hint(message, given)
+    return shortened(message, _LONGEST_MESSAGE) + _hint(message, given)
 
 
 def _hint(message: str, given: dict[str, Any]) -> str:

@@ -16,7 +16,7 @@ import threading
 from collections.abc import Iterator, Mapping
 
 from pmjac_pin.errors import OutputError
-from pmjac_pin.files.user_path import is_open_file, real, told, user_path
+from pmjac_pin.files.user_path import is_open_file, real, shown_path, user_path
 
 _SIGNALS = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
@@ -89,7 +89,7 @@ class _Place:
         if self._target.is_dir():
             raise self._refused("is a folder; give the name of a file in it")
         if not self._target.parent.is_dir():
-            raise self._refused(f"there is no folder {told(self._target.parent)}")
+            raise self._refused(f"there is no folder {shown_path(self._target.parent)}")
         try:
             found = self._target.lstat()
         except FileNotFoundError:
@@ -151,7 +151,7 @@ class _Place:
     def take_back(self) -> None:
         """Restore what was there before `put`, unless somebody else has written it since."""
         with contextlib.suppress(OSError):
-            if self._ours is None or _mark(self._ours) != _mark(self._target.lstat()):
+            if self._ours is None or _identity_of(self._ours) != _identity_of(self._target.lstat()):
                 return
             if self._old.exists():
                 self._old.replace(self._target)
@@ -177,10 +177,10 @@ class _Place:
             raise self._refused(error.strerror or str(error)) from error
 
     def _refused(self, why: str) -> OutputError:
-        return OutputError(f"{told(self._given)}: {why}")
+        return OutputError(f"{shown_path(self._given)}: {why}")
 
 
-def _mark(status: os.stat_result) -> tuple[int, ...]:
+def _identity_of(status: os.stat_result) -> tuple[int, ...]:
     """Return what tells one file from another: the numbers of removed ones are used again."""
     return (status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns)
 

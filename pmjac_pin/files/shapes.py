@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
+
 Colour = tuple[float, float, float, float]
 
 
@@ -63,11 +63,4 @@ def scaled(scale: float | tuple[float, float, float] | Array) -> Array:
     """Return the transform (4, 4) that only scales."""
     transform = np.eye(4)
     transform[:3, :3] *= scale
-    return transform
-
-
-def translation(position: Array) -> Array:
-    """Return the transform (4, 4) that only moves."""
-    transform = np.eye(4)
-    transform[:3, 3] = position
     return transform

@@ -9,7 +9,7 @@ from pathlib import Path
 import msgspec
 
 from pmjac_pin.files.catalog import find_urdf
-from pmjac_pin.files.foreign_model import ForeignModel, check_frame, check_motors
+from pmjac_pin.files.foreign_model import ForeignModel, check_frame, checked_motors
 from pmjac_pin.files.massless import mass_notes
 from pmjac_pin.files.mjcf.reader import read_mjcf
 from pmjac_pin.files.model_file import read_model_file
@@ -77,7 +77,7 @@ def read_source(
     urdf = read_urdf(find_urdf(spec.urdf, path))
     if motors is not None:
         # The order of the passive joints was given for other motors.
-        spec = msgspec.structs.replace(spec, actuated=check_motors(urdf, motors), passive=None)
+        spec = msgspec.structs.replace(spec, actuated=checked_motors(urdf, motors), passive=None)
     if tool is not None:
         spec = msgspec.structs.replace(spec, tool=Tool(frame=check_frame(urdf, tool)))
     unread = (*urdf.unread, *_open_frames(urdf, spec))

@@ -9,10 +9,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from pmjac_pin.errors import ArgumentError, ModelFileError
-from pmjac_pin.files.user_path import told
+from pmjac_pin.files.user_path import shown_path
 
 # A pipe that nobody writes to, or a device, would not come back from being opened.
-_AT_ONCE = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
+_WITHOUT_WAITING = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
 
 
 def read_text(path: Path, maximal_size: int) -> str:
@@ -37,7 +37,9 @@ def read_text(path: Path, maximal_size: int) -> str:
 def _contents(path: Path, maximal_size: int) -> bytes:
     """Return a regular file's bytes; what is at its path may change, so that it is asked twice."""
     _check(path, path.stat(), maximal_size)
-    with open(path, "rb", opener=lambda name, flags: os.open(name, flags | _AT_ONCE)) as file:
+    with open(
+        path, "rb", opener=lambda name, flags: os.open(name, flags | _WITHOUT_WAITING)
+    ) as file:
         _check(path, os.fstat(file.fileno()), maximal_size)
         contents = file.read(maximal_size + 1) or b""
     if len(contents) > maximal_size:
@@ -61,7 +63,7 @@ def _too_large(path: Path, size: int, maximal_size: int) -> ModelFileError:
 
 
 def _refused(path: Path, why: str) -> ModelFileError:
-    return ModelFileError(f"{told(path)}: {why}", path=str(path))
+    return ModelFileError(f"{shown_path(path)}: {why}", path=str(path))
 
 
 @contextmanager
@@ -72,4 +74,4 @@ def at_file(path: str) -> Iterator[None]:
     except (ModelFileError, ArgumentError) as error:
         if isinstance(error, ModelFileError) and error.path:
             raise
-        raise ModelFileError(f"{told(path)}: {error}", path=path) from None
+        raise ModelFileError(f"{shown_path(path)}: {error}", path=path) from None

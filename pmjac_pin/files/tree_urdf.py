@@ -8,21 +8,20 @@ from xml.etree.ElementTree import Element, SubElement
 
 import pinocchio as pin
 
+from pmjac_pin.files.joint_dialects import WITHOUT_LIMIT
 from pmjac_pin.files.unused_name import unused_name
 from pmjac_pin.files.xml_text import written
 
-WITHOUT_LIMIT = 1e16  # m, rad, N, N m, m/s or rad/s: what SDFormat writes for none
-
 
 @dataclass(frozen=True)
-class Motion:
+class MovingAxis:
     """The axis of a joint in its own frame, and its limits in m or rad, where it has them."""
 
     axis: Iterable[float] | None = None
     limits: tuple[float, float] | None = None
 
 
-STILL = Motion()
+STILL = MovingAxis()
 
 
 class TreeUrdf:
@@ -48,7 +47,7 @@ class TreeUrdf:
     >>> tree = TreeUrdf("pendulum", "ground", pin.SE3.Identity())
     >>> hinge = pin.XYZQUATToSE3([0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
     >>> ends = ("ground", tree.link("rod", hinge))
-    >>> tree.joint("swing", "continuous", ends, Motion(axis=(0.0, 1.0, 0.0)))
+    >>> tree.joint("swing", "continuous", ends, MovingAxis(axis=(0.0, 1.0, 0.0)))
     >>> tree.robot.find("joint/origin").get("xyz")
     '0.0 0.0 1.0'
     """
@@ -71,7 +70,9 @@ class TreeUrdf:
         self._taken.add(name)
         return name
 
-    def joint(self, name: str, kind: str, ends: tuple[str, str], motion: Motion = STILL) -> None:
+    def joint(
+        self, name: str, kind: str, ends: tuple[str, str], motion: MovingAxis = STILL
+    ) -> None:
         """Add a joint from a link that is there to another; its frame is the second's."""
         joint = SubElement(self.robot, "joint", name=name, type=kind)
         self._taken.add(name)

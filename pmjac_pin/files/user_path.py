@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pmjac_pin.errors import ArgumentError, quoted, shortened
 
-_LONGEST = 400  # characters of one in a message
+_LONGEST_PATH = 400  # characters of one in a message
 _MOST_LINKS = 40  # one after another, as Linux follows them
 
 
@@ -34,13 +34,13 @@ def user_path(given: object) -> Path:
     except RuntimeError:
         user = quoted(path.parts[0][1:]) if len(path.parts[0]) > 1 else "yours"
         raise ArgumentError(
-            f"{told(path)}: the home folder of {user} is not known; write './~...' for a file"
+            f"{shown_path(path)}: the home folder of {user} is not known; write './~...' for a file"
         ) from None
 
 
-def told(path: str | os.PathLike[str]) -> str:
+def shown_path(path: str | os.PathLike[str]) -> str:
     """Return how messages call a file: by its path, shortened."""
-    return shortened(os.fspath(path), _LONGEST)
+    return shortened(os.fspath(path), _LONGEST_PATH)
 
 
 def readable(name: str) -> str:

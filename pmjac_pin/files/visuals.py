@@ -11,14 +11,15 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.errors import ModelFileError
-from pmjac_pin.files.shapes import Array, Box, Colour, Cylinder, Shape, Sphere, scaled
+from pmjac_pin.files.shapes import Box, Colour, Cylinder, Shape, Sphere, scaled
 from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.files.xml_text import label, numbers
+from pmjac_pin.values.arrays import Array
 
 _logger = logging.getLogger(__name__)
 
 # A shape and its transform in the visual's origin.
-_Piece = tuple[Shape, Array]
+_PlacedShape = tuple[Shape, Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +40,7 @@ class Visual:
 
     link: str
     name: str
-    pieces: list[_Piece]
+    pieces: list[_PlacedShape]
     colour: Colour | None
 
 
@@ -59,7 +60,7 @@ def read_visuals(urdf: Urdf) -> list[Visual]:
     ]
 
 
-def _pieces(link: Element, visual: Element) -> list[_Piece]:
+def _pieces(link: Element, visual: Element) -> list[_PlacedShape]:
     """Return nothing for a broken visual: a picture is no reason to refuse a mechanism."""
     where = f"{label(link)}, <visual>"
     try:
@@ -76,15 +77,15 @@ def _pieces(link: Element, visual: Element) -> list[_Piece]:
         return []
 
 
-def _shapes(where: str, element: Element) -> Iterator[_Piece]:
+def _shapes(where: str, element: Element) -> Iterator[_PlacedShape]:
     match element.tag:
         case "box":
-            yield Box(), scaled(_positive(where, element, "size", 3))
+            yield Box(), scaled(_positive_numbers(where, element, "size", 3))
         case "sphere":
-            yield Sphere(), scaled(_positive(where, element, "radius"))
+            yield Sphere(), scaled(_positive_numbers(where, element, "radius"))
         case "cylinder" | "capsule":
-            radius = _positive(where, element, "radius")
-            length = _positive(where, element, "length")
+            radius = _positive_numbers(where, element, "radius")
+            length = _positive_numbers(where, element, "length")
             yield Cylinder(), scaled(np.concatenate([radius, radius, length]))
             if element.tag == "capsule":
                 for end in (-0.5, 0.5):
@@ -93,7 +94,7 @@ def _shapes(where: str, element: Element) -> Iterator[_Piece]:
                     yield Sphere(), ball
 
 
-def _positive(where: str, element: Element, attribute: str, count: int = 1) -> Array:
+def _positive_numbers(where: str, element: Element, attribute: str, count: int = 1) -> Array:
     values = np.array(numbers(where, element, attribute, count=count))
     if values.min() <= 0.0:
         raise ModelFileError(f"{where}: `{attribute}` is {values}; it must be positive")

@@ -16,15 +16,14 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from xml.etree.ElementTree import Element
 
-from pmjac_pin.errors import ModelFileError
-from pmjac_pin.files.xml_text import shown
+from pmjac_pin.errors import ModelFileError, quoted
 
-_LONGEST = 60  # characters; a longer name is like none of them
+_LONGEST_WORD = 60  # characters; a longer name is like none of them
 _SHORTEST = 2  # of one letter any other is one slip away
 _ALIKE = 0.8  # of difflib's ratio, for names that are more than one slip away
 _MOST_TOLD = 10
-_MOST_NAMES = 4
-_NAMES = "\0"  # where the names of a kind of thing go
+_MOST_WORDS = 4
+_NAMES_PLACE = "\0"  # where the names of a kind of thing go
 _OF_XML = "{http://www.w3.org/"  # attributes of XML itself and of its schemas
 
 
@@ -133,12 +132,12 @@ class Vocabulary:
         for attribute in element.attrib:
             if attribute in word.attributes or attribute.startswith(_OF_XML):
                 continue
-            if not _told(spelt(attribute), word.unread):
+            if not _is_told(spelt(attribute), word.unread):
                 self._refuse_near(element, spelt(attribute), word.attributes, "attribute")
-                yield f"attribute {shown(spelt(attribute))} of {_called(element)}", ""
+                yield f"attribute {quoted(spelt(attribute))} of {_called(element)}", ""
         for child in element:
             tag = spelt(child.tag)
-            if id(child) in passed or _told(tag, word.unread):
+            if id(child) in passed or _is_told(tag, word.unread):
                 continue
             if tag in word.children:
                 yield from self._strange(child, f"{spelt(element.tag)}/{tag}", passed)
@@ -146,33 +145,34 @@ class Vocabulary:
             if tag not in word.told:
                 self._refuse_near(element, tag, word.children | word.told, "element")
             name = child.get("filename") or child.get("name") or ""
-            yield f"<{shown(tag)[1:-1]}>{_NAMES} in {_called(element)}", name
+            yield f"<{quoted(tag)[1:-1]}>{_NAMES_PLACE} in {_called(element)}", name
 
     def _word(self, path: str) -> Word:
         return self.words.get(path) or self.words.get(path.rpartition("/")[2], Word())
 
     def _refuse_near(self, element: Element, name: str, known: frozenset[str], what: str) -> None:
-        if (meant := near(name, known)) is None:
+        if (meant := spelt_like(name, known)) is None:
             return
         if what == "element":
-            got = f"{_called(element)} holds an unknown <{shown(name)[1:-1]}>"
+            got = f"{_called(element)} holds an unknown <{quoted(name)[1:-1]}>"
         else:
-            got = f"{_called(element)} has the unknown attribute {shown(name)}"
+            got = f"{_called(element)} has the unknown attribute {quoted(name)}"
         raise ModelFileError(f"{got}; did you mean {meant!r}?")
 
 
 @lru_cache(maxsize=10_000)
-def near(name: str, known: frozenset[str]) -> str | None:
+def spelt_like(name: str, known: frozenset[str]) -> str | None:
     """Return the known name that a name looks like, if there is one.
 
     Examples
     --------
-    >>> near("orgin", frozenset({"origin", "axis"})), near("Axis", frozenset({"origin", "axis"}))
+    >>> known = frozenset({"origin", "axis", "xyz", "rpy"})
+    >>> spelt_like("orgin", known), spelt_like("Axis", known)
     ('origin', 'axis')
-    >>> near("xzy", frozenset({"xyz", "rpy"})), near("colour", frozenset({"xyz", "rpy"}))
+    >>> spelt_like("xzy", known), spelt_like("colour", known)
     ('xyz', None)
     """
-    if len(name) > _LONGEST:
+    if len(name) > _LONGEST_WORD:
         return None
     alike = [other for other in sorted(known) if _one_slip(name.lower(), other.lower())]
     return next(iter(alike or difflib.get_close_matches(name.lower(), known, 1, _ALIKE)), None)
@@ -218,18 +218,18 @@ def _word(attributes: list[str], children: list[str]) -> Word:
     )
 
 
-def _told(name: str, unread: frozenset[str]) -> bool:
+def _is_told(name: str, unread: frozenset[str]) -> bool:
     return name in unread or (name.partition(":")[0] + ":") in unread
 
 
 def _said(what: str, names: Iterable[str]) -> str:
     """Return a kind of thing with the names of the first few of it."""
-    given = [shown(name) for name in names if name]
-    more = [f"{len(given) - _MOST_NAMES} more"] if len(given) > _MOST_NAMES else []
-    listed = ", ".join(given[:_MOST_NAMES]) + "".join(f" and {rest}" for rest in more)
-    return what.replace(_NAMES, f" {listed}" if given else "")
+    given = [quoted(name) for name in names if name]
+    more = [f"{len(given) - _MOST_WORDS} more"] if len(given) > _MOST_WORDS else []
+    listed = ", ".join(given[:_MOST_WORDS]) + "".join(f" and {rest}" for rest in more)
+    return what.replace(_NAMES_PLACE, f" {listed}" if given else "")
 
 
 def _called(element: Element) -> str:
     name = element.get("name")
-    return f"{spelt(element.tag)} {shown(name)}" if name else f"<{spelt(element.tag)}>"
+    return f"{spelt(element.tag)} {quoted(name)}" if name else f"<{spelt(element.tag)}>"

@@ -59,10 +59,10 @@ def numbers_in(what: str, text: str, *, count: int = 1, largest: float = LARGEST
         values = []
     if len(values) != count or not all(map(math.isfinite, values)):
         wanted = "a finite number" if count == 1 else f"{count} finite numbers"
-        raise ModelFileError(f"{what} is {shown(text)}, not {wanted}")
+        raise ModelFileError(f"{what} is {quoted(text)}, not {wanted}")
     if max(map(abs, values)) > largest:
         limit = f"of magnitude {largest:g} or less"
-        raise ModelFileError(f"{what} is {shown(text)}; numbers {limit} are read")
+        raise ModelFileError(f"{what} is {quoted(text)}; numbers {limit} are read")
     return values
 
 
@@ -75,11 +75,6 @@ def written(values: Iterable[float]) -> str:
     '0.1 -2.0 1e-07'
     """
     return " ".join(repr(float(value)) for value in values)
-
-
-def shown(text: str) -> str:
-    """Quote what was given, shortened when it is long."""
-    return quoted(text)
 
 
 def label(element: Element) -> str:

@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.model.coupling import Coupling, couple
 from pmjac_pin.model.frames import find_frame, moving_columns
-from pmjac_pin.model.loop_spec import JointLoop, Loop, LoopBetweenFrames
+from pmjac_pin.model.loop_between_frames import LoopBetweenFrames
+from pmjac_pin.model.loop_spec import JointLoop, Loop
 from pmjac_pin.model.rows import Distance, Gap, Rows
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,21 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra.jets import Jets
 from pmjac_pin.kinematics.tree import Poses, Tree
 from pmjac_pin.model.coupling import Coupling, couple
 from pmjac_pin.model.frames import Frame, find_frame
-from pmjac_pin.model.loop_spec import JointLoop, Loop, LoopBetweenFrames
+from pmjac_pin.model.loop_between_frames import LoopBetweenFrames
+from pmjac_pin.model.loop_spec import JointLoop, Loop
 from pmjac_pin.model.rows import (
     Equations,
     Rows,
 )
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

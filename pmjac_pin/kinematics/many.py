@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra.floats import Floats
 from pmjac_pin.kinematics.loops import Loops, by_twists
@@ -19,8 +18,7 @@ from pmjac_pin.kinematics.tree import Link, Poses, Tree
 from pmjac_pin.model.coupling import Coupling
 from pmjac_pin.model.joint_kind import Motion
 from pmjac_pin.model.loop_spec import Loop
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 _FLOATS = Floats()
 

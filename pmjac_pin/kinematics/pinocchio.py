@@ -9,16 +9,13 @@ import threading
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.tool import ToolKinematics
 from pmjac_pin.model.tool_rows import ToolRows
 from pmjac_pin.model.twist_frame import change_frame
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,11 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra import Algebra, Number
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 
 class Pose(NamedTuple):

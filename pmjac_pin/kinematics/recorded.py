@@ -19,8 +19,8 @@ from pmjac_pin.model.coupling import Coupling
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.joint_kind import Motion
 from pmjac_pin.model.spec import Tool
+from pmjac_pin.values.arrays import Array
 
-Array = NDArray[np.float64]
 Entries = NDArray[Any]  # of terms and doubles
 
 _PROGRAMS = Programs()

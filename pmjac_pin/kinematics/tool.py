@@ -6,14 +6,12 @@ from typing import Protocol
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.errors import SingularError
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.spec import Tool
-from pmjac_pin.values.norm import norm
+from pmjac_pin.values.arrays import Array, norm
 
-Array = NDArray[np.float64]
 _SMALLEST_AREA = 1e-9  # of three points, relative to the product of two of their distances
 _ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 

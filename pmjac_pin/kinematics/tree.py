@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra import Algebra, Number
 from pmjac_pin.algebra.jets import Columns, Jet
@@ -20,8 +19,7 @@ from pmjac_pin.kinematics.places import Place, Pose, standing, steps, through
 from pmjac_pin.model.frames import Frame
 from pmjac_pin.model.joint_kind import JointKind, Motion, rotation_of
 from pmjac_pin.model.linkage import Edge, edges_of
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)

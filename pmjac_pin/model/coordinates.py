@@ -17,11 +17,8 @@ from numpy.typing import NDArray
 from pmjac_pin.errors import ArgumentError, unknown_name
 from pmjac_pin.model.joint_kind import JointKind
 from pmjac_pin.model.joint_kinds import kind_of
+from pmjac_pin.values.arrays import Array, Index, read_only
 from pmjac_pin.values.checks import LARGEST, as_numbers
-from pmjac_pin.values.read_only import read_only
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 _LIMIT_SLACK = 1e-9  # m or rad: rounding on the way to a limit is no violation
 

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.loop_spec import JointLoop
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 
 @dataclass(frozen=True, slots=True)

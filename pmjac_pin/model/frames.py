@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from pmjac_pin.errors import ArgumentError, unknown_name
 
 # A link may share its name with a joint: a user who writes it means the link.
-_JOINTS = (pin.FrameType.JOINT, pin.FrameType.FIXED_JOINT)
-_KINDS = {
+_JOINT_FRAMES = (pin.FrameType.JOINT, pin.FrameType.FIXED_JOINT)
+_FRAME_KINDS = {
     pin.FrameType.BODY: "link",
     pin.FrameType.FIXED_JOINT: "fixed joint",
     pin.FrameType.JOINT: "joint",
@@ -57,11 +57,11 @@ def find_frame(model: pin.Model, name: str) -> Frame:
     ]
     if not matches:
         raise unknown_name("frame", name, tuple(frame.name for frame in model.frames))
-    meant = [index for index in matches if model.frames[index].type not in _JOINTS] or matches
+    meant = [index for index in matches if model.frames[index].type not in _JOINT_FRAMES] or matches
     frames = [model.frames[index] for index in meant]
     if not all(_at_one_place(frames[0], frame) for frame in frames[1:]):
         places = " and ".join(
-            f"a {_KINDS[f.type]} on {model.names[f.parentJoint]!r}" for f in frames
+            f"a {_FRAME_KINDS[f.type]} on {model.names[f.parentJoint]!r}" for f in frames
         )
         raise ArgumentError(f"frame {name!r} is ambiguous: {places} have this name; rename one")
     return Frame(meant[0], frames[0].parentJoint, frames[0].placement.copy())

@@ -8,11 +8,9 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.model.rows import across
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 
 class Step(NamedTuple):

@@ -15,13 +15,11 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra import Algebra, Number
 from pmjac_pin.errors import ArgumentError
-from pmjac_pin.model.loop_spec import LoopBetweenFrames
-
-Array = NDArray[np.float64]
+from pmjac_pin.model.loop_between_frames import LoopBetweenFrames
+from pmjac_pin.values.arrays import Array
 
 _Z = 2
 

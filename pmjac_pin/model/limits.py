@@ -7,12 +7,10 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError, LimitError
 from pmjac_pin.model.coordinates import JointCoordinates
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 
 @dataclass(frozen=True, slots=True)

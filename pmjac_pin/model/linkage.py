@@ -16,15 +16,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.model.joint_kind import JointKind
 from pmjac_pin.model.joint_kinds import kind_named, known_kind, pitch_of
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import LARGEST
 from pmjac_pin.values.ties import first_smallest
-
-Array = NDArray[np.float64]
 
 _OVER = pin.SE3(np.diag([1.0, -1.0, -1.0]), np.zeros(3))  # half a turn about x: z becomes −z
 

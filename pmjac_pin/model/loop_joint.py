@@ -6,15 +6,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 
-import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.model.joint_kinds import kind_named
 from pmjac_pin.model.linkage import Edge
-from pmjac_pin.model.loop_spec import LoopBetweenFrames
-
-Array = NDArray[np.float64]
+from pmjac_pin.model.loop_between_frames import LoopBetweenFrames
+from pmjac_pin.values.arrays import Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)

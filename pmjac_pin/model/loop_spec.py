@@ -8,101 +8,30 @@ by its angle or chord, so that half a turn is not mistaken for none.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from typing import ClassVar, Literal
+from typing import ClassVar
 
 import numpy as np
 from msgspec.structs import force_setattr, replace
-from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.model.joint_form import JointForm, Step, about_z, frame_along, shifted, single
-from pmjac_pin.model.rows import Along, Distance, Gap, RightAngle, Rows, Tilt, Turn, across
-from pmjac_pin.model.table import Name, Table, Vector
-from pmjac_pin.values.checks import LARGEST, SMALLEST, as_number, as_numbers
-
-Array = NDArray[np.float64]
-
-X: Vector = (1.0, 0.0, 0.0)
-Y: Vector = (0.0, 1.0, 0.0)
-Z: Vector = (0.0, 0.0, 1.0)
-_SHORTEST_AXIS = 1e-6
+from pmjac_pin.model.loop_between_frames import (
+    LoopAlongAxis,
+    LoopBetweenFrames,
+    Opening,
+    X,
+    Y,
+    check_pair,
+    unit_vector,
+)
+from pmjac_pin.model.rows import Along, Distance, Gap, RightAngle, Rows, Turn
+from pmjac_pin.model.table import Name, TomlTable, Vector
+from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.checks import LARGEST, SMALLEST, as_number
 
 #: As many as there may be degrees of freedom; the time to load grows with the cube of their rows.
 MAXIMAL_LOOPS = 200
-
-
-#: What of the way between its frames a loop lets be: nothing, along an axis, or across it.
-Opening = Literal["nothing", "along", "across"]
-
-
-class LoopBetweenFrames(Table, frozen=True):
-    """A loop between two frames of the tree: what each kind of it says of itself.
-
-    Attributes
-    ----------
-    opening : str
-        What of the way between the frames is no gap.
-    """
-
-    frames: tuple[Name, Name]
-    opening: ClassVar[Opening] = "nothing"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        _refuse_other_than_names("frames", self.frames)
-        _refuse_equal("frames", self.frames)
-
-    @property
-    def ends(self) -> tuple[str, str]:
-        """The names of what the loop joins."""
-        return self.frames
-
-    @property
-    def lines(self) -> tuple[Vector, Vector] | None:
-        """The axis that each frame carries; None where none does."""
-        return None
-
-    @property
-    def exchanged(self) -> LoopBetweenFrames:
-        """What the loop is with its frames exchanged, but for their names."""
-        return self
-
-    def rows(self, values: Mapping[str, float]) -> tuple[Rows, ...]:
-        """Return the loop's rows where the parameters have these values."""
-        raise NotImplementedError(type(self).__name__)
-
-    def form(self, values: Mapping[str, float]) -> JointForm:
-        """Return the joints that keep the loop closed."""
-        raise NotImplementedError(type(self).__name__)
-
-    def rod(self, values: Mapping[str, float]) -> float:
-        """Return the length of the rod between the frames, m; 0 without."""
-        return 0.0
-
-
-class _AxisPair(LoopBetweenFrames, frozen=True):
-    """A loop between two frames with a common axis."""
-
-    axis: Vector = Z
-
-    @property
-    def lines(self) -> tuple[Vector, Vector] | None:
-        """The one axis, twice."""
-        return self.axis, self.axis
-
-    @property
-    def _tilt(self) -> Tilt:
-        return Tilt(np.array(self.axis), across(np.array(self.axis)))
-
-    @property
-    def _aside(self) -> Along:
-        return Along(across(np.array(self.axis)), ("across 1", "across 2"))
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        force_setattr(self, "axis", _unit("axis", self.axis))
 
 
 class PointLoop(LoopBetweenFrames, frozen=True, tag_field="kind", tag="point"):
@@ -124,16 +53,8 @@ class PointLoop(LoopBetweenFrames, frozen=True, tag_field="kind", tag="point"):
         return single("spherical", np.eye(4))
 
 
-class SphericalLoop(LoopBetweenFrames, frozen=True, tag_field="kind", tag="spherical"):
-    """A ball and its socket: the equations of a point loop, η = p₁ − p₂, 3 rows."""
-
-    def rows(self, values: Mapping[str, float]) -> tuple[Rows, ...]:
-        """Return p₁ − p₂."""
-        return (Gap(),)
-
-    def form(self, values: Mapping[str, float]) -> JointForm:
-        """Return a ball."""
-        return single("spherical", np.eye(4))
+class SphericalLoop(PointLoop, frozen=True, tag_field="kind", tag="spherical"):
+    """A ball and its socket: a point loop by its joint's name, η = p₁ − p₂, 3 rows."""
 
 
 class FrameLoop(LoopBetweenFrames, frozen=True, tag_field="kind", tag="frame"):
@@ -148,7 +69,7 @@ class FrameLoop(LoopBetweenFrames, frozen=True, tag_field="kind", tag="frame"):
         return single("fixed", np.eye(4))
 
 
-class RevoluteLoop(_AxisPair, frozen=True, tag_field="kind", tag="revolute"):
+class RevoluteLoop(LoopAlongAxis, frozen=True, tag_field="kind", tag="revolute"):
     """A hinge: η = (p₁ − p₂ in world axes, tilt of a against b), 5 rows.
 
     The tilt's two rows are tₖ·a / cos(α/2), with α the angle between a and b and t₁, t₂ fixed in
@@ -163,35 +84,35 @@ class RevoluteLoop(_AxisPair, frozen=True, tag_field="kind", tag="revolute"):
 
     def rows(self, values: Mapping[str, float]) -> tuple[Rows, ...]:
         """Return gap and tilt."""
-        return Gap(), self._tilt
+        return Gap(), self.tilt
 
     def form(self, values: Mapping[str, float]) -> JointForm:
         """Return a hinge."""
         return single("revolute", frame_along(np.array(self.axis)))
 
 
-class PrismaticLoop(_AxisPair, frozen=True, tag_field="kind", tag="prismatic"):
+class PrismaticLoop(LoopAlongAxis, frozen=True, tag_field="kind", tag="prismatic"):
     """A slider: η = (tₖ·(p₁ − p₂), log R₁R₂ᵀ in world axes), 2 + 3 rows."""
 
     opening: ClassVar[Opening] = "along"
 
     def rows(self, values: Mapping[str, float]) -> tuple[Rows, ...]:
         """Return the gap across the axis, and the turn."""
-        return self._aside, Turn()
+        return self.aside, Turn()
 
     def form(self, values: Mapping[str, float]) -> JointForm:
         """Return a slider."""
         return single("prismatic", frame_along(np.array(self.axis)))
 
 
-class CylindricalLoop(_AxisPair, frozen=True, tag_field="kind", tag="cylindrical"):
+class CylindricalLoop(LoopAlongAxis, frozen=True, tag_field="kind", tag="cylindrical"):
     """A turning slider: η = (tₖ·(p₁ − p₂), tilt of a against b), 4 rows."""
 
     opening: ClassVar[Opening] = "along"
 
     def rows(self, values: Mapping[str, float]) -> tuple[Rows, ...]:
         """Return the gap across the axis, and the tilt."""
-        return self._aside, self._tilt
+        return self.aside, self.tilt
 
     def form(self, values: Mapping[str, float]) -> JointForm:
         """Return a turn about the axis, and a slide along it."""
@@ -204,14 +125,14 @@ class CylindricalLoop(_AxisPair, frozen=True, tag_field="kind", tag="cylindrical
         return JointForm((turn, slide), lambda seen: along @ about_z((back @ seen @ along)[:3, 0]))
 
 
-class PlanarLoop(_AxisPair, frozen=True, tag_field="kind", tag="planar"):
+class PlanarLoop(LoopAlongAxis, frozen=True, tag_field="kind", tag="planar"):
     """A plane on a plane with normal `axis`: η = (b·(p₁ − p₂), tilt of a against b), 3 rows."""
 
     opening: ClassVar[Opening] = "across"
 
     def rows(self, values: Mapping[str, float]) -> tuple[Rows, ...]:
         """Return the height, and the tilt."""
-        return Along(np.array([self.axis]), ("height",)), self._tilt
+        return Along(np.array([self.axis]), ("height",)), self.tilt
 
     def form(self, values: Mapping[str, float]) -> JointForm:
         """Return a plane on a plane."""
@@ -236,7 +157,7 @@ class UniversalLoop(LoopBetweenFrames, frozen=True, tag_field="kind", tag="unive
         if not isinstance(self.axes, Sequence) or len(self.axes) != 2:
             raise ArgumentError(f"a universal joint has two `axes`, got {quoted(self.axes)}")
         first, second = self.axes
-        force_setattr(self, "axes", (_unit("axes", first), _unit("axes", second)))
+        force_setattr(self, "axes", (unit_vector("axes", first), unit_vector("axes", second)))
 
     @property
     def lines(self) -> tuple[Vector, Vector] | None:
@@ -312,7 +233,7 @@ class DistanceLoop(LoopBetweenFrames, frozen=True, tag_field="kind", tag="distan
         return length
 
 
-class JointLoop(Table, frozen=True, tag_field="kind", tag="joint"):
+class JointLoop(TomlTable, frozen=True, tag_field="kind", tag="joint"):
     """Two joints are geared: η = q_second − ratio·q_first − offset, rad or m, 1 row.
 
     Parameters
@@ -331,8 +252,7 @@ class JointLoop(Table, frozen=True, tag_field="kind", tag="joint"):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        _refuse_other_than_names("joints", self.joints)
-        _refuse_equal("joints", self.joints)
+        check_pair("joints", self.joints)
         for key in ("ratio", "offset"):
             force_setattr(self, key, as_number(getattr(self, key), f"`{key}`"))
         if 0.0 < abs(self.ratio) < SMALLEST:
@@ -368,24 +288,3 @@ for _kind in (
     JointLoop,
 ):
     register(_kind)
-
-
-def _refuse_equal(what: str, names: tuple[str, str]) -> None:
-    if names[0] == names[1]:
-        raise ArgumentError(f"a loop joins two different {what}, got {quoted(names[0])} twice")
-
-
-def _refuse_other_than_names(what: str, names: object) -> None:
-    pair = isinstance(names, tuple | list) and len(names) == 2
-    if not pair or not all(isinstance(name, str) for name in names):  # type: ignore[attr-defined]
-        raise ArgumentError(f"a loop names two {what}, got {quoted(names)}")
-
-
-def _unit(key: str, vector: Vector) -> Vector:
-    array = as_numbers(vector, f"`{key}`")
-    if array.shape != (3,):
-        raise ArgumentError(f"`{key}` has three components, got {quoted(vector)}")
-    x, y, z = array.tolist()
-    if (length := math.hypot(x, y, z)) < _SHORTEST_AXIS:
-        raise ArgumentError(f"`{key}` needs a direction, got {[x, y, z]}")
-    return (x / length, y / length, z / length)

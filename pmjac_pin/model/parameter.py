@@ -7,13 +7,13 @@ from numbers import Real
 from typing import Literal
 
 from pmjac_pin.errors import ArgumentError, quoted
-from pmjac_pin.model.table import Table, Text, Vector
+from pmjac_pin.model.table import NonEmpty, TomlTable, Vector
 
 LARGEST_PARAMETER = 1e6  # m or rad, where a model file gives no limit
-ZERO: Vector = (0.0, 0.0, 0.0)
+ORIGIN: Vector = (0.0, 0.0, 0.0)
 
 
-class Move(Table, frozen=True, kw_only=True):
+class Move(TomlTable, frozen=True, kw_only=True):
     """How one parameter moves one thing of the URDF: the change per unit of the parameter.
 
     The URDF is written at the parameters' defaults; a component becomes
@@ -22,9 +22,9 @@ class Move(Table, frozen=True, kw_only=True):
 
     joint: str | None = None
     visual: str | None = None
-    xyz: Vector = ZERO
-    rpy: Vector = ZERO
-    size: Vector = ZERO
+    xyz: Vector = ORIGIN
+    rpy: Vector = ORIGIN
+    size: Vector = ORIGIN
     length: float = 0.0
     radius: float = 0.0
 
@@ -41,12 +41,12 @@ class Move(Table, frozen=True, kw_only=True):
             raise ArgumentError("a move without a coefficient moves nothing")
 
 
-class Parameter(Table, frozen=True, kw_only=True):
+class Parameter(TomlTable, frozen=True, kw_only=True):
     """A length or an angle that a user may vary."""
 
     default: float
     unit: Literal["m", "rad"]
-    meaning: Text
+    meaning: NonEmpty
     minimum: float | None = None
     maximum: float | None = None
     moves: tuple[Move, ...] = ()

@@ -67,8 +67,8 @@ def own_model(
             passive=None
             if passive is None
             else as_names(passive, "passive is a list of joint names"),
-            tool=_tool(tool),
-            loops=_loops(own, loops),
+            tool=_checked_tool(tool),
+            loops=_checked_loops(own, loops),
             poses={"home": _home_pose(own, home)},
             tolerance=tolerance,
         ).with_tool_rows(tool_rows, tool_axes)
@@ -89,7 +89,7 @@ def _refuse_what_is_not_finite(model: pin.Model) -> None:
             raise ArgumentError(f"the placement of frame {quoted(frame.name)} is not finite")
 
 
-def _loops(own: pin.Model, loops: Iterable[Loop | Constraint]) -> tuple[Loop, ...]:
+def _checked_loops(own: pin.Model, loops: Iterable[Loop | Constraint]) -> tuple[Loop, ...]:
     if isinstance(loops, Loop) or not isinstance(loops, Iterable):
         raise ArgumentError(f"loops is a list of PointLoop, RevoluteLoop, ..., got {quoted(loops)}")
     return tuple(
@@ -140,7 +140,7 @@ def _loop_kind(constraint: Any, number: int) -> type[PointLoop | FrameLoop]:
     raise ArgumentError(f"loop {number} is a {type(constraint).__name__}; {known} expected")
 
 
-def _tool(tool: str | Sequence[str]) -> Tool:
+def _checked_tool(tool: str | Sequence[str]) -> Tool:
     if isinstance(tool, str):
         return Tool(frame=tool)
     if not isinstance(tool, Sequence) or len(tool) != 3:

@@ -16,12 +16,10 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra.jets import Jet, Jets, half_skew
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.ties import first_smallest
-
-Array = NDArray[np.float64]
 
 Measures = Literal["gap", "distance", "gap from second", "turns"]
 
@@ -29,7 +27,7 @@ HALF = np.array([[0.5]])
 HALF_A_TURN = 1e-12  # 1 + cos(angle) below which the direction of a tilt is lost
 
 
-class Relative(Protocol):
+class RelativePose(Protocol):
     """The first frame seen from the second, and how that changes; turns for frames only.
 
     Attributes
@@ -104,7 +102,7 @@ class Rows(Protocol):
     @property
     def measures(self) -> Measures: ...  # noqa: D102
 
-    def __call__(self, pose: Relative) -> tuple[Array, Array]:
+    def __call__(self, pose: RelativePose) -> tuple[Array, Array]:
         """Return the residual (rows,) and its derivative by the joint rates (rows, nv)."""
         ...
 
@@ -122,7 +120,7 @@ class Gap:
     vector: ClassVar = True
     measures: ClassVar[Measures] = "gap"
 
-    def __call__(self, pose: Relative) -> tuple[Array, Array]:
+    def __call__(self, pose: RelativePose) -> tuple[Array, Array]:
         """Return p and P."""
         return pose.gap, pose.gap_rates
 
@@ -141,7 +139,7 @@ class Along:
     vector: ClassVar = False
     measures: ClassVar[Measures] = "gap from second"
 
-    def __call__(self, pose: Relative) -> tuple[Array, Array]:
+    def __call__(self, pose: RelativePose) -> tuple[Array, Array]:
         """Return D p and D P."""
         return self.directions @ pose.gap, self.directions @ pose.gap_rates
 
@@ -161,7 +159,7 @@ class Distance:
     vector: ClassVar = False
     measures: ClassVar[Measures] = "distance"
 
-    def __call__(self, pose: Relative) -> tuple[Array, Array]:
+    def __call__(self, pose: RelativePose) -> tuple[Array, Array]:
         """Return |p|² − length² and 2 pᵀ P."""
         square = pose.gap @ pose.gap - self.length * self.length
         return np.array([square]), (2.0 * pose.gap @ pose.gap_rates)[None]
@@ -181,7 +179,7 @@ class Turn:
     vector: ClassVar = True
     measures: ClassVar[Measures] = "turns"
 
-    def __call__(self, pose: Relative) -> tuple[Array, Array]:
+    def __call__(self, pose: RelativePose) -> tuple[Array, Array]:
         """Return log R and its derivative."""
         return pose.turn()
 
@@ -210,7 +208,7 @@ class Tilt:
     vector: ClassVar = False
     measures: ClassVar[Measures] = "turns"
 
-    def __call__(self, pose: Relative) -> tuple[Array, Array]:
+    def __call__(self, pose: RelativePose) -> tuple[Array, Array]:
         """Return η and its derivative."""
         turned, rates = pose.axis(self.axis)
         aside, above = self.across @ turned, 1.0 + self.axis @ turned
@@ -260,7 +258,7 @@ class RightAngle:
     vector: ClassVar = False
     measures: ClassVar[Measures] = "turns"
 
-    def __call__(self, pose: Relative) -> tuple[Array, Array]:
+    def __call__(self, pose: RelativePose) -> tuple[Array, Array]:
         """Return b·R a and its derivative."""
         turned, rates = pose.axis(self.first)
         return np.array([self.second @ turned]), (self.second @ rates)[None]

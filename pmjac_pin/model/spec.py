@@ -19,7 +19,7 @@ from msgspec.structs import force_setattr, replace
 from pmjac_pin.errors import ArgumentError, did_you_mean, enumerated, quoted, unknown_name
 from pmjac_pin.model.loop_spec import LOOP_KINDS, MAXIMAL_LOOPS, DistanceLoop, Loop
 from pmjac_pin.model.parameter import Move, Parameter
-from pmjac_pin.model.table import LONGEST_NAME, Name, Table
+from pmjac_pin.model.table import LONGEST_NAME, Name, TomlTable
 from pmjac_pin.model.tool_rows import WHOLE_TWIST, WORLD_AXES, ToolRows, checked_axes, checked_rows
 from pmjac_pin.values.checks import LARGEST, SMALLEST, as_names, as_number
 
@@ -32,7 +32,7 @@ LARGEST_TOLERANCE = 1e-2  # m
 MAXIMAL_ENTRIES = 1000  # poses, and parameters: each pose is assembled, and takes milliseconds
 
 
-class Tool(Table, frozen=True, kw_only=True):
+class Tool(TomlTable, frozen=True, kw_only=True):
     """The tool: a frame of the URDF, or the frame that three points span.
 
     Three points p₁, p₂, p₃ give the origin (p₁ + p₂ + p₃)/3, x along p₂ − p₁, z along
@@ -75,7 +75,7 @@ class Tool(Table, frozen=True, kw_only=True):
 JointValue = float | tuple[float, ...]
 
 
-class MechanismSpec(Table, frozen=True, kw_only=True):
+class MechanismSpec(TomlTable, frozen=True, kw_only=True):
     """What a model file says.
 
     Attributes

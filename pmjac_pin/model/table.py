@@ -16,11 +16,11 @@ from pmjac_pin.values.checks import LARGEST
 LONGEST_NAME = 200  # characters
 
 Vector = tuple[float, float, float]
-Text = Annotated[str, msgspec.Meta(min_length=1)]
+NonEmpty = Annotated[str, msgspec.Meta(min_length=1)]
 Name = Annotated[str, msgspec.Meta(min_length=1, max_length=LONGEST_NAME)]
 
 
-class Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
+class TomlTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """A TOML table: immutable, every key known, every number of a size to compute with."""
 
     def __post_init__(self) -> None:
@@ -36,16 +36,16 @@ def _frozen(value: dict[str, Any]) -> Mapping[str, Any]:
     )
 
 
-def _numbers(value: Any) -> Iterator[float]:
+def _numbers_within(value: Any) -> Iterator[float]:
     if isinstance(value, float):
         yield value
     elif isinstance(value, dict | tuple):
         for item in value.values() if isinstance(value, dict) else value:
-            yield from _numbers(item)
+            yield from _numbers_within(item)
 
 
 def _refuse_extreme(key: str, value: Any) -> None:
-    for number in _numbers(value):
+    for number in _numbers_within(value):
         if not math.isfinite(number):
             raise ArgumentError(f"`{key}` holds {number}; a finite number is wanted")
         if abs(number) > LARGEST:

@@ -13,7 +13,7 @@ ToolAxes = Literal["LOCAL_WORLD_ALIGNED", "LOCAL"]
 #: The rows of a twist in their order, linear ones first.
 TWIST_ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 WORLD_AXES: ToolAxes = "LOCAL_WORLD_ALIGNED"
-_AXES: dict[str, ToolAxes] = {WORLD_AXES: WORLD_AXES, "LOCAL": "LOCAL"}
+_TOOL_AXES: dict[str, ToolAxes] = {WORLD_AXES: WORLD_AXES, "LOCAL": "LOCAL"}
 _IN_WORDS = {WORLD_AXES: "the world's axes", "LOCAL": "the tool's own axes"}
 _BLOCKS = (TWIST_ROWS[:3], TWIST_ROWS[3:])
 _SHOWN = 40  # characters of a name that does not exist
@@ -112,10 +112,10 @@ def checked_axes(axes: str) -> ToolAxes:
     ArgumentError
         Neither of the two.
     """
-    if not isinstance(axes, str) or axes not in _AXES:
+    if not isinstance(axes, str) or axes not in _TOOL_AXES:
         both = "LOCAL_WORLD_ALIGNED (the world's) or LOCAL (the tool's own)"
         raise ArgumentError(f"the axes of the tool's rows are {both}, got {_brief(axes)}")
-    return _AXES[axes]
+    return _TOOL_AXES[axes]
 
 
 def _brief(given: object) -> str:

@@ -5,11 +5,9 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError, quoted
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 FrameName = Literal["LOCAL", "WORLD", "LOCAL_WORLD_ALIGNED"]
 

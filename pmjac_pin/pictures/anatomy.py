@@ -9,21 +9,22 @@ from functools import cached_property
 import numpy as np
 import pinocchio as pin
 
-from pmjac_pin.closing.machine_size import shifted
+from pmjac_pin.closing.machine_size import shifted_model
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.files.shapes import Array
 from pmjac_pin.files.visuals import read_visuals
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.joint_kinds import kind_of
-from pmjac_pin.model.loop_spec import JointLoop, LoopBetweenFrames
+from pmjac_pin.model.loop_between_frames import LoopBetweenFrames
+from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.pictures.bodies import Bodies, Point, Points
+from pmjac_pin.values.arrays import Array
 
 COINCIDENT = 1e-6  # of the mechanism's size: points nearer than this are one
 
 
 @dataclass(frozen=True, eq=False)
-class Anchors:
+class LoopAnchors:
     """A loop's two anchors, and what holds them.
 
     Attributes
@@ -58,7 +59,7 @@ class Anatomy:
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
-        self.model = shifted(mechanism.model, -mechanism.place)
+        self.model = shifted_model(mechanism.model, -mechanism.place)
         self.bodies = Bodies(self.model)
         self.home = self.bodies.placements(mechanism.home.q)
         self.visuals = read_visuals(mechanism.urdf) if mechanism.urdf else []
@@ -79,11 +80,11 @@ class Anatomy:
         return frozenset(self.model.getJointId(name) for name in self.mechanism.spec.actuated)
 
     @cached_property
-    def anchors(self) -> list[Anchors]:
+    def anchors(self) -> list[LoopAnchors]:
         """The loops between frames."""
         values = self.mechanism.parameters
         return [
-            Anchors(
+            LoopAnchors(
                 loop,
                 self.point(loop.frames[0]),
                 self.point(loop.frames[1]),

@@ -9,13 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
-from pmjac_pin.files.shapes import Array
+from pmjac_pin.values.arrays import Array, Index
 
-Index = NDArray[np.intp]
-
-_PARALLEL = 1e-9  # the sine of an angle, or a pitch in m/rad: less is rounding
+_SAME_LINE = 1e-9  # the sine of an angle, or a pitch in m/rad: less is rounding
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,7 +79,7 @@ class Bodies:
         self.model = model
         self._data = model.createData()
         self._lock = threading.Lock()
-        self.axes: Mapping[int, Axis] = _axes(model, self._data)
+        self.axes: Mapping[int, Axis] = _joint_axes(model, self._data)
 
     def placements(self, q: Array) -> Array:
         """Return oMi of all joints, the universe first, shape (njoints, 4, 4)."""
@@ -102,7 +99,7 @@ class Bodies:
         return moved
 
 
-def _axes(model: pin.Model, data: pin.Data) -> dict[int, Axis]:
+def _joint_axes(model: pin.Model, data: pin.Data) -> dict[int, Axis]:
     motions = pin.computeJointJacobians(model, data, pin.neutral(model)).reshape(6, -1)
     found = {}
     for index, joint in list(enumerate(model.joints))[1:]:
@@ -111,7 +108,7 @@ def _axes(model: pin.Model, data: pin.Data) -> dict[int, Axis]:
         ways = np.where(angular.any(axis=0), angular, linear)
         ways = ways / np.linalg.norm(ways, axis=0)
         axis = ways[:, 0]
-        if (np.abs(np.cross(axis, ways.T)) <= _PARALLEL).all():
-            slides = bool((np.abs(axis @ linear) > _PARALLEL).any())
+        if (np.abs(np.cross(axis, ways.T)) <= _SAME_LINE).all():
+            slides = bool((np.abs(axis @ linear) > _SAME_LINE).any())
             found[index] = Axis(axis, bool(angular.any()), slides)
     return found

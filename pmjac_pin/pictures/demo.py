@@ -6,7 +6,7 @@ Source: Ashitava Ghosal, *Robotics: Basics and Selected Advanced Concepts* (NPTE
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,14 +15,22 @@ import numpy as np
 from pmjac_pin.loading import load
 from pmjac_pin.pictures.pose_figure import save_pose_figure
 from pmjac_pin.values.brief import brief
-from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table, Verbatim, number, numbers
-from pmjac_pin.words.report import EllipsoidReport, Report
-from pmjac_pin.words.report_maker import make_report
+from pmjac_pin.words.blocks import (
+    Block,
+    Heading,
+    Paragraph,
+    Table,
+    Verbatim,
+    matrix_numbers,
+    number,
+)
+from pmjac_pin.words.report import Report, make_report
 from pmjac_pin.words.tables import (
     LEGEND,
+    axes_table,
     ellipsoid_table,
     matrix_blocks,
-    motor_values,
+    motor_line,
     singular_values_table,
 )
 
@@ -89,7 +97,7 @@ def run_demo(figure: Path = FIGURE) -> Demo:
 def demo_blocks(demo: Demo) -> Iterator[Block]:
     """Show the demonstration."""
     report = demo.report
-    yield Heading(f"Lecture 21, pose B: 3-RPS, {motor_values(report.joints)}")
+    yield Heading(f"Lecture 21, pose B: 3-RPS, {motor_line(report.joints)}")
     yield Paragraph(_introduction(report))
     yield _angles_table(report)
     yield Paragraph(LEGEND)
@@ -103,10 +111,11 @@ def demo_blocks(demo: Demo) -> Iterator[Block]:
 
 
 def _introduction(report: Report) -> str:
+    found = report.configuration
     return (
-        f"Cut as the lecture cuts it ({report.mechanism}): three open RP legs and three distance "
-        f"loops, closed from the pose {POSE!r} (Newton iterations: {report.iterations}, gap: "
-        f"{brief(report.residual_norm)} m). The twist is that of the platform's middle, in axes "
+        f"Cut as the lecture cuts it ({report.name}): three open RP legs and three distance "
+        f"loops, closed from the pose {POSE!r} (Newton iterations: {found.iterations}, gap: "
+        f"{brief(found.residual_norm)} m). The twist is that of the platform's middle, in axes "
         f"parallel to the world's."
     )
 
@@ -126,10 +135,10 @@ def _principal_velocities(report: Report) -> Iterator[Block]:
     computed = report.ellipsoids["velocity"]
     if computed is None:  # impossible at this pose; the type cannot know
         return
-    printed = EllipsoidReport(computed.unit, 3, PRINTED_VELOCITIES, PRINTED_DIRECTIONS)
+    printed = (computed.unit, PRINTED_VELOCITIES, PRINTED_DIRECTIONS)
     yield Heading("Principal velocities of the platform's middle")
     yield ellipsoid_table("Computed: the singular values of [J_v]eq, equation (33)", computed)
-    yield ellipsoid_table("Printed in the lecture", printed)
+    yield axes_table("Printed in the lecture", *printed)
     yield Paragraph(
         f"The printed {_triple(PRINTED_VELOCITIES)} m/s do not follow from the lecture's own "
         f"equations, which give {_triple(computed.radii)} m/s at this pose (and the same on its "
@@ -140,13 +149,13 @@ def _principal_velocities(report: Report) -> Iterator[Block]:
 def _other_cut(demo: Demo) -> Iterator[Block]:
     yield Heading("The same machine, cut elsewhere")
     yield Paragraph(
-        f"{demo.contact.mechanism} closes the loops by point contacts between a free platform and "
+        f"{demo.contact.name} closes the loops by point contacts between a free platform and "
         f"the three legs. K and K* are others, the equivalent Jacobian is the same."
     )
     yield Table(
         "The two cuts",
         ("model", "K", "K*", "det K*"),
-        tuple(map(_cut, (demo.report, demo.contact))),
+        tuple(map(_cut_row, (demo.report, demo.contact))),
         "<<<<",
     )
     yield from matrix_blocks(demo.contact, ("Jv_eq", "Jw_eq"))
@@ -156,11 +165,11 @@ def _other_cut(demo: Demo) -> Iterator[Block]:
     )
 
 
-def _cut(report: Report) -> tuple[str, ...]:
-    size, det = report.dimensions, report.det_K_star
-    sizes = (f"{size.m} × {size.n}", f"{size.m} × {size.m_p}")
-    return (report.mechanism, *sizes, f"{number(det.value)} {det.unit}" if det else "")
+def _cut_row(report: Report) -> tuple[str, ...]:
+    split, det = report.split, report.det_K_star
+    sizes = (f"{len(K)} × {K.shape[1]}" for K in (split.K, split.K_star))
+    return (report.name, *sizes, f"{number(det.value)} {det.unit}" if det else "")
 
 
-def _triple(values: tuple[float, ...]) -> str:
-    return ", ".join(numbers([values])[0])
+def _triple(values: Iterable[float]) -> str:
+    return ", ".join(matrix_numbers([list(values)])[0])

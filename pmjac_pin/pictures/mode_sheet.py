@@ -12,33 +12,32 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.pictures.plotting import as_it_is, new_figure
 from pmjac_pin.pictures.pose_figure import wrapped
 from pmjac_pin.pictures.stick_figure import StickFigure, StickFigures, Stroke
 from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.brief import brief
 from pmjac_pin.values.ties import first_largest
 from pmjac_pin.words.modes_report import ModeReport, ModesReport, make_modes_report
 from pmjac_pin.words.modes_tables import no_more
-from pmjac_pin.words.tables import motor_values
+from pmjac_pin.words.tables import motor_line
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
 _ELEVATION = 25.0  # degrees, of the eye above the x-y plane
 _AZIMUTHS = range(-45, 315, 15)  # degrees, where the eye may be: the first is the usual one
-_FLAT = 1e-6  # of the picture's width
-_MARGIN = 0.06  # of the picture's width, about the drawing
+_IN_A_PLANE = 1e-6  # of the picture's width
+_SHEET_MARGIN = 0.06  # of the picture's width, about the drawing
 
 # Okabe and Ito's palette, which colour-blind readers can tell apart.
 _GROUND, _LINK, _MOTOR, _ANCHOR, _DARK = "#8C8C8C", "#0072B2", "#D55E00", "#F0E442", "#262626"
-_AXES = ("#C81919", "#199919", "#1933E0")
+_TOOL_COLOURS = ("#C81919", "#199919", "#1933E0")
 _BARS = {  # colour and width in points
     "ground": (_GROUND, 2.0),
     "link": (_LINK, 2.2),
@@ -57,12 +56,12 @@ _LAYERS = {"link": 0, "rod": 0, "rail": 0, "motor rail": 0, "slider": 1, "anchor
 
 # Inches: the width of a drawing where there is room, the height of what stands above it, and
 # the widest sheet.
-_PANEL, _CAPTION, _WIDEST = 2.6, 0.5, 10.4
-_SMALL = 0.8  # of that width: drawings with smaller letters
+_PANEL, _CAPTION, _WIDEST_SHEET = 2.6, 0.5, 10.4
+_SMALL_PANEL = 0.8  # of that width: drawings with smaller letters
 _PAGE = 0.75  # height over width
 _MOST_COLUMNS = 8
 
-_SIGNS = {1: "det K* > 0", -1: "det K* < 0", 0: "det K* = 0"}
+_SIGNS_IN_WORDS = {1: "det K* > 0", -1: "det K* < 0", 0: "det K* = 0"}
 
 
 def plot_modes(modes: AssemblyModes) -> Figure:
@@ -98,29 +97,30 @@ def plot_modes(modes: AssemblyModes) -> Figure:
     if not len(modes):
         raise ArgumentError("there are no assembly modes to draw")
     mechanism, motors = modes[0].mechanism, modes[0].actuated
-    return modes_figure(modes, make_modes_report(mechanism, motors, modes))
+    return modes_figure(make_modes_report(mechanism, motors, modes))
 
 
-def modes_figure(modes: AssemblyModes, report: ModesReport) -> Figure:
-    """Draw assembly modes under what a report says of them; see `plot_modes`."""
-    if not len(modes):
+def modes_figure(report: ModesReport) -> Figure:
+    """Draw the assembly modes of a report under what it says of them; see `plot_modes`."""
+    modes = report.modes
+    if not modes:
         raise ArgumentError("there are no assembly modes to draw")
-    make = StickFigures(modes[0].mechanism)
-    figures = [make(mode) for mode in modes]
+    make = StickFigures(report.mechanism)
+    figures = [make(mode.configuration) for mode in modes]
     view = _view(figures)
     seen = np.concatenate([figure.points for figure in figures]) @ view[:2].T
     low, high = seen.min(axis=0), seen.max(axis=0)
-    margin = _MARGIN * float((high - low).max())
+    margin = _SHEET_MARGIN * float((high - low).max())
     low, high = low - margin, high + margin
     height = float((high - low)[1] / (high - low)[0])
-    columns = _columns(len(modes), min(max(height, 0.3), 2.0))
+    columns = _sheet_columns(len(modes), min(max(height, 0.3), 2.0))
     sheet, panels = _new_sheet(report, columns, min(max(height, 0.3), 2.0))
-    scale = min(1.0, _WIDEST / columns / _PANEL)
-    for axes, figure, mode in zip(panels, figures, report.modes, strict=True):
-        _draw(axes, figure, view, scale)
+    scale = min(1.0, _WIDEST_SHEET / columns / _PANEL)
+    for axes, figure, mode in zip(panels, figures, modes, strict=True):
+        _draw_figure(axes, figure, view, scale)
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
         axes.set_axis_off()
-        small = scale < _SMALL
+        small = scale < _SMALL_PANEL
         caption = _caption(mode, "\n" if small else ", ")
         axes.set_title(as_it_is(caption), fontsize=7.0 if small else 8.5, linespacing=1.3)
     return sheet
@@ -141,7 +141,7 @@ def _across(figures: Sequence[StickFigure]) -> Array | None:
     """Return the normal of the plane in which all is: with z or x positive, or y negative."""
     points = np.concatenate([stroke.points for figure in figures for stroke in figure.strokes])
     sizes, axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[1:]
-    if sizes[2] > _FLAT * sizes[0]:
+    if sizes[2] > _IN_A_PLANE * sizes[0]:
         return None
     largest = int(first_largest(axes[2]))
     normal: Array = axes[2] * np.sign(axes[2][largest]) * (-1.0 if largest == 1 else 1.0)
@@ -162,7 +162,7 @@ def _round_about(figures: Sequence[StickFigure]) -> Array:
     return np.asarray(eyes[:, int(np.argmax(clarity.round(6)))])
 
 
-def _columns(count: int, height: float) -> int:
+def _sheet_columns(count: int, height: float) -> int:
     """Return in how many columns drawings of this height in widths make a page, not a ribbon."""
 
     def cost(columns: int) -> float:
@@ -176,11 +176,11 @@ def _columns(count: int, height: float) -> int:
 def _new_sheet(report: ModesReport, columns: int, height: float) -> tuple[Figure, list[Axes]]:
     """Return a figure and one panel a mode, as high over wide as said."""
     rows = -(-len(report.modes) // columns)
-    width = min(max(columns * _PANEL, 2 * _PANEL), _WIDEST)
+    width = min(max(columns * _PANEL, 2 * _PANEL), _WIDEST_SHEET)
     # Of a title in bold and a footer in a smaller type: characters to the inch.
-    title = [f"Assembly modes of {report.mechanism}"]
-    title += wrapped(motor_values(report.motors), round(11.0 * width)).split("\n")
-    footer = textwrap.wrap(no_more(report.evidence), round(17.0 * width))
+    title = [f"Assembly modes of {report.name}"]
+    title += wrapped(motor_line(report.motors), round(11.0 * width)).split("\n")
+    footer = textwrap.wrap(no_more(report.found.evidence), round(17.0 * width))
     room = 0.22 * len(title) + 0.14 * len(footer) + 0.2
     size = (width, rows * (height * width / columns + _CAPTION) + room)
     figure: Any = new_figure("\n".join(title), size, fontsize=11)
@@ -195,12 +195,13 @@ def _new_sheet(report: ModesReport, columns: int, height: float) -> tuple[Figure
 def _caption(mode: ModeReport, between: str) -> str:
     names = f" ({', '.join(mode.poses)})" if mode.poses else ""
     mirror = f", mirror image of {mode.mirror_image}" if mode.mirror_image else ""
-    facts = [f"σ = {brief(mode.smallest)}"] if math.isfinite(mode.smallest) else []
-    facts += [_SIGNS[mode.sign]] if mode.sign is not None else []
+    smallest = mode.singularity.smallest
+    facts = [f"σ = {brief(smallest)}"] if math.isfinite(smallest) else []
+    facts += [_SIGNS_IN_WORDS[mode.sign]] if mode.sign is not None else []
     return f"{mode.number}{names}{mirror}\n{between.join(facts)}"
 
 
-def _draw(axes: Any, figure: StickFigure, view: Array, scale: float) -> None:
+def _draw_figure(axes: Any, figure: StickFigure, view: Array, scale: float) -> None:
     """Draw from far to near, marks after bodies; what is behind the ground's plate before it."""
     behind = _behind_the_ground(figure, view[2])
 
@@ -219,7 +220,7 @@ def _draw(axes: Any, figure: StickFigure, view: Array, scale: float) -> None:
         else:
             _draw_body(axes, stroke, outline, rank, scale)
     origin, *ends = figure.tool @ view[:2].T
-    for end, colour in zip(ends, _AXES, strict=True):
+    for end, colour in zip(ends, _TOOL_COLOURS, strict=True):
         line = np.column_stack([origin, end])
         axes.plot(*line, color=colour, lw=1.3 * scale, zorder=len(figure.strokes))
 
@@ -230,7 +231,7 @@ def _behind_the_ground(figure: StickFigure, eye: Array) -> Callable[[Array], boo
         return lambda point: False
     middle, normal = plates[0].points.mean(axis=0), plates[0].normal
     normal = normal * np.sign(normal @ eye)
-    depth = _FLAT * float(np.ptp(plates[0].points, axis=0).max())
+    depth = _IN_A_PLANE * float(np.ptp(plates[0].points, axis=0).max())
     return lambda point: bool((point - middle) @ normal < -depth)
 
 

@@ -17,8 +17,9 @@ import numpy as np
 from pmjac_pin.errors import ArgumentError, MissingDependencyError, quoted
 from pmjac_pin.files.output_file import check_place, write_file
 from pmjac_pin.files.user_path import user_path
-from pmjac_pin.rates.ellipse import Array, Ellipse
+from pmjac_pin.rates.ellipse import Ellipse
 from pmjac_pin.rates.ellipsoid import Ellipsoid
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_number
 
 if TYPE_CHECKING:
@@ -30,12 +31,12 @@ PLANES = ("zy", "zx", "xy")
 
 # Okabe and Ito's palette, which colour-blind readers can tell apart.
 _SURFACE, _SECTION, _SHADOW = "#56B4E9", "#0072B2", "#D55E00"
-_AXES = ("#000000", "#009E73", "#CC79A7")
+_AXIS_COLOURS = ("#000000", "#009E73", "#CC79A7")
 _GRID = "#D9D9D9"
 
 _FEWEST_DOTS, _MOST_DOTS = 1, 2400  # per inch: of more, the picture would not fit in memory
 
-_ELEVATION = 30.0  # degrees, of the eye above the x-y plane
+_EYE_ELEVATION = 30.0  # degrees, of the eye above the x-y plane
 
 # By unit: the symbol and the words for what the ellipsoid bounds.
 _QUANTITIES = {
@@ -228,7 +229,7 @@ def _draw_space(axes: Any, ellipsoid: Ellipsoid, labels: dict[str, str]) -> None
     axes.plot_wireframe(x, y, z, color=_SECTION, alpha=0.3, linewidth=0.4, rcount=12, ccount=8)
     halo = [_matplotlib().patheffects.withStroke(linewidth=2.5, foreground="white")]
     for index in range(ellipsoid.rank):
-        radius, axis, color = ellipsoid.radii[index], ellipsoid.axes[:, index], _AXES[index]
+        radius, axis, color = ellipsoid.radii[index], ellipsoid.axes[:, index], _AXIS_COLOURS[index]
         axes.quiver(0, 0, 0, *(radius * axis), color=color, linewidth=2, arrow_length_ratio=0.12)
         # Labels of short axes would overlap at the centre: they stand off, at the end of a line.
         end = max(radius, 0.55 * limit) * axis
@@ -243,7 +244,7 @@ def _draw_space(axes: Any, ellipsoid: Ellipsoid, labels: dict[str, str]) -> None
     axes.set_aspect("equal")
     axes.set_box_aspect((1, 1, 1), zoom=1.05)
     axes.set_proj_type("ortho")
-    axes.view_init(elev=_ELEVATION, azim=_azimuth(ellipsoid))
+    axes.view_init(elev=_EYE_ELEVATION, azim=_azimuth(ellipsoid))
     axes.tick_params(labelsize=7, pad=0)
     axes.locator_params(nbins=5)
 
@@ -256,7 +257,7 @@ def _azimuth(ellipsoid: Ellipsoid) -> float:
     """
     best = (-1.0, 0.0)
     for azimuth in (-60.0, -30.0, 30.0, 60.0):
-        a, e = math.radians(azimuth), math.radians(_ELEVATION)
+        a, e = math.radians(azimuth), math.radians(_EYE_ELEVATION)
         sight = np.array([math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)])
         seen = np.abs(sight @ ellipsoid.axes)
         needle, flat = float(np.hypot(seen[1], seen[2])), float(seen[2])
@@ -281,7 +282,7 @@ def _draw_plane(axes: Axes, ellipsoid: Ellipsoid, plane: str, labels: dict[str, 
     rows = ["xyz".index(letter) for letter in plane]
     for index in range(ellipsoid.rank):
         x, y = ellipsoid.radii[index] * ellipsoid.axes[rows, index]
-        color, name = _AXES[index], f"axis {index + 1}"
+        color, name = _AXIS_COLOURS[index], f"axis {index + 1}"
         axes.plot([0, x], [0, y], color=color, linewidth=1.4, zorder=1.5, label=name)
     axes.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal")
     axes.set_xlabel(labels[plane[0]], fontsize=9)

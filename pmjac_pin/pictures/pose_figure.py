@@ -8,7 +8,7 @@ from pathlib import Path
 from pmjac_pin.pictures.plotting import plot_ellipsoid, save_figure
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.words.report import Report
-from pmjac_pin.words.tables import motor_values, title
+from pmjac_pin.words.tables import motor_line, title
 
 _TITLE_WIDTH, _SUBTITLE_WIDTH = 70, 95  # characters that fit the figure
 
@@ -23,13 +23,13 @@ def save_pose_figure(report: Report, ellipsoid: Ellipsoid, path: Path) -> None:
     MissingDependencyError
         matplotlib is not installed.
     """
-    heading, lines = title(report), [f"frame {report.frame}"]
+    heading, lines = title(report), [f"frame {report.split.frame}"]
     if len(heading) > _TITLE_WIDTH:
-        heading = report.mechanism
+        heading = report.name
     if heading != title(report) or report.pose is not None:
-        lines.insert(0, wrapped(motor_values(report.joints), _SUBTITLE_WIDTH))
-    if beyond := [joint.name for joint in report.limits_violated]:
-        lines.append(wrapped(f"beyond limits: {', '.join(beyond)}", _SUBTITLE_WIDTH))
+        lines.insert(0, wrapped(motor_line(report.joints), _SUBTITLE_WIDTH))
+    if beyond := ", ".join(report.configuration.limits_violated):
+        lines.append(wrapped(f"beyond limits: {beyond}", _SUBTITLE_WIDTH))
     save_figure(plot_ellipsoid(ellipsoid, title=heading, subtitle="\n".join(lines)), path)
 
 

@@ -7,20 +7,19 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.pictures.anatomy import Anatomy
 from pmjac_pin.pictures.bodies import Point, Points
+from pmjac_pin.values.arrays import Array
 
-Array = NDArray[np.float64]
-Kind = Literal[
+StrokeKind = Literal[
     "ground", "link", "rail", "motor rail", "rod", "joint", "motor", "slider", "ball", "anchor"
 ]
 
-_FLAT = 1e-6  # of the mechanism's size: thinner bodies are plates or bars
+_THIN = 1e-6  # of the mechanism's size: thinner bodies are plates or bars
 TOOL_LENGTH = 0.16  # of the mechanism's size
 
 
@@ -28,7 +27,7 @@ TOOL_LENGTH = 0.16  # of the mechanism's size
 class Stroke:
     """A bar (2 points), a plate (its 3 and more corners) or a mark (1 point), in the world, m."""
 
-    kind: Kind
+    kind: StrokeKind
     points: Array
 
     @property
@@ -81,20 +80,20 @@ class StickFigures:
         )
 
 
-def _drawn(anatomy: Anatomy) -> Iterator[tuple[Kind, list[Point]]]:
+def _drawn(anatomy: Anatomy) -> Iterator[tuple[StrokeKind, list[Point]]]:
     """Yield what is drawn, as points fixed to bodies: first what lies below."""
     for body in range(anatomy.model.njoints):
-        kind: Kind = "link" if body else "ground"
-        for corners in _outlines(anatomy.link_points(body), _FLAT * anatomy.size):
+        kind: StrokeKind = "link" if body else "ground"
+        for corners in _outlines(anatomy.link_points(body), _THIN * anatomy.size):
             yield kind, [Point(body, corner) for corner in corners]
     for joint in filter(anatomy.slides, anatomy.joints):
-        rail: Kind = "motor rail" if joint in anatomy.motors else "rail"
+        rail: StrokeKind = "motor rail" if joint in anatomy.motors else "rail"
         yield rail, [anatomy.root(joint), Point(joint, np.zeros(3))]
     for anchors in anatomy.anchors:
         if anchors.length:
             yield "rod", [anchors.first, anchors.second]
     for joint in anatomy.joints:
-        if mark := _mark(anatomy, joint):
+        if mark := _joint_mark(anatomy, joint):
             yield mark, [Point(joint, np.zeros(3))]
     for anchors in anatomy.anchors:
         ends = [anchors.first, anchors.second] if anchors.length else [anchors.first]
@@ -102,7 +101,7 @@ def _drawn(anatomy: Anatomy) -> Iterator[tuple[Kind, list[Point]]]:
             yield "anchor", [end]
 
 
-def _mark(anatomy: Anatomy, joint: int) -> Kind | None:
+def _joint_mark(anatomy: Anatomy, joint: int) -> StrokeKind | None:
     if anatomy.ball(joint):
         return "ball"
     if joint not in anatomy.bodies.axes:

@@ -13,12 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.rates.partition import Partition
-from pmjac_pin.values.norm import norm
-from pmjac_pin.values.read_only import ReadOnlyArrays
+from pmjac_pin.values.arrays import Array, Index, ReadOnlyArrays, norm
 from pmjac_pin.values.ties import first_largest, pivots
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)

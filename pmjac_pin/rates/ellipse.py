@@ -14,12 +14,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.ties import LIKE
-
-Array = NDArray[np.float64]
 
 MOST_POINTS = 5000  # of an outline, and each way of a surface: 25 million in all
 
@@ -64,7 +63,7 @@ class Ellipse:
         return Ellipse, (self.radii, self.axes, self.basis, self.unit)
 
     def __repr__(self) -> str:
-        return f"Ellipse(radii={brief(self.radii, self.unit)})"
+        return f"Ellipse(radii={brief_radii(self.radii, self.unit)})"
 
     @property
     def area(self) -> float:
@@ -100,7 +99,7 @@ class Ellipse:
 def image_of_ball(A: Array) -> tuple[Array, Array]:
     """Return radii (d,) and axes (d, d) of the image of the unit ball under a d x k matrix.
 
-    The axes as the decomposition gives them: see `settled`.
+    The axes as the decomposition gives them: see `settled_axes`.
     """
     d, k = A.shape
     axes, sigma, _ = np.linalg.svd(A, full_matrices=k < d)
@@ -117,10 +116,10 @@ def flattened(radii: Array, size: float) -> Array:
 def polar(radii: Array, axes: Array) -> tuple[Array, Array]:
     """Return radii and axes of the polar set {y : x · y ≤ 1 for all x of the ellipsoid}."""
     reciprocal = np.array([1 / r if r else math.inf for r in radii.tolist()][::-1])
-    return reciprocal, settled(reciprocal, axes[:, ::-1])
+    return reciprocal, settled_axes(reciprocal, axes[:, ::-1])
 
 
-def settled(radii: Array, axes: Array) -> Array:
+def settled_axes(radii: Array, axes: Array) -> Array:
     """Choose among all 2 or 3 orthonormal axes of these radii, so that rounding does not.
 
     Axes of radii that are equal (`ties`) are those of the world, turned the shortest way into
@@ -203,7 +202,7 @@ def check_drawable(radii: Array, **counts: int) -> None:
     """Refuse the outline of an unbounded figure, and too few points for one."""
     if radii[0] == math.inf:
         raise ArgumentError(
-            f"an unbounded figure has no outline; its radii {brief(radii)} must all be finite"
+            f"an unbounded figure has no outline; its radii {brief_radii(radii)} must all be finite"
         )
     for name, count in counts.items():
         try:
@@ -215,6 +214,6 @@ def check_drawable(radii: Array, **counts: int) -> None:
             raise ArgumentError(f"{name} must be {wanted}; got {quoted(count)}")
 
 
-def brief(radii: Array, unit: str = "") -> str:
+def brief_radii(radii: Array, unit: str = "") -> str:
     """Return radii as a ``repr`` shows them."""
     return f"[{' '.join(f'{r:.4g}' for r in radii.tolist())}] {unit}".rstrip()

@@ -15,24 +15,23 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.rates.ellipse import (
     FLATNESS_TOLERANCE,
     Ellipse,
-    brief,
+    brief_radii,
     check_drawable,
     flattened,
     image_of_ball,
     polar,
     real_array,
-    settled,
+    settled_axes,
 )
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import LARGEST
 from pmjac_pin.values.ties import first_largest
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -95,7 +94,7 @@ class Ellipsoid:
         return Ellipsoid, (self.radii, self.axes, self.unit)
 
     def __repr__(self) -> str:
-        return f"Ellipsoid(radii={brief(self.radii, self.unit)}, rank={self.rank})"
+        return f"Ellipsoid(radii={brief_radii(self.radii, self.unit)}, rank={self.rank})"
 
     @property
     def rank(self) -> int:
@@ -138,7 +137,7 @@ class Ellipsoid:
         >>> disc.section("zy"), disc.projection([1, 0, 1])
         (Ellipse(radii=[2 0] m/s), Ellipse(radii=[2.121 2] m/s))
         """
-        basis, normal = _plane(plane)
+        basis, normal = _basis_and_normal(plane)
         if self.radii[0] == math.inf:
             shadow = Ellipsoid(*polar(self.radii, self.axes), self.unit).projection(plane)
             return Ellipse(*polar(shadow.radii, shadow.axes), basis, self.unit)
@@ -155,7 +154,7 @@ class Ellipsoid:
         The projection of an unbounded ellipsoid is the polar of the section of its polar.
         The plane, the returned `Ellipse` and the errors are those of `section`.
         """
-        basis, _ = _plane(plane)
+        basis, _ = _basis_and_normal(plane)
         if self.radii[0] == math.inf:
             cut = Ellipsoid(*polar(self.radii, self.axes), self.unit).section(plane)
             return Ellipse(*polar(cut.radii, cut.axes), basis, self.unit)
@@ -164,7 +163,7 @@ class Ellipsoid:
     def _flat_image(self, basis: Array, image: Array) -> Ellipse:
         radii, axes = image_of_ball(basis.T @ image)
         radii = flattened(radii, float(self.radii[0]))
-        return Ellipse(radii, settled(radii, axes), basis, self.unit)
+        return Ellipse(radii, settled_axes(radii, axes), basis, self.unit)
 
     def points(self, n_u: int = 61, n_v: int = 31) -> Array:
         """Return surface points on a grid, as matplotlib's ``plot_surface`` takes them.
@@ -265,13 +264,13 @@ def force_ellipsoid(jacobian: ArrayLike, unit: str = "N", rounding: float = 0.0)
 
 def _principal(jacobian: ArrayLike, rounding: float) -> tuple[Array, Array]:
     """Return the radii of the velocities, zero where they are rounding, and the axes."""
-    block = _block(jacobian)
+    block = _checked_block(jacobian)
     if not (isinstance(rounding, int | float) and 0.0 <= rounding <= LARGEST):
         raise ArgumentError(f"rounding must be a number ≥ 0, got {quoted(rounding)}")
     radii, axes = image_of_ball(block)
     flat = flattened(radii, float(radii[0]))
     flat = np.where(flat > rounding, flat, 0.0)
-    return flat, settled(flat, axes)
+    return flat, settled_axes(flat, axes)
 
 
 def _right_handed(axes: Array) -> bool:
@@ -283,7 +282,7 @@ def _right_handed(axes: Array) -> bool:
     )
 
 
-def _plane(plane: str | ArrayLike) -> tuple[Array, Array]:
+def _basis_and_normal(plane: str | ArrayLike) -> tuple[Array, Array]:
     """Return the basis (3, 2) of a plane and its unit normal, right-handed together."""
     if isinstance(plane, str):
         letters = plane.lower()
@@ -307,7 +306,7 @@ def _plane(plane: str | ArrayLike) -> tuple[Array, Array]:
     return np.column_stack([first, np.cross(normal, first)]), normal
 
 
-def _block(jacobian: ArrayLike) -> Array:
+def _checked_block(jacobian: ArrayLike) -> Array:
     J = real_array(jacobian, "the Jacobian block")
     finite = bool(np.isfinite(J).all())
     if J.ndim != 2 or J.shape[0] != 3 or not finite:

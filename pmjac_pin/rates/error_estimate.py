@@ -4,7 +4,7 @@ A pose closes its loops to rounding only. Of a gap δ the pose is off by up to �
 smallest singular value of K*, and beside a singularity J_eq changes by 1/σ² of that again: its
 relative error grows with the square of the condition number.
 
-Linear algebra on arrays; what is asked of a pose is in `Pose`.
+Linear algebra on arrays; what is asked of a pose is in `RoundedPose`.
 """
 
 from __future__ import annotations
@@ -13,19 +13,16 @@ from collections.abc import Iterator
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.rates.factorisation import Factorisation
 from pmjac_pin.rates.partition import Partition
-from pmjac_pin.values.norm import norm
+from pmjac_pin.values.arrays import Array, norm
 
-Array = NDArray[np.float64]
-
-_EPS = float(np.finfo(float).eps)
+EPS = float(np.finfo(float).eps)
 _SUMS = 16.0  # units in the last place, for an entry that is a sum of a few products
 
 
-class Pose(Protocol):
+class RoundedPose(Protocol):
     """A pose whose loops are closed but for rounding."""
 
     def opened(self) -> float:
@@ -48,7 +45,7 @@ def error_estimate(
     tool_jacobian: Array,
     motion_map: Array,
     partition: Partition,
-    pose: Pose,
+    pose: RoundedPose,
 ) -> Array:
     """Return a bound for |J_eq − that of the closed pose|, entry by entry, shape (6, n).
 
@@ -69,9 +66,9 @@ def error_estimate(
     rates = motion_map / partition.column_scale[:, None]
     felt = tool.take(passive, axis=1) @ (factors.right[:rank].T / factors.singular_values[:rank])
     opened = pose.opened()
-    entries = opened / partition.length + _SUMS * _EPS * norm(scaled)
-    linear = opened / partition.length + _SUMS * _EPS * norm(tool[:3])
-    rows = np.repeat([linear, _SUMS * _EPS * norm(tool[3:])], 3)
+    entries = opened / partition.length + _SUMS * EPS * norm(scaled)
+    linear = opened / partition.length + _SUMS * EPS * norm(tool[:3])
+    rows = np.repeat([linear, _SUMS * EPS * norm(tool[3:])], 3)
     rounding = np.outer(
         rows + entries * np.linalg.norm(felt, axis=1), np.linalg.norm(rates, axis=0)
     )
@@ -88,7 +85,7 @@ def _by_the_pose(
     felt: Array,
     rates: Array,
     partition: Partition,
-    pose: Pose,
+    pose: RoundedPose,
 ) -> tuple[Array, float]:
     """Return (Σᵢ (dJ_eq[vᵢ] / σᵢ)²)^½, shape (6, n), and the largest |dK*[vᵢ]| over σ²."""
     rank = partition.passive_rank

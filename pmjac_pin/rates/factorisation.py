@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 #: A singular value below this times the size of [K K*] counts as zero. Loops closed to 1e-12
 #: of the length cannot tell a pose from a singular one nearer than √1e-12: at a fold the residual

@@ -1,4 +1,4 @@
-"""EquivalentJacobian: K, K*, J, J* and J_eq = J − J* K*⁻¹ K (Ghosal, equations 26 to 33).
+"""EquivalentJacobian: J_eq = J − J* K*⁻¹ K (Ghosal, equations 26 to 33).
 
 Linear algebra on plain arrays: it imports no Pinocchio and works on matrices from elsewhere.
 """
@@ -6,11 +6,10 @@ Linear algebra on plain arrays: it imports no Pinocchio and works on matrices fr
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.errors import (
     ArgumentError,
@@ -19,103 +18,17 @@ from pmjac_pin.errors import (
     SingularError,
     quoted,
 )
-from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.rates.ellipsoid import Ellipsoid, force_ellipsoid, velocity_ellipsoid
-from pmjac_pin.rates.error_estimate import Pose, error_estimate
+from pmjac_pin.rates.error_estimate import error_estimate
 from pmjac_pin.rates.factorisation import Factorisation
 from pmjac_pin.rates.partition import LoopRates, Partition, TwistRanks
 from pmjac_pin.rates.singularity import Singularity, analyse_singularity, forbidden_rates
-from pmjac_pin.values.norm import norm
-from pmjac_pin.values.read_only import ReadOnlyArrays, read_only
+from pmjac_pin.rates.split import SplitJacobian
+from pmjac_pin.values.arrays import Array, norm, read_only
 from pmjac_pin.values.ties import first_largest
 
-Array = NDArray[np.float64]
 _STILL = 1e-6  # of the largest rate of a motion
-_ROUNDING = 1e-12  # of ‖J‖ ‖G‖
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class SplitJacobian(ReadOnlyArrays):
-    """The matrices before the passive rates are eliminated: they exist at singular poses too.
-
-    All arrays are read-only. n motors, m_p passive degrees of freedom, m independent rows of
-    the loop equations.
-
-    Attributes
-    ----------
-    constraint_jacobian : ndarray, shape (p, nv)
-        ∂η/∂v on all rows, world axes, Pinocchio's columns.
-    tool_jacobian : ndarray, shape (6, nv)
-        Of the cut tree, linear rows first, in `frame`, Pinocchio's columns.
-    frame : str
-        "LOCAL", "WORLD" or "LOCAL_WORLD_ALIGNED", as in Pinocchio.
-    partition : Partition
-        Which columns are actuated and which passive.
-    pose : Pose or None
-        What is known of the rounding of the pose that they belong to; None for matrices from
-        elsewhere.
-    """
-
-    constraint_jacobian: Array
-    tool_jacobian: Array
-    frame: FrameName
-    partition: Partition
-    pose: Pose | None = field(default=None, kw_only=True)
-
-    @cached_property
-    def rows(self) -> NDArray[np.intp]:
-        """Which rows of η are those of K and K*, shape (m,)."""
-        scaled = self.partition.scaled(self.constraint_jacobian)
-        return read_only(self.partition.shown_rows(scaled))
-
-    @cached_property
-    def K(self) -> Array:
-        """∂η/∂θ on the independent rows, shape (m, n)."""
-        return read_only(self.constraint_jacobian[np.ix_(self.rows, self.partition.actuated)])
-
-    @cached_property
-    def K_star(self) -> Array:
-        """∂η/∂φ on the independent rows, shape (m, m_p)."""
-        return read_only(self.constraint_jacobian[np.ix_(self.rows, self.partition.passive)])
-
-    @cached_property
-    def Jv(self) -> Array:
-        """Linear rows of J, shape (3, n)."""
-        return read_only(self.tool_jacobian[:3, self.partition.actuated])
-
-    @cached_property
-    def Jv_star(self) -> Array:
-        """Linear rows of J*, shape (3, m_p)."""
-        return read_only(self.tool_jacobian[:3, self.partition.passive])
-
-    @cached_property
-    def Jw(self) -> Array:
-        """Angular rows of J, shape (3, n)."""
-        return read_only(self.tool_jacobian[3:, self.partition.actuated])
-
-    @cached_property
-    def Jw_star(self) -> Array:
-        """Angular rows of J*, shape (3, m_p)."""
-        return read_only(self.tool_jacobian[3:, self.partition.passive])
-
-    @property
-    def tool_sizes(self) -> Array:
-        """What the entries of J and J* are compared with, linear and angular, shape (2,)."""
-        sizes = self.partition.tool_sizes(self.tool_jacobian)
-        return read_only(np.array(sizes) / self.partition.column_scale.min(initial=1.0))
-
-    @property
-    def det_K_star(self) -> float | None:
-        """Determinant of K*, None where K* is not square. It decides nothing."""
-        rows, columns = self.K_star.shape
-        return float(np.linalg.det(self.K_star)) if rows == columns else None
-
-    def __repr__(self) -> str:
-        return f"SplitJacobian({self._sizes()})"
-
-    def _sizes(self) -> str:
-        m, n, m_p = self.rows.size, self.partition.actuated.size, self.partition.passive.size
-        return f"K={m}×{n}, K_star={m}×{m_p}, J=6×{n}, J_star=6×{m_p}, frame={self.frame!r}"
+_RADIUS_ROUNDING = 1e-12  # of ‖J‖ ‖G‖
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -220,7 +133,7 @@ class EquivalentJacobian(SplitJacobian):
     @property
     def _rounding(self) -> list[float]:
         """What a radius may be by rounding alone: far above it, and far below all that matters."""
-        return [_ROUNDING * size for size in self.sizes.tolist()]
+        return [_RADIUS_ROUNDING * size for size in self.sizes.tolist()]
 
     def velocity_ellipsoid(self) -> Ellipsoid:
         """Return the tool velocities of all |θ̇| = 1: the principal velocities, in m/s.
@@ -319,7 +232,7 @@ def _singular(singularity: Singularity) -> SingularError:
     )
 
 
-def _moving(names: tuple[str, ...], rates: Array) -> list[tuple[str, float]]:
+def _moving_joints(names: tuple[str, ...], rates: Array) -> list[tuple[str, float]]:
     """Return the joints that take part in a motion: the others' rates are rounding."""
     floor = _STILL * np.abs(rates).max()
     return [
@@ -333,7 +246,7 @@ def _refuse_forbidden(factors: Factorisation, scaled: Array, partition: Partitio
         return
     names = partition.actuated_names
     directions = "; ".join(
-        ", ".join(f"{name} {rate:+.3g}" for name, rate in _moving(names, column))
+        ", ".join(f"{name} {rate:+.3g}" for name, rate in _moving_joints(names, column))
         for column in forbidden.T
     )
     motors = f"{len(names)} motor{'s are' if len(names) > 1 else ' is'}"
@@ -355,7 +268,7 @@ def refuse_felt_idle_motion(
         return
     idle = partition.column_scale[partition.passive] * (factors.null_space @ motions.right[0])
     idle /= idle[first_largest(idle)]
-    moving = ", ".join(name for name, _ in _moving(partition.passive_names, idle))
+    moving = ", ".join(name for name, _ in _moving_joints(partition.passive_names, idle))
     raise IdleMotionError(
         f"the tool is moved by a passive motion that no motor commands: {moving} "
         f"move freely with all motors locked; make one of them actuated, or put the tool on a "

@@ -12,19 +12,14 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.model.tool_rows import WHOLE_TWIST, ToolRows
 from pmjac_pin.rates.factorisation import RANK_TOLERANCE, Factorisation, factorise
+from pmjac_pin.values.arrays import Array, Index, ReadOnlyArrays, norm, read_only
 from pmjac_pin.values.checks import SMALLEST, as_number, as_numbers
-from pmjac_pin.values.norm import norm
-from pmjac_pin.values.read_only import ReadOnlyArrays, read_only
 from pmjac_pin.values.ties import pivots
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
-
 
 _LEAST_SIZE = 0.1  # of [K K*], beside its generic size
 

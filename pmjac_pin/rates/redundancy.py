@@ -15,11 +15,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.rates.partition import Partition, independent_rows
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,11 +40,6 @@ class LoopRank:
     def redundant_inside(self) -> int:
         """Rows that follow from the other rows of this loop."""
         return self.rows - self.rank
-
-    @property
-    def implied(self) -> int:
-        """Independent rows of this loop that the other loops ask for already."""
-        return self.rank - self.needed
 
 
 def loop_ranks(scaled: Array, loops: Sequence[slice], partition: Partition) -> tuple[LoopRank, ...]:

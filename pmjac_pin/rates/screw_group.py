@@ -12,11 +12,9 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.rates.factorisation import factorise
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 # By the ranks of the rotations and of the pure translations among the twists.
 _NAMES = {

@@ -12,17 +12,16 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.model.tool_rows import ToolRows
 from pmjac_pin.rates.factorisation import Factorisation
 from pmjac_pin.rates.partition import LoopRates, Partition
-from pmjac_pin.values.norm import norm
-from pmjac_pin.values.read_only import ReadOnlyArrays
+from pmjac_pin.values.arrays import Array, ReadOnlyArrays, norm
 from pmjac_pin.values.ties import first_largest
 
-Array = NDArray[np.float64]
-Kind = Literal["regular", "gain", "loss", "gain and loss", "configuration space", "isolated"]
+SingularityKind = Literal[
+    "regular", "gain", "loss", "gain and loss", "configuration space", "isolated"
+]
 #: rank of K* ↦ the bases of what is gained and of what is idle in null K*, on the scaled rates.
 Split: TypeAlias = Callable[[int], tuple[Array, Array]]
 
@@ -113,7 +112,7 @@ class Singularity(ReadOnlyArrays):
         return float(self.singular_values[0]) / self.smallest if self.smallest else np.inf
 
     @property
-    def kind(self) -> Kind:
+    def kind(self) -> SingularityKind:
         """What kind of singularity this is.
 
         "gain": K* drops, motions come free with the motors locked (second kind, parallel);

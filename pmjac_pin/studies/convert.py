@@ -15,8 +15,8 @@ from pmjac_pin.files.model_file import parse_model_file
 from pmjac_pin.files.output_file import check_place, write_files
 from pmjac_pin.files.source import Source, read_source
 from pmjac_pin.files.urdf.robot import Urdf, parse_urdf
-from pmjac_pin.files.user_path import followed, is_file, readable, real, told, user_path
-from pmjac_pin.loading import adjusted, build
+from pmjac_pin.files.user_path import followed, is_file, readable, real, shown_path, user_path
+from pmjac_pin.loading import adjusted, mechanism_of
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.spec import JointValue, MechanismSpec, encode_spec
 
@@ -78,12 +78,12 @@ def convert(
     tree = _urdf_beside(target, read)
     _check_places(target, tree, read, force)
     _check_beside(given, tree)
-    mechanism = build(source)
+    mechanism = mechanism_of(source)
     spec = msgspec.structs.replace(
         source.spec, name="", urdf=tree.name, poses=_closed_poses(mechanism)
     )
     urdf, model_file = _indented(source.urdf), _toml(spec, _comments(path, source))
-    build(Source(target, parse_model_file(model_file, target), parse_urdf(urdf, str(tree))))
+    mechanism_of(Source(target, parse_model_file(model_file, target), parse_urdf(urdf, str(tree))))
     write_files({tree: urdf.encode(), target: model_file.encode()}, replace=force)
     return target, tree
 
@@ -101,29 +101,30 @@ def _urdf_beside(target: Path, read: Set[Path]) -> Path:
 def _check_places(target: Path, tree: Path, read: Set[Path], force: bool) -> None:
     for place in (target, tree):
         if real(place) in read:
-            raise _refused(place, "is what is read, and is not replaced")
+            raise _not_written(place, "is what is read, and is not replaced")
         check_place(place)
         if is_file(place) and not force:
-            raise _refused(place, "exists already; --force replaces it")
+            raise _not_written(place, "exists already; --force replaces it")
 
 
 def _check_beside(output: Path, tree: Path) -> None:
     """Refuse a link beside which there is another file of the tree's name: it would be read."""
     other = output.with_name(tree.name)
     if is_file(other) and real(other) != real(tree):
-        why = f"would be read with {told(output.name)} in place of {told(tree)}; move it away"
-        raise _refused(other, why)
+        instead = f"{shown_path(output.name)} in place of {shown_path(tree)}"
+        why = f"would be read with {instead}; move it away"
+        raise _not_written(other, why)
 
 
 def _check_name(target: Path) -> None:
     if target.suffix != ".toml":
-        raise _refused(target, "a model file's name ends in .toml")
+        raise _not_written(target, "a model file's name ends in .toml")
     if readable(target.name) != target.name:
-        raise _refused(target, "a model file's name is UTF-8 text, since it names its URDF so")
+        raise _not_written(target, "a model file's name is UTF-8 text, since it names its URDF so")
 
 
-def _refused(place: Path, why: str) -> OutputError:
-    return OutputError(f"{told(place)}: {why}")
+def _not_written(place: Path, why: str) -> OutputError:
+    return OutputError(f"{shown_path(place)}: {why}")
 
 
 def _closed_poses(mechanism: Mechanism) -> dict[str, Mapping[str, JointValue]]:

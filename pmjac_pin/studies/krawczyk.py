@@ -16,14 +16,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pmjac_pin.algebra.balls import OUTWARDS, BallArray, exactly, norm, upper
+from pmjac_pin.algebra.balls import OUTWARDS, BallArray, euclidean_norm, exactly, upper
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.studies.contraction import contraction
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from pmjac_pin.values.arrays import Array, Index
 
 #: The point itself, and the radii that are tried, rad: a factor of 4 apart, then of √2.
 RADII = np.concatenate(
@@ -79,7 +76,7 @@ def radii(
         return _nothing("K* has no inverse: its determinant is zero")
     some = groups[:, columns]
     correction = exactly(A) @ residual
-    Y = max(upper(norm(correction[row > 0.0])) for row in some if row.any())
+    Y = max(upper(euclidean_norm(correction[row > 0.0])) for row in some if row.any())
     Z = _norms(contraction(A, own), some, some)
     N = _norms(jacobian.after(A), some, groups)
     return _tested(Y, Z, N, tried)

@@ -14,10 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 from msgspec.structs import replace
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.assembly import build_parts
-from pmjac_pin.closing.machine_size import shifted
+from pmjac_pin.closing.machine_size import shifted_model
 from pmjac_pin.errors import ArgumentError, quoted, unknown_name
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
@@ -25,8 +24,7 @@ from pmjac_pin.model.linkage import Edge, build, edges_of
 from pmjac_pin.model.loop_joint import Anchor, LoopJoint, loop_joint
 from pmjac_pin.model.loop_spec import DistanceLoop, FrameLoop, JointLoop, Loop
 from pmjac_pin.model.spec import JointValue, MechanismSpec
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 _ALL = 6  # freedoms: such a joint holds nothing
 
@@ -112,7 +110,9 @@ def _recut(
     turned = _turned_round(edges, held.edges[-1].child, edges[joint].child)
     cut = _cut(edges[joint], model.njoints + 1, _keeps_its_value(spec, joint), _frame_names(model))
     stay = [turned.get(name, edge) for name, edge in edges.items() if name != joint]
-    tree = shifted(build(model, [*stay, *cut.edges, *held.edges], cut.frames), mechanism.place)
+    tree = shifted_model(
+        build(model, [*stay, *cut.edges, *held.edges], cut.frames), mechanism.place
+    )
     loops = [_resolved(loop, mechanism.parameters) for loop in spec.loops if loop is not opened]
 
     def pose(q: Array) -> dict[str, JointValue]:

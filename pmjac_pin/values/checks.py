@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.named_values import named_values
-
-Array = NDArray[np.float64]
 
 #: m, rad, kg, kg m²; squared twice it is still far from overflowing.
 LARGEST = 1e9

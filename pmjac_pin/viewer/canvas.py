@@ -11,15 +11,13 @@ from collections.abc import Iterable
 from typing import Any
 
 import msgspec
-import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.files.shapes import Box, Colour, Cone, Cylinder, Shape, Sphere, Text
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.viewer.items import Item
 from pmjac_pin.viewer.palette import hexadecimal
 
-Array = NDArray[np.float64]
-Command = tuple[str, bytes]
+Packet = tuple[str, bytes]
 
 ROOT = "/pmjac"
 
@@ -41,17 +39,17 @@ class Canvas:
         self._matrices: dict[str, bytes] = {}
         self._visible: dict[str, bool] = {}
 
-    def update(self, items: Iterable[Item]) -> list[Command]:
+    def update(self, items: Iterable[Item]) -> list[Packet]:
         """Draw these items; return the commands for what has changed.
 
         From pose to pose these are transforms, the labels whose text has changed, and what
         appears or is hidden. What was drawn and is not among the items is hidden.
         """
-        changed: list[Command] = []
+        changed: list[Packet] = []
         hidden = {path for path, visible in self._visible.items() if visible}
         for item in items:
             if item.visible:
-                path = _path(item.name)
+                path = _safe_path(item.name)
                 hidden.discard(path)
                 self._draw(path, item, changed)
         for path in hidden:
@@ -59,11 +57,11 @@ class Canvas:
         self._commands.update(changed)
         return changed
 
-    def commands(self) -> list[Command]:
+    def commands(self) -> list[Packet]:
         """Return the whole picture."""
         return list(self._commands.items())
 
-    def _draw(self, path: str, item: Item, changed: list[Command]) -> None:
+    def _draw(self, path: str, item: Item, changed: list[Packet]) -> None:
         if self._shapes.get(path) != item.shape:
             self._shapes[path] = item.shape
             changed.append((f"object {path}", _set_object(path, item)))
@@ -74,12 +72,12 @@ class Canvas:
         if not self._visible.get(path):
             self._show(path, True, changed)
 
-    def _show(self, path: str, visible: bool, changed: list[Command]) -> None:
+    def _show(self, path: str, visible: bool, changed: list[Packet]) -> None:
         self._visible[path] = visible
         changed.append(_property(path, "visible", visible))
 
 
-def _path(name: str) -> str:
+def _safe_path(name: str) -> str:
     """Return a path that is safe for meshcat, to which "constructor" is no name for a child."""
     return f"{ROOT}/_" + name.replace("/", "/_")
 
@@ -92,7 +90,7 @@ def _set_transform(path: str, matrix: Array) -> bytes:
 def _set_object(path: str, item: Item) -> bytes:
     shape, colour = item.shape, item.colour
     if isinstance(shape, Text):
-        made = _label(shape.text, colour)
+        made = _sprite(shape.text, colour)
     else:
         made = _mesh(shape, colour, on_top=item.on_top)
     made["metadata"] = {"version": 4.5, "type": "Object"}
@@ -142,7 +140,7 @@ def _geometry(shape: Box | Cylinder | Cone | Sphere) -> dict[str, Any]:
     return {"type": "CylinderGeometry", **size}
 
 
-def _label(text: str, colour: Colour) -> dict[str, Any]:
+def _sprite(text: str, colour: Colour) -> dict[str, Any]:
     """Return a sprite, which always faces the eye; labels.js writes the text and finds it room."""
     texture, material = _identity(), _identity()
     return {
@@ -182,7 +180,7 @@ def _identity() -> str:
     return str(uuid.uuid4())
 
 
-def _property(path: str, name: str, value: Any) -> Command:
+def _property(path: str, name: str, value: Any) -> Packet:
     command = {"type": "set_property", "path": path, "property": name, "value": value}
     return f"property {path} {name}", msgspec.msgpack.encode(command)
 

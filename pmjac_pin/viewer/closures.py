@@ -7,12 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pmjac_pin.files.shapes import Array, Cylinder, Sphere, scaled, translation
-from pmjac_pin.model.loop_spec import Opening
-from pmjac_pin.pictures.anatomy import Anatomy, Anchors
+from pmjac_pin.files.shapes import Cylinder, Sphere, scaled
+from pmjac_pin.model.joint_form import shifted
+from pmjac_pin.model.loop_between_frames import Opening
+from pmjac_pin.pictures.anatomy import Anatomy, LoopAnchors
 from pmjac_pin.pictures.bodies import Points
-from pmjac_pin.viewer.items import Part, between
-from pmjac_pin.viewer.layers import SPECK, Attached, Drawing, Lines, Pose
+from pmjac_pin.values.arrays import Array
+from pmjac_pin.viewer.items import Carried, Part, between
+from pmjac_pin.viewer.layers import SPECK, Attached, Drawing, DrawnPose, Lines
 from pmjac_pin.viewer.palette import FIRST_ANCHOR, GAP, ROD, SECOND_ANCHOR
 
 # Shares of the mechanism's size.
@@ -21,12 +23,10 @@ FIRST_AXIS, SECOND_AXIS = 0.08, 0.065  # half the length: the first one's, thinn
 AXIS_RADII = (0.006, 0.011)
 ROD_RADIUS, SLIDE_RADIUS, GAP_RADIUS = 0.015, 0.006, 0.008
 
-_Piece = tuple[Part, int, Array]
-
 
 def anchor_layer(anatomy: Anatomy) -> Attached:
     """Return a ball at each anchor; the second one's is larger and lets the first one shine."""
-    return Attached.of(_balls(anatomy))
+    return Attached.of(_ball_pieces(anatomy))
 
 
 def axis_layer(anatomy: Anatomy) -> Attached:
@@ -97,7 +97,7 @@ class Gaps:
     radius: float
     smallest: float
 
-    def draw(self, pose: Pose) -> Drawing:
+    def draw(self, pose: DrawnPose) -> Drawing:
         """Stretch the lines."""
         starts = self.firsts.at(pose.placements)
         way = self.seconds.at(pose.placements) - starts
@@ -111,17 +111,17 @@ class Gaps:
         return Drawing(*between(starts, ends, radii, self.smallest))
 
 
-def _balls(anatomy: Anatomy) -> Iterator[_Piece]:
+def _ball_pieces(anatomy: Anatomy) -> Iterator[Carried]:
     for number, anchors in enumerate(anatomy.anchors, start=1):
         for name, point, radius, colour in (
             ("first", anchors.first, FIRST_RADIUS, FIRST_ANCHOR),
             ("second", anchors.second, SECOND_RADIUS, SECOND_ANCHOR),
         ):
-            place = translation(point.place) @ scaled(radius * anatomy.size)
+            place = shifted(point.place) @ scaled(radius * anatomy.size)
             yield Part(f"loops/{number}/{name}", Sphere(), colour), point.body, place
 
 
-def _pins(anatomy: Anatomy) -> Iterator[_Piece]:
+def _pins(anatomy: Anatomy) -> Iterator[Carried]:
     for number, anchors in enumerate(anatomy.anchors, start=1):
         if anchors.axes is None:
             continue
@@ -135,7 +135,7 @@ def _pins(anatomy: Anatomy) -> Iterator[_Piece]:
             yield Part(f"loops/{number}/{name}", Cylinder(), colour), point.body, place
 
 
-def _rod_radius(anchors: Anchors) -> float:
+def _rod_radius(anchors: LoopAnchors) -> float:
     if anchors.loop.opening == "along":
         return SLIDE_RADIUS
     return ROD_RADIUS if anchors.length > 0.0 else 0.0

@@ -15,7 +15,7 @@ from pmjac_pin.viewer.handlers import Browser
 _logger = logging.getLogger(__name__)
 
 _MOST_CONNECTIONS = 256  # half of them WebSockets, of which `Browser` counts for itself
-_AT_ONCE = 32  # let in before anything else gets its turn
+_LET_IN_AT_ONCE = 32  # let in before anything else gets its turn
 _PAUSE = 1.0  # seconds, when the process has no file descriptors left
 
 
@@ -69,7 +69,7 @@ class Door:
         self._loop.remove_reader(self._socket)
 
     def _accept(self) -> None:
-        for _ in range(_AT_ONCE):
+        for _ in range(_LET_IN_AT_ONCE):
             try:
                 connection, address = self._socket.accept()
             except (BlockingIOError, ConnectionAbortedError, InterruptedError):

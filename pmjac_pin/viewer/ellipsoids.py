@@ -9,14 +9,22 @@ import numpy as np
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError, NoJacobianError
-from pmjac_pin.files.shapes import Array, Cone, Cylinder, Sphere
+from pmjac_pin.files.shapes import Cone, Cylinder, Sphere
 from pmjac_pin.pictures.anatomy import Anatomy
 from pmjac_pin.rates.ellipse import ties, turned_into_plane
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.rates.jacobian import EquivalentJacobian
-from pmjac_pin.values.read_only import read_only
+from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.viewer.items import Part, between
-from pmjac_pin.viewer.layers import SPECK, Drawing, Kind, Pose, lettering, specks, words
+from pmjac_pin.viewer.layers import (
+    SPECK,
+    Drawing,
+    DrawnPose,
+    EllipsoidKind,
+    lettering,
+    specks,
+    words,
+)
 from pmjac_pin.viewer.palette import PRINCIPAL, SURFACE
 
 # Shares of the mechanism's size.
@@ -45,8 +53,8 @@ class EllipsoidLayer:
         Metres in the picture per unit of the ellipsoid.
     """
 
-    def __init__(self, anatomy: Anatomy, kind: Kind) -> None:
-        self._kind: Kind = kind
+    def __init__(self, anatomy: Anatomy, kind: EllipsoidKind) -> None:
+        self._kind: EllipsoidKind = kind
         self._size = anatomy.size
         self.automatic = _automatic_scale(anatomy, kind)
         path = f"ellipsoids/{kind}"
@@ -58,7 +66,7 @@ class EllipsoidLayer:
             *(words(f"{path}/axis{n}/label", "", PRINCIPAL[kind]) for n in axes),
         )
 
-    def draw(self, pose: Pose) -> Drawing:
+    def draw(self, pose: DrawnPose) -> Drawing:
         """Return surface, axes and labels."""
         ellipsoid = pose.ellipsoids.get(self._kind)
         transforms, visible = np.zeros((10, 4, 4)), np.zeros(10, dtype=bool)
@@ -72,7 +80,7 @@ class EllipsoidLayer:
             visible[:] = [True, *(3 * [n < ellipsoid.rank for n in range(3)])]
             for n, radius in enumerate(ellipsoid.radii[: ellipsoid.rank].tolist()):
                 cut = radius * self.automatic * pose.scale > LIMIT * self._size
-                texts[7 + n] = label(radius, ellipsoid.unit) + ", cut" * cut
+                texts[7 + n] = radius_label(radius, ellipsoid.unit) + ", cut" * cut
         specks(transforms, visible, pose.tool, SPECK * self._size)
         return Drawing(transforms, visible, texts)
 
@@ -96,7 +104,9 @@ class EllipsoidLayer:
         return shafts, cones, words_at
 
 
-def find_ellipsoids(configuration: Configuration, kinds: Iterable[Kind]) -> dict[Kind, Ellipsoid]:
+def find_ellipsoids(
+    configuration: Configuration, kinds: Iterable[EllipsoidKind]
+) -> dict[EllipsoidKind, Ellipsoid]:
     """Return the ellipsoids of these kinds, or nothing where no equivalent Jacobian exists."""
     kinds = tuple(kinds)
     if not kinds:
@@ -109,8 +119,8 @@ def find_ellipsoids(configuration: Configuration, kinds: Iterable[Kind]) -> dict
 
 
 def directions_after(
-    before: Mapping[Kind, Array], ellipsoids: Mapping[Kind, Ellipsoid]
-) -> dict[Kind, Array]:
+    before: Mapping[EllipsoidKind, Array], ellipsoids: Mapping[EllipsoidKind, Ellipsoid]
+) -> dict[EllipsoidKind, Array]:
     """Return the axes of ellipsoids, each with the sign of the earlier one that it is most like.
 
     The earlier one need not be of the same number: where two radii cross, their axes change
@@ -138,7 +148,7 @@ def _kept(before: Array, axes: Array, tied: list[bool]) -> Array:
     return axes
 
 
-def _ellipsoid(jacobian: EquivalentJacobian, kind: Kind) -> Ellipsoid:
+def _ellipsoid(jacobian: EquivalentJacobian, kind: EllipsoidKind) -> Ellipsoid:
     match kind:
         case "linear":
             return jacobian.velocity_ellipsoid()
@@ -148,12 +158,12 @@ def _ellipsoid(jacobian: EquivalentJacobian, kind: Kind) -> Ellipsoid:
             return jacobian.force_ellipsoid()
 
 
-def label(radius: float, unit: str) -> str:
+def radius_label(radius: float, unit: str) -> str:
     """Return what an axis is labelled with: always four digits, so that it keeps its width.
 
     Examples
     --------
-    >>> label(2.34, "m/s"), label(float("inf"), "N")
+    >>> radius_label(2.34, "m/s"), radius_label(float("inf"), "N")
     ('2.340 m/s', '∞ N')
     """
     number = "∞" if math.isinf(radius) else f"{radius:#.4g}".rstrip(".")
@@ -167,7 +177,7 @@ def _surface(position: Array, axes: Array, radii: Array) -> Array:
     return transform
 
 
-def _automatic_scale(anatomy: Anatomy, kind: Kind) -> float:
+def _automatic_scale(anatomy: Anatomy, kind: EllipsoidKind) -> float:
     """Return m per unit that make the largest finite semi-axis at home `AUTOMATIC` long.
 
     From home or, where nothing can be told there, from another pose: not from the one that is

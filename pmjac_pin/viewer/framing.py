@@ -7,26 +7,24 @@ from collections.abc import Iterable
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.ties import first_smallest
 from pmjac_pin.viewer.items import Item
-
-Array = NDArray[np.float64]
 
 _OBLIQUE = (0.62, -0.66, 0.42)
 # A mechanism that is flat is looked at from where it is not: two axes of the world then lie
 # nearly as they do on paper.
-_FLAT = 0.2
+_FLAT_SHARE = 0.2
 _FACING = {0: (0.93, -0.25, 0.27), 1: (0.16, -0.95, 0.27), 2: (0.0, -0.42, 0.91)}
 
 _CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
 _ANGLES = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)
 _RIM = np.stack([np.cos(_ANGLES), np.sin(_ANGLES), np.ones(16)], axis=1)
-_ENDS = np.concatenate([_RIM, _RIM * (1.0, 1.0, -1.0)])
+_CYLINDER_ENDS = np.concatenate([_RIM, _RIM * (1.0, 1.0, -1.0)])
 # Of a ball: three great circles.
 _CIRCLES = np.concatenate([np.roll(_RIM * (1.0, 1.0, 0.0), turn, axis=1) for turn in range(3)])
-_HULLS = {0: _CORNERS, 2: _ENDS, 3: _CIRCLES}  # by the number of round axes
+_HULLS = {0: _CORNERS, 2: _CYLINDER_ENDS, 3: _CIRCLES}  # by the number of round axes
 
 
 class Framing(msgspec.Struct, frozen=True):
@@ -53,7 +51,7 @@ class Framing(msgspec.Struct, frozen=True):
 
 def frame(items: Iterable[Item]) -> Framing:
     """Return the framing of all visible items."""
-    hulls = [_hull(item) for item in items if item.visible]
+    hulls = [_hull_of(item) for item in items if item.visible]
     points = np.concatenate(hulls) if hulls else np.zeros((1, 3))
     eye = _direction(points)
     right = np.cross((0.0, 0.0, 1.0), eye)
@@ -72,7 +70,7 @@ def frame(items: Iterable[Item]) -> Framing:
 def _direction(points: Array) -> Array:
     spread = np.ptp(points, axis=0)
     thinnest = first_smallest(spread)
-    flat = spread[thinnest] < _FLAT * np.sort(spread)[1]
+    flat = spread[thinnest] < _FLAT_SHARE * np.sort(spread)[1]
     eye = np.array(_FACING[thinnest] if flat else _OBLIQUE)
     unit: Array = eye / np.linalg.norm(eye)
     return unit
@@ -89,7 +87,7 @@ def _extremes(seen: Array, smallest: float) -> Array:
     return found
 
 
-def _hull(item: Item) -> Array:
+def _hull_of(item: Item) -> Array:
     """Return points about an item in the world, shape (k, 3); of a text its place."""
     hull = _HULLS[item.shape.round_axes] * item.shape.half_extents
     points: Array = hull @ item.transform[:3, :3].T + item.transform[:3, 3]

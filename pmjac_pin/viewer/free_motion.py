@@ -8,22 +8,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.files.shapes import Array, Cone, Cylinder
+from pmjac_pin.files.shapes import Cone, Cylinder
 from pmjac_pin.pictures.anatomy import Anatomy
 from pmjac_pin.pictures.bodies import Point, Points
 from pmjac_pin.rates.factorisation import factorise
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.viewer.items import Part, between
-from pmjac_pin.viewer.layers import SPECK, Drawing, Pose, distinct, part_of_path, specks
+from pmjac_pin.viewer.layers import SPECK, Drawing, DrawnPose, distinct_parts, part_of_path, specks
 from pmjac_pin.viewer.palette import FREE
 
 #: `Singularity.smallest` below which a pose is near a singularity.
-NEAR_SINGULAR = 0.01
+ALMOST_SINGULAR = 0.01
 # Shares of the mechanism's size.
 _LENGTH = 0.3  # of the longer arrows, to either side
-_HEAD = 0.08
-_SHAFT_RADIUS = 0.012
+_ARROW_HEAD = 0.08
+_ARROW_RADIUS = 0.012
 _SLOWEST = 0.02  # of the fastest point: slower ones get no arrow
-_AT_REST = 1e-9  # of the size in a second: nothing moves, but a body spins in its place
+_RESTS = 1e-9  # of the size in a second: nothing moves, but a body spins in its place
 
 
 class FreeMotionLayer:
@@ -46,11 +47,11 @@ class FreeMotionLayer:
         # Without loops nothing is locked by the motors that could come free.
         names = ["tool", *(name for name, _ in found)] if anatomy.anchors else []
         shapes = (("shaft", Cylinder()), ("forth", Cone()), ("back", Cone()))
-        self.parts: Sequence[Part] = distinct(
+        self.parts: Sequence[Part] = distinct_parts(
             [Part(f"free/{name}/{end}", shape, FREE) for end, shape in shapes for name in names]
         )
 
-    def draw(self, pose: Pose) -> Drawing:
+    def draw(self, pose: DrawnPose) -> Drawing:
         """Return the arrows, or nothing to see at a regular pose."""
         count, size = len(self.parts), self._anatomy.size
         candidates = easiest_motions(pose.configuration) if count else np.zeros((0, 0))
@@ -62,7 +63,7 @@ class FreeMotionLayer:
         specks(transforms, visible, pose.tool, SPECK * size)
         return Drawing(transforms, visible)
 
-    def _velocities(self, pose: Pose, candidates: Array) -> Array:
+    def _velocities(self, pose: DrawnPose, candidates: Array) -> Array:
         """Return the velocities (k, 3) of tool and points in that free motion that moves most."""
         split = pose.configuration.split_jacobian()
         columns = split.partition.passive
@@ -82,13 +83,13 @@ class FreeMotionLayer:
         size = self._anatomy.size
         speeds = np.linalg.norm(velocities, axis=1)
         fastest = speeds.max()
-        moving = speeds > max(_SLOWEST * fastest, _AT_REST * size)
+        moving = speeds > max(_SLOWEST * fastest, _RESTS * size)
         vectors = np.zeros_like(velocities)
         vectors[moving] = velocities[moving] * (_LENGTH * size / (fastest or 1.0))
         lengths = np.linalg.norm(vectors, axis=1)
-        heads = np.minimum(_HEAD * size, 0.5 * lengths)
+        heads = np.minimum(_ARROW_HEAD * size, 0.5 * lengths)
         necks = vectors * (1.0 - heads / np.where(moving, lengths, 1.0))[:, None]
-        radii = np.minimum(_SHAFT_RADIUS * size, 0.15 * lengths)
+        radii = np.minimum(_ARROW_RADIUS * size, 0.15 * lengths)
         stretched = [
             between(places - necks, places + necks, radii, 0.0),
             between(places + necks, places + vectors, 0.4 * heads, 0.0),
@@ -113,7 +114,7 @@ def easiest_motions(configuration: Configuration) -> Array:
         return singularity.free_motions
     partition = configuration.split_jacobian().partition
     passive = partition.passive
-    if singularity.smallest >= NEAR_SINGULAR:
+    if singularity.smallest >= ALMOST_SINGULAR:
         return np.zeros((passive.size, 0))
     loops = partition.loop_rates(configuration.split_jacobian().constraint_jacobian)
     weakest = loops.passive.right[singularity.generic_rank - 1]

@@ -17,10 +17,10 @@ from tornado.iostream import IOStream
 
 from pmjac_pin.viewer.browser_files import PAGE, PAGE_FILES, meshcat_files
 from pmjac_pin.viewer.hub import Hub
-from pmjac_pin.viewer.messages import MAXIMAL_SIZE
+from pmjac_pin.viewer.messages import MAXIMAL_MESSAGE
 
 #: Beyond this a message is not even received: the connection ends with code 1009.
-ABSURD_SIZE = 16 * MAXIMAL_SIZE
+ABSURD_SIZE = 16 * MAXIMAL_MESSAGE
 
 _MOST_SOCKETS = 128  # two a page
 

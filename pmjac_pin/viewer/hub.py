@@ -16,7 +16,7 @@ from tornado.websocket import WebSocketClosedError
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import PmjacError
 from pmjac_pin.viewer.canvas import Canvas
-from pmjac_pin.viewer.messages import Frame, ModesCommand, Refusal, decode, encode
+from pmjac_pin.viewer.messages import ModesCommand, Reframe, Refusal, decode, encode
 from pmjac_pin.viewer.mode_finder import ModeFinder
 from pmjac_pin.viewer.session import Session
 from pmjac_pin.viewer.static_page import Picture
@@ -112,7 +112,7 @@ class Hub:
         try:
             command = decode(message)
             number = command.id
-            if isinstance(command, Frame):
+            if isinstance(command, Reframe):
                 return encode(self.session.state(number, framing=True))
             if isinstance(command, ModesCommand):
                 self._modes.obey(command)

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.files.shapes import Array, Colour, Shape
+from pmjac_pin.files.shapes import Colour, Shape
+from pmjac_pin.values.arrays import Array
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -48,6 +49,10 @@ class Part:
     shape: Shape
     colour: Colour
     on_top: bool = False
+
+
+#: A part, the body that carries it, and its transform (4, 4) there.
+Carried = tuple[Part, int, Array]
 
 
 def between(

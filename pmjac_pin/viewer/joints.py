@@ -6,12 +6,21 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from pmjac_pin.files.shapes import Array, Box, Colour, Cone, Cylinder, Shape, Sphere, scaled
+from pmjac_pin.files.shapes import Box, Colour, Cone, Cylinder, Shape, Sphere, scaled
 from pmjac_pin.pictures.anatomy import Anatomy
 from pmjac_pin.pictures.bodies import Point, Points
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.viewer.items import Part, between
-from pmjac_pin.viewer.layers import SPECK, Attached, Labels, Lines, distinct, part_of_path, words
-from pmjac_pin.viewer.palette import AXES, JOINT, MOTOR, WORDS
+from pmjac_pin.viewer.layers import (
+    SPECK,
+    Attached,
+    Lines,
+    MidwayLabels,
+    distinct_parts,
+    part_of_path,
+    words,
+)
+from pmjac_pin.viewer.palette import AXIS_COLOURS, JOINT, MOTOR, WORDS
 
 # Shares of the mechanism's size.
 PIN_RADIUS, PIN_LENGTH = 0.025, 0.09
@@ -19,7 +28,7 @@ SLIDER = 0.05
 BALL_RADIUS = 0.03
 RAIL_RADIUS = 0.008
 FRAME_LENGTH = 0.15
-LETTERS = 0.055
+MOTOR_LETTERS = 0.055
 
 
 def joint_layer(anatomy: Anatomy) -> Attached:
@@ -37,9 +46,12 @@ def rail_layer(anatomy: Anatomy) -> Lines:
     """
     drawn = anatomy.drawn_by_visuals
     sliding = [joint for joint in anatomy.joints if anatomy.slides(joint) and joint not in drawn]
-    parts = [Part(f"{_path(anatomy, j)}/rail", Cylinder(), _colour(anatomy, j)) for j in sliding]
+    parts = [
+        Part(f"{_joint_path(anatomy, j)}/rail", Cylinder(), _joint_colour(anatomy, j))
+        for j in sliding
+    ]
     return Lines(
-        parts=distinct(parts),
+        parts=distinct_parts(parts),
         starts=Points.of([anatomy.root(joint) for joint in sliding]),
         ends=Points.of([Point(joint, np.zeros(3)) for joint in sliding]),
         radii=np.full(len(sliding), RAIL_RADIUS * anatomy.size),
@@ -47,15 +59,15 @@ def rail_layer(anatomy: Anatomy) -> Lines:
     )
 
 
-def motor_names(anatomy: Anatomy) -> Labels:
+def motor_names(anatomy: Anatomy) -> MidwayLabels:
     """Return the motors' names, at them; of a slide midway along its rail."""
     motors = sorted(anatomy.motors)
     names = [str(anatomy.model.names[motor]) for motor in motors]
-    return Labels(
-        parts=distinct([words(f"names/{part_of_path(name)}", name, WORDS) for name in names]),
+    return MidwayLabels(
+        parts=distinct_parts([words(f"names/{part_of_path(name)}", name, WORDS) for name in names]),
         starts=Points.of([anatomy.root(motor) for motor in motors]),
         ends=Points.of([Point(motor, np.zeros(3)) for motor in motors]),
-        height=LETTERS * anatomy.size,
+        height=MOTOR_LETTERS * anatomy.size,
     )
 
 
@@ -67,7 +79,7 @@ def tool_layer(anatomy: Anatomy) -> Attached:
     parts = [
         Part(f"tool/{axis}/{name}", shape, colour, on_top=True)
         for name, shape in (("shaft", Cylinder()), ("head", Cone()))
-        for axis, colour in zip("xyz", AXES, strict=True)
+        for axis, colour in zip("xyz", AXIS_COLOURS, strict=True)
     ]
     places = np.concatenate([shafts[0], heads[0]])
     return Attached(parts, np.full(6, -1), places)
@@ -75,7 +87,7 @@ def tool_layer(anatomy: Anatomy) -> Attached:
 
 def _glyphs(anatomy: Anatomy) -> Iterator[tuple[Part, int, Array]]:
     for joint in anatomy.joints:
-        path, colour = _path(anatomy, joint), _colour(anatomy, joint)
+        path, colour = _joint_path(anatomy, joint), _joint_colour(anatomy, joint)
         if joint in anatomy.bodies.axes:
             name, shape, place = _along_axis(anatomy, joint)
             yield Part(f"{path}/{name}", shape, colour), joint, place
@@ -93,10 +105,10 @@ def _along_axis(anatomy: Anatomy, joint: int) -> tuple[str, Shape, Array]:
     return ("pin", Cylinder(), place) if turns else ("slider", Box(), place)
 
 
-def _path(anatomy: Anatomy, joint: int) -> str:
+def _joint_path(anatomy: Anatomy, joint: int) -> str:
     kind = "motors" if joint in anatomy.motors else "joints"
     return f"{kind}/{part_of_path(str(anatomy.model.names[joint]))}"
 
 
-def _colour(anatomy: Anatomy, joint: int) -> Colour:
+def _joint_colour(anatomy: Anatomy, joint: int) -> Colour:
     return MOTOR if joint in anatomy.motors else JOINT

@@ -10,18 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.files.shapes import Array, Colour, Text
-from pmjac_pin.pictures.bodies import Index, Points
+from pmjac_pin.files.shapes import Colour, Text
+from pmjac_pin.pictures.bodies import Points
 from pmjac_pin.rates.ellipsoid import Ellipsoid
+from pmjac_pin.values.arrays import Array, Index
 from pmjac_pin.viewer.items import Part, between
 
-Kind = Literal["linear", "angular", "force"]
+EllipsoidKind = Literal["linear", "angular", "force"]
 
 SPECK = 1e-6  # of the mechanism's size: what is smaller is hidden
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Pose:
+class DrawnPose:
     """What the layers draw.
 
     Attributes
@@ -38,8 +39,8 @@ class Pose:
     """
 
     configuration: Configuration
-    ellipsoids: Mapping[Kind, Ellipsoid]
-    directions: Mapping[Kind, Array]
+    ellipsoids: Mapping[EllipsoidKind, Ellipsoid]
+    directions: Mapping[EllipsoidKind, Array]
     placements: Array
     scale: float
 
@@ -75,7 +76,7 @@ class Layer(Protocol):
         """What never changes."""
         ...
 
-    def draw(self, pose: Pose) -> Drawing:
+    def draw(self, pose: DrawnPose) -> Drawing:
         """Return where the parts stand."""
         ...
 
@@ -101,16 +102,16 @@ class Attached:
         """Stack parts, each with its body and its transform there."""
         parts, bodies, places = zip(*pieces, strict=True) if (pieces := [*pieces]) else ((),) * 3
         stack = np.array(places, dtype=np.float64).reshape(-1, 4, 4)
-        return cls(distinct(parts), np.array(bodies, dtype=np.intp), stack)
+        return cls(distinct_parts(parts), np.array(bodies, dtype=np.intp), stack)
 
-    def draw(self, pose: Pose) -> Drawing:
+    def draw(self, pose: DrawnPose) -> Drawing:
         """Move the parts with their bodies."""
         transforms = pose.placements[self.bodies] @ self.places
         return Drawing(transforms, np.ones(len(transforms), dtype=bool))
 
 
 @dataclass(frozen=True, eq=False)
-class Labels:
+class MidwayLabels:
     """Words midway between points of bodies and points of bodies."""
 
     parts: Sequence[Part]
@@ -118,7 +119,7 @@ class Labels:
     ends: Points
     height: float
 
-    def draw(self, pose: Pose) -> Drawing:
+    def draw(self, pose: DrawnPose) -> Drawing:
         """Put the words there."""
         positions = 0.5 * (self.starts.at(pose.placements) + self.ends.at(pose.placements))
         return Drawing(lettering(positions, self.height), np.ones(len(positions), dtype=bool))
@@ -143,7 +144,7 @@ class Lines:
     radii: Array
     smallest: float
 
-    def draw(self, pose: Pose) -> Drawing:
+    def draw(self, pose: DrawnPose) -> Drawing:
         """Stretch the cylinders."""
         starts, ends = self.starts.at(pose.placements), self.ends.at(pose.placements)
         transforms, visible = between(starts, ends, self.radii, self.smallest)
@@ -169,7 +170,7 @@ def part_of_path(name: str) -> str:
     return name.replace("/", "_")
 
 
-def distinct(parts: Sequence[Part]) -> tuple[Part, ...]:
+def distinct_parts(parts: Sequence[Part]) -> tuple[Part, ...]:
     """Return the parts, those whose names would be equal numbered.
 
     Links that are named "a/b" and "a_b" would otherwise be one, and so would visuals that share

@@ -7,17 +7,15 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 # Near a fold the passive joints move with the square root of the motors' way: how far the motors
 # go, as a share of the way to the target, and how far the linkage may go along its free motion.
 _SHARES = (1e-4, 1e-3, 1e-2)
-_DISTANCES = (0.0, 0.01, -0.01, 0.03, -0.03, 0.1, -0.1)  # times the motion, of norm 1
+_SHARES_OF_MOTION = (0.0, 0.01, -0.01, 0.03, -0.03, 0.1, -0.1)  # times the motion, of norm 1
 
 
 _STEP_BACK = 1e-3  # m or rad, of all motors together
@@ -33,7 +31,7 @@ def shortly_before(start: Configuration, singular: Configuration) -> Configurati
     if distance <= _STEP_BACK:
         return start
     near = start.actuated + (1.0 - _STEP_BACK / distance) * way
-    return _closed(start, near, start) or start
+    return _closed_beside(start, near, start) or start
 
 
 def beside_singularity(configuration: Configuration, values: Array) -> Configuration | None:
@@ -51,14 +49,14 @@ def beside_singularity(configuration: Configuration, values: Array) -> Configura
     """
     for share in _SHARES:
         near = configuration.actuated + share * (values - configuration.actuated)
-        tried = (_closed(configuration, near, guess) for guess in _guesses(configuration))
+        tried = (_closed_beside(configuration, near, guess) for guess in _guesses(configuration))
         found = [pose for pose in tried if pose and not pose.singularity().is_singular]
         if found:
             return next(filter(_leads_home, found), found[0])
     return None
 
 
-def _closed(
+def _closed_beside(
     pose: Configuration, values: Array, guess: Configuration | Mapping[str, Any]
 ) -> Configuration | None:
     try:
@@ -69,7 +67,7 @@ def _closed(
 
 def _leads_home(pose: Configuration) -> bool:
     home = pose.mechanism.home
-    reached = _closed(pose, home.actuated, pose)
+    reached = _closed_beside(pose, home.actuated, pose)
     return reached is not None and bool(np.allclose(reached.q, home.q, atol=1e-6))
 
 
@@ -84,7 +82,7 @@ def _guesses(configuration: Configuration) -> Iterator[Mapping[str, Any]]:
     ]
     v = np.zeros(model.nv)
     columns = configuration.split_jacobian().partition.passive
-    for distance in _DISTANCES:
+    for distance in _SHARES_OF_MOTION:
         for rates in configuration.singularity().free_motions.T:
             v[columns] = distance * rates
             q = pin.integrate(model, configuration.q, v)

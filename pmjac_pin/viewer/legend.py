@@ -6,7 +6,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.loop_spec import DistanceLoop, JointLoop
 from pmjac_pin.viewer.messages import Key
 from pmjac_pin.viewer.palette import (
-    AXES,
+    AXIS_COLOURS,
     FIRST_ANCHOR,
     FREE,
     GAP,
@@ -34,7 +34,7 @@ def legend(mechanism: Mechanism) -> tuple[Key, ...]:
         (bool(closures), "loop closure", [FIRST_ANCHOR, SECOND_ANCHOR]),
         (any(isinstance(loop, DistanceLoop) for loop in closures), "its rod", [ROD]),
         (bool(closures), "open gap", [GAP]),
-        (True, "tool x, y, z", list(AXES)),
+        (True, "tool x, y, z", list(AXIS_COLOURS)),
         (bool(closures), "free at a singularity", [FREE]),
     ]
     return tuple(

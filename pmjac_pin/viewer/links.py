@@ -6,16 +6,15 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from pmjac_pin.files.shapes import Array, Cylinder
+from pmjac_pin.files.shapes import Cylinder
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.pictures.anatomy import COINCIDENT, Anatomy
-from pmjac_pin.viewer.items import Part, between
+from pmjac_pin.values.arrays import Array
+from pmjac_pin.viewer.items import Carried, Part, between
 from pmjac_pin.viewer.layers import Attached, part_of_path
 from pmjac_pin.viewer.palette import GROUND, LINK
 
 BAR_RADIUS = 0.015  # of the mechanism's size
-
-_Piece = tuple[Part, int, Array]
 
 
 def link_layer(anatomy: Anatomy) -> Attached:
@@ -28,7 +27,7 @@ def link_layer(anatomy: Anatomy) -> Attached:
     return Attached.of([*_visuals(anatomy), *_bars(anatomy)])
 
 
-def _visuals(anatomy: Anatomy) -> Iterator[_Piece]:
+def _visuals(anatomy: Anatomy) -> Iterator[Carried]:
     for visual in anatomy.visuals:
         frame = find_frame(anatomy.model, visual.link)
         name = f"links/{part_of_path(visual.link)}/{part_of_path(visual.name)}"
@@ -37,7 +36,7 @@ def _visuals(anatomy: Anatomy) -> Iterator[_Piece]:
             yield part, frame.joint, frame.placement.homogeneous @ transform
 
 
-def _bars(anatomy: Anatomy) -> Iterator[_Piece]:
+def _bars(anatomy: Anatomy) -> Iterator[Carried]:
     complete = anatomy.drawn_by_visuals
     for body in range(anatomy.model.njoints):
         if body in complete:

@@ -13,22 +13,22 @@ import msgspec
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.viewer.framing import Framing
 from pmjac_pin.viewer.readout import Readout
-from pmjac_pin.words.modes_report import ModeReport
+from pmjac_pin.words.plain import encoded
 
 #: Longer messages are answered with an error: the longest sensible one is far shorter.
-MAXIMAL_SIZE = 64 * 1024
+MAXIMAL_MESSAGE = 64 * 1024
 
 Scale: TypeAlias = Annotated[float, msgspec.Meta(ge=0.05, le=20.0)]
-Number: TypeAlias = Annotated[int, msgspec.Meta(ge=0, le=2**53)]
+WholeNumber: TypeAlias = Annotated[int, msgspec.Meta(ge=0, le=2**53)]
 
 
 class _Command(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_field="command"):
     """A command of the page; its number comes back with the answer."""
 
-    id: Number = 0
+    id: WholeNumber = 0
 
 
-class Move(_Command, frozen=True, tag="move", kw_only=True):
+class MoveMotors(_Command, frozen=True, tag="move", kw_only=True):
     """Move the motors to these values, m or rad; those that are None stay where they are."""
 
     values: list[float | None]
@@ -54,7 +54,7 @@ class Options(_Command, frozen=True, tag="options", kw_only=True):
     scale: Scale
 
 
-class Frame(_Command, frozen=True, tag="frame"):
+class Reframe(_Command, frozen=True, tag="frame"):
     """Say how to frame what is shown now; nothing changes."""
 
 
@@ -69,11 +69,11 @@ class StopSearch(_Command, frozen=True, tag="stop search"):
 class ShowMode(_Command, frozen=True, tag="mode", kw_only=True):
     """Go to one of the modes that were found, by its number."""
 
-    number: Number
+    number: WholeNumber
 
 
 ModesCommand: TypeAlias = FindModes | StopSearch | ShowMode
-Command: TypeAlias = Move | Home | NamedPose | Options | Frame | ModesCommand
+Command: TypeAlias = MoveMotors | Home | NamedPose | Options | Reframe | ModesCommand
 
 
 class Motor(msgspec.Struct, frozen=True):
@@ -162,13 +162,14 @@ class Modes(msgspec.Struct, frozen=True, kw_only=True, tag="modes", tag_field="t
         How many there are and what this rests on; or why there is no answer.
     current : int or None
         The number of the mode that is shown.
-    modes : tuple of ModeReport
+    modes : tuple of dict
+        What `ModeReport.told` tells of each.
     """
 
     status: Literal["unknown", "searching", "found", "failed"]
     text: str
     current: int | None = None
-    modes: tuple[ModeReport, ...] = ()
+    modes: tuple[dict[str, object], ...] = ()
 
 
 _decoder = msgspec.json.Decoder(Command)
@@ -185,8 +186,8 @@ def decode(message: str | bytes) -> Command:
     if isinstance(message, bytes):
         raise ArgumentError("binary messages are not understood; send JSON text")
     size = len(message.encode("utf-8", "replace"))
-    if size > MAXIMAL_SIZE:
-        raise ArgumentError(f"a message of {size} bytes is too long; {MAXIMAL_SIZE} are allowed")
+    if size > MAXIMAL_MESSAGE:
+        raise ArgumentError(f"a message of {size} bytes is too long; {MAXIMAL_MESSAGE} are allowed")
     try:
         command: Command = _decoder.decode(message)
     except (msgspec.MsgspecError, RecursionError, UnicodeError) as error:
@@ -196,4 +197,4 @@ def decode(message: str | bytes) -> Command:
 
 def encode(message: State | Refusal | Modes) -> str:
     """Write a message to a page; infinite numbers become null."""
-    return msgspec.json.encode(message).decode()
+    return encoded(message)

@@ -26,28 +26,30 @@ from pmjac_pin.words.modes_tables import count, no_more
 _logger = logging.getLogger(__name__)
 
 _UNSEEN, _CONFIDENCE, _MOST_STARTS = 2e-3, 0.99, 200_000
-_MOVED = "The motors have moved since the modes were found."
+_MOTORS_MOVED = "The motors have moved since the modes were found."
 
 
 @dataclass(frozen=True, eq=False)
-class _Found:
+class _SearchOutcome:
     """The outcome of a search; `modes` is None where it failed."""
 
     text: str
     modes: AssemblyModes | None = None
     reports: tuple[ModeReport, ...] = ()
+    told: tuple[dict[str, object], ...] = ()
     recognition: Recognition | None = None
 
     @classmethod
-    def of(cls, start: Configuration, seed: int, wanted: Callable[[], bool]) -> _Found:
+    def of(cls, start: Configuration, seed: int, wanted: Callable[[], bool]) -> _SearchOutcome:
         """Search at the motor values of a pose, until nobody wants it any more."""
         mechanism, theta = start.mechanism, start.actuated
         aim = Aim(_UNSEEN, _CONFIDENCE, _MOST_STARTS, wanted=wanted)
         try:
             modes = find_modes(mechanism, theta, np.random.default_rng(seed), True, aim)
             report = make_modes_report(mechanism, theta, modes)
-            text = f"{count(report)} {no_more(report.evidence)}"
-            return cls(text, modes, report.modes, Recognition(modes))
+            text = f"{count(report)} {no_more(modes.evidence)}"
+            told = tuple(mode.told() for mode in report.modes)
+            return cls(text, modes, report.modes, told, Recognition(modes))
         except PmjacError as error:
             return cls(str(error))
         except Exception:
@@ -73,7 +75,7 @@ class ModeFinder:
         self._tell = tell
         self._theta = session.configuration.actuated
         self._text = ""
-        self._found: _Found | None = None
+        self._found: _SearchOutcome | None = None
         self._search: threading.Event | None = None  # set when nobody wants its answer any more
         self._current: int | None = None
         self._worker = Worker("pmjac modes")
@@ -90,7 +92,7 @@ class ModeFinder:
             return Modes(status="searching", text="Searching, from random starts …")
         if self._found is None:
             return Modes(status="unknown", text=self._text)
-        text, modes = self._found.text, self._found.reports
+        text, modes = self._found.text, self._found.told
         if self._found.modes is None:
             return Modes(status="failed", text=text)
         return Modes(status="found", text=text, current=self._current, modes=modes)
@@ -118,7 +120,7 @@ class ModeFinder:
         if not np.allclose(theta, self._theta, rtol=0.0, atol=SAME_MOTORS):
             self._theta = theta
             if self.known:
-                self._forget(_MOVED)
+                self._forget(_MOTORS_MOVED)
         elif (current := self._recognised()) != self._current:
             self._current = current
             self._tell()
@@ -139,14 +141,14 @@ class ModeFinder:
         def search() -> None:
             if unwanted.is_set():  # while it waited for its turn
                 return
-            found = _Found.of(start, seed, lambda: not unwanted.is_set())
+            found = _SearchOutcome.of(start, seed, lambda: not unwanted.is_set())
             with contextlib.suppress(RuntimeError):  # the server has ended meanwhile
                 loop.call_soon_threadsafe(self._finish, unwanted, found)
 
         self._worker.do(search)
         self._tell()
 
-    def _finish(self, search: threading.Event, found: _Found) -> None:
+    def _finish(self, search: threading.Event, found: _SearchOutcome) -> None:
         if search is not self._search:
             return
         self._search, self._found = None, found

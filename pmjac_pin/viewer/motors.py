@@ -9,7 +9,7 @@ from pmjac_pin.model.joint_kinds import pitch_of
 from pmjac_pin.viewer.messages import Motor
 
 #: A motor without limits takes no value beyond this, m or rad.
-FARTHEST = 1e4
+WIDEST_SLIDER = 1e4
 _ENDLESS = 1e12  # no machine has such a limit
 
 
@@ -34,7 +34,7 @@ def motors_of(mechanism: Mechanism) -> tuple[Motor, ...]:
             reach, middle = 2.0 * math.pi, 0.0
         else:
             slide, middle = 2.0 * mechanism.characteristic_length, home
-            reach = min(slide / (pitch or 1.0), 0.5 * FARTHEST)
+            reach = min(slide / (pitch or 1.0), 0.5 * WIDEST_SLIDER)
         limited = max(-lower, upper) < _ENDLESS
         low = lower if lower > -_ENDLESS else middle - reach
         high = upper if upper < _ENDLESS else middle + reach

@@ -21,7 +21,7 @@ GAP: Colour = (0.85, 0.0, 0.0, 1.0)
 ROD: Colour = (*_PURPLE, 1.0)
 FREE: Colour = (*_GREEN, 1.0)
 WORDS: Colour = (0.0, 0.0, 0.0, 1.0)
-AXES: tuple[Colour, Colour, Colour] = (
+AXIS_COLOURS: tuple[Colour, Colour, Colour] = (
     (0.85, 0.1, 0.1, 1.0),
     (0.1, 0.6, 0.1, 1.0),
     (0.1, 0.2, 0.9, 1.0),

@@ -6,27 +6,24 @@ from typing import Any
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import NoJacobianError
 from pmjac_pin.model.tool_rows import ToolRows
 from pmjac_pin.model.twist_frame import change_frame
+from pmjac_pin.pictures.plotting import PLANES
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.singularity import Singularity
-from pmjac_pin.values.norm import norm
-from pmjac_pin.viewer.free_motion import NEAR_SINGULAR, easiest_motions
+from pmjac_pin.values.arrays import Array, norm
+from pmjac_pin.viewer.free_motion import ALMOST_SINGULAR, easiest_motions
 from pmjac_pin.viewer.tool_ranks import ToolRanks
-from pmjac_pin.words.labelled import ROUNDING
+from pmjac_pin.words.labelled import SHOWN_AS_ZERO
 
-Array = NDArray[np.float64]
-Vector = tuple[float, ...]
+Values = tuple[float, ...]
 
-#: The lecture's three planes, the horizontal axis first.
-PLANES = ("zy", "zx", "xy")
 
-_KINDS = {
+_SINGULARITIES = {
     "gain": "a gain (parallel) singularity",
     "loss": "a loss (serial) singularity",
     "gain and loss": "a gain and loss singularity",
@@ -50,8 +47,8 @@ class Section(msgspec.Struct, frozen=True):
     """
 
     plane: str
-    radii: Vector
-    axes: tuple[Vector, ...]
+    radii: Values
+    axes: tuple[Values, ...]
 
 
 class Nearness(msgspec.Struct, frozen=True):
@@ -98,8 +95,8 @@ class Readout(msgspec.Struct, frozen=True, kw_only=True):
         Why J_eq does not exist here.
     """
 
-    Jv_singular_values: Vector | None
-    Jw_singular_values: Vector | None
+    Jv_singular_values: Values | None
+    Jw_singular_values: Values | None
     smallest: float | None
     condition: float | None
     loops: bool
@@ -107,7 +104,7 @@ class Readout(msgspec.Struct, frozen=True, kw_only=True):
     generic_tool_rank: int
     judged: tuple[str, str]
     residual: float
-    J_eq: tuple[Vector, ...] | None
+    J_eq: tuple[Values, ...] | None
     sections: tuple[Section, ...] | None
     warning: Nearness
     beyond: str
@@ -175,7 +172,7 @@ def _judged(rows: ToolRows) -> tuple[str, str]:
 
 def _of_jacobian(jacobian: EquivalentJacobian) -> dict[str, Any]:
     motors = jacobian.partition.actuated.size
-    rounding = ROUNDING * jacobian.sizes.repeat(3)[:, None]
+    rounding = SHOWN_AS_ZERO * jacobian.sizes.repeat(3)[:, None]
     J_eq = np.where(np.abs(jacobian.J_eq) > rounding, jacobian.J_eq, 0.0)
     return {
         "Jv": tuple(jacobian.velocity_ellipsoid().radii[:motors].tolist()),
@@ -199,14 +196,16 @@ def _warning(
     ranks: ToolRanks | None,
 ) -> Nearness:
     if singularity.kind != "regular":
-        return Nearness("singular", f"At {_KINDS[singularity.kind]}{_consequence(singularity)}.")
-    if singularity.smallest < NEAR_SINGULAR:
-        names = _moving(singularity.passive_names, easiest_motions(configuration)[:, 0])
+        return Nearness(
+            "singular", f"At {_SINGULARITIES[singularity.kind]}{_consequence(singularity)}."
+        )
+    if singularity.smallest < ALMOST_SINGULAR:
+        names = _moving_names(singularity.passive_names, easiest_motions(configuration)[:, 0])
         text = f"Near a gain singularity: with all motors locked, {names} almost come free."
         return Nearness("near", text)
     if jacobian is None:
         return Nearness("regular", "")
-    if _tool_share(configuration, jacobian) < NEAR_SINGULAR:
+    if _tool_share(configuration, jacobian) < ALMOST_SINGULAR:
         text = f"the tool almost loses a motion, judged on {singularity.tool_rows}"
         return Nearness("near", f"Near a loss singularity: {text}.")
     loss = (ranks or ToolRanks.of(configuration.mechanism)).loss(jacobian)
@@ -215,14 +214,14 @@ def _warning(
 
 def _consequence(singularity: Singularity) -> str:
     if singularity.gained > 0:
-        names = _moving(singularity.passive_names, singularity.free_motions[:, 0])
+        names = _moving_names(singularity.passive_names, singularity.free_motions[:, 0])
         return f": with all motors locked, {names} come free"
     if singularity.lost > 0:
         return f": the tool has lost a motion, judged on {singularity.tool_rows}"
     return ": branches of motion meet here"
 
 
-def _moving(names: tuple[str, ...], rates: Array) -> str:
+def _moving_names(names: tuple[str, ...], rates: Array) -> str:
     """Name the joints that take part in a motion: those above 5 % of the largest rate."""
     largest = np.abs(rates).max()
     moving = [n for n, r in zip(names, rates, strict=True) if abs(r) > 0.05 * largest]

@@ -16,19 +16,19 @@ import numpy as np
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, quoted
-from pmjac_pin.files.shapes import Array, Text
+from pmjac_pin.files.shapes import Text
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.pictures.anatomy import Anatomy
-from pmjac_pin.values.read_only import read_only
+from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.viewer.closures import anchor_layer, axis_layer, gap_layer, rod_layer
 from pmjac_pin.viewer.ellipsoids import EllipsoidLayer, directions_after, find_ellipsoids
 from pmjac_pin.viewer.free_motion import FreeMotionLayer
 from pmjac_pin.viewer.items import Item
 from pmjac_pin.viewer.joints import joint_layer, motor_names, rail_layer, tool_layer
-from pmjac_pin.viewer.layers import Drawing, Kind, Layer, Pose
+from pmjac_pin.viewer.layers import Drawing, DrawnPose, EllipsoidKind, Layer
 from pmjac_pin.viewer.links import link_layer
 
-_KINDS: tuple[Kind, ...] = ("linear", "angular", "force")
+_DRAWN_ELLIPSOIDS: tuple[EllipsoidKind, ...] = ("linear", "angular", "force")
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +69,7 @@ class Scene:
     """
 
     items: tuple[Item, ...]
-    directions: Mapping[Kind, Array] = field(default_factory=lambda: MappingProxyType({}))
+    directions: Mapping[EllipsoidKind, Array] = field(default_factory=lambda: MappingProxyType({}))
 
 
 class SceneMaker:
@@ -103,15 +103,15 @@ class SceneMaker:
             tool_layer(anatomy),
         )
         self._names = motor_names(anatomy)
-        self._ellipsoids: dict[Kind, EllipsoidLayer] = {
-            kind: EllipsoidLayer(anatomy, kind) for kind in _KINDS
+        self._ellipsoids: dict[EllipsoidKind, EllipsoidLayer] = {
+            kind: EllipsoidLayer(anatomy, kind) for kind in _DRAWN_ELLIPSOIDS
         }
 
     def scene(
         self,
         configuration: Configuration,
         options: SceneOptions | None = None,
-        directions: Mapping[Kind, Array] | None = None,
+        directions: Mapping[EllipsoidKind, Array] | None = None,
     ) -> Scene:
         """Return what is to be seen of a configuration.
 
@@ -134,7 +134,7 @@ class SceneMaker:
         ellipsoids = find_ellipsoids(configuration, _ellipsoids_of(options))
         directions = directions_after(directions or {}, ellipsoids)
         placements = self._placements(configuration)
-        pose = Pose(configuration, ellipsoids, directions, placements, options.scale)
+        pose = DrawnPose(configuration, ellipsoids, directions, placements, options.scale)
         layers = list(self._layers(options))
         drawings = [layer.draw(pose) for layer in layers]
         transforms = read_only(np.concatenate([drawing.transforms for drawing in drawings]))
@@ -162,8 +162,8 @@ class SceneMaker:
             yield self._ellipsoids[kind]
 
 
-def _ellipsoids_of(options: SceneOptions) -> tuple[Kind, ...]:
-    return tuple(kind for kind in _KINDS if getattr(options, kind))
+def _ellipsoids_of(options: SceneOptions) -> tuple[EllipsoidKind, ...]:
+    return tuple(kind for kind in _DRAWN_ELLIPSOIDS if getattr(options, kind))
 
 
 def _blocks(transforms: Array, drawings: list[Drawing]) -> Iterator[Array]:

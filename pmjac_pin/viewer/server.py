@@ -34,10 +34,10 @@ Result = TypeVar("Result")
 ADDRESS = "127.0.0.1"
 DEFAULT_PORT = 7000
 _ATTEMPTS = 100
-_PATIENCE = 5.0  # seconds
+_PATIENCE_SECONDS = 5.0  # seconds
 _DESCRIPTORS = 8  # of files, that a loop and its first connection need
 _LARGEST_BODY = 1024  # bytes: no request of ours has any
-_IDLE = 30.0  # seconds
+_IDLE_SECONDS = 30.0  # seconds
 
 
 class Server:
@@ -130,7 +130,7 @@ class Server:
         if self.running and self._finish is not None:
             with contextlib.suppress(RuntimeError):  # it has ended meanwhile
                 self._loop.call_soon_threadsafe(self._finish.set)
-            self._thread.join(_PATIENCE)
+            self._thread.join(_PATIENCE_SECONDS)
 
     def wait(self) -> None:
         """Return when the server has ended."""
@@ -163,8 +163,8 @@ class Server:
             application,
             max_body_size=_LARGEST_BODY,
             max_buffer_size=2 * ABSURD_SIZE,
-            body_timeout=_PATIENCE,
-            idle_connection_timeout=_IDLE,
+            body_timeout=_PATIENCE_SECONDS,
+            idle_connection_timeout=_IDLE_SECONDS,
         )
         door = Door(self._socket, server, self._browsers)
         door.open()

@@ -13,7 +13,7 @@ from pmjac_pin.viewer.viewer import has_display, view
 from pmjac_pin.words.terminal import write
 
 _EVERY = 0.5  # seconds between looks at whether the parent is still there
-_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+_STOPPING = (signal.SIGINT, signal.SIGTERM)
 
 
 def serve_until_interrupted(
@@ -77,7 +77,7 @@ def _interruption() -> Iterator[threading.Event]:
     if threading.current_thread() is not threading.main_thread():
         yield interrupted  # only the main thread may handle signals
         return
-    heard = [number for number in _SIGNALS if signal.getsignal(number) != signal.SIG_IGN]
+    heard = [number for number in _STOPPING if signal.getsignal(number) != signal.SIG_IGN]
     before = {number: signal.signal(number, lambda *_: interrupted.set()) for number in heard}
     try:
         yield interrupted

@@ -14,7 +14,7 @@ from pmjac_pin.errors import ArgumentError, ClosureError, LimitError
 from pmjac_pin.model.limits import Violation
 from pmjac_pin.studies.assembled_poses import assembled_poses
 from pmjac_pin.viewer.framing import Framing, frame
-from pmjac_pin.viewer.layers import Kind
+from pmjac_pin.viewer.layers import EllipsoidKind
 from pmjac_pin.viewer.leaving import beside_singularity, shortly_before
 from pmjac_pin.viewer.legend import legend
 from pmjac_pin.viewer.messages import (
@@ -22,18 +22,18 @@ from pmjac_pin.viewer.messages import (
     Command,
     Drawn,
     Home,
-    Move,
+    MoveMotors,
     NamedPose,
     Notice,
     Options,
     State,
 )
-from pmjac_pin.viewer.motors import FARTHEST, motors_of
+from pmjac_pin.viewer.motors import WIDEST_SLIDER, motors_of
 from pmjac_pin.viewer.readout import Readout, make_readout
 from pmjac_pin.viewer.scene import Scene, SceneMaker, SceneOptions
 from pmjac_pin.viewer.tool_ranks import ToolRanks
 
-_NOTHING = Notice("", "")
+_NO_NOTICE = Notice("", "")
 _logger = logging.getLogger(__name__)
 
 
@@ -64,7 +64,7 @@ class Session:
         self.mechanism = configuration.mechanism
         self.configuration = configuration
         self.options = options
-        self.notice = _NOTHING
+        self.notice = _NO_NOTICE
         self._poses = assembled_poses(self.mechanism)
         if left_out := [name for name in self.mechanism.poses if name not in self._poses]:
             _logger.warning("poses that do not close are left out: %s", ", ".join(left_out))
@@ -73,7 +73,7 @@ class Session:
         self._start = configuration
         self._motors = motors_of(self.mechanism)
         self._ranks = ToolRanks.of(self.mechanism)
-        self._directions: Mapping[Kind, NDArray[np.float64]] = {}
+        self._directions: Mapping[EllipsoidKind, NDArray[np.float64]] = {}
 
     def obey(self, command: Command) -> None:
         """Carry out a command of a page.
@@ -84,7 +84,7 @@ class Session:
             It cannot be carried out; nothing has changed.
         """
         match command:
-            case Move():
+            case MoveMotors():
                 self.move(command.values)
             case Home():
                 self._go_to(self.mechanism.home)
@@ -114,7 +114,7 @@ class Session:
         """
         target = self._target(values)
         try:
-            found, notice = self._close(target), _NOTHING
+            found, notice = self._close(target), _NO_NOTICE
         except LimitError as error:
             beyond = Violation(error.value, error.lower, error.upper)
             raise ArgumentError(f"{error.joint} = {beyond.words}") from None
@@ -134,7 +134,7 @@ class Session:
         for motor, value in zip(self._motors, target, strict=True):
             if not math.isfinite(value):
                 raise ArgumentError("motor values must be finite numbers")
-            farthest = max(FARTHEST, -motor.lower, motor.upper)
+            farthest = max(WIDEST_SLIDER, -motor.lower, motor.upper)
             if abs(value) > farthest:
                 message = f"{motor.name} = {value:g} is beyond ±{farthest:g} {motor.unit}"
                 raise ArgumentError(message)
@@ -163,7 +163,7 @@ class Session:
         if configuration.mechanism != self.mechanism:
             theirs, ours = configuration.mechanism.name, self.mechanism.name
             raise ArgumentError(f"a configuration of {theirs!r}; this viewer shows {ours!r}")
-        self._set(configuration, configuration, _NOTHING)
+        self._set(configuration, configuration, _NO_NOTICE)
 
     def _set(self, configuration: Configuration, start: Configuration, notice: Notice) -> None:
         self.configuration = configuration

@@ -14,20 +14,18 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.errors import PmjacError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.tool_rows import ToolRows
 from pmjac_pin.rates.factorisation import factorise
 from pmjac_pin.rates.jacobian import EquivalentJacobian
+from pmjac_pin.values.arrays import Array
 
-Array = NDArray[np.float64]
-
-_PROBES = 4  # poses near home, besides the named ones
+_POSES_NEAR_HOME = 4  # poses near home, besides the named ones
 _DISTANCE = 0.1  # of the motors from home, where a rate of 1 is one of the mechanism's size
 _NEARLY_ZERO = 0.01  # of the largest singular value anywhere
-_NAMES = ("[J_v]eq", "[J_ω]eq")
+_MATRICES = ("[J_v]eq", "[J_ω]eq")
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +53,7 @@ class ToolRanks:
         (2, 1)
         """
         probes = list(_probes(mechanism))
-        found = [tuple(map(_largest, _halves(jacobian))) for jacobian in probes]
+        found = [tuple(map(_largest, _scaled_blocks(jacobian))) for jacobian in probes]
         sizes = [max((pair[half] for pair in found), default=0.0) for half in (0, 1)]
         linear = max((jacobian.tool_ranks.linear for jacobian in probes), default=0)
         angular = max((jacobian.tool_ranks.angular for jacobian in probes), default=0)
@@ -66,7 +64,7 @@ class ToolRanks:
         (_, *ranks), rows = jacobian.tool_ranks, jacobian.partition.tool_rows
         if lost := self._drops(rows, ranks, "has"):
             return f"Here the tool cannot move in every way that it can elsewhere: {lost}."
-        of_both = zip(_halves(jacobian), self.sizes, strict=True)
+        of_both = zip(_scaled_blocks(jacobian), self.sizes, strict=True)
         large = [factorise(half, size, _NEARLY_ZERO).rank for half, size in of_both]
         if almost := self._drops(rows, large, "is near"):
             return f"Here the tool almost loses a way to move: {almost}."
@@ -74,7 +72,7 @@ class ToolRanks:
 
     def _drops(self, rows: ToolRows, ranks: Sequence[int], verb: str) -> str:
         judged = (rows.linear, rows.angular)
-        of_both = zip(judged, _NAMES, ranks, self.generic, strict=True)
+        of_both = zip(judged, _MATRICES, ranks, self.generic, strict=True)
         return ", ".join(
             f"{name} {verb} rank {rank} instead of {generic}"
             for counts, name, rank, generic in of_both
@@ -82,7 +80,7 @@ class ToolRanks:
         )
 
 
-def _halves(jacobian: EquivalentJacobian) -> tuple[Array, Array]:
+def _scaled_blocks(jacobian: EquivalentJacobian) -> tuple[Array, Array]:
     """Return [J_v]eq and [J_ω]eq, of motor rates without dimension."""
     scale = jacobian.partition.column_scale[jacobian.partition.actuated]
     return jacobian.Jv_eq * scale, jacobian.Jw_eq * scale
@@ -97,7 +95,7 @@ def _probes(mechanism: Mechanism) -> Iterator[EquivalentJacobian]:
     partition = mechanism.home.split_jacobian().partition
     stride = _DISTANCE * partition.length * partition.column_scale[partition.actuated]
     home = mechanism.home.actuated
-    displaced = [home + stride * rng.normal(size=home.size) for _ in range(_PROBES)]
+    displaced = [home + stride * rng.normal(size=home.size) for _ in range(_POSES_NEAR_HOME)]
     finders = itertools.chain(
         (functools.partial(mechanism.pose, name) for name in mechanism.poses),
         (functools.partial(mechanism.close, values) for values in displaced),

@@ -178,7 +178,7 @@ def view(
     options = SceneOptions(linear=linear, angular=angular, force=force, names=names)
     viewer = Viewer(configuration, options, port)
     if _is_interactive() if open_browser is None else open_browser:
-        _open(viewer.url)
+        _open_browser(viewer.url)
     elif open_browser is None:
         _logger.warning("%s: %s", configuration.mechanism.name, viewer.url)
     return viewer
@@ -197,7 +197,7 @@ def _is_interactive() -> bool:
     return asked and has_display() and not notebook
 
 
-def _open(url: str) -> None:
+def _open_browser(url: str) -> None:
     try:
         opened = webbrowser.open(url)
     except (webbrowser.Error, OSError):

@@ -15,7 +15,7 @@ def catalogue_table(mechanisms: Iterable[Mechanism]) -> Table:
 
     Where the rank is below the number of rows, some of the loop equations are redundant.
     """
-    return Table("", _HEADER, tuple(map(_row, mechanisms)), "<>>>><")
+    return Table("", _HEADER, tuple(map(_mechanism_row, mechanisms)), "<>>>><")
 
 
 def poses_table(mechanisms: Iterable[Mechanism]) -> Table:
@@ -24,7 +24,7 @@ def poses_table(mechanisms: Iterable[Mechanism]) -> Table:
     return Table("", ("name", "poses"), rows, "<<")
 
 
-def _row(mechanism: Mechanism) -> tuple[str, ...]:
+def _mechanism_row(mechanism: Mechanism) -> tuple[str, ...]:
     loops, rows, mobility = len(mechanism.spec.loops), len(mechanism.rows), mechanism.mobility
     return (
         mechanism.name,

@@ -9,8 +9,8 @@ from pmjac_pin.studies.check.diagnosis_parts import Mobility
 from pmjac_pin.values.brief import brief
 from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table
 
-_NONE = "–"
-_ROUNDING = 1e-12  # m or rad
+_DASH = "–"
+_NO_MOTION = 1e-12  # m or rad
 _LEGEND = (
     "rank: of the loop's own rows; needed: what the rank of all loses without it; open by: as the "
     "file has home."
@@ -25,11 +25,11 @@ def diagnosis_blocks(diagnosis: Diagnosis) -> Iterator[Block]:
         yield Paragraph(diagnosis.description)
     yield _findings(diagnosis)
     yield Heading("Loops")
-    yield from _loops(diagnosis)
+    yield from _loop_blocks(diagnosis)
     yield _mobility(diagnosis.mobility)
     yield Paragraph(f"Mobility and ranks rest on {diagnosis.evidence}.")
     yield from _dependent(diagnosis)
-    yield from _actuation(diagnosis)
+    yield from _actuation_blocks(diagnosis)
     yield Heading("Poses and joints")
     yield _poses(diagnosis)
     yield _freedoms(diagnosis)
@@ -54,7 +54,7 @@ def _findings(diagnosis: Diagnosis) -> Table:
     return Table("", ("", ""), tuple(rows), "<<")
 
 
-def _loops(diagnosis: Diagnosis) -> Iterator[Block]:
+def _loop_blocks(diagnosis: Diagnosis) -> Iterator[Block]:
     if not diagnosis.loops:
         yield Paragraph("None.")
         return
@@ -65,7 +65,7 @@ def _loops(diagnosis: Diagnosis) -> Iterator[Block]:
         alone = [] if loop.gap_alone is None else [brief(loop.gap_alone)]
         ranks = [] if failed else [_count(loop.rank), _count(loop.needed)]
         sizes = (str(len(loop.equations)), *ranks, brief(loop.gap_given), *alone)
-        rows.append((loop.name, loop.kind, loop.group or _NONE, *sizes))
+        rows.append((loop.name, loop.kind, loop.group or _DASH, *sizes))
     header = ("loop", "kind", "its joints\nmove", "rows", *columns)
     yield Table("", header, tuple(rows), "<<<>" + ">" * len(columns))
     yield Paragraph(_FAILED_LEGEND if failed else _LEGEND)
@@ -92,7 +92,7 @@ def _dependent(diagnosis: Diagnosis) -> Iterator[Block]:
         yield Table("Rows that follow from others (one choice)", ("row", "from"), rows, "<<")
 
 
-def _actuation(diagnosis: Diagnosis) -> Iterator[Block]:
+def _actuation_blocks(diagnosis: Diagnosis) -> Iterator[Block]:
     found = diagnosis.actuation
     if found is None:
         return
@@ -107,11 +107,11 @@ def _actuation(diagnosis: Diagnosis) -> Iterator[Block]:
     if found.free_motions:
         heading = "Passive motions that are free with all motors locked (largest rate 1)"
         columns = ("rates", "bodies that move", "tool")
-        motions = tuple(map(_motion, found.free_motions))
+        motions = tuple(map(_motion_row, found.free_motions))
         yield Table(heading, columns, motions, "<<<")
 
 
-def _motion(motion: FreeMotion) -> tuple[str, ...]:
+def _motion_row(motion: FreeMotion) -> tuple[str, ...]:
     rates = (f"{name} {rate:+.3g}" for name, rate in motion.rates.items() if rate)
     return "\n".join(rates), "\n".join(motion.bodies), "moves" if motion.felt else "rests"
 
@@ -121,17 +121,17 @@ def _poses(diagnosis: Diagnosis) -> Table:
     for pose in diagnosis.poses:
         moved, farthest = max(
             ((abs(by), f"{name} {by:+.3g}") for name, by in (pose.moved or {}).items()),
-            default=(0.0, _NONE),
+            default=(0.0, _DASH),
         )
-        failed = "open" if diagnosis.failure or pose.failure else _NONE
+        failed = "open" if diagnosis.failure or pose.failure else _DASH
         rows.append(
             (
                 pose.name,
                 brief(pose.gap_given),
-                farthest if moved > _ROUNDING else _NONE,
+                farthest if moved > _NO_MOTION else _DASH,
                 pose.kind or failed,
-                _NONE if pose.smallest is None else brief(pose.smallest),
-                _NONE if pose.condition is None else brief(pose.condition),
+                _DASH if pose.smallest is None else brief(pose.smallest),
+                _DASH if pose.condition is None else brief(pose.condition),
             )
         )
     header = ("pose", "open by\n[m]", "moved most\n[m or rad]", "kind", "σ_min\nof K*", "condition")
@@ -149,7 +149,7 @@ def _freedoms(diagnosis: Diagnosis) -> Table:
                 f"{freedom.name} [{freedom.unit}]",
                 freedom.kind,
                 "motor" if freedom.role == "actuated" else freedom.role,
-                *map(_value, (freedom.lower, freedom.upper, *values)),
+                *map(_shown_value, (freedom.lower, freedom.upper, *values)),
             )
         )
     header = ("joint", "kind", "role", "lower", "upper", *columns)
@@ -165,7 +165,7 @@ def _bodies(diagnosis: Diagnosis) -> Table:
             (
                 body.name,
                 body.joint or "ground",
-                _lines(body.loops),
+                _on_lines(body.loops),
                 "tool" if body.tool else "",
             )
             for body in diagnosis.bodies
@@ -174,15 +174,15 @@ def _bodies(diagnosis: Diagnosis) -> Table:
     )
 
 
-def _lines(names: Sequence[str]) -> str:
-    return "\n".join(names) or _NONE
+def _on_lines(names: Sequence[str]) -> str:
+    return "\n".join(names) or _DASH
 
 
 def _count(value: int | None) -> str:
-    return _NONE if value is None else str(value)
+    return _DASH if value is None else str(value)
 
 
-def _value(value: float | None) -> str:
+def _shown_value(value: float | None) -> str:
     if value is None:
-        return _NONE
-    return f"{value:.4g}" if abs(value) > _ROUNDING else "0"
+        return _DASH
+    return f"{value:.4g}" if abs(value) > _NO_MOTION else "0"

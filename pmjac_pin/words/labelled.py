@@ -11,11 +11,10 @@ from typing import TypeAlias
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.values.arrays import Array
 
-Array = NDArray[np.float64]
 Powers: TypeAlias = tuple[int, int]
 
 METRE: Powers = (1, 0)
@@ -25,7 +24,7 @@ RADIAN: Powers = (0, 1)
 _POWERS = {"m": METRE, "m²": SQUARE_METRE, "rad": RADIAN}
 
 #: An entry up to this share of the size of its matrix is rounding, and shown as zero.
-ROUNDING = 1e-13
+SHOWN_AS_ZERO = 1e-13
 
 LINEAR = ("v_x", "v_y", "v_z")
 ANGULAR = ("ω_x", "ω_y", "ω_z")
@@ -44,7 +43,7 @@ class LabelledMatrix(msgspec.Struct, frozen=True):
     values : tuple of tuple of float
         Row by row.
     size : float
-        What an entry is compared with: up to 1e-13 (`ROUNDING`) of it is rounding. The largest
+        What an entry is compared with: up to 1e-13 (`SHOWN_AS_ZERO`) of it is rounding. The largest
         entry or, in J_eq = J − J* K*⁻¹ K, the size of what cancels.
     """
 

@@ -1,20 +1,35 @@
-"""Values of a mechanism and of a pose as plain data with names and units, for every report."""
+"""Values of a mechanism and of a pose with their names and units, for every report."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
+import msgspec
+from msgspec.structs import asdict
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.rates.jacobian import SplitJacobian
+from pmjac_pin.rates.split import SplitJacobian
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.words.labelled import Powers, joint_powers, quotient, row_powers, unit
-from pmjac_pin.words.report import BeyondLimits, JointValue, ParameterValue, Quantity, ToolPose
+from pmjac_pin.words.plain import told
 
-Array = NDArray[np.float64]
+
+class Quantity(msgspec.Struct, frozen=True):
+    """A number with its unit."""
+
+    name: str
+    value: float
+    unit: str
+
+
+class LabelledJoint(msgspec.Struct, frozen=True):
+    """The value of one degree of freedom; its role is "actuated" or "passive"."""
+
+    name: str
+    role: str
+    value: float
+    unit: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,50 +50,42 @@ class Labels:
         return cls(*names, *joint_powers(mechanism), row_powers(mechanism))
 
 
-def parameter_values(mechanism: Mechanism) -> tuple[ParameterValue, ...]:
-    """Return the parameters of a mechanism."""
+def parameters_told(mechanism: Mechanism) -> list[dict[str, object]]:
+    """Return what is told of the parameters of a mechanism."""
     declared = mechanism.spec.parameters
-    return tuple(
-        ParameterValue(
-            name, value, declared[name].unit, declared[name].meaning, declared[name].default
-        )
+    return [
+        {"name": name, "value": value, **told(declared[name], "unit", "meaning", "default")}
         for name, value in mechanism.parameters.items()
-    )
+    ]
 
 
-def motor_values(values: Array, labels: Labels) -> tuple[JointValue, ...]:
+def labelled_motor_values(values: Array, labels: Labels) -> tuple[LabelledJoint, ...]:
     """Return the values (n,) of the actuated degrees of freedom."""
     return _joint_values(values, labels.actuated, labels.actuated_powers, "actuated")
 
 
-def joint_values(configuration: Configuration, labels: Labels) -> tuple[JointValue, ...]:
+def joint_values(configuration: Configuration, labels: Labels) -> tuple[LabelledJoint, ...]:
     """Return the values of all degrees of freedom, motors first."""
     passive = (labels.passive, labels.passive_powers, "passive")
-    motors = motor_values(configuration.actuated, labels)
+    motors = labelled_motor_values(configuration.actuated, labels)
     return motors + _joint_values(configuration.passive, *passive)
 
 
-def beyond_limits(configuration: Configuration, labels: Labels) -> tuple[BeyondLimits, ...]:
-    """Return the joints outside their limits, motors first."""
+def limits_told(configuration: Configuration, labels: Labels) -> list[dict[str, object]]:
+    """Return what is told of the joints outside their limits, motors first."""
     found = configuration.limits_violated
-    return tuple(
-        BeyondLimits(joint.name, joint.role, joint.value, one.lower, one.upper, joint.unit)
+    return [
+        asdict(joint) | told(found[joint.name], "lower", "upper")
         for joint in joint_values(configuration, labels)
-        if (one := found.get(joint.name)) is not None
-    )
+        if joint.name in found
+    ]
 
 
 def _joint_values(
     values: Array, names: tuple[str, ...], powers: tuple[Powers, ...], role: str
-) -> tuple[JointValue, ...]:
+) -> tuple[LabelledJoint, ...]:
     joints = zip(names, values.tolist(), powers, strict=True)
-    return tuple(JointValue(name, role, value, unit(power)) for name, value, power in joints)
-
-
-def tool_pose(configuration: Configuration) -> ToolPose:
-    """Return the tool's pose in the world."""
-    pose = configuration.tool_pose
-    return ToolPose(vector(pose.translation), tuple(map(vector, pose.rotation)))
+    return tuple(LabelledJoint(name, role, value, unit(power)) for name, value, power in joints)
 
 
 def determinant(split: SplitJacobian, labels: Labels) -> Quantity | None:
@@ -88,8 +95,3 @@ def determinant(split: SplitJacobian, labels: Labels) -> Quantity | None:
         return None
     rows = (labels.equation_powers[k] for k in split.rows)
     return Quantity("det K*", value, unit(quotient(rows, labels.passive_powers)))
-
-
-def vector(values: NDArray[np.floating[Any]]) -> tuple[float, ...]:
-    """Return an array of one dimension as plain data."""
-    return tuple(map(float, values))

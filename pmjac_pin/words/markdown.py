@@ -21,10 +21,12 @@ def markdown_table(table: Table) -> str:
     | a\|b | 1 (3) |
     """
     rules = [_RULES[side] for side in table.align]
-    return "\n".join(map(_line, [_escaped(table.header), rules, *map(_escaped, table.rows)]))
+    return "\n".join(
+        map(_markdown_row, [_escaped(table.header), rules, *map(_escaped, table.rows)])
+    )
 
 
-def _line(cells: Sequence[str]) -> str:
+def _markdown_row(cells: Sequence[str]) -> str:
     return f"| {' | '.join(cells)} |"
 
 

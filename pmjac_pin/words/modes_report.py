@@ -1,88 +1,47 @@
-"""The assembly modes as plain data with names and units: what ``pmjac modes --json`` writes."""
+"""The assembly modes with names and units; ``pmjac modes --json`` writes what is told of them."""
 
 from __future__ import annotations
 
-import msgspec
-import numpy as np
-from numpy.typing import ArrayLike
+from dataclasses import dataclass
 
-from pmjac_pin.closing.motor_values import MotorValues
-from pmjac_pin.closing.motor_values import motor_values as given_values
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.closing.motor_values import MotorValues, motor_values
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.studies.certificates.certificate import certify
-from pmjac_pin.studies.evidence import Evidence
+from pmjac_pin.rates.singularity import Singularity
+from pmjac_pin.studies.certificates.certificate import Certificate, certify
 from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
 from pmjac_pin.studies.homotopy.operation_modes import OperationModes
 from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
 from pmjac_pin.studies.modes.names import pose_names
+from pmjac_pin.studies.modes.recognition import Recognition
 from pmjac_pin.values.encodable import encodable
 from pmjac_pin.words.labelled_values import (
+    LabelledJoint,
     Labels,
-    beyond_limits,
+    Quantity,
     determinant,
     joint_values,
-    motor_values,
-    parameter_values,
-    tool_pose,
-    vector,
+    labelled_motor_values,
+    limits_told,
+    parameters_told,
 )
-from pmjac_pin.words.report import (
-    BeyondLimits,
-    JointValue,
-    ParameterValue,
-    Quantity,
-    ToolPose,
-    Vector,
-)
-from pmjac_pin.words.solutions_report import (
-    SolutionsReport,
-    make_solutions_report,
-    operation_mode_numbers,
-)
+from pmjac_pin.words.plain import told
 
 
-class CertificateReport(msgspec.Struct, frozen=True):
-    """Whether an exact solution is proven to be near: see `Certificate`.
-
-    Attributes
-    ----------
-    certified : bool
-    existence_radius : float
-        A solution is no farther than this, rad; infinite where none is proven.
-    uniqueness_radius : float
-        No second one is nearer than this, rad.
-    evidence : Evidence
-    """
-
-    certified: bool
-    existence_radius: float
-    uniqueness_radius: float
-    evidence: Evidence
-
-
-class ModeReport(msgspec.Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ModeReport:
     """What tells one assembly mode from the others.
 
     Attributes
     ----------
+    configuration : Configuration
     number : int
         From 1, in the order in which the modes are always sorted.
     poses : tuple of str
         The named poses that it is.
-    tool : ToolPose
-    joints : tuple of JointValue
-        Motors first.
-    limits_violated : tuple of BeyondLimits
-        The joints outside their limits, where these were left aside.
-    q : tuple of float
-        Pinocchio's configuration vector: `Mechanism.configuration` takes it.
-    residual_norm : float
-        Euclidean norm of the gaps of all loops, m.
-    kind : str
-        Of the singularity here, "regular" where there is none.
-    smallest : float
-        The relative singular value of K* that decides; infinite without loops.
     det_K_star : Quantity or None
         None where K* is not square.
     sign : int or None
@@ -96,58 +55,88 @@ class ModeReport(msgspec.Struct, frozen=True, kw_only=True):
         Number of the mode that is its mirror image in the plane of the base.
     operation_mode : int or None
         Number of its operation mode, the one with most solutions first; None where it is unknown.
-    certificate : CertificateReport
+    certificate : Certificate
     """
 
+    configuration: Configuration
     number: int
     poses: tuple[str, ...]
-    tool: ToolPose
-    joints: tuple[JointValue, ...]
-    limits_violated: tuple[BeyondLimits, ...]
-    q: Vector
-    residual_norm: float
-    kind: str
-    smallest: float
     det_K_star: Quantity | None
     sign: int | None
     share: float
     ways: int
     mirror_image: int | None
     operation_mode: int | None
-    certificate: CertificateReport
+    certificate: Certificate
+
+    @property
+    def singularity(self) -> Singularity:
+        """The ranks here."""
+        return self.configuration.singularity()
+
+    def told(self) -> dict[str, object]:
+        """Return it as plain data; `Mechanism.configuration` takes its q."""
+        mode, certificate = self.configuration, self.certificate
+        labels = Labels.of(mode.mechanism)
+        return {
+            **told(self, "number", "poses"),
+            "tool": mode.tool_pose,
+            "joints": joint_values(mode, labels),
+            "limits_violated": limits_told(mode, labels),
+            **told(mode, "q", "residual_norm"),
+            **told(self.singularity, "kind", "smallest"),
+            **told(self, "det_K_star", "sign", "share", "ways", "mirror_image", "operation_mode"),
+            "certificate": {
+                "certified": bool(certificate),
+                **told(certificate, "existence_radius", "uniqueness_radius", "evidence"),
+            },
+        }
 
 
-class ModesReport(msgspec.Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ModesReport:
     """The assembly modes of a mechanism at given motor values.
 
     Attributes
     ----------
-    mechanism, description : str
-    parameters : tuple of ParameterValue
-    characteristic_length : float
-        In m: what makes radians and metres comparable in `smallest`.
+    mechanism : Mechanism
     motors : tuple of JointValue
     limits : bool
         Whether the joints had to be within their limits.
-    starts : int
-        Random starts that were tried.
-    evidence : Evidence
-        What it rests on that no mode is missing.
-    solutions : SolutionsReport or None
-        All complex solutions, where they were asked for.
+    found : AssemblyModes
     modes : tuple of ModeReport
+    solutions : ComplexModes or None
+        All complex solutions, where they were asked for.
+    operation_modes : OperationModes or None
+        Likewise.
     """
 
-    mechanism: str
-    description: str
-    parameters: tuple[ParameterValue, ...]
-    characteristic_length: float
-    motors: tuple[JointValue, ...]
+    mechanism: Mechanism
+    motors: tuple[LabelledJoint, ...]
     limits: bool
-    starts: int
-    evidence: Evidence
-    solutions: SolutionsReport | None
+    found: AssemblyModes
     modes: tuple[ModeReport, ...]
+    solutions: ComplexModes | None
+    operation_modes: OperationModes | None
+
+    @property
+    def name(self) -> str:
+        """The mechanism's name."""
+        return encodable(self.mechanism.name)
+
+    def told(self) -> dict[str, object]:
+        """Return all of it as plain data."""
+        solutions = self.solutions
+        return {
+            "mechanism": self.name,
+            "description": self.mechanism.spec.description,
+            "parameters": parameters_told(self.mechanism),
+            "characteristic_length": self.mechanism.characteristic_length,
+            **told(self, "motors", "limits"),
+            **told(self.found, "starts", "evidence"),
+            "solutions": solutions and solutions_told(solutions, self.operation_modes),
+            "modes": [mode.told() for mode in self.modes],
+        }
 
 
 def make_modes_report(
@@ -183,85 +172,68 @@ def make_modes_report(
     >>> [(m.number, m.poses, m.sign) for m in make_modes_report(mechanism, [0.9], modes).modes]
     [(1, (), -1), (2, ('home',), 1)]
     """
-    labels = Labels.of(mechanism)
-    motors = given_values(mechanism.spec, mechanism.coordinates, actuated)
-    numbers: tuple[int | None, ...] = (None,) * len(modes)
-    if solutions is not None and operation_modes is not None:
-        numbers = operation_mode_numbers(modes, solutions, operation_modes)
+    values = motor_values(mechanism.spec, mechanism.coordinates, actuated)
     return ModesReport(
-        mechanism=encodable(mechanism.name),
-        description=mechanism.spec.description,
-        parameters=parameter_values(mechanism),
-        characteristic_length=mechanism.characteristic_length,
-        motors=motor_values(motors, labels),
+        mechanism=mechanism,
+        motors=labelled_motor_values(values, Labels.of(mechanism)),
         limits=limits,
-        starts=modes.starts,
-        evidence=modes.evidence,
-        solutions=None if solutions is None else make_solutions_report(solutions, operation_modes),
-        modes=_modes(mechanism, modes, labels, numbers),
+        found=modes,
+        modes=_mode_reports(
+            mechanism, modes, _operation_mode_numbers(modes, solutions, operation_modes)
+        ),
+        solutions=solutions,
+        operation_modes=operation_modes,
     )
 
 
-def _modes(
-    mechanism: Mechanism, modes: AssemblyModes, labels: Labels, numbers: tuple[int | None, ...]
+def solutions_told(
+    found: ComplexModes, operation_modes: OperationModes | None
+) -> dict[str, object]:
+    """Return what is told of all complex solutions, and of how they hang together."""
+    return {
+        "count": found.count,
+        "real": len(found.real),
+        **told(found, "certified", "at_infinity", "singular"),
+        "evidence": found.evidence,
+        "operation_modes": operation_modes.sizes if operation_modes else (),
+        "operation_evidence": operation_modes.evidence if operation_modes else None,
+    }
+
+
+def _operation_mode_numbers(
+    modes: AssemblyModes, found: ComplexModes | None, operation_modes: OperationModes | None
+) -> tuple[int | None, ...]:
+    """Return the number of each mode's operation mode, from 1; None where it is unknown."""
+    if found is None or operation_modes is None:
+        return (None,) * len(modes)
+    recognition, labels = Recognition(found.real), operation_modes.of(found)
+    places = (recognition.index(mode) for mode in modes)
+    return tuple(None if place is None else labels[place] + 1 for place in places)
+
+
+def _mode_reports(
+    mechanism: Mechanism, modes: AssemblyModes, numbers: tuple[int | None, ...]
 ) -> tuple[ModeReport, ...]:
-    names = pose_names(mechanism, modes)
+    labels, names = Labels.of(mechanism), pose_names(mechanism, modes)
     rows = mechanism.home.split_jacobian().rows
-    found = zip(modes, names, modes.shares, modes.ways, modes.mirror_images, numbers, strict=True)
     return tuple(
-        _mode(
-            index,
-            mode,
-            rows,
-            labels,
-            poses=poses,
-            share=share,
-            ways=ways,
-            mirror=mirror,
-            operation=number,
+        ModeReport(
+            configuration=mode,
+            number=k + 1,
+            poses=names[k],
+            det_K_star=(det := determinant(mode.split_jacobian(), labels)),
+            sign=_sign(mode, det, rows),
+            share=modes.shares[k],
+            ways=modes.ways[k],
+            mirror_image=None if (image := modes.mirror_images[k]) is None else image + 1,
+            operation_mode=numbers[k],
+            certificate=certify(mode),
         )
-        for index, (mode, poses, share, ways, mirror, number) in enumerate(found, start=1)
+        for k, mode in enumerate(modes)
     )
 
 
-def _mode(
-    number: int,
-    mode: Configuration,
-    rows: ArrayLike,
-    labels: Labels,
-    *,
-    poses: tuple[str, ...],
-    share: float,
-    ways: int,
-    mirror: int | None,
-    operation: int | None,
-) -> ModeReport:
-    split, singularity = mode.split_jacobian(), mode.singularity()
-    det = determinant(split, labels)
-    sign = None
-    if det is not None and np.array_equal(split.rows, rows):
-        sign = 0 if singularity.is_singular else int(np.sign(det.value))
-    return ModeReport(
-        number=number,
-        poses=poses,
-        tool=tool_pose(mode),
-        joints=joint_values(mode, labels),
-        limits_violated=beyond_limits(mode, labels),
-        q=vector(mode.q),
-        residual_norm=mode.residual_norm,
-        kind=singularity.kind,
-        smallest=singularity.smallest,
-        det_K_star=det,
-        sign=sign,
-        share=share,
-        ways=ways,
-        mirror_image=None if mirror is None else mirror + 1,
-        operation_mode=operation,
-        certificate=_certificate(mode),
-    )
-
-
-def _certificate(mode: Configuration) -> CertificateReport:
-    found = certify(mode)
-    radii = (found.existence_radius, found.uniqueness_radius)
-    return CertificateReport(bool(found), *radii, found.evidence)
+def _sign(mode: Configuration, det: Quantity | None, rows: NDArray[np.intp]) -> int | None:
+    if det is None or not np.array_equal(mode.split_jacobian().rows, rows):
+        return None
+    return 0 if mode.singularity().is_singular else int(np.sign(det.value))

@@ -7,15 +7,16 @@ from collections.abc import Iterator
 from scipy.spatial.transform import Rotation
 
 from pmjac_pin.studies.evidence import Evidence
+from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
+from pmjac_pin.studies.homotopy.operation_modes import OperationModes
 from pmjac_pin.values.brief import brief
-from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table, numbers
+from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table, matrix_numbers
 from pmjac_pin.words.modes_report import ModeReport, ModesReport
-from pmjac_pin.words.solutions_report import SolutionsReport
-from pmjac_pin.words.tables import motor_values
+from pmjac_pin.words.tables import motor_line
 
 _SIGNS = {1: "+", -1: "-", 0: "0", None: ""}
 
-LEGEND = (
+MODES_LEGEND = (
     "σ is the smallest singular value of K*, relative to the size of [K K*]; share, of the random "
     "starts that led here; proven, that an exact solution is no farther away than this: of all "
     "rows but the dependent ones, which hold to the residual."
@@ -25,21 +26,24 @@ LEGEND = (
 def modes_blocks(report: ModesReport) -> Iterator[Block]:
     """Show all modes, and what their completeness rests on."""
     yield Heading(modes_title(report))
-    if report.description:
-        yield Paragraph(report.description)
+    if description := report.mechanism.spec.description:
+        yield Paragraph(description)
     yield Paragraph(count(report))
     if report.modes:
         yield _table(report)
         yield Paragraph(_legend(report))
         yield _tools(report)
-    yield Paragraph(no_more(report.evidence))
+    evidence = report.found.evidence
+    yield Paragraph(no_more(evidence))
     if report.solutions is not None:
-        yield from _solutions(report.solutions, report.evidence)
+        yield _solutions(report.solutions, evidence)
+    if report.operation_modes:
+        yield _operation_modes(report.operation_modes)
 
 
 def modes_title(report: ModesReport) -> str:
     """Return what is shown: the mechanism and its motor values."""
-    return f"Assembly modes of {report.mechanism} at {motor_values(report.motors)}"
+    return f"Assembly modes of {report.name} at {motor_line(report.motors)}"
 
 
 def count(report: ModesReport) -> str:
@@ -68,23 +72,25 @@ def no_more(evidence: Evidence) -> str:
 
 def _legend(report: ModesReport) -> str:
     if all(mode.ways == 1 for mode in report.modes):
-        return LEGEND
-    return f"{LEGEND[:-1]}; ways, in how many its bodies fit: some turn over unseen."
+        return MODES_LEGEND
+    return f"{MODES_LEGEND[:-1]}; ways, in how many its bodies fit: some turn over unseen."
 
 
-def _solutions(found: SolutionsReport, of_modes: Evidence) -> Iterator[Block]:
-    """Say how many solutions there are over the complex numbers, and how they hang together."""
+def _solutions(found: ComplexModes, of_modes: Evidence) -> Paragraph:
+    """Say how many solutions there are over the complex numbers."""
     many = "is 1 solution" if found.count == 1 else f"are {found.count} solutions"
-    text = f"Over the complex numbers there {many}; {found.real} real, limits left aside; "
+    text = f"Over the complex numbers there {many}; {len(found.real)} real, limits left aside; "
     text += f"{found.certified} proven to be there"
     # Where it settles the modes, its evidence has just been told.
-    yield Paragraph(text + ("." if found.evidence == of_modes else f" ({found.evidence})."))
-    if found.operation_modes:
-        sizes = ", ".join(map(str, found.operation_modes))
-        yield Paragraph(
-            "Operation modes, by how many of the solutions at almost all motor values they have: "
-            f"{sizes} ({found.operation_evidence})."
-        )
+    return Paragraph(text + ("." if found.evidence == of_modes else f" ({found.evidence})."))
+
+
+def _operation_modes(found: OperationModes) -> Paragraph:
+    """Say how the solutions hang together."""
+    return Paragraph(
+        "Operation modes, by how many of the solutions at almost all motor values they have: "
+        f"{', '.join(map(str, found.sizes))} ({found.evidence})."
+    )
 
 
 def _table(report: ModesReport) -> Table:
@@ -100,12 +106,12 @@ def _table(report: ModesReport) -> Table:
     rows = [_row(mode) for mode in report.modes]
     if any(mode.operation_mode for mode in report.modes):
         header = (*header, "oper-\nation\nmode")
-        numbers = [mode.operation_mode or "" for mode in report.modes]
-        rows = [(*row, str(number)) for row, number in zip(rows, numbers, strict=True)]
+        found = [mode.operation_mode or "" for mode in report.modes]
+        rows = [(*row, str(number)) for row, number in zip(rows, found, strict=True)]
     if any(mode.ways > 1 for mode in report.modes):
         header = (*header, "ways")
         rows = [(*row, str(mode.ways)) for row, mode in zip(rows, report.modes, strict=True)]
-    named = tuple((*row, _names(mode)) for row, mode in zip(rows, report.modes, strict=True))
+    named = tuple((*row, _mode_names(mode)) for row, mode in zip(rows, report.modes, strict=True))
     return Table("", (*header, "which is"), named, ">" * len(header) + "<")
 
 
@@ -113,27 +119,28 @@ def _row(mode: ModeReport) -> tuple[str, ...]:
     mirror = "" if mode.mirror_image is None else str(mode.mirror_image)
     return (
         str(mode.number),
-        f"{mode.residual_norm:.1e}",
-        brief(mode.smallest),
+        f"{mode.configuration.residual_norm:.1e}",
+        brief(mode.singularity.smallest),
         _SIGNS[mode.sign],
         f"{100.0 * mode.share:.2f}",
         mirror,
-        f"{mode.certificate.existence_radius:.0e}" if mode.certificate.certified else "no",
+        f"{mode.certificate.existence_radius:.0e}" if mode.certificate else "no",
     )
 
 
-def _names(mode: ModeReport) -> str:
-    singular = () if mode.kind == "regular" else (f"singular ({mode.kind})",)
-    beyond = tuple(f"{joint.name} beyond its limits" for joint in mode.limits_violated)
+def _mode_names(mode: ModeReport) -> str:
+    kind, found = mode.singularity.kind, mode.configuration.limits_violated
+    singular = () if kind == "regular" else (f"singular ({kind})",)
+    beyond = tuple(f"{name} beyond its limits" for name in found)
     return ", ".join((*mode.poses, *singular, *beyond))
 
 
 def _tools(report: ModesReport) -> Table:
-    rotations = Rotation.from_matrix([mode.tool.rotation for mode in report.modes])
-    places = numbers(
-        [mode.tool.position for mode in report.modes], size=report.characteristic_length
-    )
-    turns = numbers(rotations.as_rotvec(), size=1.0)
+    tools = [mode.configuration.tool_pose for mode in report.modes]
+    rotations = Rotation.from_matrix([tool.rotation for tool in tools])
+    length = report.mechanism.characteristic_length
+    places = matrix_numbers([tool.translation for tool in tools], size=length)
+    turns = matrix_numbers(rotations.as_rotvec(), size=1.0)
     rows = zip(report.modes, places, turns, strict=True)
     return Table(
         "Tool in the world: its place, and the turn from the world's axes (angle times axis)",

@@ -1,258 +1,253 @@
-"""Report: everything that is known at one pose, as plain data with names and units.
+"""Report: everything that is known at one pose, with names and units.
 
-The structs say what there is, and are what ``pmjac report --json`` writes: their attributes
-are its keys. `make_report` in `report_maker` fills them.
+A view of the `Configuration`: the numbers are the Python interface's, unchanged. `Report.told` is
+what ``pmjac report --json`` writes.
 """
 
 from __future__ import annotations
 
-import json
-import re
+from dataclasses import dataclass
+from functools import cached_property
 
 import msgspec
+import numpy as np
 
-from pmjac_pin.model.tool_rows import ToolRows, checked_axes
-from pmjac_pin.words.labelled import LabelledMatrix
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import NoJacobianError
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.rates.ellipsoid import Ellipsoid
+from pmjac_pin.rates.jacobian import EquivalentJacobian
+from pmjac_pin.rates.singularity import Singularity
+from pmjac_pin.rates.split import SplitJacobian
+from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.encodable import encodable
+from pmjac_pin.words.labelled import LabelledMatrix, common_unit, unit
+from pmjac_pin.words.labelled_values import (
+    LabelledJoint,
+    Labels,
+    Quantity,
+    determinant,
+    joint_values,
+    limits_told,
+    parameters_told,
+)
+from pmjac_pin.words.matrices import EQUIVALENT, equivalent_matrices, split_matrices
+from pmjac_pin.words.plain import told
 
-Vector = tuple[float, ...]
-
-
-class Quantity(msgspec.Struct, frozen=True):
-    """A number with its unit."""
-
-    name: str
-    value: float
-    unit: str
-
-
-class ParameterValue(msgspec.Struct, frozen=True):
-    """A parameter of the mechanism."""
-
-    name: str
-    value: float
-    unit: str
-    meaning: str
-    default: float
-
-
-class JointValue(msgspec.Struct, frozen=True):
-    """The value of one degree of freedom; its role is "actuated" or "passive"."""
-
-    name: str
-    role: str
-    value: float
-    unit: str
-
-
-class BeyondLimits(msgspec.Struct, frozen=True):
-    """A joint outside its limits."""
-
-    name: str
-    role: str
-    value: float
-    lower: float
-    upper: float
-    unit: str
-
-
-class Dimensions(msgspec.Struct, frozen=True):
-    """The sizes in the lecture's letters.
-
-    Attributes
-    ----------
-    n, m_p : int
-        Actuated and passive degrees of freedom.
-    p, m : int
-        Loop equations, and the independent ones that K and K* show.
-    mobility : int or None
-        None where no pose near home closes.
-    nq, nv : int
-    """
-
-    n: int
-    m_p: int
-    p: int
-    m: int
-    mobility: int | None
-    nq: int
-    nv: int
-
-
-class ToolPose(msgspec.Struct, frozen=True):
-    """The tool in the world: position in m, rotation matrix row by row."""
-
-    position: Vector
-    rotation: tuple[Vector, ...]
-
-
-class Matrices(msgspec.Struct, frozen=True, kw_only=True):
-    """The lecture's matrices; None from `passive_rates` on where J_eq does not exist."""
-
-    K: LabelledMatrix
-    K_star: LabelledMatrix
-    Jv: LabelledMatrix
-    Jv_star: LabelledMatrix
-    Jw: LabelledMatrix
-    Jw_star: LabelledMatrix
-    passive_rates: LabelledMatrix | None = None
-    Jv_eq: LabelledMatrix | None = None
-    Jw_eq: LabelledMatrix | None = None
-    gv_eq: LabelledMatrix | None = None
-    gw_eq: LabelledMatrix | None = None
+_ELLIPSOIDS = ("velocity", "angular", "force")
 
 
 class SingularValues(msgspec.Struct, frozen=True):
     """Singular values, descending; `unit` is None where rows or columns mix units."""
 
-    values: Vector
+    values: list[float]
     unit: str | None
 
 
-class SingularityReport(msgspec.Struct, frozen=True, kw_only=True):
-    """What `Singularity` says, motions by the joints' names.
-
-    Attributes
-    ----------
-    kind : str
-    singular_values : tuple of float
-        Of the dimensionless K* on all rows, relative to the size of [K K*].
-    smallest : float
-        The one of them that decides; infinite without loops.
-    condition, tolerance : float
-    characteristic_length : float
-        In m: what makes radians and metres comparable.
-    rank, generic_rank : int
-        Of K*, here and in general.
-    constraint_rank, generic_constraint_rank : int
-        Of [K K*].
-    tool_rows : tuple of str
-        The rows of the tool's twist that are judged, of vx, vy, vz, wx, wy and wz.
-    tool_axes : str
-        Their axes: LOCAL_WORLD_ALIGNED, the world's, or LOCAL, the tool's own.
-    tool_rank, generic_tool_rank : int
-        Dimension of the tool twists that the loops allow, on these rows.
-    idle, gained, lost : int
-    free_motions : tuple of dict
-        Passive rates that come free here with the motors locked: a basis, the idle ones left out.
-    idle_motions : tuple of dict
-        A basis of the passive rates that are free at every pose.
-    forbidden_rates : tuple of dict
-        Orthonormal motor rates that the loops do not allow here.
-    """
-
-    kind: str
-    singular_values: Vector
-    smallest: float
-    condition: float
-    tolerance: float
-    characteristic_length: float
-    rank: int
-    generic_rank: int
-    constraint_rank: int
-    generic_constraint_rank: int
-    tool_rows: tuple[str, ...]
-    tool_axes: str
-    tool_rank: int
-    generic_tool_rank: int
-    idle: int
-    gained: int
-    lost: int
-    free_motions: tuple[dict[str, float], ...]
-    idle_motions: tuple[dict[str, float], ...]
-    forbidden_rates: tuple[dict[str, float], ...]
-
-    @property
-    def judged(self) -> ToolRows:
-        """The rows of the tool's twist that are judged, with their axes."""
-        return ToolRows(self.tool_rows, checked_axes(self.tool_axes))
-
-
-class EllipsoidReport(msgspec.Struct, frozen=True):
-    """Principal values, descending, and the unit direction of each, in the report's frame."""
-
-    unit: str
-    rank: int
-    radii: Vector
-    directions: tuple[Vector, ...]
-
-
-class Report(msgspec.Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, eq=False)
+class Report:
     """What is known of a mechanism at one pose.
 
     Attributes
     ----------
-    mechanism, description : str
-    notes : tuple of str
-        What the reader of a file of another format decided.
-    parameters : tuple of ParameterValue
-    dimensions : Dimensions
+    configuration : Configuration
+    split : SplitJacobian
+        In the frame of the report.
+    jacobian : EquivalentJacobian or None
+        None where it does not exist.
+    refusal : str or None
+        Why not.
     pose : str or None
-        The named pose; None where motor values were asked for.
+        The pose's name; None where motor values were asked for.
     start : str or None
         The named pose from which the motors were walked to those values.
-    frame : str
-        Of the tool's twist, with Pinocchio's meaning.
-    joints : tuple of JointValue
-        Motors first.
-    limits_violated : tuple of BeyondLimits
-        The joints outside their limits: the loops close, but the machine cannot be there.
-    iterations : int
-        Newton iterations that closed the loops.
-    residual : tuple of Quantity
-        The p loop equations.
-    residual_norm : float
-        Euclidean norm of the gaps of all loops, m.
-    tool : ToolPose
-    matrices : Matrices
-    det_K_star : Quantity or None
-        None where K* is not square.
-    singular_values : dict of str to SingularValues
-        Of "K_star" as shown, of "Jv_eq" and "Jw_eq"; None where J_eq does not exist.
-    singularity : SingularityReport
-    ellipsoids : dict of str to EllipsoidReport
-        "velocity", "angular", "force"; None where J_eq does not exist.
-    refusal : str or None
-        Why J_eq does not exist here.
     """
 
-    mechanism: str
-    description: str
-    notes: tuple[str, ...]
-    parameters: tuple[ParameterValue, ...]
-    dimensions: Dimensions
-    pose: str | None
-    start: str | None
-    frame: str
-    joints: tuple[JointValue, ...]
-    limits_violated: tuple[BeyondLimits, ...]
-    iterations: int
-    residual: tuple[Quantity, ...]
-    residual_norm: float
-    tool: ToolPose
-    matrices: Matrices
-    det_K_star: Quantity | None
-    singular_values: dict[str, SingularValues | None]
-    singularity: SingularityReport
-    ellipsoids: dict[str, EllipsoidReport | None]
+    configuration: Configuration
+    split: SplitJacobian
+    jacobian: EquivalentJacobian | None
     refusal: str | None
+    pose: str | None = None
+    start: str | None = None
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """The mechanism."""
+        return self.configuration.mechanism
+
+    @property
+    def name(self) -> str:
+        """The mechanism's name."""
+        return encodable(self.mechanism.name)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the reader of a file of another format decided."""
+        return tuple(map(encodable, self.mechanism.notes))
+
+    @property
+    def singularity(self) -> Singularity:
+        """The ranks here."""
+        return self.configuration.singularity()
+
+    @cached_property
+    def labels(self) -> Labels:
+        """The mechanism's."""
+        return Labels.of(self.mechanism)
+
+    @property
+    def joints(self) -> tuple[LabelledJoint, ...]:
+        """The values of all degrees of freedom, motors first."""
+        return joint_values(self.configuration, self.labels)
+
+    @property
+    def residual(self) -> tuple[Quantity, ...]:
+        """The p loop equations."""
+        labels = self.labels
+        units = map(unit, labels.equation_powers)
+        values = self.configuration.residual.tolist()
+        return tuple(map(Quantity, labels.equations, values, units))
+
+    @property
+    def det_K_star(self) -> Quantity | None:
+        """The determinant of K*; None where K* is not square."""
+        return determinant(self.split, self.labels)
+
+    @cached_property
+    def matrices(self) -> dict[str, LabelledMatrix | None]:
+        """The lecture's, by name; those from "passive_rates" on are None where J_eq is."""
+        found: dict[str, LabelledMatrix | None] = {}
+        found |= split_matrices(self.split, self.labels)
+        jacobian = self.jacobian
+        return found | (
+            dict.fromkeys(EQUIVALENT)
+            if jacobian is None
+            else equivalent_matrices(jacobian, self.labels)
+        )
+
+    @property
+    def singular_values(self) -> dict[str, SingularValues | None]:
+        """Of "K_star" as shown, of "Jv_eq" and "Jw_eq"; None where J_eq does not exist."""
+        rows = [self.labels.equation_powers[k] for k in self.split.rows]
+        spectrum = np.linalg.svd(self.split.K_star, compute_uv=False).tolist()
+        motors, ellipsoids = len(self.labels.actuated), self.ellipsoids
+        return {
+            "K_star": SingularValues(spectrum, common_unit(rows, self.labels.passive_powers)),
+            "Jv_eq": _first_radii(ellipsoids["velocity"], motors),
+            "Jw_eq": _first_radii(ellipsoids["angular"], motors),
+        }
+
+    @cached_property
+    def ellipsoids(self) -> dict[str, Ellipsoid | None]:
+        """The "velocity", "angular" and "force" ellipsoids; None where J_eq does not exist."""
+        jacobian = self.jacobian
+        if jacobian is None:
+            return dict.fromkeys(_ELLIPSOIDS)
+        return {name: getattr(jacobian, f"{name}_ellipsoid")() for name in _ELLIPSOIDS}
+
+    def told(self) -> dict[str, object]:
+        """Return all of it as plain data, with the dimensions in the lecture's letters."""
+        mechanism, configuration, singularity = self.mechanism, self.configuration, self.singularity
+        return {
+            "mechanism": self.name,
+            "description": mechanism.spec.description,
+            "notes": self.notes,
+            "parameters": parameters_told(mechanism),
+            "dimensions": {
+                "n": len(mechanism.actuated),
+                "m_p": len(mechanism.passive),
+                "p": len(mechanism.rows),
+                "m": self.split.rows.size,
+                **told(mechanism, "mobility", "nq", "nv"),
+            },
+            **told(self, "pose", "start"),
+            "frame": self.split.frame,
+            "joints": self.joints,
+            "limits_violated": limits_told(configuration, self.labels),
+            "iterations": configuration.iterations,
+            "residual": self.residual,
+            "residual_norm": configuration.residual_norm,
+            "tool": configuration.tool_pose,
+            **told(self, "matrices", "det_K_star", "singular_values"),
+            "singularity": singularity_told(singularity, mechanism.characteristic_length),
+            "ellipsoids": {
+                name: None if one is None else ellipsoid_told(one)
+                for name, one in self.ellipsoids.items()
+            },
+            "refusal": self.refusal,
+        }
 
 
-def to_json(report: msgspec.Struct) -> str:
-    """Write a report, or a diagnosis, as strict JSON in ASCII, one line for each of its attributes.
+def make_report(
+    configuration: Configuration,
+    frame: str = "LOCAL_WORLD_ALIGNED",
+    *,
+    pose: str | None = None,
+    start: str | None = None,
+) -> Report:
+    """Collect what is known at a configuration.
 
-    JSON knows no infinity: infinite numbers become null. There are three: the radii of the
-    force ellipsoid in directions that the structure bears by itself, and the singularity's
-    `smallest` (no loops) and `condition` (singular).
+    Complete at singular poses too: what does not exist there is None, and `refusal` says why.
+
+    Parameters
+    ----------
+    configuration : Configuration
+    frame : {"LOCAL_WORLD_ALIGNED", "LOCAL", "WORLD"}
+        Frame of the tool's twist, with Pinocchio's meaning.
+    pose : str, optional
+        The pose's name, if it has one.
+    start : str, optional
+        The named pose from which the configuration was reached.
+
+    Raises
+    ------
+    ArgumentError
+        No such frame.
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> report = make_report(pj.load("four_bar").home, pose="home")
+    >>> report.matrices["K_star"].columns, report.det_K_star.unit
+    (('phi1', 'phi2'), 'm²/rad²')
     """
-    lines = (
-        f"{_json(field.encode_name)}: {_json(getattr(report, field.name))}"
-        for field in msgspec.structs.fields(report)
-    )
-    return "{\n" + ",\n".join(lines) + "\n}"
+    split = configuration.split_jacobian(frame)
+    try:
+        jacobian, refusal = configuration.jacobian(frame), None
+    except NoJacobianError as error:
+        return Report(configuration, split, None, str(error), pose, start)
+    return Report(configuration, split, jacobian, refusal, pose, start)
 
 
-def _json(value: object) -> str:
-    # Units have superscripts, and a pipe may be unable to carry them. In JSON they can only
-    # stand in strings, where an escape means the same.
-    encoded = msgspec.json.encode(value).decode()
-    return re.sub("[^\x00-\x7f]", lambda match: json.dumps(match[0])[1:-1], encoded)
+def by_name(names: tuple[str, ...], columns: Array) -> list[dict[str, float]]:
+    """Return motions, the columns of an array, by the names of the joints."""
+    return [dict(zip(names, column, strict=True)) for column in columns.T.tolist()]
+
+
+def singularity_told(found: Singularity, length: float) -> dict[str, object]:
+    """Return what is told of the ranks at a pose, motions by the joints' names.
+
+    `length`, in m, is what makes radians and metres comparable in it.
+    """
+    return {
+        **told(found, "kind", "singular_values", "smallest", "condition", "tolerance"),
+        "characteristic_length": length,
+        **told(found, "rank", "generic_rank", "constraint_rank", "generic_constraint_rank"),
+        "tool_rows": found.tool_rows.names,
+        "tool_axes": found.tool_rows.axes,
+        **told(found, "tool_rank", "generic_tool_rank", "idle", "gained", "lost"),
+        "free_motions": by_name(found.passive_names, found.free_motions),
+        "idle_motions": by_name(found.passive_names, found.idle_motions),
+        "forbidden_rates": by_name(found.actuated_names, found.forbidden_rates),
+    }
+
+
+def ellipsoid_told(ellipsoid: Ellipsoid) -> dict[str, object]:
+    """Return what is told of an ellipsoid: `directions` has an axis in each of its rows."""
+    return {**told(ellipsoid, "unit", "rank", "radii"), "directions": ellipsoid.axes.T}
+
+
+def _first_radii(ellipsoid: Ellipsoid | None, motors: int) -> SingularValues | None:
+    if ellipsoid is None:
+        return None
+    return SingularValues(ellipsoid.radii[:motors].tolist(), ellipsoid.unit)

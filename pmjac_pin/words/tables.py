@@ -5,16 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from pmjac_pin.model.limits import Violation
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.rates.ellipsoid import Ellipsoid
+from pmjac_pin.rates.singularity import Singularity
 from pmjac_pin.values.brief import brief
-from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table, matrix_table, number, numbers
-from pmjac_pin.words.report import (
-    BeyondLimits,
-    EllipsoidReport,
-    JointValue,
-    Report,
-    SingularityReport,
+from pmjac_pin.words.blocks import (
+    Block,
+    Heading,
+    Paragraph,
+    Table,
+    matrix_numbers,
+    matrix_table,
+    number,
 )
+from pmjac_pin.words.labelled_values import LabelledJoint
+from pmjac_pin.words.report import Report, by_name
 
 TITLES = {
     "K": "K = ∂η/∂θ (loop equations by motors)",
@@ -47,15 +52,15 @@ _STILL = 1e-10  # of a motion's largest rate: motions come of differences betwee
 def report_blocks(report: Report) -> Iterator[Block]:
     """Show all of a report."""
     yield Heading(title(report))
-    if report.description:
-        yield Paragraph(report.description)
+    if description := report.mechanism.spec.description:
+        yield Paragraph(description)
     if report.notes:
         yield Paragraph("\n".join(f"Note: {note}" for note in report.notes))
     yield Paragraph(_sizes(report))
-    yield Paragraph(_origin(report))
-    if report.limits_violated:
-        yield Paragraph(limits_warning(report.limits_violated))
-    yield from _pose(report)
+    yield Paragraph(_origin_line(report))
+    if report.configuration.limits_violated:
+        yield Paragraph(limits_warning(report.configuration))
+    yield from _pose_blocks(report)
     yield Heading("Loop closure and tool Jacobian")
     yield Paragraph(LEGEND)
     yield from matrix_blocks(report, ("K", "K_star"))
@@ -63,13 +68,13 @@ def report_blocks(report: Report) -> Iterator[Block]:
     yield Heading("Equivalent Jacobian")
     if report.refusal:
         yield Paragraph(f"J_eq does not exist here: {report.refusal}")
-    if report.dimensions.m_p:
+    if report.mechanism.passive:
         yield from matrix_blocks(report, ("passive_rates", "Jv_eq", "Jw_eq"))
     else:
         yield Paragraph("Nothing is passive: [J_v]eq = J_v and [J_ω]eq = J_ω.")
     yield from matrix_blocks(report, ("gv_eq", "gw_eq"))
     yield Heading("Singularity")
-    yield from _singularity(report)
+    yield from _singularity_blocks(report)
     yield singular_values_table(report)
     yield from ellipsoid_blocks(report, ("velocity", "angular", "force"))
 
@@ -77,11 +82,11 @@ def report_blocks(report: Report) -> Iterator[Block]:
 def title(report: Report) -> str:
     """Return what is shown: the mechanism and its pose."""
     if report.pose is not None:
-        return f"{report.mechanism}, pose {report.pose}"
-    return f"{report.mechanism} at {motor_values(report.joints)}"
+        return f"{report.name}, pose {report.pose}"
+    return f"{report.name} at {motor_line(report.joints)}"
 
 
-def motor_values(joints: Iterable[JointValue]) -> str:
+def motor_line(joints: Iterable[LabelledJoint]) -> str:
     """Return the values of the motors among these joints in one line."""
     motors = (joint for joint in joints if joint.role == "actuated")
     return ", ".join(f"{joint.name} = {joint.value:.6g} {joint.unit}" for joint in motors)
@@ -90,10 +95,10 @@ def motor_values(joints: Iterable[JointValue]) -> str:
 def matrix_blocks(report: Report, names: tuple[str, ...]) -> Iterator[Block]:
     """Show these matrices; without rows or columns there is nothing to show."""
     for name in names:
-        matrix = getattr(report.matrices, name)
+        matrix = report.matrices[name]
         if matrix is not None and matrix.rows and matrix.columns:
             yield matrix_table(TITLES[name], matrix)
-        if name == "K_star" and report.dimensions.p:
+        if name == "K_star" and report.mechanism.rows:
             yield Paragraph(_determinant(report))
 
 
@@ -104,9 +109,10 @@ def singular_values_table(report: Report) -> Table:
         if found is None or not found.values:
             continue
         unit = found.unit or "mixed units"
-        rows.append((f"{SYMBOLS[name]} [{unit}]", *numbers([found.values])[0]))
-    if relative := report.singularity.singular_values:
-        rows.append(("K*, dimensionless, relative to [K K*]", *numbers([relative])[0]))
+        rows.append((f"{SYMBOLS[name]} [{unit}]", *matrix_numbers([found.values])[0]))
+    relative = report.singularity.singular_values.tolist()
+    if relative:
+        rows.append(("K*, dimensionless, relative to [K K*]", *matrix_numbers([relative])[0]))
     count = max((len(row) for row in rows), default=1)
     padded = tuple((*row, *[""] * (count - len(row))) for row in rows)
     header = ("", *(f"σ{k}" for k in range(1, count)))
@@ -121,56 +127,67 @@ def ellipsoid_blocks(report: Report, names: tuple[str, ...]) -> Iterator[Block]:
             yield ellipsoid_table(ELLIPSOIDS[name], ellipsoid)
 
 
-def ellipsoid_table(heading: str, ellipsoid: EllipsoidReport) -> Table:
+def ellipsoid_table(heading: str, ellipsoid: Ellipsoid) -> Table:
     """Show an ellipsoid: one principal axis a row.
 
     Where several radii are zero, or infinite, their directions are any in a plane or in space.
     """
-    radii = numbers([ellipsoid.radii])[0]
-    ends = [radius for radius in ellipsoid.radii if radius in (0.0, math.inf)]
-    directions = [
+    return axes_table(heading, ellipsoid.unit, ellipsoid.radii.tolist(), ellipsoid.axes.T.tolist())
+
+
+def axes_table(
+    heading: str, unit: str, radii: Sequence[float], directions: Sequence[Sequence[float]]
+) -> Table:
+    """Show the radii and directions of principal axes as those of an ellipsoid are."""
+    ends = [radius for radius in radii if radius in (0.0, math.inf)]
+    axes = [
         ["-"] * 3 if ends.count(radius) > 1 else axis
-        for radius, axis in zip(ellipsoid.radii, numbers(ellipsoid.directions), strict=True)
+        for radius, axis in zip(radii, matrix_numbers(directions), strict=True)
     ]
-    rows = zip(radii, directions, strict=True)
+    rows = zip(matrix_numbers([radii])[0], axes, strict=True)
     return Table(
         heading,
-        ("axis", f"radius\n[{ellipsoid.unit}]", "direction\nx", "\ny", "\nz"),
+        ("axis", f"radius\n[{unit}]", "direction\nx", "\ny", "\nz"),
         tuple((str(k), radius, *axis) for k, (radius, axis) in enumerate(rows, start=1)),
         "<>>>>",
     )
 
 
 def _sizes(report: Report) -> str:
-    size = report.dimensions
-    mobility = "not known" if size.mobility is None else size.mobility
+    found = report.mechanism
+    mobility = "not known" if found.mobility is None else found.mobility
     return (
-        f"n = {size.n} motors, m_p = {size.m_p} passive; p = {size.p} loop equations, "
-        f"m = {size.m} of them independent; mobility {mobility}; nq = {size.nq}, "
-        f"nv = {size.nv}."
+        f"n = {len(found.actuated)} motors, m_p = {len(found.passive)} passive; "
+        f"p = {len(found.rows)} loop equations, m = {report.split.rows.size} of them independent; "
+        f"mobility {mobility}; nq = {found.nq}, nv = {found.nv}."
     )
 
 
-def limits_warning(found: Sequence[BeyondLimits]) -> str:
+def limits_warning(configuration: Configuration) -> str:
     """Return the warning that joints are outside their limits."""
+    units = configuration.mechanism.units
     told = "; ".join(
-        f"{joint.name} = {Violation(joint.value, joint.lower, joint.upper).words} {joint.unit}"
-        for joint in found
+        f"{name} = {found.words} {units[name]}"
+        for name, found in configuration.limits_violated.items()
     )
     return f"Warning: {told}. The loops close here, but the machine cannot be here."
 
 
-def _origin(report: Report) -> str:
+def _origin_line(report: Report) -> str:
     walked = f"Reached from the pose {report.start!r}. " if report.start else ""
-    return f"{walked}The tool's twist is in the frame {report.frame}."
+    return f"{walked}The tool's twist is in the frame {report.split.frame}."
 
 
-def _pose(report: Report) -> Iterator[Block]:
-    if report.parameters:
+def _pose_blocks(report: Report) -> Iterator[Block]:
+    if parameters := report.mechanism.parameters:
+        declared = report.mechanism.spec.parameters
         yield Table(
             "Parameters",
             ("name", "value", "unit", "meaning"),
-            tuple((p.name, number(p.value), p.unit, p.meaning) for p in report.parameters),
+            tuple(
+                (name, number(value), declared[name].unit, declared[name].meaning)
+                for name, value in parameters.items()
+            ),
             "<><<",
         )
     yield Table(
@@ -179,26 +196,26 @@ def _pose(report: Report) -> Iterator[Block]:
         tuple(
             (joint.name, joint.role, value, joint.unit)
             for joint, [value] in zip(
-                report.joints, numbers([j.value] for j in report.joints), strict=True
+                report.joints, matrix_numbers([j.value] for j in report.joints), strict=True
             )
         ),
         "<<><",
     )
     if report.residual:
         yield Table(
-            f"Loop equations η (Newton iterations: {report.iterations}, "
-            f"gap: {brief(report.residual_norm)} m)",
+            f"Loop equations η (Newton iterations: {report.configuration.iterations}, "
+            f"gap: {brief(report.configuration.residual_norm)} m)",
             ("equation", "value", "unit"),
             tuple((row.name, brief(row.value), row.unit) for row in report.residual),
             "<><",
         )
-    yield _tool(report)
+    yield _tool_table(report)
 
 
-def _tool(report: Report) -> Table:
-    size = report.singularity.characteristic_length
-    position = numbers([[x] for x in report.tool.position], size)
-    rows = zip("xyz", position, numbers(report.tool.rotation), strict=True)
+def _tool_table(report: Report) -> Table:
+    tool, size = report.configuration.tool_pose, report.mechanism.characteristic_length
+    position = matrix_numbers([[x] for x in tool.translation], size)
+    rows = zip("xyz", position, matrix_numbers(tool.rotation), strict=True)
     return Table(
         "Tool in the world",
         ("", "position\n[m]", "rotation\nx", "\ny", "\nz"),
@@ -208,54 +225,54 @@ def _tool(report: Report) -> Table:
 
 
 def _determinant(report: Report) -> str:
-    if report.det_K_star is None:
-        size = report.dimensions
-        return f"K* is {size.m} × {size.m_p}, not square: it has no determinant."
-    return f"det K* = {number(report.det_K_star.value)} {report.det_K_star.unit}"
+    det = report.det_K_star
+    if det is None:
+        rows, columns = report.split.K_star.shape
+        return f"K* is {rows} × {columns}, not square: it has no determinant."
+    return f"det K* = {number(det.value)} {det.unit}"
 
 
-def _singularity(report: Report) -> Iterator[Block]:
+def _singularity_blocks(report: Report) -> Iterator[Block]:
     found = report.singularity
-    yield Table("", ("", ""), tuple(_ranks(found)), "<<")
-    if found.free_motions:
+    length = report.mechanism.characteristic_length
+    yield Table("", ("", ""), (*_ranks(found), ("a radian counts as", f"{brief(length)} m")), "<<")
+    if free := by_name(found.passive_names, found.free_motions):
         heading = "Passive motions that come free here with all motors locked (largest rate 1)"
-        yield _motions(report, heading, [_largest_one(rates) for rates in found.free_motions])
-    if found.idle_motions:
+        yield _motions_table(report, heading, list(map(_largest_rate_one, free)))
+    if idle := by_name(found.passive_names, found.idle_motions):
         heading = "Idle passive motions, free at every pose (largest rate 1)"
-        yield _motions(report, heading, [_largest_one(rates) for rates in found.idle_motions])
-    if found.forbidden_rates:
-        heading = "Motor rates that the loops forbid"
-        yield _motions(report, heading, found.forbidden_rates)
+        yield _motions_table(report, heading, list(map(_largest_rate_one, idle)))
+    if forbidden := by_name(found.actuated_names, found.forbidden_rates):
+        yield _motions_table(report, "Motor rates that the loops forbid", forbidden)
 
 
-def _ranks(found: SingularityReport) -> Iterator[tuple[str, str]]:
+def _ranks(found: Singularity) -> Iterator[tuple[str, str]]:
     yield "kind", found.kind
     yield "rank of K*", f"{found.rank} of {found.generic_rank}"
     yield "rank of [K K*]", f"{found.constraint_rank} of {found.generic_constraint_rank}"
     more = found.tool_rank > found.generic_tool_rank
     rank = f"{found.tool_rank}, more than the" if more else f"{found.tool_rank} of"
     yield "tool motions", f"{rank} {found.generic_tool_rank}"
-    yield "judged on", str(found.judged)
+    yield "judged on", str(found.tool_rows)
     yield "idle passive motions", str(found.idle)
     yield "motions gained here", str(found.gained)
     yield "motions lost here", str(found.lost)
     if found.generic_rank:
         yield "smallest σ of K* relative to [K K*]", brief(found.smallest)
     yield "counts as zero up to", brief(found.tolerance)
-    yield "a radian counts as", f"{brief(found.characteristic_length)} m"
 
 
-def _largest_one(rates: Mapping[str, float]) -> dict[str, float]:
+def _largest_rate_one(rates: Mapping[str, float]) -> dict[str, float]:
     largest = max(rates.values(), key=abs)
     shares = {name: rate / largest for name, rate in rates.items()}
     return {name: share if abs(share) > _STILL else 0.0 for name, share in shares.items()}
 
 
-def _motions(report: Report, heading: str, motions: Sequence[Mapping[str, float]]) -> Table:
+def _motions_table(report: Report, heading: str, motions: Sequence[Mapping[str, float]]) -> Table:
     """Show motions side by side, one joint a row."""
     units = {joint.name: joint.unit for joint in report.joints}
     names = tuple(motions[0])
-    rates = numbers([[motion[name] for motion in motions] for name in names])
+    rates = matrix_numbers([[motion[name] for motion in motions] for name in names])
     return Table(
         heading,
         ("", *(str(k) for k in range(1, len(motions) + 1))),

@@ -18,8 +18,8 @@ from rich.text import Text
 
 from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table, Verbatim
 
-_GAP = 3  # blanks between columns
-_NARROWEST, _USUAL, _WIDEST = 20, 80, 10_000  # characters of a line
+_BLANKS = 3  # blanks between columns
+_NARROWEST, _USUAL, _WIDEST_LINE = 20, 80, 10_000  # characters of a line
 _WIDEST_NAME = 24  # longer column names are folded in wide tables
 
 # Headings underlined, nothing else: a box that needs no Unicode, and one that does.
@@ -54,7 +54,7 @@ _ASCII = {
     "═": "=",
     "→": "->",
 }
-_SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789")
+_LOWERED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789")
 
 
 def new_console() -> Console:
@@ -64,7 +64,7 @@ def new_console() -> Console:
         markup=False, highlight=False, emoji=False, color_system=None if plain else "auto"
     )
     # Of `COLUMNS`, rich takes any number as it is: with 0 it would print nothing.
-    console.width = min(max(console.width, _NARROWEST), _WIDEST) if console.width else _USUAL
+    console.width = min(max(console.width, _NARROWEST), _WIDEST_LINE) if console.width else _USUAL
     return console
 
 
@@ -77,7 +77,7 @@ def draw(console: Console, blocks: Iterable[Block]) -> None:
             case Heading():
                 _draw_heading(console, block.text)
             case Paragraph():
-                console.print(_text(console, block.text))
+                console.print(_plain_text(console, block.text))
             case Verbatim():
                 console.print(Text(one_line(block.text)), soft_wrap=True)
             case Table():
@@ -124,31 +124,31 @@ def to_ascii(text: str) -> str:
     """
     for symbol, replacement in _ASCII.items():
         text = text.replace(symbol, replacement)
-    text = re.sub("[⁰¹²³⁴⁵⁶⁷⁸⁹]+", lambda match: "^" + match[0].translate(_SUPERSCRIPTS), text)
+    text = re.sub("[⁰¹²³⁴⁵⁶⁷⁸⁹]+", lambda match: "^" + match[0].translate(_LOWERED), text)
     decomposed = unicodedata.normalize("NFKD", text)
     bare = "".join(c for c in decomposed if not unicodedata.combining(c))
     return bare.encode("ascii", "replace").decode()
 
 
-def _text(console: Console, text: str) -> Text:
+def _plain_text(console: Console, text: str) -> Text:
     lines = "\n".join(map(one_line, text.split("\n")))
     return Text(to_ascii(lines) if console.options.ascii_only else lines)
 
 
 def _draw_heading(console: Console, text: str) -> None:
-    heading = _text(console, text)
+    heading = _plain_text(console, text)
     width = min(heading.cell_len, console.width)
     console.print(heading, style="bold cyan")
-    console.print(_text(console, "═" * width), style="cyan")
+    console.print(_plain_text(console, "═" * width), style="cyan")
 
 
 def _draw_table(console: Console, table: Table) -> None:
-    header = [_text(console, cell) for cell in table.header]
-    rows = [[_text(console, cell) for cell in row] for row in table.rows]
+    header = [_plain_text(console, cell) for cell in table.header]
+    rows = [[_plain_text(console, cell) for cell in row] for row in table.rows]
     if table.title:
-        console.print(_text(console, table.title), style="bold")
+        console.print(_plain_text(console, table.title), style="bold")
     widths = _natural_widths(header, rows)
-    if sum(widths) + _GAP * (len(widths) - 1) <= console.width or "<" in table.align[1:]:
+    if sum(widths) + _BLANKS * (len(widths) - 1) <= console.width or "<" in table.align[1:]:
         _draw_grid(console, header, rows, table.align, widths)
         return
     _draw_folded(console, header, rows, widths)
@@ -160,9 +160,9 @@ def _draw_folded(
     """Draw a wide table of numbers as several, each with the first column of labels."""
     digits = _natural_widths([Text()] * len(header), rows)
     label = min(widths[0], console.width // 2)
-    room = console.width - label - _GAP
+    room = console.width - label - _BLANKS
     column = max(*digits[1:], min(max(widths[1:]), _WIDEST_NAME, room))
-    fitting = max(1, (console.width - label) // (_GAP + column))
+    fitting = max(1, (console.width - label) // (_BLANKS + column))
     count = len(header) - 1
     parts = -(-count // fitting)
     for part in range(parts):

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Container, Mapping, Sequence
 from typing import Any
 
+from pmjac_pin.errors import quoted
 from pmjac_pin.files.mjcf.joints import SCALAR, MjcfJoint
-from pmjac_pin.files.xml_text import shown
 
 
 def read_motors(
@@ -21,7 +21,7 @@ def read_motors(
     for number in range(model.nu):
         name = names[model.actuator_trnid[number, 0]]
         given = model.actuator(number).name
-        where = f"actuator {shown(given)}" if given else "an actuator"
+        where = f"actuator {quoted(given)}" if given else "an actuator"
         if joints[name].kind not in SCALAR:
             notes.append(f"{where} moves {joints[name].kind} joint {name!r}, and is left out")
         elif name in held:

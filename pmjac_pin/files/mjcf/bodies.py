@@ -7,23 +7,20 @@ from dataclasses import dataclass, field
 from typing import Any
 from xml.etree.ElementTree import Element
 
-import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.files.mjcf.joints import MjcfJoint, joint_of
 from pmjac_pin.files.mjcf.mujoco import Compiled
-from pmjac_pin.files.mjcf.names import KINDS, Names
+from pmjac_pin.files.mjcf.names import JOINT_TYPES, Names
 from pmjac_pin.files.mjcf.shapes import shape
 from pmjac_pin.files.tree_urdf import undrawn
 from pmjac_pin.files.xml_text import written
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 MAXIMAL_GEOMS = 2000
 
 _NO_COLOUR = (0.5, 0.5, 0.5, 1.0)  # MuJoCo's, where nothing is given
-_DIGITS = 6  # of single precision
+_SINGLE_DIGITS = 6  # of single precision
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +76,7 @@ def body_notes(model: Any, names: Names) -> Iterator[str]:
         if model.body_mocapid[number] >= 0:
             yield f"mocap body {name!r} stands still"
     for number, name in enumerate(names.joints):
-        if model.jnt_limited[number] and KINDS[model.jnt_type[number]] == "ball":
+        if model.jnt_limited[number] and JOINT_TYPES[model.jnt_type[number]] == "ball":
             yield f"the range of ball joint {name!r} is left out"
     if model.ngeom > MAXIMAL_GEOMS:
         yield f"only the first {MAXIMAL_GEOMS} geoms are kept for the picture"
@@ -91,6 +88,6 @@ def place(position: Array, wxyz: Array) -> pin.SE3:
 
 
 def _draw(body: Body, model: Any, number: int, drawn: Element) -> None:
-    rgba = tuple(round(float(value), _DIGITS) for value in model.geom_rgba[number])
+    rgba = tuple(round(float(value), _SINGLE_DIGITS) for value in model.geom_rgba[number])
     colour = None if rgba == _NO_COLOUR else written(rgba)
     body.shapes.append((drawn, place(model.geom_pos[number], model.geom_quat[number]), colour))

@@ -12,10 +12,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from pmjac_pin.errors import ModelFileError
+from pmjac_pin.errors import ModelFileError, quoted
 from pmjac_pin.files.mjcf.joints import SCALAR, MjcfJoint
 from pmjac_pin.files.mjcf.mujoco import Compiled
-from pmjac_pin.files.xml_text import shown
 from pmjac_pin.model.loop_spec import JointLoop
 
 _ON_A_JOINT = 1  # of mujoco.mjtWrap
@@ -118,7 +117,7 @@ def read_couplings(
     for equation in equations:
         for name in equation.weights:
             if joints[name].kind not in SCALAR:
-                what = f"joint {shown(name)} is of type {joints[name].kind}"
+                what = f"joint {quoted(name)} is of type {joints[name].kind}"
                 raise ModelFileError(f"{equation.where}: {what}; hinges and slides can be geared")
         match len(equation.weights):
             case 1:
@@ -132,7 +131,7 @@ def read_couplings(
         for name in loop.joints:
             if name in held:
                 todo = "remove one of the two constraints"
-                raise ModelFileError(f"joint {shown(name)} is geared and held; {todo}")
+                raise ModelFileError(f"joint {quoted(name)} is geared and held; {todo}")
     return loops, held
 
 

@@ -11,16 +11,15 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
-from pmjac_pin.errors import ModelFileError
+from pmjac_pin.errors import ModelFileError, quoted
 from pmjac_pin.files.mjcf.bodies import place
 from pmjac_pin.files.mjcf.mujoco import Compiled
 from pmjac_pin.files.mjcf.names import Names
 from pmjac_pin.files.mjcf.tree import MjcfTree
 from pmjac_pin.files.urdf.checks import MAXIMAL_LINKS
-from pmjac_pin.files.xml_text import shown
 from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop
 
-_KINDS = ("connect", "weld", "joint", "tendon")  # in the order of mujoco.mjtEq
+_EQUALITIES = ("connect", "weld", "joint", "tendon")  # in the order of mujoco.mjtEq
 _SITE = 6  # of mujoco.mjtObj
 
 
@@ -33,11 +32,11 @@ def active_equalities(compiled: Compiled) -> tuple[dict[str, list[int]], list[st
         Very many.
     """
     model = compiled.model
-    active: dict[str, list[int]] = {kind: [] for kind in _KINDS}
+    active: dict[str, list[int]] = {kind: [] for kind in _EQUALITIES}
     notes = []
     for number, label in enumerate(compiled.equalities):
         if model.eq_active0[number]:
-            active[_KINDS[model.eq_type[number]]].append(number)
+            active[_EQUALITIES[model.eq_type[number]]].append(number)
         else:
             notes.append(f"{label} is not active, and left out")
     if model.neq > MAXIMAL_LINKS:
@@ -56,18 +55,18 @@ def read_closures(
     ModelFileError
         A body or site joined to itself.
     """
-    return [_loop(compiled, number, names, tree) for number in numbers]
+    return [_loop_of_equality(compiled, number, names, tree) for number in numbers]
 
 
-def _loop(compiled: Compiled, number: int, names: Names, tree: MjcfTree) -> Loop:
+def _loop_of_equality(compiled: Compiled, number: int, names: Names, tree: MjcfTree) -> Loop:
     model, where = compiled.model, compiled.equalities[number]
-    data, welded = model.eq_data[number], _KINDS[model.eq_type[number]] == "weld"
+    data, welded = model.eq_data[number], _EQUALITIES[model.eq_type[number]] == "weld"
     by_site = model.eq_objtype[number] == _SITE
     known = names.sites if by_site else names.bodies
     first, second = known[model.eq_obj1id[number]], known[model.eq_obj2id[number]]
     if first == second:
         kind = "site" if by_site else "body"
-        raise ModelFileError(f"{where} joins {kind} {shown(first)} to itself")
+        raise ModelFileError(f"{where} joins {kind} {quoted(first)} to itself")
     if not by_site:
         places = _welded(data) if welded else _connected(data)
         wishes = (f"{first}_at_{second}", f"{second}_at_{first}")

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from xml.etree.ElementTree import Element
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
 from pmjac_pin.files.bounded_xml import MAXIMAL_NESTING
 from pmjac_pin.files.text_file import at_file, read_text
 from pmjac_pin.files.user_path import is_file, real
-from pmjac_pin.files.xml_text import parse_xml, shown
+from pmjac_pin.files.xml_text import parse_xml
 
-MAXIMAL_SIZE = 5_000_000  # bytes; elements take a hundred times that in memory
+MAXIMAL_MJCF = 5_000_000  # bytes; elements take a hundred times that in memory
 MAXIMAL_INCLUDES = 50
 
 _SECTIONS = (
@@ -68,14 +68,14 @@ class _Reader:
         root = self._parsed(path, included)
         with at_file(str(path)):
             if root.tag != "mujoco":
-                got = f"the root element is <{shown(root.tag)[1:-1]}>"
+                got = f"the root element is <{quoted(root.tag)[1:-1]}>"
                 raise ModelFileError(f"{got}; an MJCF file's is <mujoco>")
             expanded = self._expanded(root, path, included, 0)
             for section in expanded:
                 if section.tag not in _SECTIONS:
                     known = did_you_mean(section.tag, _SECTIONS)
                     raise ModelFileError(
-                        f"<{shown(section.tag)[1:-1]}> is no section of MJCF{known}"
+                        f"<{quoted(section.tag)[1:-1]}> is no section of MJCF{known}"
                     )
             return MjcfFile(path, expanded, self._attached(expanded, path, (*above, real(path))))
 
@@ -85,7 +85,7 @@ class _Reader:
         for element in root.iterfind("asset/model"):
             file = self._found(element, path)
             if real(file) in above:
-                raise ModelFileError(f"{_called(element)}: the model attaches itself")
+                raise ModelFileError(f"{_file_called(element)}: the model attaches itself")
             element.set("file", f"{self._files}.xml")
             found[element.get("file", "")] = self.model(file, above)
         return found
@@ -95,10 +95,10 @@ class _Reader:
             raise ModelFileError(f"more than {MAXIMAL_INCLUDES} files are included")
         self._files += 1
         included.append(real(path))
-        text = read_text(path, MAXIMAL_SIZE)
+        text = read_text(path, MAXIMAL_MJCF)
         self._read += len(text)
-        if self._read > MAXIMAL_SIZE:
-            what = f"the included files have more than {MAXIMAL_SIZE} characters together"
+        if self._read > MAXIMAL_MJCF:
+            what = f"the included files have more than {MAXIMAL_MJCF} characters together"
             raise ModelFileError(f"{path}: {what}", path=str(path))
         with at_file(str(path)):
             return parse_xml(text)
@@ -121,7 +121,7 @@ class _Reader:
                 continue
             file = self._found(child, path)
             if real(file) in included:
-                raise ModelFileError(f"{_called(child)}: a file is included only once")
+                raise ModelFileError(f"{_file_called(child)}: a file is included only once")
             # Its root counts as nesting, so that files that include each other come to an end.
             root = self._parsed(file, included)
             yield from self._expanded(root, file, included, depth + 1)
@@ -136,11 +136,11 @@ class _Reader:
         if absolute or ".." in parts or not inside:
             why = "only files in or below the model's own folder are read"
             todo = "put it there, or save the whole model as one file (MuJoCo's mj_saveLastXML)"
-            raise ModelFileError(f"{_called(element)}: {why}; {todo}")
+            raise ModelFileError(f"{_file_called(element)}: {why}; {todo}")
         if not is_file(found):
-            raise ModelFileError(f"{_called(element)}: there is no such file")
+            raise ModelFileError(f"{_file_called(element)}: there is no such file")
         return found
 
 
-def _called(element: Element) -> str:
-    return f"<{element.tag} file={shown(element.get('file', ''))}>"
+def _file_called(element: Element) -> str:
+    return f"<{element.tag} file={quoted(element.get('file', ''))}>"

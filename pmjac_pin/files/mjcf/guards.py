@@ -18,7 +18,7 @@ from pmjac_pin.files.text_file import at_file
 from pmjac_pin.files.urdf.checks import MAXIMAL_LINKS, MAXIMAL_NAME
 from pmjac_pin.files.xml_text import numbers, numbers_in
 
-MAXIMAL_ELEMENTS = 10_000  # that are read, with what <replicate> and <attach> make of them
+MAXIMAL_MJCF_ELEMENTS = 10_000  # that are read, with what <replicate> and <attach> make of them
 MAXIMAL_CLASSES = 1000
 
 _SOFT = ("composite", "flexcomp")
@@ -47,7 +47,7 @@ class _Count:
         return _Count(factor * self.links, factor * self.elements)
 
 
-def check(file: MjcfFile) -> None:
+def check_mjcf(file: MjcfFile) -> None:
     """Refuse a model with numbers or names that are none, or with too much in it.
 
     Raises
@@ -59,9 +59,9 @@ def check(file: MjcfFile) -> None:
     if count.links > MAXIMAL_LINKS:
         what = f"{count.links} bodies, sites and joints are too many"
         raise ModelFileError(f"{what}; at most {MAXIMAL_LINKS} links are read")
-    if count.elements > MAXIMAL_ELEMENTS:
+    if count.elements > MAXIMAL_MJCF_ELEMENTS:
         what = f"{count.elements} elements are too many"
-        raise ModelFileError(f"{what}; at most {MAXIMAL_ELEMENTS} are read")
+        raise ModelFileError(f"{what}; at most {MAXIMAL_MJCF_ELEMENTS} are read")
 
 
 def _check_words(file: MjcfFile) -> None:

@@ -26,13 +26,13 @@ def read_home(
             *position, w, x, y, z = given  # Pinocchio has w at the end
             home[joint.name] = (*position, x, y, z, w)
         elif joint.name not in held:
-            home[joint.name] = value = _within(joint, given[0])
+            home[joint.name] = value = _within_range(joint, given[0])
             if value != given[0]:
                 what = f"{given[0]:g} of joint {joint.name!r} is outside its range"
                 notes.append(f"{what}: home starts at {value:g}")
     return {name: value for name, value in home.items() if value != 0.0}, notes
 
 
-def _within(joint: MjcfJoint, value: float) -> float:
+def _within_range(joint: MjcfJoint, value: float) -> float:
     lower, upper = joint.limits or (value, value)
     return min(max(value, lower), upper)

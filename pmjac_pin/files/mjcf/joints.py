@@ -7,11 +7,9 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
-from pmjac_pin.files.mjcf.names import KINDS
-
-Array = NDArray[np.float64]
+from pmjac_pin.files.mjcf.names import JOINT_TYPES
+from pmjac_pin.values.arrays import Array
 
 SCALAR = ("hinge", "slide")
 
@@ -58,7 +56,7 @@ class MjcfJoint:
 
 def joint_of(model: Any, number: int, name: str) -> MjcfJoint:
     """Return the joint of this number of a mujoco.MjModel."""
-    kind = KINDS[model.jnt_type[number]]
+    kind = JOINT_TYPES[model.jnt_type[number]]
     start = int(model.jnt_qposadr[number])
     qpos = slice(start, start + {"free": 7, "ball": 4, "slide": 1, "hinge": 1}[kind])
     lower, upper = model.jnt_range[number].tolist()

@@ -10,18 +10,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
 from pmjac_pin.files.mjcf.file import MjcfFile
 from pmjac_pin.files.mjcf.names import called
 from pmjac_pin.files.mjcf.vocabulary import MJCF_WORDS
 from pmjac_pin.files.text_file import at_file
-from pmjac_pin.files.xml_text import numbers, shown, written
+from pmjac_pin.files.xml_text import numbers, written
 
 KEYFRAME = "home"
 NO_MASS = 1e-14  # kg and kg m², for bodies without: MuJoCo wants more than 1e-15
 
 _READ = ("connect", "weld", "joint", "tendon")
-_NOT_READ = ("distance", "flex", "flexstrain", "flexvert")
+_EQUALITIES_NOT_READ = ("distance", "flex", "flexstrain", "flexvert")
 _BRAKES = ("adhesion", "damper")
 
 
@@ -77,11 +77,11 @@ def _equalities(root: Element) -> Iterator[str]:
             yield "<flag> disables the constraints; they are read all the same"
     for element in root.iterfind("equality/*"):
         where = called(element)
-        if element.tag not in (*_READ, *_NOT_READ):
+        if element.tag not in (*_READ, *_EQUALITIES_NOT_READ):
             known = did_you_mean(element.tag, _READ)
-            what = f"<equality> holds an unknown <{shown(element.tag)[1:-1]}>"
+            what = f"<equality> holds an unknown <{quoted(element.tag)[1:-1]}>"
             raise ModelFileError(f"{what}{known}")
-        if element.tag in _NOT_READ:
+        if element.tag in _EQUALITIES_NOT_READ:
             if element.get("active") != "false":
                 todo = 'set active="false" to leave it out'
                 raise ModelFileError(f"{where} is not read, only {', '.join(_READ)} are; {todo}")
@@ -132,6 +132,6 @@ def _motors(root: Element) -> Iterator[str]:
             brake = element.tag in _BRAKES
             if brake or not {"joint", "jointinparent"} & set(element.attrib):
                 what = "is a brake" if brake else "moves no joint by itself"
-                yield f"actuator {shown(element.get('name', element.tag))} {what}, and is left out"
+                yield f"actuator {quoted(element.get('name', element.tag))} {what}, and is left out"
                 section.remove(element)
             element.tag = "motor"

@@ -30,7 +30,7 @@ def inertias(
         The mass of all bodies together, kg.
     """
     bodies = list(enumerate(names.bodies))[1:]  # the world has none
-    found = {name: _inertia(compiled, number) for number, name in bodies}
+    found = {name: _compiled_inertia(compiled, number) for number, name in bodies}
     known = {name: body for name, body in found.items() if body.mass or body.inertia.any()}
     total = sum(body.mass for body in known.values())
     if wanted is not None and total > 0.0:
@@ -48,7 +48,7 @@ def inertias(
     return known, [*notes, *without_mass(none), *without_rotors(rotors)]
 
 
-def _inertia(compiled: Compiled, number: int) -> pin.Inertia:
+def _compiled_inertia(compiled: Compiled, number: int) -> pin.Inertia:
     model = compiled.model
     mass, moments = float(model.body_mass[number]), model.body_inertia[number]
     at = place(model.body_ipos[number], model.body_iquat[number])

@@ -17,7 +17,7 @@ from pmjac_pin.errors import ModelFileError, shortened
 from pmjac_pin.files.mjcf.file import MjcfFile
 from pmjac_pin.files.mjcf.names import Places, called, check_name
 
-_LONGEST = 300  # characters of one of MuJoCo's messages
+_LONGEST_ERROR = 300  # characters of one of MuJoCo's messages
 _HEAVY = 1e30  # kg m², beside all that a file may say
 _KNOWN_MASS = ("PLANE", "HFIELD", "SPHERE", "CAPSULE", "ELLIPSOID", "CYLINDER", "BOX")
 
@@ -58,8 +58,8 @@ def compiled(file: MjcfFile) -> Compiled:
     mujoco = _mujoco()
     root = file.root
     with _refusals(root):
-        spec = mujoco.MjSpec.from_string(_lines(root), include=dict(_attached(file)))
-    labels = tuple(_label(mujoco, equality) for equality in spec.equalities)
+        spec = mujoco.MjSpec.from_string(_line_by_line(root), include=dict(_attached_files(file)))
+    labels = tuple(_equality_label(mujoco, equality) for equality in spec.equalities)
     _check_names(mujoco, spec, labels)
     _check_values(spec)
     meshes = _without_meshes(mujoco, spec)
@@ -98,11 +98,13 @@ def _refusals(root: Element) -> Iterator[None]:
         if rest and (element := _on_line(root, rest[-1])) is not None:
             where = f"{Places(root).of(element)}: "
             said = _with_attribute(said, element)
-        raise ModelFileError(f"{where}MuJoCo refuses it: {shortened(said, _LONGEST)}") from None
+        raise ModelFileError(
+            f"{where}MuJoCo refuses it: {shortened(said, _LONGEST_ERROR)}"
+        ) from None
 
 
 def _on_line(root: Element, place: str) -> Element | None:
-    """Return what stands on the line that a message names; `_lines` writes one on each."""
+    """Return what stands on the line that a message names; `_line_by_line` writes one on each."""
     line = int(found[1]) if (found := re.search(r"line (\d+)", place)) else 0
     elements = list(root.iter())
     return elements[line - 1] if 0 < line <= len(elements) else None
@@ -116,7 +118,7 @@ def _with_attribute(said: str, element: Element) -> str:
     return " ".join([*keys[:1], said])
 
 
-def _lines(root: Element) -> str:
+def _line_by_line(root: Element) -> str:
     """Return the XML with each element's start on a line of its own, in order."""
     for element in root.iter():
         if len(element):
@@ -126,19 +128,21 @@ def _lines(root: Element) -> str:
     return tostring(root, encoding="unicode")
 
 
-def _attached(file: MjcfFile) -> Iterator[tuple[str, bytes]]:
+def _attached_files(file: MjcfFile) -> Iterator[tuple[str, bytes]]:
     for name, attached in file.attached.items():
         yield name, tostring(attached.root)
-        yield from _attached(attached)
+        yield from _attached_files(attached)
 
 
-def _label(mujoco: Any, equality: Any) -> str:
+def _equality_label(mujoco: Any, equality: Any) -> str:
     kind = equality.type.name.removeprefix("mjEQ_").lower()
-    ends = {f"{end}{number}": name for end, number, name in _ends(mujoco, equality) if name}
+    ends = {
+        f"{end}{number}": name for end, number, name in _equality_ends(mujoco, equality) if name
+    }
     return called(Element(kind, ends | ({"name": equality.name} if equality.name else {})))
 
 
-def _ends(mujoco: Any, equality: Any) -> list[tuple[str, int, str]]:
+def _equality_ends(mujoco: Any, equality: Any) -> list[tuple[str, int, str]]:
     """Return what an equality joins: the kind of thing, which of the two it is, and its name."""
     kinds = {mujoco.mjtEq.mjEQ_JOINT: "joint", mujoco.mjtEq.mjEQ_TENDON: "tendon"}
     sites = equality.objtype == mujoco.mjtObj.mjOBJ_SITE
@@ -155,7 +159,7 @@ def _check_names(mujoco: Any, spec: Any, labels: Sequence[str]) -> None:
         "tendon": {tendon.name for tendon in spec.tendons},
     }
     for label, equality in zip(labels, spec.equalities, strict=True):
-        for kind, _, name in _ends(mujoco, equality):
+        for kind, _, name in _equality_ends(mujoco, equality):
             if name:
                 check_name(f"{label}: the {kind}", name, known[kind])
     for actuator in spec.actuators:

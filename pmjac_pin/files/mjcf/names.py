@@ -6,12 +6,11 @@ from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 from xml.etree.ElementTree import Element
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
 from pmjac_pin.files.unused_name import unused_name
-from pmjac_pin.files.xml_text import shown
 
-WORLD = "world"
-KINDS = ("free", "ball", "slide", "hinge")  # in the order of mujoco.mjtJoint
+WORLD_BODY = "world"
+JOINT_TYPES = ("free", "ball", "slide", "hinge")  # in the order of mujoco.mjtJoint
 
 _ENDS = [f"{kind}{number}" for kind in ("body", "site", "joint", "tendon") for number in (1, 2)]
 
@@ -41,7 +40,9 @@ class Names:
         self.taken = {*given, *joints, *sites} - {""}
         self.bodies = tuple(self._of_bodies(given, model.body_parentid.tolist()))
         on = [self.bodies[body] for body in model.jnt_bodyid]
-        wishes = [f"{body}_{KINDS[kind]}" for body, kind in zip(on, model.jnt_type, strict=True)]
+        wishes = [
+            f"{body}_{JOINT_TYPES[kind]}" for body, kind in zip(on, model.jnt_type, strict=True)
+        ]
         self.joints = tuple(
             name or unused_name(wish, self.taken) for name, wish in zip(joints, wishes, strict=True)
         )
@@ -68,7 +69,7 @@ class Names:
 def check_name(what: str, name: str, known: Collection[str]) -> None:
     """Refuse a name that does not exist; `what` says who gives it."""
     if name not in known:
-        raise ModelFileError(f"{what} {shown(name)} does not exist{did_you_mean(name, known)}")
+        raise ModelFileError(f"{what} {quoted(name)} does not exist{did_you_mean(name, known)}")
 
 
 class Places:
@@ -82,7 +83,7 @@ class Places:
         above = self._above.get(element)
         while above is not None and not element.get("name"):
             if above.tag == "body" and (name := above.get("name")):
-                return f"<{element.tag}> on body {shown(name)}"
+                return f"<{element.tag}> on body {quoted(name)}"
             above = self._above.get(above)
         return called(element)
 
@@ -90,6 +91,6 @@ class Places:
 def called(element: Element) -> str:
     """Return how messages call an element: by its name, or by what it joins."""
     if name := element.get("name"):
-        return f"{element.tag} {shown(name)}"
-    ends = [f"{key}={shown(element.get(key, ''))}" for key in _ENDS if element.get(key)]
+        return f"{element.tag} {quoted(name)}"
+    ends = [f"{key}={quoted(element.get(key, ''))}" for key in _ENDS if element.get(key)]
     return f"<{' '.join([element.tag, *ends])}>"

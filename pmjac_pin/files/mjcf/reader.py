@@ -16,7 +16,7 @@ from pmjac_pin.files.mjcf.bodies import body_notes, read_bodies
 from pmjac_pin.files.mjcf.couplings import equations, read_couplings
 from pmjac_pin.files.mjcf.equality import active_equalities, read_closures
 from pmjac_pin.files.mjcf.file import read_mujoco
-from pmjac_pin.files.mjcf.guards import check
+from pmjac_pin.files.mjcf.guards import check_mjcf
 from pmjac_pin.files.mjcf.home import read_home
 from pmjac_pin.files.mjcf.kept import Kept, kept
 from pmjac_pin.files.mjcf.masses import inertias
@@ -47,11 +47,11 @@ def read_mjcf(path: Path) -> ForeignModel:
     file = read_mujoco(path)
     with at_file(str(path)):
         found = kept(file)
-        check(found.file)
-        return _foreign_model(found, path)
+        check_mjcf(found.file)
+        return _model_of_kept(found, path)
 
 
-def _foreign_model(kept: Kept, path: Path) -> ForeignModel:
+def _model_of_kept(kept: Kept, path: Path) -> ForeignModel:
     found = compiled(kept.file)
     name, names = kept.file.root.get("model") or path.stem, Names(found.model)
     bodies = read_bodies(found, names)

@@ -9,7 +9,7 @@ from pmjac_pin.files.tree_urdf import undrawn
 from pmjac_pin.files.xml_text import written
 
 # Those that a URDF has, by their number in mujoco.mjtGeom.
-_NAMES = {2: "sphere", 3: "capsule", 5: "cylinder", 6: "box"}
+_GEOMS = {2: "sphere", 3: "capsule", 5: "cylinder", 6: "box"}
 
 
 def shape(kind: int, size: Sequence[float]) -> Element:
@@ -24,7 +24,7 @@ def shape(kind: int, size: Sequence[float]) -> Element:
     >>> shape(7, [0.0, 0.0, 0.0]).tag
     'mesh'
     """
-    if (name := _NAMES.get(kind)) is None:
+    if (name := _GEOMS.get(kind)) is None:
         return undrawn(f"geom of type {kind}")
     if name == "sphere":
         return Element(name, radius=written(size[:1]))

@@ -13,12 +13,13 @@ from collections.abc import Container, Sequence
 import numpy as np
 import pinocchio as pin
 
+from pmjac_pin.files.joint_dialects import WITHOUT_LIMIT
 from pmjac_pin.files.mjcf.bodies import Body
 from pmjac_pin.files.mjcf.joints import SCALAR, MjcfJoint
-from pmjac_pin.files.mjcf.names import WORLD, Names
-from pmjac_pin.files.tree_urdf import WITHOUT_LIMIT, Motion, TreeUrdf
+from pmjac_pin.files.mjcf.names import WORLD_BODY, Names
+from pmjac_pin.files.tree_urdf import MovingAxis, TreeUrdf
 
-_TYPES = {"hinge": "revolute", "slide": "prismatic", "ball": "floating", "free": "floating"}
+_URDF_TYPES = {"hinge": "revolute", "slide": "prismatic", "ball": "floating", "free": "floating"}
 
 
 class MjcfTree:
@@ -42,11 +43,11 @@ class MjcfTree:
     def __init__(
         self, name: str, bodies: Sequence[Body], names: Names, counted: Container[str]
     ) -> None:
-        self.urdf = TreeUrdf(name, WORLD, pin.SE3.Identity(), names.taken)
-        self._zero = {WORLD: pin.SE3.Identity()}
+        self.urdf = TreeUrdf(name, WORLD_BODY, pin.SE3.Identity(), names.taken)
+        self._zero = {WORLD_BODY: pin.SE3.Identity()}
         self._counted = counted
         for body in bodies:
-            if body.name != WORLD:
+            if body.name != WORLD_BODY:
                 self._add(body)
             for link, placement in body.sites:
                 self.urdf.fixed(body.name, link, self._zero[body.name] * placement)
@@ -77,12 +78,12 @@ class MjcfTree:
             self.urdf.fixed(above, body.name, placement)
 
     def _move(self, joint: MjcfJoint, ends: tuple[str, str]) -> None:
-        kind, limits = _TYPES[joint.kind], joint.limits
+        kind, limits = _URDF_TYPES[joint.kind], joint.limits
         if kind == "floating":
             self.urdf.joint(joint.name, kind, ends)
             return
         if kind == "revolute" and limits is None and joint.name not in self._counted:
-            self.urdf.joint(joint.name, "continuous", ends, Motion(joint.axis))
+            self.urdf.joint(joint.name, "continuous", ends, MovingAxis(joint.axis))
             return
         wide = (-WITHOUT_LIMIT, WITHOUT_LIMIT)
-        self.urdf.joint(joint.name, kind, ends, Motion(joint.axis, limits or wide))
+        self.urdf.joint(joint.name, kind, ends, MovingAxis(joint.axis, limits or wide))

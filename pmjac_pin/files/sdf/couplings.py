@@ -7,14 +7,14 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
-from pmjac_pin.files.gazebo_plugins import is_mimic
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
+from pmjac_pin.files.gazebo_plugins import is_mimic_plugin
 from pmjac_pin.files.sdf.joints import AXIS_TAGS, SdfJoint, freedom_names, text_of
 from pmjac_pin.files.vocabulary import spelt
-from pmjac_pin.files.xml_text import label, numbers, numbers_in, only, shown
+from pmjac_pin.files.xml_text import label, numbers, numbers_in, only
 from pmjac_pin.model.loop_spec import JointLoop
 
-_PARALLEL = 1e-6
+_PARALLEL_AXES = 1e-6
 _TURNING = ("revolute", "continuous", "screw")
 
 
@@ -63,7 +63,7 @@ def _turning(
     for joint in tree:
         if len(joint.axes) == 1 and {joint.parent, joint.child} == {body, link}:
             along = float(wanted @ joint.placement.rotation @ joint.axes[0].direction)
-            if abs(abs(along) - 1.0) < _PARALLEL and joint.kind in _TURNING:
+            if abs(abs(along) - 1.0) < _PARALLEL_AXES and joint.kind in _TURNING:
                 return joint.name, float(np.sign(along)) * (1.0 if joint.child == link else -1.0)
     what = f"{label(gearbox.element)}: no joint of the tree turns {link!r} against {body!r}"
     raise ModelFileError(f"{what} about the axis that the gearbox gives")
@@ -99,7 +99,7 @@ def _of_axes(
                 continue
             leader = _freedom(where, mimic.get("joint", ""), mimic.get("axis", "axis"), freedoms)
             ratio, offset, reference = (
-                _number(where, mimic, tag, default)
+                _gear_number(where, mimic, tag, default)
                 for tag, default in (("multiplier", "1"), ("offset", "0"), ("reference", "0"))
             )
             yield where, _gear(where, (leader, follower), ratio, offset - ratio * reference)
@@ -115,14 +115,14 @@ def _of_axes(
 def _of_plugins(
     model: Element, freedoms: Mapping[str, tuple[str, ...]]
 ) -> Iterator[tuple[str, JointLoop]]:
-    for plugin in filter(is_mimic, model.findall("plugin")):
+    for plugin in filter(is_mimic_plugin, model.findall("plugin")):
         where = label(plugin)
         leader, follower = (
             _freedom(where, text_of(where, plugin, tag) or "", "axis", freedoms)
             for tag in ("joint", "mimicJoint")
         )
         ratio, offset = (
-            _number(where, plugin, tag, default)
+            _gear_number(where, plugin, tag, default)
             for tag, default in (("multiplier", "1"), ("offset", "0"))
         )
         yield where, _gear(where, (leader, follower), ratio, offset)
@@ -138,15 +138,15 @@ def _freedom(where: str, joint: str, axis: str, freedoms: Mapping[str, tuple[str
     """Return the degree of freedom about an axis of a joint."""
     if joint not in freedoms:
         raise ModelFileError(
-            f"{where}: the joint {shown(joint)} does not exist{did_you_mean(joint, freedoms)}"
+            f"{where}: the joint {quoted(joint)} does not exist{did_you_mean(joint, freedoms)}"
         )
     known = dict(zip(AXIS_TAGS, freedoms[joint], strict=False))
     if axis not in known:
         raise ModelFileError(
-            f"{where}: joint {joint!r} has no {shown(axis)}{did_you_mean(axis, known)}"
+            f"{where}: joint {joint!r} has no {quoted(axis)}{did_you_mean(axis, known)}"
         )
     return known[axis]
 
 
-def _number(where: str, parent: Element, tag: str, default: str) -> float:
+def _gear_number(where: str, parent: Element, tag: str, default: str) -> float:
     return numbers_in(f"{where}, <{tag}>", text_of(where, parent, tag) or default)[0]

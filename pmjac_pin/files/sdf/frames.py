@@ -16,16 +16,16 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
-from pmjac_pin.files.xml_text import numbers_in, only, shown
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
+from pmjac_pin.files.xml_text import numbers_in, only
 
 MODEL = "__model__"
 WORLD = "world"
-_TRUTHS: Mapping[str, bool] = {"1": True, "true": True, "0": False, "false": False}
+_SDF_TRUTHS: Mapping[str, bool] = {"1": True, "true": True, "0": False, "false": False}
 
 
 @dataclass(frozen=True)
-class Frame:
+class SdfFrame:
     """A named frame as the file gives it.
 
     Attributes
@@ -63,7 +63,7 @@ class Frames:
         A frame that does not exist, or one that is placed relative to itself in the end.
     """
 
-    def __init__(self, given: Mapping[str, Frame], links: Sequence[str], canonical: str) -> None:
+    def __init__(self, given: Mapping[str, SdfFrame], links: Sequence[str], canonical: str) -> None:
         self._given = given
         self._placements = {MODEL: pin.SE3.Identity()}
         self._links = {MODEL: canonical, WORLD: WORLD} | {link: link for link in links}
@@ -88,7 +88,7 @@ class Frames:
     def _known(self, name: str, names: Mapping[str, object], where: str) -> str:
         if name not in names:
             known = did_you_mean(name, tuple(names))
-            raise ModelFileError(f"{where}: the frame {shown(name)} does not exist{known}")
+            raise ModelFileError(f"{where}: the frame {quoted(name)} does not exist{known}")
         return name
 
     def _chain(self, name: str, done: Mapping[str, object], towards: str) -> list[str]:
@@ -119,9 +119,9 @@ def pose(where: str, element: Element, default: str) -> tuple[str, pin.SE3]:
     rotation_format = found.get("rotation_format", "euler_rpy")
     if rotation_format == "quat_xyzw":
         values = numbers_in(where, text or "0 0 0 0 0 0 1", count=7)
-        return relative_to, pin.SE3(_turn(where, values[3:]), np.array(values[:3]))
+        return relative_to, pin.SE3(_rotation_of(where, values[3:]), np.array(values[:3]))
     if rotation_format != "euler_rpy":
-        got = f"`rotation_format` is {shown(rotation_format)}"
+        got = f"`rotation_format` is {quoted(rotation_format)}"
         raise ModelFileError(f"{where}: {got}; euler_rpy and quat_xyzw are read")
     values = numbers_in(where, text or "0 0 0 0 0 0", count=6)
     unit = np.pi / 180.0 if truth(where, found.get("degrees", "false")) else 1.0
@@ -130,7 +130,7 @@ def pose(where: str, element: Element, default: str) -> tuple[str, pin.SE3]:
     )
 
 
-def _turn(where: str, xyzw: list[float]) -> NDArray[np.float64]:
+def _rotation_of(where: str, xyzw: list[float]) -> NDArray[np.float64]:
     length = float(np.linalg.norm(xyzw))
     if not abs(length - 1.0) < 1e-3:
         raise ModelFileError(f"{where}: the quaternion has length {length:g}, not 1")
@@ -140,6 +140,6 @@ def _turn(where: str, xyzw: list[float]) -> NDArray[np.float64]:
 
 def truth(where: str, text: str) -> bool:
     """Return a yes or no as SDFormat writes it."""
-    if (value := _TRUTHS.get(text.strip().lower())) is None:
-        raise ModelFileError(f"{where}: {shown(text)} is neither true nor false")
+    if (value := _SDF_TRUTHS.get(text.strip().lower())) is None:
+        raise ModelFileError(f"{where}: {quoted(text)} is neither true nor false")
     return value

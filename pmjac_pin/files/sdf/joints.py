@@ -11,11 +11,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
+from pmjac_pin.files.joint_dialects import WITHOUT_LIMIT
 from pmjac_pin.files.sdf.frames import MODEL, WORLD, Frames, pose, truth
-from pmjac_pin.files.tree_urdf import WITHOUT_LIMIT
 from pmjac_pin.files.urdf.checks import SHORTEST_AXIS
-from pmjac_pin.files.xml_text import label, numbers_in, only, shown, written
+from pmjac_pin.files.xml_text import label, numbers_in, only, written
 from pmjac_pin.values.checks import LARGEST, SMALLEST
 
 ENDS = ("parent", "child")
@@ -90,7 +90,7 @@ def read_joint(element: Element, frames: Frames, version: tuple[int, int]) -> Sd
     where, kind = label(element), element.get("type", "")
     if kind not in AXES:
         known = did_you_mean(kind, AXES)
-        raise ModelFileError(f"{where} has the type {shown(kind)}, which is not read{known}")
+        raise ModelFileError(f"{where} has the type {quoted(kind)}, which is not read{known}")
     parent, child = (frames.link(end_of(element, tag), f"{where}, <{tag}>") for tag in ENDS)
     if parent == child:
         raise ModelFileError(f"{where} joins link {parent!r} to itself")
@@ -99,7 +99,7 @@ def read_joint(element: Element, frames: Frames, version: tuple[int, int]) -> Sd
     relative_to, local = pose(where, element, end_of(element, "child"))
     placement = frames.placement(relative_to, where) * local
     tags = AXIS_TAGS[: AXES[kind]]
-    axes = tuple(_axis(element, tag, placement, frames, version) for tag in tags)
+    axes = tuple(_joint_axis(element, tag, placement, frames, version) for tag in tags)
     pitch = _pitch(where, element) if kind == "screw" else 0.0
     return SdfJoint(name, kind, parent, child, placement, axes, element, pitch)
 
@@ -144,7 +144,7 @@ def _pitch(where: str, joint: Element) -> float:
     raise ModelFileError(f"{where} is a screw and has no <screw_thread_pitch>, in m per turn")
 
 
-def _axis(
+def _joint_axis(
     joint: Element, tag: str, placement: pin.SE3, frames: Frames, version: tuple[int, int]
 ) -> Axis:
     where = f"{label(joint)}, <{tag}>"
@@ -155,12 +155,12 @@ def _axis(
     text = "0 0 1" if xyz is None else (xyz.text or "").strip()
     direction = np.array(numbers_in(f"{where}, <xyz>", text, count=3))
     if (length := math.hypot(*direction)) < SHORTEST_AXIS:
-        raise ModelFileError(f"{where}: <xyz> is {shown(text)}, of length zero")
+        raise ModelFileError(f"{where}: <xyz> is {quoted(text)}, of length zero")
     seen_from = _expressed_in(where, element, xyz, version)
     if seen_from is not None:
         turn = frames.placement(seen_from, f"{where}, <xyz>").rotation
         direction = placement.rotation.T @ turn @ direction
-    return Axis(direction / length, _limits(where, element))
+    return Axis(direction / length, _axis_limits(where, element))
 
 
 def _expressed_in(
@@ -179,7 +179,7 @@ def _expressed_in(
     return MODEL if truth(f"{where}, <use_parent_model_frame>", flag) else None
 
 
-def _limits(where: str, axis: Element) -> tuple[float, float]:
+def _axis_limits(where: str, axis: Element) -> tuple[float, float]:
     """Return the limits; one beyond 1e16, or infinite, is none, as in SDFormat."""
     where, limit = f"{where}, <limit>", only(where, axis, "limit")
     found = []

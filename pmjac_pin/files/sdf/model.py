@@ -8,17 +8,17 @@ from xml.etree.ElementTree import Element
 
 import pinocchio as pin
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
 from pmjac_pin.files.gazebo_plugins import misread_mimics, unread_harmless
-from pmjac_pin.files.sdf.frames import MODEL, WORLD, Frame, Frames, pose
+from pmjac_pin.files.sdf.frames import MODEL, WORLD, Frames, SdfFrame, pose
 from pmjac_pin.files.sdf.inertials import read_inertias
 from pmjac_pin.files.sdf.joints import SdfJoint, end_of, read_joint
 from pmjac_pin.files.sdf.plugins import PointTie, detachable_joints, point_ties, read_plugins
-from pmjac_pin.files.sdf.visuals import SdfVisual, read_visuals
+from pmjac_pin.files.sdf.visuals import SdfVisual, read_sdf_visuals
 from pmjac_pin.files.sdf.vocabulary import SDF_WORDS
 from pmjac_pin.files.sdf.world import the_model
 from pmjac_pin.files.urdf.checks import MAXIMAL_LINKS, checked_names
-from pmjac_pin.files.xml_text import label, shown
+from pmjac_pin.files.xml_text import label
 
 _OLDEST, _NEWEST = (1, 4), (1, 12)
 
@@ -71,7 +71,7 @@ def read_model(sdf: Element) -> SdfModel:
     ModelFileError
         The message names the element at fault.
     """
-    version = _version(sdf)
+    version = _sdf_version(sdf)
     model, notes, elsewhere = the_model(sdf)
     unread = SDF_WORDS.unread(sdf, *unread_harmless(sdf), *read_plugins(model))
     links, joints, extra = (model.findall(tag) for tag in ("link", "joint", "frame"))
@@ -79,7 +79,7 @@ def read_model(sdf: Element) -> SdfModel:
     canonical = model.get("canonical_link")
     if canonical is not None and canonical not in names:
         known = did_you_mean(canonical, names)
-        raise ModelFileError(f"the canonical link {shown(canonical)} does not exist{known}")
+        raise ModelFileError(f"the canonical link {quoted(canonical)} does not exist{known}")
     frames = Frames(dict(_given(links, joints, extra)), names, canonical or names[0])
     named = {element.get("name", "") for element in (*links, *joints, *extra)}
     read = (
@@ -94,7 +94,7 @@ def read_model(sdf: Element) -> SdfModel:
         | {WORLD: _world(model, frames)},
         joints=read,
         ties=point_ties(model, names),
-        visuals=tuple(read_visuals(links, frames)),
+        visuals=tuple(read_sdf_visuals(links, frames)),
         inertias=inertias,
         frames={
             name: (frames.link(name, MODEL), frames.placement(name, MODEL))
@@ -107,14 +107,14 @@ def read_model(sdf: Element) -> SdfModel:
     )
 
 
-def _version(sdf: Element) -> tuple[int, int]:
+def _sdf_version(sdf: Element) -> tuple[int, int]:
     if sdf.tag != "sdf":
-        raise ModelFileError(f"the root element is <{shown(sdf.tag)[1:-1]}>; an SDF's is <sdf>")
+        raise ModelFileError(f"the root element is <{quoted(sdf.tag)[1:-1]}>; an SDF's is <sdf>")
     given = sdf.get("version")
     for minor in range(_OLDEST[1], _NEWEST[1] + 1):
         if given == f"1.{minor}":
             return (1, minor)
-    got = "no version" if given is None else f"the version {shown(given)}"
+    got = "no version" if given is None else f"the version {quoted(given)}"
     raise ModelFileError(f"<sdf> has {got}; 1.{_OLDEST[1]} to 1.{_NEWEST[1]} are read")
 
 
@@ -135,18 +135,21 @@ def _names(links: Sequence[Element], *others: Sequence[Element]) -> list[str]:
 
 def _given(
     links: Sequence[Element], joints: Sequence[Element], extra: Sequence[Element]
-) -> Iterator[tuple[str, Frame]]:
+) -> Iterator[tuple[str, SdfFrame]]:
     """Yield all frames; before SDFormat 1.7 names may be shared, and a link's is meant then."""
     for joint in joints:
         child = end_of(joint, "child")
-        yield joint.get("name", ""), Frame(label(joint), child, *pose(label(joint), joint, child))
+        yield (
+            joint.get("name", ""),
+            SdfFrame(label(joint), child, *pose(label(joint), joint, child)),
+        )
     for frame in extra:
         carrier = frame.get("attached_to") or MODEL
         where = label(frame)
-        yield frame.get("name", ""), Frame(where, carrier, *pose(where, frame, carrier))
+        yield frame.get("name", ""), SdfFrame(where, carrier, *pose(where, frame, carrier))
     for link in links:
         name = link.get("name", "")
-        yield name, Frame(label(link), name, *pose(label(link), link, MODEL))
+        yield name, SdfFrame(label(link), name, *pose(label(link), link, MODEL))
 
 
 def _world(model: Element, frames: Frames) -> pin.SE3:
@@ -154,7 +157,7 @@ def _world(model: Element, frames: Frames) -> pin.SE3:
     where = label(model)
     relative_to, placement = pose(where, model, WORLD)
     if relative_to != WORLD:
-        got = f"{where}, <pose>: it is relative to {shown(relative_to)}"
+        got = f"{where}, <pose>: it is relative to {quoted(relative_to)}"
         raise ModelFileError(f"{got}; a model is placed in the world")
     placed: pin.SE3 = frames.placement(model.get("placement_frame") or MODEL, where)
     return placed * placement.inverse()

@@ -9,16 +9,16 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
-from pmjac_pin.files.gazebo_plugins import is_mimic
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
+from pmjac_pin.files.gazebo_plugins import is_mimic_plugin
 from pmjac_pin.files.sdf.frames import MODEL, Frames
 from pmjac_pin.files.sdf.joints import SdfJoint, text_of
 from pmjac_pin.files.unused_name import unused_name
 from pmjac_pin.files.vocabulary import spelt
-from pmjac_pin.files.xml_text import label, numbers_in, shown
+from pmjac_pin.files.xml_text import label, numbers_in
 
 BALL = "drake:ball_constraint"
-_NOT_READ = {
+_PLUGINS_NOT_READ = {
     "drake:coupler_constraint": "gear the joints by <mimic> in an <axis>",
     "drake:weld_constraint": 'write it as a <joint type="fixed">',
 }
@@ -34,7 +34,7 @@ def is_detachable(plugin: Element, model: Element) -> bool:
 def read_plugins(model: Element) -> list[Element]:
     """Return the plugins of a model that are read."""
     plugins = model.findall("plugin")
-    return [plugin for plugin in plugins if is_mimic(plugin) or is_detachable(plugin, model)]
+    return [plugin for plugin in plugins if is_mimic_plugin(plugin) or is_detachable(plugin, model)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,23 +98,35 @@ def point_ties(model: Element, links: Collection[str]) -> tuple[PointTie, ...]:
     """
     ties = []
     for element in model:
-        if (todo := _NOT_READ.get(tag := spelt(element.tag))) is not None:
+        if (todo := _PLUGINS_NOT_READ.get(tag := spelt(element.tag))) is not None:
             raise ModelFileError(f"<{tag}> is not read; {todo}")
         if tag == BALL:
             ties.append(_point_tie(element, links))
     return tuple(ties)
 
 
-def _point_tie(element: Element, links: Collection[str]) -> PointTie:
+def ball_parts(element: Element) -> dict[str, Element]:
+    """Return the four parts of a ball constraint of Drake's, by their names in short.
+
+    Raises
+    ------
+    ModelFileError
+        One of them is missing.
+    """
     given = {spelt(child.tag).removeprefix(f"{BALL}_"): child for child in element}
-    for part in ("body_A", "body_B", "p_AP", "p_BQ"):
+    for part in ("body_A", "p_AP", "body_B", "p_BQ"):
         if part not in given:
             raise ModelFileError(f"<{BALL}> has no <{BALL}_{part}>")
+    return given
+
+
+def _point_tie(element: Element, links: Collection[str]) -> PointTie:
+    given = ball_parts(element)
     first, second = ((given[part].text or "").strip() for part in ("body_A", "body_B"))
     for name in (first, second):
         if name not in links:
             known = did_you_mean(name, links)
-            raise ModelFileError(f"<{BALL}>: the link {shown(name)} does not exist{known}")
+            raise ModelFileError(f"<{BALL}>: the link {quoted(name)} does not exist{known}")
     if first == second:
         raise ModelFileError(f"<{BALL}> joins link {first!r} to itself")
     here, there = (

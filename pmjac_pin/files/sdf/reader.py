@@ -23,7 +23,7 @@ from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.files.xml_text import parse_xml
 from pmjac_pin.model.loop_spec import JointLoop
 
-MAXIMAL_SIZE = 20_000_000  # bytes
+MAXIMAL_SDF = 20_000_000  # bytes
 
 
 def read_sdf(path: Path, motors: Collection[str] = ()) -> ForeignModel:
@@ -46,7 +46,7 @@ def read_sdf(path: Path, motors: Collection[str] = ()) -> ForeignModel:
     ModelFileError
         The message starts with the file's path and names the element at fault.
     """
-    text = read_text(path, MAXIMAL_SIZE)
+    text = read_text(path, MAXIMAL_SDF)
     with at_file(str(path)):
         return _foreign_model(read_model(parse_xml(text)), path, motors)
 
@@ -84,7 +84,7 @@ def _foreign_model(model: SdfModel, path: Path, motors: Collection[str]) -> Fore
     return ForeignModel(
         name=model.name or path.stem,
         urdf=Urdf.of(tree.urdf.robot, str(path)),
-        loops=(*tree.loops, *couplings, *_within(mimics, kept)),
+        loops=(*tree.loops, *couplings, *_within_tree(mimics, kept)),
         spherical=tuple(tree.spherical),
         helical=tree.helical,
         home=tree.home,
@@ -93,7 +93,7 @@ def _foreign_model(model: SdfModel, path: Path, motors: Collection[str]) -> Fore
     )
 
 
-def _within(mimics: Iterable[JointLoop], kept: Sequence[SdfJoint]) -> Iterator[JointLoop]:
+def _within_tree(mimics: Iterable[JointLoop], kept: Sequence[SdfJoint]) -> Iterator[JointLoop]:
     """Yield the couplings of joints that are in the tree: the others' links are left out."""
     names = {name for joint in kept for name in freedom_names(joint)}
     for loop in mimics:

@@ -20,7 +20,7 @@ from pmjac_pin.files.sdf.joints import AXIS_TAGS, Axis, SdfJoint
 from pmjac_pin.files.sdf.model import SdfModel
 from pmjac_pin.files.sdf.plugins import PointTie
 from pmjac_pin.files.spanning_tree import Branch
-from pmjac_pin.files.tree_urdf import Motion, TreeUrdf
+from pmjac_pin.files.tree_urdf import MovingAxis, TreeUrdf
 from pmjac_pin.model.loop_spec import (
     FrameLoop,
     Loop,
@@ -30,7 +30,7 @@ from pmjac_pin.model.loop_spec import (
     UniversalLoop,
 )
 
-_SAME = 1e-12  # m or rad: rounding of one frame's placement in another
+_SAME_PLACE = 1e-12  # m or rad: rounding of one frame's placement in another
 _PERPENDICULAR = 1e-6  # a universal joint's loop assumes axes that are perpendicular
 
 
@@ -117,7 +117,7 @@ class SdfTree:
     def _body(self, joint: SdfJoint, link: str) -> str:
         """Add a link of the URDF at the joint's frame, and the model's link fixed to it."""
         offset = self._links[link].actInv(joint.placement)
-        if offset.isIdentity(_SAME):
+        if offset.isIdentity(_SAME_PLACE):
             return self.urdf.link(link, joint.placement)
         body = self.urdf.link(self._at(joint, link), joint.placement)
         self.urdf.fixed(body, link, self._links[link])
@@ -133,7 +133,7 @@ class SdfTree:
     def _moving(self, name: str, kind: str, ends: tuple[str, str], axis: Axis) -> None:
         kind = "revolute" if kind == "continuous" and name in self._counted else kind
         limits = None if kind == "continuous" else axis.limits
-        self.urdf.joint(name, kind, ends, Motion(axis.direction, limits))
+        self.urdf.joint(name, kind, ends, MovingAxis(axis.direction, limits))
         if limits is not None and not limits[0] <= 0.0 <= limits[1]:
             self.home[name] = min(limits, key=abs)
 

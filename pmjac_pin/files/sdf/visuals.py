@@ -20,7 +20,7 @@ _SOLIDS = {
     "cylinder": ("radius", "length"),
     "capsule": ("radius", "length"),
 }
-_NOTHING = "empty"
+_EMPTY = "empty"
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class SdfVisual:
     rgba: str | None
 
 
-def read_visuals(links: Sequence[Element], frames: Frames) -> Iterator[SdfVisual]:
+def read_sdf_visuals(links: Sequence[Element], frames: Frames) -> Iterator[SdfVisual]:
     """Yield the visuals in file order.
 
     Sizes are handed on as they are written: what reads a URDF's looks at them.
@@ -58,26 +58,26 @@ def read_visuals(links: Sequence[Element], frames: Frames) -> Iterator[SdfVisual
         for visual in link.iterfind("visual"):
             where = f"{label(link)}, {label(visual)}"
             geometry = only(where, visual, "geometry")
-            if geometry is None or len(geometry) == 0 or geometry[0].tag == _NOTHING:
+            if geometry is None or len(geometry) == 0 or geometry[0].tag == _EMPTY:
                 continue
             relative_to, placement = pose(where, visual, name)
             seen = frames.placement(name, where).actInv(frames.placement(relative_to, where))
-            yield SdfVisual(name, seen * placement, _shape(geometry[0]), _rgba(visual))
+            yield SdfVisual(name, seen * placement, _shape(geometry[0]), _diffuse(visual))
 
 
 def _shape(element: Element) -> Element:
     """Return a shape as a URDF has it."""
     if (sizes := _SOLIDS.get(element.tag)) is not None:
-        return Element(element.tag, {size: _text(element, size) for size in sizes})
-    return undrawn(_text(element, "uri") or spelt(element.tag))
+        return Element(element.tag, {size: _text_of_child(element, size) for size in sizes})
+    return undrawn(_text_of_child(element, "uri") or spelt(element.tag))
 
 
-def _rgba(visual: Element) -> str | None:
+def _diffuse(visual: Element) -> str | None:
     material = visual.find("material")
-    diffuse = "" if material is None else _text(material, "diffuse")
+    diffuse = "" if material is None else _text_of_child(material, "diffuse")
     words = diffuse.split()
     return " ".join([*words, "1"][:4]) if len(words) in (3, 4) else None
 
 
-def _text(element: Element, tag: str) -> str:
+def _text_of_child(element: Element, tag: str) -> str:
     return (element.findtext(tag) or "").strip()

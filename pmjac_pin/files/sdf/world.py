@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from xml.etree.ElementTree import Element
 
-from pmjac_pin.errors import ModelFileError
+from pmjac_pin.errors import ModelFileError, quoted
 from pmjac_pin.files.sdf.frames import truth
 from pmjac_pin.files.sdf.joints import text_of
-from pmjac_pin.files.xml_text import label, shown
+from pmjac_pin.files.xml_text import label
 
 _SCENERY = ("ground_plane", "sun")  # what every world includes
 
@@ -26,8 +26,8 @@ def the_model(sdf: Element) -> tuple[Element, list[str], list[str]]:
     elsewhere = _included(sdf)
     if elsewhere and not moving:
         todo = "write it into the file itself"
-        raise ModelFileError(f"<include> of {shown(elsewhere[0])} is not read; {todo}")
-    unread = [f"not read: <include> of {shown(place)}" for place in elsewhere]
+        raise ModelFileError(f"<include> of {quoted(elsewhere[0])} is not read; {todo}")
+    unread = [f"not read: <include> of {quoted(place)}" for place in elsewhere]
     if len(models) > 1 and len(moving) == 1:
         notes = [f"{label(model)} is static, and left out" for model in static]
         return _flat(moving[0]), notes, unread

@@ -12,20 +12,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
 from types import MappingProxyType
 from xml.etree.ElementTree import Element, SubElement
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
-from pmjac_pin.files.urdf.control_mimics import called, control_joints, mimic_params
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
+from pmjac_pin.files.urdf.control_mimics import called_joint, control_joints, mimic_params
+from pmjac_pin.files.urdf.joint_tree import check_tree, joints_of
 from pmjac_pin.files.vocabulary import spelt
-from pmjac_pin.files.xml_text import label, numbers, only, shown, written
+from pmjac_pin.files.xml_text import label, numbers, only, written
 from pmjac_pin.values.checks import LARGEST
 
 MAXIMAL_NAME = 200  # characters: near matches of longer names would take minutes
 MAXIMAL_LINKS = 1000
 MAXIMAL_JOINTS = 2000  # with those that close loops
-MAXIMAL_DEPTH = 150  # joints in a row: Pinocchio recurses, and 250 overflow a stack of 512 kB
 MAXIMAL_VELOCITIES = 200  # one pinocchio.Data takes 64 bytes times their cube: here 0.5 GB
 SHORTEST_AXIS = 1e-6
 
@@ -39,17 +38,6 @@ _TIES = (
     *("drake:ball_constraint", "drake:weld_constraint", "drake:coupler_constraint"),
 )
 _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-_CUT = "cut the loop: remove one of them and declare it as [[loop]] in the model file"
-
-
-@dataclass(frozen=True)
-class UrdfJoint:
-    """A joint as the URDF declares it: its name, type, parent link and child link."""
-
-    name: str
-    type: str
-    parent: str
-    child: str
 
 
 def checked_robot(robot: Element) -> Element:
@@ -63,38 +51,27 @@ def checked_robot(robot: Element) -> Element:
     # Element.extend hides the error of an iterator: give it lists.
     copy.extend([_checked_link(link) for link in links])
     copy.extend([checked_joint(joint, names) for joint in joints])
-    _check_tree(names, joints_of(copy))
+    check_tree(names, joints_of(copy))
     return copy
-
-
-def joints_of(robot: Element) -> tuple[UrdfJoint, ...]:
-    """Return the joints of a checked robot in file order."""
-    return tuple(
-        UrdfJoint(
-            name=joint.get("name", ""),
-            type=joint.get("type", ""),
-            parent=joint.find("parent").get("link", ""),  # type: ignore[union-attr]
-            child=joint.find("child").get("link", ""),  # type: ignore[union-attr]
-        )
-        for joint in robot.iterfind("joint")
-    )
 
 
 def _check_root(robot: Element) -> None:
     if robot.tag != "robot":
-        raise ModelFileError(f"the root element is <{shown(robot.tag)[1:-1]}>; a URDF's is <robot>")
+        raise ModelFileError(
+            f"the root element is <{quoted(robot.tag)[1:-1]}>; a URDF's is <robot>"
+        )
     if robot.get("name") is None:
         raise ModelFileError('<robot> has no name; write <robot name="...">')
     if (version := robot.get("version")) not in _VERSIONS:
         known = ", ".join(filter(None, _VERSIONS))
-        raise ModelFileError(f"URDF version {shown(version or '')} is not read; {known} are")
+        raise ModelFileError(f"URDF version {quoted(version or '')} is not read; {known} are")
     if unexpanded := [tag for child in robot if (tag := spelt(child.tag)).startswith("xacro:")]:
         todo = "expand it first: xacro robot.urdf.xacro > robot.urdf"
-        raise ModelFileError(f"<{shown(unexpanded[0])[1:-1]}> is xacro, which is not read; {todo}")
+        raise ModelFileError(f"<{quoted(unexpanded[0])[1:-1]}> is xacro, which is not read; {todo}")
     ties = [f"<{tag}>" for child in robot if (tag := spelt(child.tag)) in _TIES]
     ties += ["<joint> in <gazebo>"] * (robot.find("gazebo/joint") is not None)
     followers = filter(mimic_params, control_joints(robot))
-    ties += [f'<param name="mimic"> in {called(joint)}' for joint in followers]
+    ties += [f'<param name="mimic"> in {called_joint(joint)}' for joint in followers]
     if ties:
         why = "Pinocchio would ignore it in silence"
         todo = "declare the loop as [[loop]] in the model file and remove it here"
@@ -193,7 +170,7 @@ def checked_joint(joint: Element, links: Collection[str]) -> Element:
     where, kind = label(joint), joint.get("type", "")
     if kind not in VELOCITIES:
         known = did_you_mean(kind, VELOCITIES)
-        raise ModelFileError(f"{where} has the unknown type {shown(kind)}{known}")
+        raise ModelFileError(f"{where} has the unknown type {quoted(kind)}{known}")
     if joint.find("mimic") is not None:
         why = "Pinocchio would ignore it and let the joint move freely"
         raise ModelFileError(f"{where}: <mimic> is not supported ({why}); remove it")
@@ -217,7 +194,7 @@ def checked_end(where: str, joint: Element, tag: str, links: Collection[str]) ->
         raise ModelFileError(f'{where} has no {tag}; write <{tag} link="..."/>')
     if name not in links:
         known = did_you_mean(name, links)
-        raise ModelFileError(f"{where}: the {tag} link {shown(name)} does not exist{known}")
+        raise ModelFileError(f"{where}: the {tag} link {quoted(name)} does not exist{known}")
     return name
 
 
@@ -264,38 +241,3 @@ def _checked_dynamics(where: str, joint: Element) -> list[Element]:
     return [
         Element("dynamics", {key: _not_negative(where, element, key, default="0") for key in keys})
     ]
-
-
-def _check_tree(links: Collection[str], joints: Sequence[UrdfJoint]) -> None:
-    """Refuse all but one tree of links, and one too deep for Pinocchio's recursion."""
-    above: dict[str, UrdfJoint] = {}
-    below: dict[str, list[str]] = {}
-    for joint in joints:
-        if (other := above.setdefault(joint.child, joint)) is not joint:
-            both = f"two joints, {other.name!r} and {joint.name!r}"
-            raise ModelFileError(f"link {joint.child!r} is the child of {both}; {_CUT}")
-        below.setdefault(joint.parent, []).append(joint.child)
-    level = roots = [link for link in links if link not in above]
-    rest = set(links)
-    for _ in range(MAXIMAL_DEPTH + 1):
-        rest.difference_update(level)
-        level = [child for link in level for child in below.get(link, ())]
-    if level:
-        raise ModelFileError(f"a chain of more than {MAXIMAL_DEPTH} joints is too long to be read")
-    if rest:
-        cycle = ", ".join(map(repr, _cycle(above, min(rest))))
-        raise ModelFileError(f"a cycle of joints: {cycle}; {_CUT}")
-    if len(roots) > 1:
-        some = ", ".join(map(repr, roots[:5])) + (", ..." if len(roots) > 5 else "")
-        todo = "join them by joints, fixed ones if need be"
-        raise ModelFileError(f"{len(roots)} links are no joint's child: {some}; {todo}")
-
-
-def _cycle(above: Mapping[str, UrdfJoint], link: str) -> list[str]:
-    """Return the joints of the cycle above a link that no root reaches, from parent to child."""
-    for _ in above:
-        link = above[link].parent
-    cycle = [above[link]]
-    while cycle[-1].parent != link:
-        cycle.append(above[cycle[-1].parent])
-    return [joint.name for joint in reversed(cycle)]

@@ -12,9 +12,9 @@ import yaml
 from pmjac_pin.errors import ModelFileError, did_you_mean, quoted, shortened
 from pmjac_pin.files.text_file import at_file, read_text
 
-MAXIMAL_SIZE = 64_000  # bytes, read in a second; the largest published one has two thousand
+MAXIMAL_YAML = 64_000  # bytes, read in a second; the largest published one has two thousand
 _TYPES: Mapping[str, str] = {"3d": "point", "6d": "frame"}
-_TRUTHS: Mapping[str, bool] = {"true": True, "false": False, "": False}
+_YAML_TRUTHS: Mapping[str, bool] = {"true": True, "false": False, "": False}
 
 
 class ClosureFile(msgspec.Struct, frozen=True):
@@ -69,10 +69,10 @@ class ClosureFile(msgspec.Struct, frozen=True):
 
     def floats(self) -> bool:
         """Return whether the base floats."""
-        if self.free_flyer.lower() not in _TRUTHS:
+        if self.free_flyer.lower() not in _YAML_TRUTHS:
             got = f"`free_flyer` is {self.free_flyer[:60]!r}"
             raise ModelFileError(f"{got}, neither true nor false")
-        return _TRUTHS[self.free_flyer.lower()]
+        return _YAML_TRUTHS[self.free_flyer.lower()]
 
 
 class _Loader(yaml.BaseLoader):  # type: ignore[misc]
@@ -97,7 +97,7 @@ def read_closure_yaml(path: Path) -> tuple[ClosureFile, tuple[str, ...]]:
     ModelFileError
         Not YAML, without any of the keys, or values of the wrong type.
     """
-    text = read_text(path, MAXIMAL_SIZE)
+    text = read_text(path, MAXIMAL_YAML)
     keys = tuple(field.name for field in msgspec.structs.fields(ClosureFile))
     with at_file(str(path)):
         try:

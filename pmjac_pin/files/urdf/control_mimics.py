@@ -8,13 +8,13 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from xml.etree.ElementTree import Element
 
-from pmjac_pin.errors import ModelFileError
-from pmjac_pin.files.vocabulary import near
-from pmjac_pin.files.xml_text import label, shown
+from pmjac_pin.errors import ModelFileError, quoted
+from pmjac_pin.files.vocabulary import spelt_like
+from pmjac_pin.files.xml_text import label
 
 _LEADER = "mimic"
 _PARAMS = frozenset({_LEADER, "multiplier", "offset"})
-_TRUTHS = {"": None, "true": True, "false": False}
+_MIMIC_TRUTHS = {"": None, "true": True, "false": False}
 
 
 def control_joints(robot: Element) -> list[Element]:
@@ -22,7 +22,7 @@ def control_joints(robot: Element) -> list[Element]:
     return robot.findall("ros2_control/joint")
 
 
-def called(joint: Element) -> str:
+def called_joint(joint: Element) -> str:
     """Return how messages call a joint within <ros2_control>."""
     return f"{label(joint)} of <ros2_control>"
 
@@ -36,9 +36,11 @@ def is_mimic(joint: Element) -> bool | None:
         It is neither true nor false.
     """
     given = joint.get(_LEADER, "")
-    if given.lower() not in _TRUTHS:
-        raise ModelFileError(f"{called(joint)}: `mimic` is {shown(given)}; it is true or false")
-    return _TRUTHS[given.lower()]
+    if given.lower() not in _MIMIC_TRUTHS:
+        raise ModelFileError(
+            f"{called_joint(joint)}: `mimic` is {quoted(given)}; it is true or false"
+        )
+    return _MIMIC_TRUTHS[given.lower()]
 
 
 def mimic_params(joint: Element) -> Mapping[str, Element]:
@@ -60,11 +62,11 @@ def mimic_params(joint: Element) -> Mapping[str, Element]:
     follows = _LEADER in names or is_mimic(joint)
     read = _PARAMS if follows else frozenset({_LEADER})
     for name in names:
-        if name not in read and (meant := near(name, read)) is not None:
-            what = f"{called(joint)} has the unknown param {shown(name)}"
+        if name not in read and (meant := spelt_like(name, read)) is not None:
+            what = f"{called_joint(joint)} has the unknown param {quoted(name)}"
             raise ModelFileError(f"{what}; did you mean {meant!r}?")
         if name in read and names.count(name) > 1:
-            raise ModelFileError(f"{called(joint)} has {names.count(name)} params {name!r}")
+            raise ModelFileError(f"{called_joint(joint)} has {names.count(name)} params {name!r}")
     if _LEADER not in names:
         return {}
     params = zip(names, joint.findall("param"), strict=True)
@@ -83,10 +85,10 @@ def doubtful(robot: Element, followers: Collection[str]) -> Iterator[str]:
     for joint in control_joints(robot):
         said, follows = is_mimic(joint), joint.get("name") in followers
         if said is True and not follows:
-            yield f'{called(joint)} has mimic="true", and nothing says which joint it follows'
+            yield f'{called_joint(joint)} has mimic="true", and nothing says which joint it follows'
         if said is False and follows:
-            yield f'{called(joint)} has mimic="false", and follows another all the same'
+            yield f'{called_joint(joint)} has mimic="false", and follows another all the same'
         for param in joint.findall("param"):
             name = param.get("name", "")
             if _LEADER in name.lower() and name != _LEADER:
-                yield f"not read: <param> {shown(name)} in {called(joint)}"
+                yield f"not read: <param> {quoted(name)} in {called_joint(joint)}"

@@ -23,13 +23,13 @@ from pmjac_pin.files.unused_name import unused_name
 from pmjac_pin.files.urdf.checks import check_size, checked_names
 from pmjac_pin.files.urdf.closure_yaml import ClosureFile, read_closure_yaml
 from pmjac_pin.files.urdf.looped_urdf import read_robot
-from pmjac_pin.files.urdf.robot import MAXIMAL_SIZE
+from pmjac_pin.files.urdf.robot import MAXIMAL_URDF
 from pmjac_pin.files.user_path import is_file
 from pmjac_pin.files.xml_text import parse_xml, written
 from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop
 
-_AXES: Mapping[str, str] = {"X": "1 0 0", "Y": "0 1 0", "Z": "0 0 1"}
-_KINDS: Mapping[str, type[PointLoop | FrameLoop]] = {"point": PointLoop, "frame": FrameLoop}
+_AXIS_VECTORS: Mapping[str, str] = {"X": "1 0 0", "Y": "0 1 0", "Z": "0 0 1"}
+_CLOSURES: Mapping[str, type[PointLoop | FrameLoop]] = {"point": PointLoop, "frame": FrameLoop}
 _DEFAULT_STEM = "robot"
 
 
@@ -63,17 +63,17 @@ def read_extended_urdf(path: Path, motors: Collection[str] = ()) -> ForeignModel
         raise ModelFileError(f"{path}: there is no robot.yaml beside it", path=str(path))
     closures, unused_keys = read_closure_yaml(beside)
     with at_file(str(path)):
-        robot = parse_xml(read_text(path, MAXIMAL_SIZE))
+        robot = parse_xml(read_text(path, MAXIMAL_URDF))
         links, joints = robot.findall("link"), robot.findall("joint")
         check_size(links, joints)
         checked_names(joints)
         own = tuple(checked_names(links))
         carriers = _carriers(joints, own)
     with at_file(str(beside)):
-        loops = _loops(closures, carriers)
+        loops = _closure_loops(closures, carriers)
         replaced = _replace_joints(robot, closures.replacements())
         moving = [joint for joint in robot.iterfind("joint") if joint.get("type") != "fixed"]
-        named = _motors(closures.name_mot, [joint.get("name", "") for joint in moving])
+        named = _named_motors(closures.name_mot, [joint.get("name", "") for joint in moving])
         if closures.floats():
             _float_base(robot)
     with at_file(str(path)):
@@ -113,7 +113,7 @@ def _carriers(joints: Sequence[Element], links: Sequence[str]) -> dict[str, str]
     return {**carriers, **{link: link for link in links}}
 
 
-def _loops(closures: ClosureFile, carriers: Mapping[str, str]) -> list[Loop]:
+def _closure_loops(closures: ClosureFile, carriers: Mapping[str, str]) -> list[Loop]:
     loops: list[Loop] = []
     for pair, kind in zip(closures.closed_loop, closures.kinds(), strict=True):
         for name in pair:
@@ -124,11 +124,11 @@ def _loops(closures: ClosureFile, carriers: Mapping[str, str]) -> list[Loop]:
         if first == second:
             both = f"the frames {pair[0]!r} and {pair[1]!r}"
             raise ModelFileError(f"`closed_loop`: {both} are one, of link {first!r}")
-        loops.append(_KINDS[kind](frames=(first, second)))
+        loops.append(_CLOSURES[kind](frames=(first, second)))
     return loops
 
 
-def _motors(parts: Sequence[str], joints: Sequence[str]) -> tuple[str, ...]:
+def _named_motors(parts: Sequence[str], joints: Sequence[str]) -> tuple[str, ...]:
     """Return the joints whose name contains one of these, in the order of the parts."""
     found: dict[str, None] = {}
     for part in parts:
@@ -190,7 +190,7 @@ def _replace_by_two(robot: Element, joint: Element, first: str, second: str) -> 
     limits = {"lower": written([-WITHOUT_LIMIT]), "upper": written([WITHOUT_LIMIT])}
     for hinge, axis in ((joint, first), (following, second)):
         hinge.set("type", "revolute")
-        SubElement(hinge, "axis", xyz=_AXES[axis])
+        SubElement(hinge, "axis", xyz=_AXIS_VECTORS[axis])
         SubElement(hinge, "limit", limits, effort="0", velocity="0")
 
 

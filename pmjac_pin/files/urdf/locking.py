@@ -14,7 +14,7 @@ from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.files.xml_text import numbers, written
 from pmjac_pin.model.spec import JointValue
 
-_UNIT = 1e-6
+_OF_UNIT_LENGTH = 1e-6
 _AXIS = "1 0 0"  # URDF's, where a joint gives none
 _NO_PITCHES: Mapping[str, float] = MappingProxyType({})
 
@@ -59,14 +59,14 @@ def lock_joints(
         if name not in joints:
             moving = tuple(joint.name for joint in urdf.joints if joint.type != "fixed")
             raise unknown_name("joint", name, moving)
-        _lock(joints[name], value, pitches.get(name, 0.0))
+        _lock_joint(joints[name], value, pitches.get(name, 0.0))
     return urdf.changed(robot, values.keys())
 
 
-def _lock(joint: Element, value: JointValue, pitch: float) -> None:
+def _lock_joint(joint: Element, value: JointValue, pitch: float) -> None:
     name, kind = joint.get("name", ""), joint.get("type", "")
     if kind == "floating":
-        _place(joint, _placement(name, value))
+        _shift_origin(joint, _floating_placement(name, value))
     elif kind not in ("revolute", "continuous", "prismatic"):
         wanted = "revolute, continuous, prismatic and floating joints can be locked"
         raise ArgumentError(f"joint {name!r} is {kind}; {wanted}")
@@ -74,7 +74,7 @@ def _lock(joint: Element, value: JointValue, pitch: float) -> None:
         raise ArgumentError(f"joint {name!r} is locked at one number, got {len(value)}")
     else:
         _check_limits(joint, value)
-        _place(joint, _motion(joint, value, pitch))
+        _shift_origin(joint, _motion_at(joint, value, pitch))
     for tag in ("axis", "limit", "dynamics"):
         for element in joint.findall(tag):
             joint.remove(element)
@@ -94,7 +94,7 @@ def _check_limits(joint: Element, value: float) -> None:
         raise LimitError(message, joint=name, value=value, lower=lower, upper=upper)
 
 
-def _motion(joint: Element, value: float, pitch: float) -> pin.SE3:
+def _motion_at(joint: Element, value: float, pitch: float) -> pin.SE3:
     """Return the motion of a joint of one degree of freedom at this value."""
     direction = np.array(numbers("axis", joint.find("axis"), "xyz", default=_AXIS, count=3))
     step = value * direction / np.linalg.norm(direction)
@@ -103,7 +103,7 @@ def _motion(joint: Element, value: float, pitch: float) -> pin.SE3:
     return pin.SE3(pin.exp3(step), pitch * step)
 
 
-def _placement(name: str, value: JointValue) -> pin.SE3:
+def _floating_placement(name: str, value: JointValue) -> pin.SE3:
     """Return where a floating joint is at its values, as a pose gives them."""
     values = np.atleast_1d(np.array(value, dtype=float))
     if values.shape == (1,) and values[0] == 0.0:
@@ -112,12 +112,12 @@ def _placement(name: str, value: JointValue) -> pin.SE3:
         raise ArgumentError(f"joint {name!r} is floating; it is locked at 6 or 7 numbers, or at 0")
     if values.size == 6:
         return pin.SE3(pin.exp3(values[3:]), values[:3])
-    if abs(np.linalg.norm(values[3:]) - 1.0) > _UNIT:
+    if abs(np.linalg.norm(values[3:]) - 1.0) > _OF_UNIT_LENGTH:
         raise ArgumentError(f"the quaternion of joint {name!r} is not of unit length")
     return pin.SE3(pin.Quaternion(values[3:]).normalized(), values[:3])
 
 
-def _place(joint: Element, motion: pin.SE3) -> None:
+def _shift_origin(joint: Element, motion: pin.SE3) -> None:
     """Turn and shift a joint's origin by the joint's motion."""
     origin = joint.find("origin")
     xyz, rpy = (numbers("origin", origin, key, default="0 0 0", count=3) for key in ("xyz", "rpy"))

@@ -18,12 +18,13 @@ from xml.etree.ElementTree import Element
 import numpy as np
 import pinocchio as pin
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
 from pmjac_pin.files.anchors import KINDS, WITHOUT_AXIS, Anchors, loop_of_kind, placement_of
 from pmjac_pin.files.joint_dialects import listed
 from pmjac_pin.files.urdf.checks import SHORTEST_AXIS, checked_end, checked_origin
-from pmjac_pin.files.xml_text import label, numbers, only, shown, written
-from pmjac_pin.model.loop_spec import JointLoop, Loop, UniversalLoop, X
+from pmjac_pin.files.xml_text import label, numbers, only, written
+from pmjac_pin.model.loop_between_frames import X
+from pmjac_pin.model.loop_spec import JointLoop, Loop, UniversalLoop
 from pmjac_pin.model.table import Vector
 
 TAGS = ("loop", "constraint")
@@ -62,26 +63,26 @@ def _closing(element: Element, number: int, links: Collection[str], anchors: Anc
     kind = {"ball": "spherical"}.get(given := element.get("type", ""), given)
     if kind not in (*KINDS, "universal"):
         known = did_you_mean(given, (*KINDS, "universal"))
-        raise ModelFileError(f"{where} has the unknown type {shown(given)}{known}")
+        raise ModelFileError(f"{where} has the unknown type {quoted(given)}{known}")
     tags = ("predecessor", "successor")
     if element.find("parent") is not None or element.find("child") is not None:
         tags = ("parent", "child")
     first, second = (checked_end(where, element, tag, links) for tag in tags)
     if first == second:
         raise ModelFileError(f"{where} joins link {first!r} with itself")
-    places = [_placement(where, element, tag) for tag in tags]
+    places = [_end_placement(where, element, tag) for tag in tags]
     if kind == "floating":
         return Closing(where, (first, second), None)
-    axes = (X, X) if kind in WITHOUT_AXIS else _axes(where, element, kind)
+    axes = (X, X) if kind in WITHOUT_AXIS else _loop_axes(where, element, kind)
     if kind != "universal":
-        places[1] *= _turn(where, kind, axes)
+        places[1] *= _turn_of_second(where, kind, axes)
     frames = (anchors.add(name, first, places[0]), anchors.add(name, second, places[1]))
     if kind == "universal":
         return Closing(where, (first, second), UniversalLoop(frames=frames, axes=axes))
     return Closing(where, (first, second), loop_of_kind(kind, frames, axes[0]))
 
 
-def _placement(where: str, element: Element, tag: str) -> pin.SE3:
+def _end_placement(where: str, element: Element, tag: str) -> pin.SE3:
     """Return an end's <origin>, inside it or beside it as <TAG_origin>."""
     end = only(where, element, tag)
     if end is not None and end.find("origin") is not None:
@@ -89,19 +90,19 @@ def _placement(where: str, element: Element, tag: str) -> pin.SE3:
     return placement_of(checked_origin(where, element, f"{tag}_origin"))
 
 
-def _axes(where: str, element: Element, kind: str) -> tuple[Vector, Vector]:
+def _loop_axes(where: str, element: Element, kind: str) -> tuple[Vector, Vector]:
     """Return the axis in the first and in the second frame, of length 1."""
     if kind == "universal":
         for tag in ("parent_axis", "child_axis"):
             if element.find(tag) is None:
                 raise ModelFileError(f"{where} is universal: give <parent_axis> and <child_axis>")
     return (
-        _axis(where, element, ("parent_axis", "axis", "child_axis")),
-        _axis(where, element, ("child_axis", "axis", "parent_axis")),
+        _first_direction(where, element, ("parent_axis", "axis", "child_axis")),
+        _first_direction(where, element, ("child_axis", "axis", "parent_axis")),
     )
 
 
-def _axis(where: str, element: Element, tags: Sequence[str]) -> Vector:
+def _first_direction(where: str, element: Element, tags: Sequence[str]) -> Vector:
     """Return the direction of the first of these elements that is there; URDF's x for none."""
     for tag in tags:
         if (found := only(where, element, tag)) is not None:
@@ -113,7 +114,7 @@ def _axis(where: str, element: Element, tags: Sequence[str]) -> Vector:
     return X
 
 
-def _turn(where: str, kind: str, axes: tuple[Vector, Vector]) -> pin.SE3:
+def _turn_of_second(where: str, kind: str, axes: tuple[Vector, Vector]) -> pin.SE3:
     """Return the turn of the second frame that gives the axis the same components in both."""
     first, second = map(np.array, axes)
     if np.abs(first - second).max() < _SAME_AXIS:
@@ -146,7 +147,7 @@ def read_gears(joints: Sequence[Element]) -> tuple[JointLoop, ...]:
         where, leader = f"{where}, <mimic>", mimic.get("joint", "")
         if leader not in names:
             known = did_you_mean(leader, names)
-            raise ModelFileError(f"{where}: the joint {shown(leader)} does not exist{known}")
+            raise ModelFileError(f"{where}: the joint {quoted(leader)} does not exist{known}")
         (ratio,) = numbers(where, mimic, "multiplier", default="1")
         (offset,) = numbers(where, mimic, "offset", default="0")
         follower = joint.get("name", "")

@@ -15,7 +15,7 @@ from xml.etree.ElementTree import Element
 from pmjac_pin.files.anchors import Anchors
 from pmjac_pin.files.cut_joints import CutJoints
 from pmjac_pin.files.foreign_model import ForeignModel
-from pmjac_pin.files.gazebo_plugins import is_mimic, misread_mimics, unread_harmless
+from pmjac_pin.files.gazebo_plugins import is_mimic_plugin, misread_mimics, unread_harmless
 from pmjac_pin.files.joint_dialects import (
     floating_balls,
     home_within_limits,
@@ -26,10 +26,11 @@ from pmjac_pin.files.massless import mass_notes
 from pmjac_pin.files.sdf.plugins import is_detachable
 from pmjac_pin.files.sdf.vocabulary import SDF_WORDS
 from pmjac_pin.files.text_file import at_file, read_text
-from pmjac_pin.files.urdf.checks import VELOCITIES, UrdfJoint, check_size, checked_names
+from pmjac_pin.files.urdf.checks import VELOCITIES, check_size, checked_names
 from pmjac_pin.files.urdf.control_mimics import doubtful
+from pmjac_pin.files.urdf.joint_tree import UrdfJoint
 from pmjac_pin.files.urdf.loop_elements import Closing, idle_mimics, read_closings, read_gears
-from pmjac_pin.files.urdf.robot import MAXIMAL_SIZE, Urdf
+from pmjac_pin.files.urdf.robot import MAXIMAL_URDF, Urdf
 from pmjac_pin.files.urdf.ties import (
     closing_frames,
     joints_of_gazebo,
@@ -64,7 +65,7 @@ def read_looped_urdf(path: Path, motors: Collection[str] = ()) -> ForeignModel:
         The message starts with the file's path and names the element at fault.
     """
     with at_file(str(path)):
-        model = read_robot(parse_xml(read_text(path, MAXIMAL_SIZE)), path, motors)
+        model = read_robot(parse_xml(read_text(path, MAXIMAL_URDF)), path, motors)
         if model.actuated or any(not isinstance(loop, JointLoop) for loop in model.loops):
             return model
         followers = {loop.joints[1] for loop in model.loops if isinstance(loop, JointLoop)}
@@ -100,13 +101,7 @@ def read_robot(
     ModelFileError
         Without the file's path.
     """
-    links, elements = robot.findall("link"), robot.findall("joint")
-    check_size(links, elements)
-    names = checked_names(links)
-    checked_names(elements)
-    unread = _unread(robot)
-    refuse_unreadable(robot)
-    take_mimics(robot, elements)
+    elements, names, unread = _checked(robot)
     followers = [joint.get("name", "") for joint in elements if joint.find("mimic") is not None]
     limit_notes, balls = opened_limits(elements), floating_balls(elements)
     limit_notes += idle_mimics(elements)
@@ -136,13 +131,25 @@ def read_robot(
     )
 
 
+def _checked(robot: Element) -> tuple[list[Element], Collection[str], tuple[str, ...]]:
+    """Return a robot's joints, their mimics taken, names of its links, and what nobody reads."""
+    links, elements = robot.findall("link"), robot.findall("joint")
+    check_size(links, elements)
+    names = checked_names(links)
+    checked_names(elements)
+    unread = _unread(robot)
+    refuse_unreadable(robot)
+    take_mimics(robot, elements)
+    return elements, names, unread
+
+
 def _unread(robot: Element) -> tuple[str, ...]:
     """Return what of a robot nobody reads, once no word in it looks misspelt."""
     joints = joints_of_gazebo(robot)
     plugins = [
         plugin
         for plugin in robot.iterfind("gazebo/plugin")
-        if is_mimic(plugin) or is_detachable(plugin, robot)
+        if is_mimic_plugin(plugin) or is_detachable(plugin, robot)
     ]
     inside = [note for joint in joints for note in SDF_WORDS.unread(joint)]
     skipped = (*joints, *plugins, *unread_harmless(robot))

@@ -20,19 +20,18 @@ from pmjac_pin.errors import ModelFileError, unknown_name
 from pmjac_pin.files.gazebo_plugins import unread_harmless
 from pmjac_pin.files.text_file import at_file, read_text
 from pmjac_pin.files.urdf.checks import (
-    UrdfJoint,
     checked_joint,
     checked_origin,
     checked_robot,
-    joints_of,
 )
+from pmjac_pin.files.urdf.joint_tree import UrdfJoint, joints_of
 from pmjac_pin.files.urdf.vocabulary import URDF_WORDS
 from pmjac_pin.files.xml_text import label, numbers, only, parse_xml, written
 from pmjac_pin.model.parameter import Move
 
 __all__ = ["Urdf", "UrdfJoint", "parse_urdf", "read_urdf"]
 
-MAXIMAL_SIZE = 20_000_000  # bytes
+MAXIMAL_URDF = 20_000_000  # bytes
 
 _SIZES: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
@@ -197,7 +196,7 @@ class Urdf:
         if len(found) > 1:
             many = f"{len(found)} visuals are named {name!r}"
             raise ModelFileError(f"{many}; one that a parameter moves needs its own name")
-        _shape(found[0], move)
+        _resized_shape(found[0], move)
         return found[0]
 
 
@@ -209,7 +208,7 @@ def read_urdf(path: Path) -> Urdf:
     ModelFileError
         The message starts with the file's path and names the element at fault.
     """
-    return parse_urdf(read_text(path, MAXIMAL_SIZE), str(path))
+    return parse_urdf(read_text(path, MAXIMAL_URDF), str(path))
 
 
 def parse_urdf(text: str, path: str) -> Urdf:
@@ -264,7 +263,7 @@ def _size_coefficients(move: Move) -> dict[str, tuple[float, ...]]:
     return {attribute: numbers for attribute, numbers in given.items() if any(numbers)}
 
 
-def _shape(element: Element, move: Move) -> Element | None:
+def _resized_shape(element: Element, move: Move) -> Element | None:
     """Return the shape whose size the move changes; nothing if it changes none."""
     where, wanted = label(element), _size_coefficients(move)
     if not wanted:
@@ -281,7 +280,7 @@ def _shape(element: Element, move: Move) -> Element | None:
 
 
 def _move_shape(element: Element, move: Move, delta: float) -> None:
-    if (shape := _shape(element, move)) is not None:
+    if (shape := _resized_shape(element, move)) is not None:
         where = f"{label(element)}, <{shape.tag}>"
         for attribute, coefficients in _size_coefficients(move).items():
             _add(where, shape, attribute, coefficients, delta)
@@ -289,7 +288,7 @@ def _move_shape(element: Element, move: Move, delta: float) -> None:
 
 def _check_positive(element: Element, move: Move) -> None:
     # Only once all moves are done: one may shrink a shape and another make up for it.
-    if (shape := _shape(element, move)) is not None:
+    if (shape := _resized_shape(element, move)) is not None:
         where = f"{label(element)}, <{shape.tag}>"
         for attribute, coefficients in _size_coefficients(move).items():
             values = numbers(where, shape, attribute, count=len(coefficients))

@@ -15,21 +15,20 @@ from xml.etree.ElementTree import Element, SubElement
 
 import pinocchio as pin
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
-from pmjac_pin.files.gazebo_plugins import is_mimic
-from pmjac_pin.files.sdf.frames import MODEL, WORLD, Frame, Frames
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
+from pmjac_pin.files.gazebo_plugins import is_mimic_plugin
+from pmjac_pin.files.sdf.frames import MODEL, WORLD, Frames, SdfFrame
 from pmjac_pin.files.sdf.joints import SdfJoint, read_joint
-from pmjac_pin.files.sdf.plugins import detachable_joints, is_detachable
+from pmjac_pin.files.sdf.plugins import BALL, ball_parts, detachable_joints, is_detachable
 from pmjac_pin.files.tree_urdf import origin
-from pmjac_pin.files.urdf.control_mimics import called, control_joints, mimic_params
+from pmjac_pin.files.urdf.control_mimics import called_joint, control_joints, mimic_params
 from pmjac_pin.files.urdf.loop_elements import TAGS
 from pmjac_pin.files.vocabulary import spelt
-from pmjac_pin.files.xml_text import label, numbers_in, only, shown, written
+from pmjac_pin.files.xml_text import label, numbers_in, only, written
 
-BALL = "drake:ball_constraint"
 PLUGINS = "gazebo/plugin"
 _AXES_OF_THE_JOINT = (1, 12)  # the version of SDFormat, whose axes are in the joint's frame
-_KINDS = {"ball": "spherical"}
+_LOOP_KINDS = {"ball": "spherical"}
 _NOT_READ = {
     "coupling": "gear the joints by <mimic>",
     "drake:coupler_constraint": "gear the joints by <mimic>",
@@ -78,12 +77,8 @@ def _loop_joint(element: Element) -> Element:
 
 def _ball_constraint(element: Element) -> Element:
     """Return Drake's ball constraint, whose values are attributes in URDF and text in SDFormat."""
-    given = {spelt(child.tag).removeprefix(f"{BALL}_"): child for child in element}
-    loop = Element("loop", type="spherical")
+    given, loop = ball_parts(element), Element("loop", type="spherical")
     for body, point, end in (("body_A", "p_AP", "predecessor"), ("body_B", "p_BQ", "successor")):
-        for part in (body, point):
-            if part not in given:
-                raise ModelFileError(f"<{BALL}> has no <{BALL}_{part}>")
         link = SubElement(loop, end, link=given[body].get("name", ""))
         SubElement(link, "origin", xyz=given[point].get("value", ""))
     return loop
@@ -109,7 +104,7 @@ def take_gazebo_joints(
     """
     base = next(iter(placements))
     frames = Frames(
-        {name: Frame(name, name, MODEL, place) for name, place in placements.items()},
+        {name: SdfFrame(name, name, MODEL, place) for name, place in placements.items()},
         list(placements),
         base,
     )
@@ -121,11 +116,11 @@ def take_gazebo_joints(
             if (joint.parent, joint.child, joint.kind) == (WORLD, base, "fixed"):
                 notes.append(f"{label(element)} of <gazebo> holds the base: it is held anyway")
                 continue
-            loops.append(_closed(joint, placements, base))
+            loops.append(_closing_joint(joint, placements, base))
             done = f"is closed as {loops[-1].get('type')}, without its limits"
             notes.append(f"{label(element)} of <gazebo> {done}")
     for joint in detachable_joints(robot, PLUGINS, frames, ()):
-        loops.append(_closed(joint, placements, base))
+        loops.append(_closing_joint(joint, placements, base))
         ends = f"links {joint.parent!r} and {joint.child!r}"
         notes.append(f"{label(joint.element)} of <gazebo> is closed as fixed, between {ends}")
     for gazebo in robot.iterfind("gazebo"):
@@ -135,9 +130,9 @@ def take_gazebo_joints(
     return loops, notes
 
 
-def _closed(joint: SdfJoint, placements: Mapping[str, pin.SE3], base: str) -> Element:
+def _closing_joint(joint: SdfJoint, placements: Mapping[str, pin.SE3], base: str) -> Element:
     """Return a joint as an element: the base stands where the file has the world."""
-    where, kind = label(joint.element), _KINDS.get(joint.kind, joint.kind)
+    where, kind = label(joint.element), _LOOP_KINDS.get(joint.kind, joint.kind)
     if kind in ("gearbox", "revolute2"):
         raise ModelFileError(f"{where} of <gazebo> is of type {kind}, which is not read there")
     parent = base if joint.parent == WORLD else joint.parent
@@ -193,10 +188,10 @@ def take_mimics(robot: Element, joints: Sequence[Element]) -> None:
         A joint that does not exist, or that is to follow in two ways.
     """
     by_name = {joint.get("name", ""): joint for joint in joints}
-    for where, follower, mimic in (*_of_plugins(robot), *_of_control(robot)):
+    for where, follower, mimic in (*_plugin_ties(robot), *_of_control(robot)):
         if follower not in by_name:
             known = did_you_mean(follower, by_name)
-            raise ModelFileError(f"{where}: the joint {shown(follower)} does not exist{known}")
+            raise ModelFileError(f"{where}: the joint {quoted(follower)} does not exist{known}")
         joint = by_name[follower]
         if (own := only(label(joint), joint, "mimic")) is None:
             joint.append(mimic)
@@ -212,29 +207,33 @@ def _rule(mimic: Element, where: str) -> tuple[str, float, float]:
     return mimic.get("joint", ""), multiplier, offset
 
 
-def _of_plugins(robot: Element) -> Iterator[tuple[str, str, Element]]:
+def _plugin_ties(robot: Element) -> Iterator[tuple[str, str, Element]]:
     for gazebo in robot.iterfind("gazebo"):
-        for plugin in filter(is_mimic, gazebo.findall("plugin")):
+        for plugin in filter(is_mimic_plugin, gazebo.findall("plugin")):
             gazebo.remove(plugin)
             where = label(plugin)
             leader, follower, *factors = (
                 only(where, plugin, tag) for tag in ("joint", "mimicJoint", "multiplier", "offset")
             )
             given = dict(zip(("multiplier", "offset"), factors, strict=True))
-            yield where, _text(follower), _mimic(_text(leader), given)
+            yield where, _text_within(follower), _mimic(_text_within(leader), given)
 
 
 def _of_control(robot: Element) -> Iterator[tuple[str, str, Element]]:
     for joint in control_joints(robot):
         if params := mimic_params(joint):
             joint.remove(leader := params["mimic"])
-            yield called(joint), joint.get("name", ""), _mimic(_text(leader), params)
+            yield (
+                called_joint(joint),
+                joint.get("name", ""),
+                _mimic(_text_within(leader), params),
+            )
 
 
 def _mimic(leader: str, given: Mapping[str, Element | None]) -> Element:
     keys = [key for key in ("multiplier", "offset") if given.get(key) is not None]
-    return Element("mimic", {key: _text(given[key]) for key in keys}, joint=leader)
+    return Element("mimic", {key: _text_within(given[key]) for key in keys}, joint=leader)
 
 
-def _text(element: Element | None) -> str:
+def _text_within(element: Element | None) -> str:
     return "" if element is None else (element.text or "").strip()

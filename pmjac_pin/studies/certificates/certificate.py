@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra.balls import OUTWARDS, precise, uppers
 from pmjac_pin.configuration import Configuration
@@ -21,10 +20,7 @@ from pmjac_pin.rates.partition import Partition, independent_rows
 from pmjac_pin.studies.certificates.equations import LoopEquations
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.krawczyk import RADII, block_norms, radii
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
-
+from pmjac_pin.values.arrays import Array, Index
 
 # Those of a mechanism are written once, for all its poses.
 _EQUATIONS: WeakKeyDictionary[Mechanism, LoopEquations] = WeakKeyDictionary()
@@ -125,7 +121,7 @@ def certify(configuration: Configuration) -> Certificate:
     try:
         equations = _equations(mechanism)
     except ArgumentError as error:
-        return _nothing(str(error))
+        return _no_certificate(str(error))
     names, partition = mechanism.rows, mechanism.problem.partition
     # Where A is beyond all bounds, so are Y and Z₁, and nothing is proven.
     with precise(), np.errstate(over="ignore", invalid="ignore"):
@@ -143,7 +139,7 @@ def _equations(mechanism: Mechanism) -> LoopEquations:
     return equations
 
 
-def _nothing(reason: str) -> Certificate:
+def _no_certificate(reason: str) -> Certificate:
     return Certificate(math.inf, 0.0, reason)
 
 
@@ -153,13 +149,13 @@ def _certified(
     at = equations.at(q)
     residual, around = equations.residual(at, q), equations.around(at, RADII, partition.length)
     scaled = around.jacobian.middle[0] * partition.row_scale[:, None]
-    rows, columns = _independent(scaled, partition.passive_rank)
+    rows, columns = _independent_square(scaled, partition.passive_rank)
     groups = equations.unknowns.groups
     found = radii(residual[rows], around.jacobian[:, rows], columns, groups)
     if found.failed:
-        return _nothing(found.failed)
+        return _no_certificate(found.failed)
     if not around.cosine[found.ball] > 0.0:
-        return _nothing(
+        return _no_certificate(
             "axes of a loop must be less than a quarter turn apart, for its rows vanish at half "
             f"a turn, too: the cosine between them may be {around.cosine[found.ball]:.3g}"
         )
@@ -176,7 +172,7 @@ def _certified(
     )
 
 
-def _independent(scaled: Array, rank: int) -> tuple[Index, Index]:
+def _independent_square(scaled: Array, rank: int) -> tuple[Index, Index]:
     """Return rows and columns of a square system of this rank."""
     rows = independent_rows(scaled, rank)
     return rows, independent_rows(scaled[rows].T, rank)

@@ -7,14 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra.balls import (
     OUTWARDS,
     PLACEMENT_WIDTH,
     Balls,
+    euclidean_norm,
     exactly,
-    norm,
     rotation_width,
     upper,
     widened,
@@ -27,8 +26,7 @@ from pmjac_pin.kinematics.tree import Poses, Riding, Tree, Twisted
 from pmjac_pin.model.frames import Frame
 from pmjac_pin.studies.certificates.neighbourhoods import Neighbourhoods
 from pmjac_pin.studies.certificates.unknowns import Unknowns
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 BALLS = Balls()
 
@@ -55,7 +53,7 @@ class Width(NamedTuple):
     @classmethod
     def of(cls, placement: pin.SE3) -> Width:
         """Return the width of a stored placement."""
-        distance = upper(norm(exactly(placement.translation)))
+        distance = upper(euclidean_norm(exactly(placement.translation)))
         return cls(distance, rotation_width(placement.rotation))
 
 

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 from flint import arb
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra.balls import ZERO, BallArray, exactly
 from pmjac_pin.algebra.intervals import Intervals
@@ -22,8 +21,7 @@ from pmjac_pin.model.loop_spec import Loop
 from pmjac_pin.studies.certificates.chains import BALLS, BOXES, Chain
 from pmjac_pin.studies.certificates.neighbourhoods import Neighbourhoods
 from pmjac_pin.studies.certificates.unknowns import Unknowns
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)

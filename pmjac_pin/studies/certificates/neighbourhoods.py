@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Collection
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra import Number
 from pmjac_pin.algebra.balls import OUTWARDS, enclosing
@@ -18,8 +17,7 @@ from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.kinematics.places import Pose
 from pmjac_pin.kinematics.tree import Link, Poses
 from pmjac_pin.model.joint_kind import Motion
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 
 class Neighbourhoods(Poses):

@@ -10,11 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.kinematics.tree import Link
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 
 class Unknowns:

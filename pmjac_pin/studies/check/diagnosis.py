@@ -11,7 +11,7 @@ from typing import Literal
 import msgspec
 
 from pmjac_pin.model.tool_rows import ToolRows, checked_axes
-from pmjac_pin.studies.check.diagnosis_parts import Body, Freedom, LoopEntry, Mobility
+from pmjac_pin.studies.check.diagnosis_parts import BodyEntry, FreedomEntry, LoopEntry, Mobility
 from pmjac_pin.studies.evidence import Evidence
 
 Severity = Literal["ok", "note", "warning", "error"]
@@ -215,8 +215,8 @@ class Diagnosis(msgspec.Struct, frozen=True, kw_only=True):
     description: str
     findings: tuple[Finding, ...] = ()
     failure: Failure | None
-    bodies: tuple[Body, ...]
-    freedoms: tuple[Freedom, ...]
+    bodies: tuple[BodyEntry, ...]
+    freedoms: tuple[FreedomEntry, ...]
     tool: tuple[str, ...]
     tool_rows: tuple[str, ...]
     tool_axes: str

@@ -8,7 +8,6 @@ from typing import Any
 import msgspec
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.assembly import unassembled
 from pmjac_pin.closing.damped_closure import assemble
@@ -42,14 +41,13 @@ from pmjac_pin.studies.check.diagnosis_structure import (
     mobility,
 )
 from pmjac_pin.studies.check.findings import find
-from pmjac_pin.studies.check.machine import Machine
+from pmjac_pin.studies.check.machine import CheckedMachine
 from pmjac_pin.studies.evidence import Evidence
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.encodable import encodable
 
-Array = NDArray[np.float64]
-
-_STRIDE = 0.1  # rad or share of the length, from home to where rounding is looked for
-_ROUNDING = 1e-5  # of the length: the gap of a structure is a hundred times as large there
+_ROUNDING_STRIDE = 0.1  # rad or share of the length, from home to where rounding is looked for
+_ROUNDED_GAP = 1e-5  # of the length: the gap of a structure is a hundred times as large there
 
 
 def check(source: str | Path | Mechanism | PmjacError, **options: Any) -> Diagnosis:
@@ -171,7 +169,7 @@ def _evidence(partition: Partition) -> Evidence:
     return Evidence("tolerance", f"at home and near it, {zero} count as zero")
 
 
-def _far(machine: Machine) -> float | None:
+def _far(machine: CheckedMachine) -> float | None:
     """Return how far a mechanism stands from the origin where that decides what is closed."""
     decides = machine.problem.tolerance == machine.problem.rounding and machine.place.any()
     return float(np.linalg.norm(machine.place)) if decides else None
@@ -257,10 +255,10 @@ def _rounding(mechanism: Mechanism) -> float | None:
     allowed = partition.factorise(scaled, partition.size_of(scaled)).null_space
     gaps = []
     for direction in (*allowed.T, *-allowed.T):
-        stride = _STRIDE * partition.length * partition.column_scale * direction
+        stride = _ROUNDING_STRIDE * partition.length * partition.column_scale * direction
         weights = motor_weights(problem, 0.0 if stride[partition.actuated].any() else 1.0)
         gaps.append(assemble(problem, problem.integrate(q, stride), weights).gap)
-    if not gaps or max(gaps) <= problem.tolerance or max(gaps) > _ROUNDING * partition.length:
+    if not gaps or max(gaps) <= problem.tolerance or max(gaps) > _ROUNDED_GAP * partition.length:
         return None
     return max(gaps)
 
@@ -277,7 +275,7 @@ def _pose(mechanism: Mechanism, name: str) -> PoseEntry:
     return PoseEntry(name, gap, dict(moved), singularity.kind, smallest, condition, None, beyond)
 
 
-def _gap_given(machine: Machine, home: Array, pose: str) -> float:
+def _gap_given(machine: CheckedMachine, home: Array, pose: str) -> float:
     q = machine.coordinates.q(machine.spec.poses[pose], None if pose == "home" else home)
     return float(np.linalg.norm(loop_gaps(machine, q)))
 

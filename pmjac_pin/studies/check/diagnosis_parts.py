@@ -5,7 +5,7 @@ from __future__ import annotations
 import msgspec
 
 
-class Body(msgspec.Struct, frozen=True):
+class BodyEntry(msgspec.Struct, frozen=True):
     """A rigid body: links joined by fixed joints.
 
     Attributes
@@ -27,7 +27,7 @@ class Body(msgspec.Struct, frozen=True):
     tool: bool
 
 
-class Freedom(msgspec.Struct, frozen=True):
+class FreedomEntry(msgspec.Struct, frozen=True):
     """One degree of freedom of a joint, m or rad.
 
     Attributes

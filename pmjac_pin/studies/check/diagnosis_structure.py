@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.machine_size import Size
@@ -21,11 +20,10 @@ from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.joint_kinds import kind_of
 from pmjac_pin.model.loop_spec import JointLoop, Loop
 from pmjac_pin.rates.redundancy import LoopRank
-from pmjac_pin.studies.check.diagnosis_parts import Body, Freedom, LoopEntry, Mobility
+from pmjac_pin.studies.check.diagnosis_parts import BodyEntry, FreedomEntry, LoopEntry, Mobility
 from pmjac_pin.studies.check.loop_motion import LoopMotion, loop_motions
-from pmjac_pin.studies.check.machine import Machine
-
-Array = NDArray[np.float64]
+from pmjac_pin.studies.check.machine import CheckedMachine
+from pmjac_pin.values.arrays import Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,13 +40,13 @@ class Structure:
     motions : tuple of LoopMotion
     """
 
-    machine: Machine
+    machine: CheckedMachine
     home: Array
     given: Array
     motions: tuple[LoopMotion, ...]
 
     @classmethod
-    def of(cls, machine: Machine, home: Array) -> Structure:
+    def of(cls, machine: CheckedMachine, home: Array) -> Structure:
         """Look at the loops in this home pose."""
         given = machine.coordinates.q(machine.spec.poses["home"])
         return cls(machine, home, given, loop_motions(machine, home))
@@ -64,17 +62,17 @@ class Structure:
         return tuple(name for name, motion in named if joint in motion.joints)
 
 
-def bodies(structure: Structure) -> tuple[Body, ...]:
+def bodies(structure: Structure) -> tuple[BodyEntry, ...]:
     """Return the ground and the body that each joint carries."""
     model, spec = structure.machine.kinematics.model, structure.machine.spec
     on: dict[int, list[str]] = {}
     for name, loop in zip(structure.loop_names, spec.loops, strict=True):
-        for body in _ends(model, loop):
+        for body in _end_bodies(model, loop):
             on.setdefault(body, []).append(name)
     tools = {find_frame(model, name).joint for name in spec.tool.names}
     names = body_names(model)
     return tuple(
-        Body(
+        BodyEntry(
             names[body],
             _links(model, body),
             model.names[body] if body else None,
@@ -93,7 +91,7 @@ def body_names(model: pin.Model) -> tuple[str, ...]:
     )
 
 
-def freedoms(structure: Structure, moved: Mapping[str, float] | None) -> tuple[Freedom, ...]:
+def freedoms(structure: Structure, moved: Mapping[str, float] | None) -> tuple[FreedomEntry, ...]:
     """Return every degree of freedom, motors first; with how far each moved where that is known."""
     machine, model = structure.machine, structure.machine.kinematics.model
     coordinates, partition = machine.coordinates, machine.problem.partition
@@ -102,7 +100,7 @@ def freedoms(structure: Structure, moved: Mapping[str, float] | None) -> tuple[F
               for name in coordinates.names
               for k in range(coordinates.degrees_of_freedom(name))}  # fmt: skip
     return tuple(
-        Freedom(
+        FreedomEntry(
             name=name,
             joint=joints[column],
             kind=_joint_kind(model, joints[column]),
@@ -167,7 +165,7 @@ def mobility(structure: Structure, rank: int | None) -> Mobility:
     )
 
 
-def loop_gaps(machine: Machine, q: Array) -> tuple[float, ...]:
+def loop_gaps(machine: CheckedMachine, q: Array) -> tuple[float, ...]:
     """Return how open each loop is at q, m."""
     partition, slices = machine.problem.partition, machine.kinematics.loops.slices
     gaps = machine.problem.evaluate(q)[0] * partition.row_scale
@@ -196,7 +194,7 @@ def _gap_alone(structure: Structure, rows: slice, best: Array | None) -> float:
     return least
 
 
-def _ends(model: pin.Model, loop: Loop) -> set[int]:
+def _end_bodies(model: pin.Model, loop: Loop) -> set[int]:
     if isinstance(loop, JointLoop):
         return set()
     return {find_frame(model, name).joint for name in loop.frames}

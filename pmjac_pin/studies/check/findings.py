@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 
 from pmjac_pin.model.joint_kinds import JOINT_KINDS
 from pmjac_pin.model.rounded_numbers import wider_tolerance
 from pmjac_pin.model.spec import LARGEST_TOLERANCE
-from pmjac_pin.studies.check.diagnosis import Diagnosis, Finding, FreeMotion, PoseEntry, Severity
-from pmjac_pin.studies.check.diagnosis_parts import Freedom
+from pmjac_pin.studies.check.actuation_findings import (
+    forbidden_findings,
+    free_findings,
+    listed_in_words,
+    tool_row_findings,
+)
+from pmjac_pin.studies.check.diagnosis import Diagnosis, Finding, PoseEntry, Severity
+from pmjac_pin.studies.check.diagnosis_parts import FreedomEntry
 from pmjac_pin.studies.check.mobility_findings import count_findings, redundancy_findings
 from pmjac_pin.studies.check.number_findings import all_digits, number_findings
 from pmjac_pin.values.brief import brief
@@ -18,18 +24,17 @@ WIDE_OPEN = 0.1  # of the characteristic length: beyond, which assembly mode is 
 NEAR_SINGULAR = 1e-3  # of the size of [K K*]: passive rates a thousand times the motors'
 _MOVED = 1e-9  # m or rad
 _AT_LIMIT = 1e-6  # m or rad
-_MOST_NAMES = 6  # listed in one sentence
 
 
 def find(diagnosis: Diagnosis) -> tuple[Finding, ...]:
     """Return what there is to say about a diagnosis, the worst first."""
     rules = (
-        _failure,
+        _failure_findings,
         _assembly,
-        _limits,
-        _forbidden,
-        _free,
-        _tool_rows,
+        _limit_findings,
+        forbidden_findings,
+        free_findings,
+        tool_row_findings,
         _conditioning,
         redundancy_findings,
         count_findings,
@@ -40,35 +45,7 @@ def find(diagnosis: Diagnosis) -> tuple[Finding, ...]:
     return tuple(sorted(findings, key=lambda finding: _ORDER.index(finding.severity)))
 
 
-def in_words(rates: Mapping[str, float]) -> str:
-    """Say a direction of rates in words, leaving out what is below a hundredth of the largest.
-
-    Examples
-    --------
-    >>> in_words({"a": 0.8, "b": -0.6, "c": 0.0})
-    "'a' against 'b'"
-    >>> in_words({"a": 0.8, "b": 0.6}), in_words({"a": 1.0})
-    ("'a' together with 'b'", "'a'")
-    """
-    largest = max(map(abs, rates.values()))
-    moving = {name: rate for name, rate in rates.items() if abs(rate) > 1e-2 * largest}
-    ahead = [name for name, rate in moving.items() if rate > 0.0]
-    back = [name for name, rate in moving.items() if rate < 0.0]
-    if not (ahead and back):
-        first, *others = ahead or back
-        return f"{first!r} together with {listed(others)}" if others else repr(first)
-    return f"{listed(ahead)} against {listed(back)}"
-
-
-def listed(names: Sequence[str]) -> str:
-    """Return names in quotes, joined by commas and an "and"; long lists are cut."""
-    quoted = list(map(repr, names[:_MOST_NAMES]))
-    if len(names) > _MOST_NAMES:
-        quoted.append(f"{len(names) - _MOST_NAMES} more")
-    return " and ".join(filter(None, (", ".join(quoted[:-1]), quoted[-1])))
-
-
-def _failure(diagnosis: Diagnosis) -> Iterator[Finding]:
+def _failure_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
     failure = diagnosis.failure
     if failure is None:
         return
@@ -92,9 +69,8 @@ def _what_to_try(diagnosis: Diagnosis) -> str:
     if stuck:
         plural = "s" if len(stuck) > 1 else ""
         cause = (
-            f"The loop{plural} {listed(stuck)} did not close from here or around even alone, all "
-            "joints free: "
-            "check its frames, the lengths along it and its joints' limits."
+            f"The loop{plural} {listed_in_words(stuck)} did not close from here or around even "
+            "alone, all joints free: check its frames, the lengths along it and its joints' limits."
         )
     else:
         cause = (
@@ -166,7 +142,7 @@ def _value(diagnosis: Diagnosis, name: str, value: float) -> str:
     return f"{value:.3g} {unit}"
 
 
-def _limits(diagnosis: Diagnosis) -> Iterator[Finding]:
+def _limit_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
     for freedom in diagnosis.freedoms:
         lower = float("-inf") if freedom.lower is None else freedom.lower
         upper = float("inf") if freedom.upper is None else freedom.upper
@@ -183,81 +159,15 @@ def _limits(diagnosis: Diagnosis) -> Iterator[Finding]:
     endless = [freedom.name for freedom in diagnosis.freedoms if _lacks_limits(freedom)]
     if endless:
         advice = "Sliders and checks then reach as far as numbers do; give limits in the URDF."
-        message = f"The motor{'s' * (len(endless) > 1)} {listed(endless)} has no limits."
+        message = f"The motor{'s' * (len(endless) > 1)} {listed_in_words(endless)} has no limits."
         message = message.replace("has", "have") if len(endless) > 1 else message
         yield Finding("note", "no-limits", message, advice)
 
 
-def _lacks_limits(freedom: Freedom) -> bool:
+def _lacks_limits(freedom: FreedomEntry) -> bool:
     unlimited = freedom.lower is None or freedom.upper is None
     kind = JOINT_KINDS.get(freedom.kind)
     return freedom.role == "actuated" and kind is not None and kind.nq == 1 and unlimited
-
-
-def _forbidden(diagnosis: Diagnosis) -> Iterator[Finding]:
-    actuation = diagnosis.actuation
-    if actuation is None:
-        return
-    count, allowed = len(actuation.forbidden_rates), len(actuation.allowed_rates)
-    if not count:
-        if not actuation.felt:
-            motors = "The motor commands" if actuation.motors == 1 else "The motors command"
-            message = f"{motors} every motion of the tool, and no loop forbids one."
-            yield Finding("ok", "actuation", message)
-        return
-    words = "; ".join(f"{in_words(rates)} ({_rates(rates)})" for rates in actuation.forbidden_rates)
-    message = f"Over-actuated by {count}: the loops forbid {words}"
-    if allowed:
-        rates = "; or ".join(_rates(rates) for rates in actuation.allowed_rates)
-        message += f". What they allow is spanned by {rates}"
-        enough = f": {listed(actuation.sufficient)} determine the others"
-        enough = enough.replace("determine", "determines") if allowed == 1 else enough
-    else:
-        message += ". No motor can move: it is a structure"
-        enough = ""
-    advice = f"Declare {count} of the {actuation.motors} motors passive{enough}; no J_eq till then."
-    yield Finding("error", "over-actuated", f"{message}.", advice)
-
-
-def _rates(rates: Mapping[str, float]) -> str:
-    return ", ".join(f"{name} {rate:+.3g}" for name, rate in rates.items() if rate)
-
-
-def _free(diagnosis: Diagnosis) -> Iterator[Finding]:
-    actuation = diagnosis.actuation
-    if actuation is None:
-        return
-    alone = {freedom.name for freedom in diagnosis.freedoms if not freedom.loops}
-    for motion in actuation.free_motions:
-        joints = [name for name, rate in motion.rates.items() if rate]
-        if set(joints) <= alone:
-            yield _loose(joints, motion)
-        else:
-            yield _idle(joints, motion)
-
-
-def _loose(joints: Sequence[str], motion: FreeMotion) -> Finding:
-    message = f"{listed(joints)} is passive and in no loop: nothing holds it"
-    if motion.felt:
-        advice = "Name it under `actuated`, or close a loop over it; no J_eq till then."
-        return Finding("error", "free-joint", f"{message}, and the tool moves with it.", advice)
-    advice = "Name it under `actuated`, close a loop over it, or make it fixed."
-    return Finding("warning", "free-joint", f"{message}; the tool does not feel it.", advice)
-
-
-def _idle(joints: Sequence[str], motion: FreeMotion) -> Finding:
-    moving = f"{listed(joints)} turn or slide freely with all motors locked"
-    what = f"{moving}, moving {listed(motion.bodies)}"
-    if motion.felt:
-        largest = max(motion.rates, key=lambda name: abs(motion.rates[name]))
-        message = f"Under-actuated: {what}, and the tool feels it."
-        advice = (
-            f"Make one of them a motor ({largest!r}, for instance), or put the tool on a body that "
-            "stays at rest; no J_eq till then."
-        )
-        return Finding("error", "under-actuated", message, advice)
-    advice = "Harmless for J_eq, as for a rod that spins between two ball joints."
-    return Finding("note", "idle-motion", f"Idle: {what}; the tool does not feel it.", advice)
 
 
 _NO_NEIGHBOUR = (
@@ -265,20 +175,6 @@ _NO_NEIGHBOUR = (
     "the loops seem to allow there lead nowhere; mobility and generic ranks are not known."
 )
 _LOOSEN = "Give a home pose from which the machine can move, or check the lengths."
-
-
-def _tool_rows(diagnosis: Diagnosis) -> Iterator[Finding]:
-    """Say where the judged rows move in fewer ways than they could: others may be meant."""
-    actuation, rows = diagnosis.actuation, diagnosis.judged
-    if actuation is None or diagnosis.tool_rank is None or rows.is_whole:
-        return
-    most = min(len(rows.names), len(actuation.allowed_rates))
-    if diagnosis.tool_rank < most:
-        ways = f"{diagnosis.tool_rank or 'no'} way{'s' * (diagnosis.tool_rank > 1)}"
-        message = f"Judged on {rows}, the tool moves in {ways}, where {most} would be possible."
-        advice = "Are these the rows that it is there to move, and in these axes?"
-        severity: Severity = "note" if diagnosis.tool_rank else "warning"
-        yield Finding(severity, "tool-rows", message, advice)
 
 
 def _isolated(diagnosis: Diagnosis) -> Finding:

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.loop_spec import JointLoop, Loop
 from pmjac_pin.rates.screw_group import generated_algebra, group_name
-from pmjac_pin.studies.check.machine import Machine
-
-Array = NDArray[np.float64]
+from pmjac_pin.studies.check.machine import CheckedMachine
+from pmjac_pin.values.arrays import Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,13 +33,15 @@ class LoopMotion:
     rows: int
 
 
-def loop_motions(machine: Machine, q: Array) -> tuple[LoopMotion, ...]:
+def loop_motions(machine: CheckedMachine, q: Array) -> tuple[LoopMotion, ...]:
     """Return the motion of every loop; q need not be closed."""
     model = machine.kinematics.model
     data = model.createData()
     twists = pin.computeJointJacobians(model, data, q).reshape(6, -1)
     return tuple(
-        _coupled(loop) if isinstance(loop, JointLoop) else _between(machine, data, twists, k, loop)
+        _coupled(loop)
+        if isinstance(loop, JointLoop)
+        else _motion_between(machine, data, twists, k, loop)
         for k, loop in enumerate(machine.spec.loops)
     )
 
@@ -51,7 +50,9 @@ def _coupled(loop: JointLoop) -> LoopMotion:
     return LoopMotion(loop.joints, None, 1)
 
 
-def _between(machine: Machine, data: pin.Data, twists: Array, index: int, loop: Loop) -> LoopMotion:
+def _motion_between(
+    machine: CheckedMachine, data: pin.Data, twists: Array, index: int, loop: Loop
+) -> LoopMotion:
     model, partition = machine.kinematics.model, machine.problem.partition
     first, second = (find_frame(model, name) for name in loop.ends)
     one, other = (set(model.supports[end.joint]) for end in (first, second))

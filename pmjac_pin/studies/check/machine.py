@@ -13,7 +13,7 @@ from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.spec import MechanismSpec
 
 
-class Machine(Protocol):
+class CheckedMachine(Protocol):
     """A Mechanism, or what `unassembled` makes of the same model and spec."""
 
     @property

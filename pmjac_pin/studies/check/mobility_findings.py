@@ -25,7 +25,11 @@ def redundancy_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
         message = "There is one loop equation." if rank == 1 else message
         yield Finding("ok", "independent-rows", message)
         return
-    parts = [f"{_inside(loop)} of {loop.name!r}" for loop in diagnosis.loops if _inside(loop)]
+    parts = [
+        f"{_redundant_inside(loop)} of {loop.name!r}"
+        for loop in diagnosis.loops
+        if _redundant_inside(loop)
+    ]
     sources = [f"inside loops: {', '.join(parts)}"] if parts else []
     if found.between:
         shared = ", ".join(repr(loop.name) for loop in diagnosis.loops if _implied(loop))
@@ -97,7 +101,7 @@ def _joined_twice(diagnosis: Diagnosis) -> list[str]:
     return [name for name, pair in pairs.items() if known.count(pair) > 1]
 
 
-def _inside(loop: LoopEntry) -> int:
+def _redundant_inside(loop: LoopEntry) -> int:
     return 0 if loop.rank is None else len(loop.equations) - loop.rank
 
 

@@ -13,7 +13,7 @@ from pmjac_pin.values.brief import brief
 def number_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
     """Say what the model's numbers cost, and which loops are measured by their own size."""
     yield from _tolerance(diagnosis)
-    yield from _far(diagnosis)
+    yield from _far_findings(diagnosis)
     yield from _loop_sizes(diagnosis)
 
 
@@ -33,7 +33,7 @@ def _tolerance(diagnosis: Diagnosis) -> Iterator[Finding]:
         yield Finding("warning", "rounded-numbers", message, all_digits(gap))
 
 
-def _far(diagnosis: Diagnosis) -> Iterator[Finding]:
+def _far_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
     if diagnosis.far is not None:
         message = (
             f"It stands {brief(diagnosis.far)} m from the world's origin, where coordinates are "

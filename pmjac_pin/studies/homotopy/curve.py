@@ -12,10 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.studies.homotopy.machines import Line
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Mask = NDArray[np.bool_]
+from pmjac_pin.values.arrays import Array, Complex, Mask
 
 SAME = 1e-6  # relative distance of two points that are one
 _NOTHING = 1e-12  # of h: no point is further away than its inverse
@@ -53,10 +50,6 @@ class Planes:
         """Return the planes that far along a straight line in their numbers."""
         normals = self.normals + share[:, None] * pull.normals
         return Planes(normals, self.offsets + share * pull.offsets)
-
-    def missed(self, points: Complex) -> Complex:
-        """Return a · (x, t) − b."""
-        return np.asarray((self.normals * points).sum(axis=1) - self.offsets)
 
     def missed_by_ray(self, points: Complex) -> Complex:
         """Return a · (X, h t) − b h of points (X, h, t)."""

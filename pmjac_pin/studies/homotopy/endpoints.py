@@ -29,10 +29,8 @@ from pmjac_pin.algebra.balls import OUTWARDS, BallArray, enclosing, precise
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.studies.homotopy.polynomial_loops import PolynomialLoops
 from pmjac_pin.studies.krawczyk import Radii, radii
+from pmjac_pin.values.arrays import Array, Complex, Mask
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Mask = NDArray[np.bool_]
 Balls = NDArray[Any]
 
 _REAL = 1e-7  # imaginary part of a solution that may be real

@@ -21,9 +21,8 @@ from pmjac_pin.algebra.polynomials import Symbols
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.model.joint_kind import JointKind, Motion
 from pmjac_pin.model.linkage import Edge
+from pmjac_pin.values.arrays import Array, Complex
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 #: Of complex numbers, or of python-flint's balls.
 Numbers = NDArray[Any]
 _QUATERNION = ("x", "y", "z", "w")

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import acb
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.motor_values import MotorValues, motor_values
 from pmjac_pin.errors import ArgumentError
@@ -20,12 +19,11 @@ from pmjac_pin.studies.homotopy.joint_unknowns import Numbers
 from pmjac_pin.studies.homotopy.polynomial_loops import PolynomialLoops
 from pmjac_pin.studies.modes.legs import Leg, names_of
 from pmjac_pin.studies.modes.search_problem import SearchProblem, search_problem, with_legs
+from pmjac_pin.values.arrays import Array, Complex
 
 if TYPE_CHECKING:
     from pmjac_pin.mechanism import Mechanism
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 _SPREAD = 0.5  # of random machines about a given one, relative
 

@@ -16,15 +16,12 @@ import logging
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.studies.homotopy.curve import SAME, Curve, Planes, distinct
-
-Complex = NDArray[np.complex128]
-Index = NDArray[np.intp]
+from pmjac_pin.values.arrays import Complex, Index
 
 _log = logging.getLogger(__name__)
 

@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -27,12 +26,10 @@ from pmjac_pin.studies.homotopy.curve import SAME, Curve, Planes
 from pmjac_pin.studies.homotopy.machines import Line, Machine
 from pmjac_pin.studies.homotopy.monodromy import STRAIGHT, PlaneSection, random_turn
 from pmjac_pin.studies.homotopy.polynomial_loops import PolynomialLoops
+from pmjac_pin.values.arrays import Complex, Index
 
 if TYPE_CHECKING:
     from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
-
-Complex = NDArray[np.complex128]
-Index = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)

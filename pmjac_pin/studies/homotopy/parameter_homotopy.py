@@ -18,7 +18,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.motor_values import MotorValues
 from pmjac_pin.configuration import Configuration
@@ -41,12 +40,7 @@ from pmjac_pin.studies.homotopy.paths import Ends, led, led_to_end
 from pmjac_pin.studies.homotopy.solving import near, solutions_of
 from pmjac_pin.studies.modes.closed_pose import closed_pose, generator, order
 from pmjac_pin.studies.modes.recognition import Recognition
-from pmjac_pin.values.read_only import read_only
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Index = NDArray[np.intp]
-Mask = NDArray[np.bool_]
+from pmjac_pin.values.arrays import Array, Complex, Index, read_only
 
 _SINGULAR = 1e-4  # smallest relative singular value of K* beside which home is not asked for
 _TRIES = 4  # of ways to lead all points to one machine

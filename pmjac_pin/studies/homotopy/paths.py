@@ -5,19 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.studies.homotopy.curve import Curve, Planes
-
-Complex = NDArray[np.complex128]
-Mask = NDArray[np.bool_]
+from pmjac_pin.values.arrays import Complex, Mask
 
 # A path is followed to a share 1 − 4⁻ᵏ of it, for one k after the other. It goes to infinity if it
 # ends far away, or is lost while it grows by more than this from one stop to the next.
 _STOPS = (*(1.0 - 0.25**k for k in range(1, 15)), 1.0)
 _GROWING = 1.5
-_FAR = 1e4  # numbers of this size are not those of real poses
-_EXACT = 1e-9
+_NO_REAL_POSE = 1e4  # numbers of this size are not those of real poses
+_EXACT_END = 1e-9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,10 +51,10 @@ def led(curve: Curve, points: Complex, start: Planes, end: Planes) -> Ends:
         before, size, here = size, np.abs(points).max(axis=1, initial=1.0), there
         going[now[~arrived]] = False
         growing[now[arrived]] = (size > _GROWING * before)[now[arrived]]
-    infinite = np.where(going, size > _FAR, growing)
+    infinite = np.where(going, size > _NO_REAL_POSE, growing)
     now = np.flatnonzero(going & ~infinite)
     points[now], last = curve.corrected(points[now], end[now], 3)
-    going[now[last > _EXACT]] = False
+    going[now[last > _EXACT_END]] = False
     return Ends(points, going & ~infinite, infinite)
 
 

@@ -25,11 +25,9 @@ from pmjac_pin.studies.homotopy.joint_unknowns import Numbers, joint_unknowns
 from pmjac_pin.studies.homotopy.polynomial_rows import PolynomialRows
 from pmjac_pin.studies.homotopy.polynomial_table import PolynomialTable
 from pmjac_pin.studies.modes.search_problem import SearchProblem
+from pmjac_pin.values.arrays import Array, Complex
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-
-_SPREAD = 0.3  # of random unknowns about home's
+_UNKNOWN_SPREAD = 0.3  # of random unknowns about home's
 
 
 class PolynomialLoops:
@@ -181,7 +179,7 @@ class PolynomialLoops:
     def somewhere(self, rng: np.random.Generator) -> Complex:
         """Return random complex unknowns about home whose units have length 1, shape (count,)."""
         x: Complex = rng.normal(size=self.count) + 1j * rng.normal(size=self.count)
-        x = self._home + _SPREAD * x
+        x = self._home + _UNKNOWN_SPREAD * x
         for unit in self._units:
             x[unit] /= np.sqrt((x[unit] * x[unit]).sum())
         for own in self._free:

@@ -21,7 +21,7 @@ from pmjac_pin.model.rows import Distance
 from pmjac_pin.studies.homotopy.joint_unknowns import JointUnknowns, quaternion_of_gap
 
 _POLYNOMIALS = Polynomials()
-_ROUNDING = 1e-15  # of an entry of a rotation, which is of size 1
+_ENTRY_ROUNDING = 1e-15  # of an entry of a rotation, which is of size 1
 
 
 class PolynomialRows:
@@ -60,7 +60,7 @@ class PolynomialRows:
         one, other = (self._poses.riding(pair.base, frame) for frame in (pair.first, pair.second))
         for _, block in pair.blocks:
             if isinstance(block, Distance):
-                length = _exact(rational(block.length / self._length) ** 2)
+                length = _exact_number(rational(block.length / self._length) ** 2)
                 rows.append(self._rod(pair, length if square is None else square))
                 continue
             found = block.equations(Jets(_POLYNOMIALS), one, other)
@@ -98,11 +98,11 @@ class PolynomialRows:
     def _placed(self, placement: pin.SE3) -> pin.SE3:
         """Return a placement in characteristic lengths, entries below rounding zero."""
         rotation = placement.rotation
-        turn = np.where(np.abs(rotation) < _ROUNDING, 0.0, rotation)
+        turn = np.where(np.abs(rotation) < _ENTRY_ROUNDING, 0.0, rotation)
         return pin.SE3(turn, placement.translation / self._length)
 
 
-def _exact(number: object) -> Symbols:
+def _exact_number(number: object) -> Symbols:
     found = np.empty((1, 1), dtype=object)
     found[0, 0] = number
     return found

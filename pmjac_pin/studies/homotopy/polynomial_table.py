@@ -14,7 +14,8 @@ from flint import acb, fmpq, fmpq_mpoly
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-Complex = NDArray[np.complex128]
+from pmjac_pin.values.arrays import Complex
+
 Balls = NDArray[Any]
 Exponents = tuple[int, ...]
 

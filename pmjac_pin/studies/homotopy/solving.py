@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.studies.homotopy.curve import SAME
 from pmjac_pin.studies.homotopy.machines import Machine
 from pmjac_pin.studies.homotopy.paths import Ends
 from pmjac_pin.studies.homotopy.polynomial_loops import PolynomialLoops
-
-Complex = NDArray[np.complex128]
-Index = NDArray[np.intp]
-Mask = NDArray[np.bool_]
+from pmjac_pin.values.arrays import Complex, Index, Mask
 
 _MET = 1e-7  # rows left out that hold
 _TOLERATED = 100.0  # tolerances that they may be off: the kept rows hold exactly, at their cost

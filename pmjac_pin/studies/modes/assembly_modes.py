@@ -6,13 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import overload
 
-import numpy as np
-from numpy.typing import NDArray
-
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.studies.evidence import Evidence
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.errors import ArgumentError
@@ -13,9 +12,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.linkage import Edge
 from pmjac_pin.studies.modes.interval_loops import BoxRows
 from pmjac_pin.studies.modes.slide_ranges import Polygons
-
-Array = NDArray[np.float64]
-Truth = NDArray[np.bool_]
+from pmjac_pin.values.arrays import Mask
 
 #: The interval that holds 2π.
 FULL_TURN = Intervals.exact(2.0 * np.pi).widened(1e-15)
@@ -33,7 +30,7 @@ def box_domain(
     unknowns: Sequence[Edge],
     rows: Sequence[BoxRows],
     limits: bool,
-) -> tuple[Intervals, Truth]:
+) -> tuple[Intervals, Mask]:
     """Return each unknown's values (k,), and for which of them a full turn is all there is.
 
     Parameters

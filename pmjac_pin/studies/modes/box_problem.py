@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.kinematics.loops import pair_of
@@ -26,9 +25,7 @@ from pmjac_pin.studies.modes.floating_body import (
 )
 from pmjac_pin.studies.modes.interval_loops import BoxRows, IntervalLoops, PairRows, tolerances
 from pmjac_pin.studies.modes.interval_tree import IntervalTree
-
-Array = NDArray[np.float64]
-Truth = NDArray[np.bool_]
+from pmjac_pin.values.arrays import Array, Mask
 
 _FREE = 6  # freedoms of a body that nothing holds
 
@@ -63,7 +60,7 @@ class BoxProblem:
     names: tuple[str, ...]
     loops: IntervalLoops
     domain: Intervals
-    endless: Truth
+    endless: Mask
     scale: Array
     floating: tuple[Floating, ...]
 

@@ -15,13 +15,10 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.studies.modes.interval_loops import Enclosed, IntervalLoops
-
-Array = NDArray[np.float64]
-Truth = NDArray[np.bool_]
+from pmjac_pin.values.arrays import Array
 
 _BATCH = 1024  # boxes at once
 _SMALLEST = 1e-7  # scaled width below which boxes are no longer cut

@@ -5,18 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.pose_assembly import motor_weights
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.studies.modes.gear_trains import gear_trains, unwound
+from pmjac_pin.values.arrays import Array
 
 if TYPE_CHECKING:
     from pmjac_pin.mechanism import Mechanism
-
-Array = NDArray[np.float64]
 
 
 def closed_pose(mechanism: Mechanism, q: Array, limits: bool) -> Configuration | None:

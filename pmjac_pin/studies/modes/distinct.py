@@ -11,15 +11,12 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.kinematics.many import WorldPoses
 from pmjac_pin.studies.modes.idling import Idling
 from pmjac_pin.studies.modes.marks import Mark, marks
 from pmjac_pin.studies.modes.search_problem import SearchProblem
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from pmjac_pin.values.arrays import Array, Mask
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,7 +85,7 @@ def _sights(problem: SearchProblem) -> list[Mark]:
     """Return the bodies' places and axes, and the marks; where nothing idles, bodies tell all."""
     bodies = range(problem.model.njoints)
     places = [partial(_place, body, problem.length) for body in bodies]
-    axes = [partial(_axes, body) for body in bodies]
+    axes = [partial(_body_axes, body) for body in bodies]
     return [*places, *axes, *(marks(problem) if problem.idle else [])]
 
 
@@ -96,7 +93,7 @@ def _place(body: int, length: float, poses: WorldPoses) -> Array:
     return np.asarray(poses.positions[body] / length)
 
 
-def _axes(body: int, poses: WorldPoses) -> Array:
+def _body_axes(body: int, poses: WorldPoses) -> Array:
     return np.asarray(poses.rotations[body].reshape(-1, 9))
 
 

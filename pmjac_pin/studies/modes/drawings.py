@@ -6,7 +6,6 @@ from typing import assert_never
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.errors import UnknownNameError
 from pmjac_pin.files.shapes import Box, Cone, Cylinder, Shape, Sphere, Text
@@ -14,8 +13,7 @@ from pmjac_pin.files.visuals import read_visuals
 from pmjac_pin.kinematics.many import WorldPoses
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import Frame, find_frame
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 _ENTRIES = 31  # of a piece: which sort it is of, its middle, and up to three lines
 
@@ -61,13 +59,13 @@ class Drawings:
             axes = poses.rotations[body] @ (place[:3, :3] / sizes)
             middle = poses.positions[body] + poses.rotations[body] @ place[:3, 3]
             unit = self._length if shape is None else min(self._length, float(sizes.max()))
-            look = np.hstack([middle / unit, _turned(shape, axes)])
+            look = np.hstack([middle / unit, _turned_looks(shape, axes)])
             looks[:, index, 0] = sort
             looks[:, index, 1 : 1 + look.shape[1]] = look
         return looks
 
 
-def _turned(shape: Shape | None, axes: Array) -> Array:
+def _turned_looks(shape: Shape | None, axes: Array) -> Array:
     """Return what is seen of how a shape with these axes (b, 3, 3) is turned, shape (b, k)."""
     match shape:
         case None | Cone() | Text():

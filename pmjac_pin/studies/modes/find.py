@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.motor_values import MotorValues, motor_values
@@ -28,11 +27,11 @@ from pmjac_pin.studies.modes.same_machine import same_machines
 from pmjac_pin.studies.modes.search_problem import search_problem, with_legs
 from pmjac_pin.studies.modes.settling import Census, HomotopyCensus, ProofCensus, missing, settled
 from pmjac_pin.studies.modes.starts import StartSpace
+from pmjac_pin.values.arrays import Array
 
 if TYPE_CHECKING:
     from pmjac_pin.studies.homotopy.parameter_homotopy import ParameterHomotopy
 
-Array = NDArray[np.float64]
 
 _FIRST_STARTS = 512  # before a proof is tried; most modes are met among them
 

@@ -18,7 +18,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from pmjac_pin.algebra.boxes import Boxes
@@ -28,12 +27,11 @@ from pmjac_pin.kinematics.tree import Poses
 from pmjac_pin.model.frames import Frame
 from pmjac_pin.model.linkage import Edge
 from pmjac_pin.model.rows import Gap, Rows, Tilt
-from pmjac_pin.studies.modes.interval_loops import Truth, ahead
-
-Array = NDArray[np.float64]
+from pmjac_pin.studies.modes.interval_loops import ahead
+from pmjac_pin.values.arrays import Array, Mask
 
 _FLAT = 1e-6  # of the longest side: three points less apart than this are in line
-_SLACK = 1.01  # for the rounding of tolerances
+_TOLERANCE_SLACK = 1.01  # for the rounding of tolerances
 _BOXES = Boxes()
 _JETS = Jets(_BOXES)
 
@@ -105,11 +103,11 @@ class FloatingTriangle:
             for (i, j), square in zip(_PAIRS, self.squares, strict=True)
         )
 
-    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Truth]]:
+    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Mask]]:
         """Return |Pᵢ − Pⱼ|² − Lᵢⱼ²."""
         points = [poses.riding(0, hold.other).origin() for hold in self.holds]
         rows = [
-            _JETS.squared(points[j] - points[i]) - _held(square)
+            _JETS.squared(points[j] - points[i]) - _still_jet(square)
             for (i, j), square in zip(_PAIRS, self.squares, strict=True)
         ]
         return [_JETS.stack(rows)], []
@@ -191,8 +189,8 @@ class FloatingInPlane:
         further: list[float] = []
         for along, across in self.shares:
             share = 1.0 + float(along.magnitude) + float(across.magnitude)
-            further += 2 * [_SLACK * 2.0 * self.closed * share]
-        heights = [_SLACK * self.closed] * len(self.holds)
+            further += 2 * [_TOLERANCE_SLACK * 2.0 * self.closed * share]
+        heights = [_TOLERANCE_SLACK * self.closed] * len(self.holds)
         tilts = [2.0 * self.tilted] * (2 * len(self.hinges))
         return (_of_square(self.square, self.closed), *further, *heights, *tilts)
 
@@ -203,7 +201,7 @@ class FloatingInPlane:
         rise = float((self.heights[1] - self.heights[0]).magnitude)
         return ((first.other, second.other, _longest(self.square) + rise),)
 
-    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Truth]]:
+    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Mask]]:
         """Return the rows."""
         plane = poses.riding(0, self.plane)
         axes, middle = plane.carried(np.eye(3)), plane.origin()
@@ -211,14 +209,14 @@ class FloatingInPlane:
         points = [other.origin() for other in others]
         flat = [_JETS.dot(axes[:, :2], (point - points[0])[:, None]) for point in points]
         side_x, side_y = flat[1][0], flat[1][1]
-        rows = [_JETS.squared(flat[1]) - _held(self.square)]
+        rows = [_JETS.squared(flat[1]) - _still_jet(self.square)]
         for (along, across), there in zip(self.shares, flat[2:], strict=True):
-            share, part = _held(along), _held(across)
+            share, part = _still_jet(along), _still_jet(across)
             rows.append(there[0] - side_x * share + side_y * part)
             rows.append(there[1] - side_y * share - side_x * part)
         for point, height in zip(points, self.heights, strict=True):
-            rows.append(_JETS.dot(axes[:, 2], point - middle) - _held(height))
-        up: list[Truth] = []
+            rows.append(_JETS.dot(axes[:, 2], point - middle) - _still_jet(height))
+        up: list[Mask] = []
         for hold, direction in self.hinges:
             hinge = others[self.holds.index(hold)].carried(direction[None])
             seen = _JETS.dot(axes, hinge)
@@ -227,7 +225,7 @@ class FloatingInPlane:
         return [_JETS.stack(rows)], up
 
 
-def _held(number: Intervals) -> Jet:
+def _still_jet(number: Intervals) -> Jet:
     """Return an interval as a scalar that does not change."""
     return Jet(_BOXES, number[..., None, None], None, ())
 
@@ -261,8 +259,8 @@ def _on_body(edge: Edge, hold: Held) -> Intervals:
 
 
 def _of_square(square: Intervals, closed: float) -> float:
-    return _SLACK * 4.0 * closed * (_longest(square) + closed)
+    return _TOLERANCE_SLACK * 4.0 * closed * (_longest(square) + closed)
 
 
 def _longest(square: Intervals) -> float:
-    return float(np.sqrt(square.magnitude)) * _SLACK
+    return float(np.sqrt(square.magnitude)) * _TOLERANCE_SLACK

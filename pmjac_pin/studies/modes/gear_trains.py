@@ -14,19 +14,16 @@ from fractions import Fraction
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.loop_spec import JointLoop, Loop
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from pmjac_pin.values.arrays import Array, Index
 
 _MOST_TEETH = 1000  # in a ratio of whole numbers
 _MOST_TURNS = 64  # after which a train is the same again
-_FAR = 10  # turns to either side of home, for a train that is never the same again
+_TURNS_ASIDE = 10  # turns to either side of home, for a train that is never the same again
 _FULL_TURN = 2.0 * math.pi
-_SLACK = 1e-9  # m or rad: rounding on the way to a limit is no violation
+_ROUNDED_SLACK = 1e-9  # m or rad: rounding on the way to a limit is no violation
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,7 +71,9 @@ class GearTrain:
 
         It does not where nothing bounds a train that is never the same again.
         """
-        width = min(self.period, upper - lower, 2.0 * _FAR * _FULL_TURN if self.turning else np.inf)
+        width = min(
+            self.period, upper - lower, 2.0 * _TURNS_ASIDE * _FULL_TURN if self.turning else np.inf
+        )
         if not width < upper - lower:
             return lower, upper, False
         middle = min(max(home, lower + 0.5 * width), upper - 0.5 * width)
@@ -88,8 +87,8 @@ class GearTrain:
         if lower <= t <= upper:
             return t
         if math.isfinite(lower):
-            return t + self.period * math.ceil((lower - t - _SLACK) / self.period)
-        return t - self.period * math.ceil((t - upper - _SLACK) / self.period)
+            return t + self.period * math.ceil((lower - t - _ROUNDED_SLACK) / self.period)
+        return t - self.period * math.ceil((t - upper - _ROUNDED_SLACK) / self.period)
 
 
 def gear_trains(

@@ -12,22 +12,19 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.kinematics.many import WorldPoses
 from pmjac_pin.rates.factorisation import Factorisation
 from pmjac_pin.studies.modes.search import ManyClosures
 from pmjac_pin.studies.modes.search_problem import SearchProblem
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from pmjac_pin.values.arrays import Array, Mask
 
 _TRIED = 24  # closed poses that are looked at
 _TURNS = 2  # how often each of them idles for a while
 _REGULAR = 1e-2  # of the size of [K K*]: the worse, the less is known of what idles
 _STEP = 1e-4  # of an idle motion, rad or lengths
 _AT_REST = 1e-5  # what an idle motion of one changes, and does not count as moved
-_SAME = 1e-5  # two roots that meet are known to √1e-12
+_SAME_ROOT = 1e-5  # two roots that meet are known to √1e-12
 _ROUND = 4.0  # rates by which what idles once around may be off
 _LOOSE = 10.0  # gaps that stay, by which bodies that idle together may be off
 
@@ -56,7 +53,7 @@ class Idling:
         if not problem.idle or not len(rows):
             return cls(problem, (), 0.0)
         some = rows[np.unique(np.linspace(0, len(rows) - 1, _TRIED).astype(int))]
-        rows = _regular(problem, _wandered(problem, some))
+        rows = _regular_rows(problem, _wandered(problem, some))
         gaps = problem.loops.evaluate(rows)[0] * problem.partition.row_scale / problem.length
         looseness = _LOOSE * float(np.linalg.norm(gaps, axis=1).max())
         return cls(problem, tuple(_steps(problem, rows)), looseness)
@@ -64,7 +61,7 @@ class Idling:
     @property
     def sameness(self) -> float:
         """Within what difference, without dimension, two poses are the same one."""
-        return max(_SAME, _ROUND * self.looseness)
+        return max(_SAME_ROOT, _ROUND * self.looseness)
 
     def at_rest(
         self, blocks: Sequence[Array], seen: Callable[[WorldPoses], Sequence[Array]]
@@ -96,7 +93,7 @@ class Idling:
             first = int(np.argmax(left))
 
             def seen(poses: WorldPoses, body: int = first) -> list[Array]:
-                return [_bodies(poses.seen_from(body), self.problem.length)]
+                return [_body_coordinates(poses.seen_from(body), self.problem.length)]
 
             [together] = self.at_rest([left[None]], seen)
             groups.append(np.flatnonzero(together & left).tolist())
@@ -118,7 +115,7 @@ def _passive(problem: SearchProblem, rows: Array) -> list[Factorisation]:
 
 def _steps(problem: SearchProblem, rows: Array) -> list[tuple[WorldPoses, WorldPoses]]:
     """Return closed poses a little forth and back along each idle motion."""
-    tree, motions = problem.tree, _motions(problem, rows)
+    tree, motions = problem.tree, _idle_motions(problem, rows)
     return [
         (tree.poses(tree.moved(rows, step)), tree.poses(tree.moved(rows, -step)))
         for step in _STEP * problem.length * motions.transpose(1, 0, 2)
@@ -131,13 +128,13 @@ def _wandered(problem: SearchProblem, rows: Array) -> Array:
     rng, closures = np.random.default_rng(0), ManyClosures(problem, strides)
     there = [rows]
     for _ in range(_TURNS):
-        motions = _motions(problem, rows)
+        motions = _idle_motions(problem, rows)
         way = np.einsum("bk,bkv->bv", rng.normal(size=motions.shape[:2]), motions)
         there.append(closures.closed(problem.tree.moved(rows, problem.length * way)))
     return np.concatenate(there)
 
 
-def _regular(problem: SearchProblem, rows: Array) -> Array:
+def _regular_rows(problem: SearchProblem, rows: Array) -> Array:
     """Return the regular ones of closed poses, at least the most regular one."""
     rank, found = problem.partition.passive_rank, _passive(problem, rows)
     if not rank:
@@ -146,7 +143,7 @@ def _regular(problem: SearchProblem, rows: Array) -> Array:
     return np.asarray(rows[smallest >= min(_REGULAR, float(smallest.max()))])
 
 
-def _motions(problem: SearchProblem, rows: Array) -> Array:
+def _idle_motions(problem: SearchProblem, rows: Array) -> Array:
     """Return a basis of the idle motions at closed poses, v (b, idle, nv)."""
     partition = problem.partition
     passive, scale = partition.passive, partition.column_scale
@@ -156,7 +153,7 @@ def _motions(problem: SearchProblem, rows: Array) -> Array:
     return motions
 
 
-def _bodies(poses: WorldPoses, length: float) -> Array:
+def _body_coordinates(poses: WorldPoses, length: float) -> Array:
     """Return the places and axes of bodies, without dimension, shape (b, bodies, 12)."""
     places = poses.positions.swapaxes(0, 1) / length
     axes = poses.rotations.swapaxes(0, 1)

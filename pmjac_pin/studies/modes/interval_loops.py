@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.algebra.jets import Jet
@@ -20,9 +19,7 @@ from pmjac_pin.kinematics.tree import Poses
 from pmjac_pin.model.frames import Frame
 from pmjac_pin.model.rows import Distance, Gap, Rows
 from pmjac_pin.studies.modes.interval_tree import IntervalTree
-
-Array = NDArray[np.float64]
-Truth = NDArray[np.bool_]
+from pmjac_pin.values.arrays import Array, Mask
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,7 +37,7 @@ class Enclosed:
 
     residual: Intervals
     jacobian: Intervals
-    possible: Truth
+    possible: Mask
 
 
 class BoxRows(Protocol):
@@ -62,7 +59,7 @@ class BoxRows(Protocol):
     @property
     def spans(self) -> tuple[tuple[Frame, Frame, float], ...]: ...  # noqa: D102
 
-    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Truth]]:
+    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Mask]]:
         """Return the rows, in blocks, and in which boxes (b,) they can be meant."""
         ...
 
@@ -146,16 +143,16 @@ class PairRows:
                 found.append((self.pair.first, self.pair.second, apart))
         return tuple(found)
 
-    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Truth]]:
+    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Mask]]:
         """Return the loop's rows."""
         blocks = riding(self.pair, poses)
         cosines = [block.cosine for block in blocks if block.cosine is not None]
         return [block.rows for block in blocks], [ahead(cosine) for cosine in cosines]
 
 
-def ahead(cosine: Jet) -> Truth:
+def ahead(cosine: Jet) -> Mask:
     """Tell in which boxes (b,) a cosine can be positive."""
-    possible: Truth = cosine.value.upper[0] > 0.0
+    possible: Mask = cosine.value.upper[0] > 0.0
     return possible
 
 

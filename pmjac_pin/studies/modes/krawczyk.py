@@ -13,16 +13,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.rates.partition import independent_rows
 from pmjac_pin.studies.contraction import contraction
 from pmjac_pin.studies.modes.interval_loops import IntervalLoops
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
-Truth = NDArray[np.bool_]
+from pmjac_pin.values.arrays import Array, Index, Mask
 
 _RADII = 10.0 ** -np.arange(1.0, 9.5, 0.5)  # scaled: nested neighbourhoods that are tried at once
 
@@ -99,7 +95,7 @@ def _krawczyk(loops: IntervalLoops, kept: Index, at: Array, boxes: Intervals) ->
     return Intervals(np.where(inside, image.lower, -np.inf), np.where(inside, image.upper, np.inf))
 
 
-def _at_root(loops: IntervalLoops, kept: Index, mode: Intervals) -> tuple[Truth, Array]:
+def _at_root(loops: IntervalLoops, kept: Index, mode: Intervals) -> tuple[Mask, Array]:
     """Return whether the root of the kept rows can be a mode, and how far the other rows are off.
 
     At the root φ, where the kept rows ηₖ vanish, each row is, for any matrix W,

@@ -10,14 +10,12 @@ import math
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import Frame, find_frame
 from pmjac_pin.model.linkage import Edge
 from pmjac_pin.studies.modes.legs import Leg
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 
 def reached(mechanism: Mechanism, leg: Leg, q: Array) -> Array:

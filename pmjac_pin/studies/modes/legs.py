@@ -13,14 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import Frame, find_frame
 from pmjac_pin.model.linkage import Edge, edges_of
-from pmjac_pin.model.loop_spec import JointLoop, Loop, PointLoop, SphericalLoop
-
-Array = NDArray[np.float64]
+from pmjac_pin.model.loop_spec import JointLoop, Loop, PointLoop
+from pmjac_pin.values.arrays import Array
 
 _SQUARE = 1e-9  # of the characteristic length, or the sine of an angle
 
@@ -62,10 +60,10 @@ def find_legs(mechanism: Mechanism, q: Array) -> list[Leg]:
     lonely = _lonely_bodies(mechanism, joints)
     legs = []
     for loop in mechanism.spec.loops:
-        if isinstance(loop, PointLoop | SphericalLoop):
+        if isinstance(loop, PointLoop):
             ends = [find_frame(model, name) for name in loop.frames]
             for end, other in ((ends[0], loop.frames[1]), (ends[1], loop.frames[0])):
-                chain = _chain(mechanism, joints, lonely, end.joint)
+                chain = _leg_chain(mechanism, joints, lonely, end.joint)
                 if chain and (leg := _leg(mechanism, data, chain, end)):
                     centre, length = leg
                     legs.append(Leg(chain, loop, other, chain[-1].parent, centre, length))
@@ -90,7 +88,7 @@ def _lonely_bodies(mechanism: Mechanism, joints: dict[int, Edge]) -> set[int]:
     }
 
 
-def _chain(
+def _leg_chain(
     mechanism: Mechanism, joints: dict[int, Edge], lonely: set[int], end: int
 ) -> tuple[Edge, ...] | None:
     """Return the joints from a leg's end up to its ball or universal joint, or None."""

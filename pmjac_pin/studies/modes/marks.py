@@ -10,14 +10,13 @@ from functools import partial
 
 import numpy as np
 from numpy.linalg import norm, qr
-from numpy.typing import NDArray
 
 from pmjac_pin.kinematics.many import WorldPoses
 from pmjac_pin.model.frames import Frame, find_frame
 from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.studies.modes.search_problem import SearchProblem
+from pmjac_pin.values.arrays import Array
 
-Array = NDArray[np.float64]
 Mark = Callable[[WorldPoses], Array]
 """Tells of b poses where something is, without dimension, shape (b, entries)."""
 

@@ -6,15 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.rates.factorisation import factorise
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 _SAME = 1e-5  # of the characteristic length
 

@@ -21,9 +21,8 @@ from pmjac_pin.studies.modes.box_problem import BoxProblem, box_problem, given_v
 from pmjac_pin.studies.modes.branch_and_prune import Budget, branch_and_prune
 from pmjac_pin.studies.modes.krawczyk import Enclosure, enclose
 from pmjac_pin.studies.modes.touching import moved_near, together
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_numbers
-
-Array = NDArray[np.float64]
 
 _MOST_BOXES = 1000  # small ones: more are a motion or a singularity, not modes
 
@@ -136,7 +135,7 @@ def prove(
     try:
         problem = box_problem(mechanism, given_values(mechanism, values), limits)
     except NoBoxesError as error:
-        return _nothing(mechanism, str(error))
+        return _no_proof(mechanism, str(error))
     with np.errstate(over="ignore", invalid="ignore"):  # what is not a number excludes nothing
         pruned = branch_and_prune(
             problem.loops, problem.domain[None], problem.scale, budget or Budget()
@@ -172,7 +171,7 @@ def _home_with(mechanism: Mechanism, values: Array) -> Array:
     return mechanism.coordinates.with_values(mechanism.home.q, columns, values)
 
 
-def _nothing(mechanism: Mechanism, failed: str) -> Proof:
+def _no_proof(mechanism: Mechanism, failed: str) -> Proof:
     """Return the proof of nothing, where intervals do not apply."""
     none = Intervals.exact(np.zeros((0, 0)))
     q, endless = np.zeros((0, mechanism.nq)), np.zeros(0, dtype=bool)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.modes.aim import Aim
@@ -12,10 +11,9 @@ from pmjac_pin.studies.modes.idling import isolated
 from pmjac_pin.studies.modes.search import ManyClosures, unseen_share
 from pmjac_pin.studies.modes.search_problem import SearchProblem
 from pmjac_pin.studies.modes.starts import StartSpace
+from pmjac_pin.values.arrays import Array
 
-Array = NDArray[np.float64]
-
-_BATCH = 2048
+_STARTS_AT_ONCE = 2048
 _MOST_MODES = 2000  # more is a motion, not a set of poses
 
 
@@ -66,7 +64,7 @@ class RandomSearch:
     def until(self, aim: Aim) -> None:
         """Go on until the aim is met, or its budget is spent."""
         while self.starts < aim.most_starts and self._bound(aim) > aim.unseen and aim.wanted():
-            self.run(_BATCH)
+            self.run(_STARTS_AT_ONCE)
             if self.moving:
                 break
 

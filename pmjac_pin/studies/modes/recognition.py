@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
 from pmjac_pin.studies.modes.distinct import Signatures
 from pmjac_pin.studies.modes.search_problem import search_problem, without_legs
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 SAME_MOTORS = 1e-9
 """Motor values nearer than this, in m or rad, are the same."""

@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.kinematics.many import WorldPoses
@@ -20,8 +19,7 @@ from pmjac_pin.studies.modes.drawings import Drawings
 from pmjac_pin.studies.modes.idling import Idling
 from pmjac_pin.studies.modes.marks import marks
 from pmjac_pin.studies.modes.search_problem import search_problem, without_legs
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 
 def same_machines(mechanism: Mechanism, found: Sequence[Configuration]) -> list[list[int]]:

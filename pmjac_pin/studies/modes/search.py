@@ -15,11 +15,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.studies.modes.search_problem import SearchProblem
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 _STEPS = 60  # of one start
 _CLOSED = 1e-9  # of the characteristic length: two steps of Newton's do the rest

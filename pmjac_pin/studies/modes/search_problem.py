@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.closing.scales import column_scale, row_scale
 from pmjac_pin.kinematics.loop_system import LoopSystem
@@ -23,8 +22,7 @@ from pmjac_pin.model.spec import Tool
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.studies.modes.leg_reach import reached
 from pmjac_pin.studies.modes.legs import Leg, find_legs, names_of
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,10 +120,10 @@ def _without(mechanism: Mechanism, legs: list[Leg], base: Array) -> SearchProble
     sizes = dict(zip(map(id, everything), mechanism.problem.partition.loop_sizes, strict=True))
     loops, kept = [*stay, *rods], [sizes[id(loop)] for loop in (*stay, *ended)]
     q = _copied(whole, base, model, pin.neutral(model))
-    return _problem(mechanism, model, loops, _rescaled(mechanism, model, loops, kept, q), q)
+    return _problem(mechanism, model, loops, _with_rods(mechanism, model, loops, kept, q), q)
 
 
-def _rescaled(
+def _with_rods(
     mechanism: Mechanism,
     model: pin.Model,
     loops: Sequence[Loop],

@@ -7,19 +7,17 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.modes.closed_pose import closed_pose
 from pmjac_pin.studies.modes.proof import Proof
 from pmjac_pin.studies.modes.recognition import Recognition
+from pmjac_pin.values.arrays import Array
 
 if TYPE_CHECKING:
     from pmjac_pin.mechanism import Mechanism
     from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
-
-Array = NDArray[np.float64]
 
 
 class Census(Protocol):

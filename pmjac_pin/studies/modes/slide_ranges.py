@@ -16,7 +16,6 @@ from typing import TypeAlias
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from pmjac_pin.model.frames import Frame, find_frame
 from pmjac_pin.model.linkage import Edge, edges_of
@@ -24,8 +23,8 @@ from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.model.rows import Distance, Gap
 from pmjac_pin.rates.factorisation import factorise
 from pmjac_pin.studies.modes.search_problem import SearchProblem
+from pmjac_pin.values.arrays import Array
 
-Array = NDArray[np.float64]
 Span: TypeAlias = tuple[Frame, Frame, float]
 
 _ROUNDING = 1.0 + 1e-9  # for lengths that are added up

@@ -6,15 +6,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.linkage import Edge
 from pmjac_pin.studies.modes.gear_trains import GearTrain, gear_trains
 from pmjac_pin.studies.modes.search_problem import SearchProblem
 from pmjac_pin.studies.modes.slide_ranges import SlideRange, slide_ranges
-
-Array = NDArray[np.float64]
+from pmjac_pin.values.arrays import Array
 
 _STRIDE = 0.1  # of what a slide can reach: in a few steps it has been everywhere
 _ANYWHERE = (-np.inf, np.inf)
@@ -131,7 +129,7 @@ def _bounded(
         t = train.first(train.driver, float(home[train.driver]))
         return _Train(train, t, t, False, tuple((k, *one) for k, one in joints.items()))
     bounds = [
-        _bounds(joints[index][1], slides, limits) if index in joints else _ends(*_ANYWHERE)
+        _bounds(joints[index][1], slides, limits) if index in joints else _range_ends(*_ANYWHERE)
         for index in range(len(train.names))
     ]
     lower, upper = (np.concatenate(ends) for ends in zip(*bounds, strict=True))
@@ -150,10 +148,10 @@ def _passive(problem: SearchProblem, train: GearTrain) -> Iterator[tuple[int, tu
 def _bounds(edge: Edge, slides: Mapping[str, SlideRange], limits: bool) -> tuple[Array, Array]:
     if edge.name in slides:
         return slides[edge.name].lower, slides[edge.name].upper
-    return _ends(*(edge.bounds if limits else _ANYWHERE))
+    return _range_ends(*(edge.bounds if limits else _ANYWHERE))
 
 
-def _ends(lower: float, upper: float) -> tuple[Array, Array]:
+def _range_ends(lower: float, upper: float) -> tuple[Array, Array]:
     return np.array([lower]), np.array([upper])
 
 

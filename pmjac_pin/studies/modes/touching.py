@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
 from pmjac_pin.algebra.intervals import Intervals, hull
 from pmjac_pin.studies.modes.box_domain import FULL_TURN
-
-Array = NDArray[np.float64]
-Truth = NDArray[np.bool_]
+from pmjac_pin.values.arrays import Array, Mask
 
 _GAP = 1e-9  # scaled, between boxes that are taken together all the same
 
 
-def together(boxes: Intervals, endless: Truth, scale: Array) -> Intervals:
+def together(boxes: Intervals, endless: Mask, scale: Array) -> Intervals:
     """Return the hulls of boxes that touch.
 
     Parameters
@@ -38,7 +35,7 @@ def together(boxes: Intervals, endless: Truth, scale: Array) -> Intervals:
     return Intervals.stack([hull(moved_near(group, group[0], endless)) for group in groups], 0)
 
 
-def moved_near(boxes: Intervals, other: Intervals, endless: Truth) -> Intervals:
+def moved_near(boxes: Intervals, other: Intervals, endless: Mask) -> Intervals:
     """Return boxes (..., k) moved by full turns next to another, those that are there untouched."""
     turns = np.round((other.middle - boxes.middle) / (2.0 * np.pi)) * endless
     moved, there = boxes + Intervals.exact(turns) * FULL_TURN, turns == 0.0

@@ -1,19 +1,33 @@
-"""Values whose arrays cannot be written to, through pickling as well, where NumPy forgets it."""
+"""Arrays: by what they hold, their norm, and such as cannot be written to."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+Array: TypeAlias = NDArray[np.float64]
+Complex: TypeAlias = NDArray[np.complex128]
+Index: TypeAlias = NDArray[np.intp]
+Mask: TypeAlias = NDArray[np.bool_]
 AnyArray = TypeVar("AnyArray", bound=NDArray[Any])
+
+
+def norm(array: Array) -> float:
+    """Return the Frobenius norm: NumPy's own costs three times as much on small arrays."""
+    flat = array.ravel()
+    return math.sqrt(flat @ flat)
 
 
 @dataclass(frozen=True, eq=False)
 class ReadOnlyArrays:
-    """Base of frozen dataclasses: their arrays are read-only, a caller's writable ones copied."""
+    """Base of frozen dataclasses: their arrays are read-only, a caller's writable ones copied.
+
+    Through pickling as well, where NumPy forgets it.
+    """
 
     def __post_init__(self) -> None:
         for name, value in self.__dict__.items():

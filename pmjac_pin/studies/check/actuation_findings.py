@@ -1,0 +1,119 @@
+"""Findings about what the motors command: rates that are forbidden, motions that are free."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from pmjac_pin.studies.check.diagnosis import Diagnosis, Finding, FreeMotion, Severity
+
+_MOST_LISTED = 6  # listed in one sentence
+
+
+def in_words(rates: Mapping[str, float]) -> str:
+    """Say a direction of rates in words, leaving out what is below a hundredth of the largest.
+
+    Examples
+    --------
+    >>> in_words({"a": 0.8, "b": -0.6, "c": 0.0})
+    "'a' against 'b'"
+    >>> in_words({"a": 0.8, "b": 0.6}), in_words({"a": 1.0})
+    ("'a' together with 'b'", "'a'")
+    """
+    largest = max(map(abs, rates.values()))
+    moving = {name: rate for name, rate in rates.items() if abs(rate) > 1e-2 * largest}
+    ahead = [name for name, rate in moving.items() if rate > 0.0]
+    back = [name for name, rate in moving.items() if rate < 0.0]
+    if not (ahead and back):
+        first, *others = ahead or back
+        return f"{first!r} together with {listed_in_words(others)}" if others else repr(first)
+    return f"{listed_in_words(ahead)} against {listed_in_words(back)}"
+
+
+def listed_in_words(names: Sequence[str]) -> str:
+    """Return names in quotes, joined by commas and an "and"; long lists are cut."""
+    quoted = list(map(repr, names[:_MOST_LISTED]))
+    if len(names) > _MOST_LISTED:
+        quoted.append(f"{len(names) - _MOST_LISTED} more")
+    return " and ".join(filter(None, (", ".join(quoted[:-1]), quoted[-1])))
+
+
+def forbidden_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
+    """Say which motor rates the loops forbid, and which motors are too many."""
+    actuation = diagnosis.actuation
+    if actuation is None:
+        return
+    count, allowed = len(actuation.forbidden_rates), len(actuation.allowed_rates)
+    if not count:
+        if not actuation.felt:
+            motors = "The motor commands" if actuation.motors == 1 else "The motors command"
+            message = f"{motors} every motion of the tool, and no loop forbids one."
+            yield Finding("ok", "actuation", message)
+        return
+    words = "; ".join(f"{in_words(rates)} ({_rates(rates)})" for rates in actuation.forbidden_rates)
+    message = f"Over-actuated by {count}: the loops forbid {words}"
+    if allowed:
+        rates = "; or ".join(_rates(rates) for rates in actuation.allowed_rates)
+        message += f". What they allow is spanned by {rates}"
+        enough = f": {listed_in_words(actuation.sufficient)} determine the others"
+        enough = enough.replace("determine", "determines") if allowed == 1 else enough
+    else:
+        message += ". No motor can move: it is a structure"
+        enough = ""
+    advice = f"Declare {count} of the {actuation.motors} motors passive{enough}; no J_eq till then."
+    yield Finding("error", "over-actuated", f"{message}.", advice)
+
+
+def _rates(rates: Mapping[str, float]) -> str:
+    return ", ".join(f"{name} {rate:+.3g}" for name, rate in rates.items() if rate)
+
+
+def free_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
+    """Say what moves freely with all motors locked."""
+    actuation = diagnosis.actuation
+    if actuation is None:
+        return
+    alone = {freedom.name for freedom in diagnosis.freedoms if not freedom.loops}
+    for motion in actuation.free_motions:
+        joints = [name for name, rate in motion.rates.items() if rate]
+        if set(joints) <= alone:
+            yield _loose(joints, motion)
+        else:
+            yield _idle(joints, motion)
+
+
+def _loose(joints: Sequence[str], motion: FreeMotion) -> Finding:
+    message = f"{listed_in_words(joints)} is passive and in no loop: nothing holds it"
+    if motion.felt:
+        advice = "Name it under `actuated`, or close a loop over it; no J_eq till then."
+        return Finding("error", "free-joint", f"{message}, and the tool moves with it.", advice)
+    advice = "Name it under `actuated`, close a loop over it, or make it fixed."
+    return Finding("warning", "free-joint", f"{message}; the tool does not feel it.", advice)
+
+
+def _idle(joints: Sequence[str], motion: FreeMotion) -> Finding:
+    moving = f"{listed_in_words(joints)} turn or slide freely with all motors locked"
+    what = f"{moving}, moving {listed_in_words(motion.bodies)}"
+    if motion.felt:
+        largest = max(motion.rates, key=lambda name: abs(motion.rates[name]))
+        message = f"Under-actuated: {what}, and the tool feels it."
+        advice = (
+            f"Make one of them a motor ({largest!r}, for instance), or put the tool on a body that "
+            "stays at rest; no J_eq till then."
+        )
+        return Finding("error", "under-actuated", message, advice)
+    advice = "Harmless for J_eq, as for a rod that spins between two ball joints."
+    return Finding("note", "idle-motion", f"Idle: {what}; the tool does not feel it.", advice)
+
+
+def tool_row_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
+    """Say where the judged rows move in fewer ways than they could: others may be meant."""
+    actuation, rows = diagnosis.actuation, diagnosis.judged
+    if actuation is None or diagnosis.tool_rank is None or rows.is_whole:
+        return
+    most = min(len(rows.names), len(actuation.allowed_rates))
+    if diagnosis.tool_rank < most:
+        ways = f"{diagnosis.tool_rank or 'no'} way{'s' * (diagnosis.tool_rank > 1)}"
+        message = f"Judged on {rows}, the tool moves in {ways}, where {most} would be possible."
+        advice = "Are these the rows that it is there to move, and in these axes?"
+        severity: Severity = "note" if diagnosis.tool_rank else "warning"
+        yield Finding(severity, "tool-rows", message, advice)
