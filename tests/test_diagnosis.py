@@ -126,7 +126,7 @@ def test_a_planar_loop_closed_in_space():
 
 def test_nothing_is_wrong_with_the_3_rps():
     diagnosis = pj.check(pj.load("three_rps"))
-    assert diagnosis.severity == "ok"
+    assert diagnosis.severity == "note"
     assert codes(diagnosis, "ok") == {
         "assembles", "actuation", "conditioning", "independent-rows", "mobility",
     }  # fmt: skip

@@ -61,8 +61,8 @@ def test_ascii_loses_nothing(diagnosis):
 
 
 def test_the_title_counts_what_is_wrong():
-    assert drawn(broken(), 80).startswith("four_bar: 1 error\n")
-    assert drawn(pj.check("three_rps"), 80).startswith("three_rps: ok\n")
+    assert drawn(broken(), 80).startswith("four_bar: 1 error, 1 note\n")
+    assert drawn(pj.check("three_rps"), 80).startswith("three_rps: 1 note\n")
     assert drawn(pj.check(mechanisms.rssr("rod_side")), 80).startswith("test: 1 error, 1 warning\n")
 
 
