@@ -5,7 +5,9 @@ from __future__ import annotations
 import hand_derived as hand
 import mechanisms
 import numpy as np
+import pinocchio as pin
 import pytest
+from random_machines import Tree
 
 import pmjac_pin as pj
 from pmjac_pin.studies.modes import find
@@ -278,3 +280,31 @@ def test_a_motion_with_locked_motors_is_told_and_left_out():
     assert (len(modes), modes.evidence.kind) == (2, "nothing")
     assert "the loops also move with all motors locked" in str(modes.evidence)
     assert all(not mode.singularity().is_singular for mode in modes)
+
+
+@pytest.mark.parametrize("height", [0.3, 0.8])
+def test_a_joint_that_moves_the_loops_nowhere_where_they_close_hides_no_mode(height):
+    """A plate that lies on a turning table, by a slide, which idles, and two hinges: one elbow."""
+    tree = Tree()
+    along, across = (
+        pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), np.array(axis)).matrix()
+        for axis in ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
+    )
+    table = tree.joint(0, "table", pin.SE3.Identity())
+    slide = tree.joint(table, "slide", pin.SE3(along, np.zeros(3)), "prismatic")
+    first = tree.joint(slide, "first", pin.SE3(across, np.zeros(3)))
+    second = tree.joint(first, "second", pin.SE3(across, np.array([1.0, 0.0, 0.0])))
+    tree.frame(0, "plane", pin.SE3(np.eye(3), np.array([0.0, 0.0, height])))
+    tree.frame(second, "plate", pin.SE3(np.eye(3), np.array([1.0, 0.2, 0.0])))
+    turn = float(np.arcsin(height))
+    mechanism = pj.Mechanism.from_pinocchio(
+        tree.model,
+        [pj.PlanarLoop(frames=("plane", "plate"))],
+        ["table"],
+        "plane",
+        home=[0.4, 0.0, -turn, turn],
+    )
+    for seed in range(4):
+        modes = pj.assembly_modes(mechanism, [0.4], rng=seed, limits=False)
+        assert len(modes) == 2
+        assert min(modes.shares) > 0.05

@@ -33,7 +33,7 @@ def test_a_model_file_takes_other_motors_and_another_tool():
     assert given.spec.tool == Tool(frame="crank")
     kept = pj.load("four_bar", tool="crank")
     assert kept.passive == ("phi1", "phi2")
-    assert kept.notes == ()
+    assert kept.notes == ("no masses are given: they are 0 in `model`",)
 
 
 def test_motors_of_a_model_file_that_do_not_exist():

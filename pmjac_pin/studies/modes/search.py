@@ -21,6 +21,9 @@ from pmjac_pin.values.arrays import Array
 
 _STEPS = 60  # of one start
 _CLOSED = 1e-9  # of the characteristic length: two steps of Newton's do the rest
+_FORGOTTEN = 0.3  # of how a joint moved the loops, in one step
+_LEAST_DAMPING = 1e-12  # of the size of K's columns, squared
+_ROUNDING = 1e-16  # of JᵀJ
 _LAST_STEPS = 2
 _FALLING = 1e-8  # of itself: a gap within the tolerance that falls less is the least there is
 _IDLE = 1e-6  # of the largest column of K*: one that is smaller moves the loops by nothing
@@ -68,7 +71,7 @@ class ManyClosures:
                 break
             q, error, rows, sizes = q[going], error[going], rows[going], sizes[going]
             gap, damping, creeping = gap[going], damping[going], creeping[going]
-            step = self._step(error, rows, sizes, damping * gap / farthest)
+            step = self._step(error, rows, sizes, damping * gap / farthest + _LEAST_DAMPING)
             trial = self.problem.tree.moved(q, step)
             trial_error, trial_rows = self._scaled(trial)
             trial_gap = np.linalg.norm(trial_error, axis=1)
@@ -79,7 +82,7 @@ class ManyClosures:
             q = np.where(better[:, None], trial, q)
             error = np.where(better[:, None], trial_error, error)
             rows = np.where(better[:, None, None], trial_rows, rows)
-            sizes = np.maximum(sizes, _sizes(rows))
+            sizes = np.maximum(_FORGOTTEN * sizes, _sizes(rows))
             gap = np.where(better, trial_gap, gap)
             damping = np.where(better, np.maximum(damping / 5.0, 1e-9), damping * 5.0)
         return self._polished(np.concatenate(found))
@@ -91,7 +94,7 @@ class ManyClosures:
         """
         for _ in range(_LAST_STEPS if len(q) else 0):
             error, rows = self._scaled(q)
-            step = self._step(error, rows, _sizes(rows), np.zeros(len(q)))
+            step = self._step(error, rows, _sizes(rows), np.full(len(q), _ROUNDING))
             trial = self.problem.tree.moved(q, step)
             better = np.linalg.norm(self._scaled(trial)[0], axis=1) < np.linalg.norm(error, axis=1)
             q = np.where(better[:, None], trial, q)
@@ -109,8 +112,8 @@ class ManyClosures:
 
         D are the sizes of K's columns (Marquardt's scaling), so that λ holds back no joint for
         moving the loops little: a platform's turn moves them by its own size only, however long
-        its legs are. They are the largest on the way (as in MINPACK): a column that vanishes where
-        the loops close would have its joint thrown about there.
+        its legs are. They shrink slowly on the way: a column that vanishes where the loops close
+        would have its joint thrown about there.
         """
         partition = self.problem.partition
         sizes = np.maximum(sizes, _IDLE * sizes.max(axis=1, initial=0.0, keepdims=True))
@@ -119,7 +122,7 @@ class ManyClosures:
         across = rows.transpose(0, 2, 1)
         square = across @ rows
         diagonal = np.einsum("bii->bi", square)
-        diagonal += (damping + 1e-12)[:, None]
+        diagonal += damping[:, None]
         step = -np.linalg.solve(square, across @ error[:, :, None])[:, :, 0] / sizes
         stride = np.linalg.norm(step / self.strides, axis=1)
         step /= np.maximum(stride, 1.0)[:, None]
