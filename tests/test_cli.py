@@ -428,4 +428,4 @@ def test_joints_to_hold_and_a_tolerance(run, tmp_path):
     assert (status, json.loads(out)["dimensions"]["nv"]) == (0, 2)
     status, _, err = run("report", "four_bar", "--tolerance", "-1")
     assert status == 2
-    assert "`tolerance` is between 0 and 0.01 m, got -1" in err
+    assert "`tolerance` is a length above 0 m, got -1" in err

@@ -7,15 +7,16 @@ import re
 import numpy as np
 import pinocchio as pin
 import pytest
+from transformed import scaled
 
 import pmjac_pin as pj
 
 OVERCONSTRAINED = ("bennett", "bricard", "sarrus", "slider_crank", "four_bar", "planar_3rpr")
 
 
-def rounded(name, size, tolerance=None, seed=0):
+def rounded(name, size, tolerance=None, seed=0, scale=1.0):
     """Return a machine whose axes are tilted at random, but for home, which stays closed."""
-    machine = pj.load(name)
+    machine = scaled(pj.load(name), scale)
     model, rng = machine.model, np.random.default_rng(seed)
     for joint in range(1, model.njoints):
         if model.names[joint] in machine.actuated:
@@ -34,20 +35,24 @@ def rounded(name, size, tolerance=None, seed=0):
     )
 
 
+@pytest.mark.parametrize("scale", [1.0, 1e-3, 1e4])
 @pytest.mark.parametrize("name", OVERCONSTRAINED)
-def test_the_tolerance_that_is_named_does(name):
-    """A few questions and answers lead to a machine that closes."""
-    tolerance, home = None, pj.load(name).home.actuated
+def test_the_tolerance_that_is_named_does(name, scale):
+    """A few questions and answers lead to a machine that closes, whatever its size."""
+    machine = scaled(pj.load(name), scale)
+    slides = np.array([machine.units[motor] == "m" for motor in machine.actuated])
+    target = machine.home.actuated + 0.05 * np.where(slides, scale, 1.0)
+    tolerance = None
     for _ in range(5):
         try:
-            closed = rounded(name, 1e-8, tolerance).close(home + 0.05)
+            closed = rounded(name, 1e-8, tolerance, scale=scale).close(target)
         except pj.ClosureError as error:
             named = re.search(r"a `tolerance` of (\S+) where numbers are rounded", str(error))
             assert named, str(error)
             assert tolerance is None or float(named[1]) > tolerance
             tolerance = float(named[1])
         else:
-            assert closed.residual_norm <= closed.mechanism.tolerance <= 1e-5
+            assert closed.residual_norm <= closed.mechanism.tolerance <= 1e-5 * scale
             return
     pytest.fail("no tolerance was enough")
 

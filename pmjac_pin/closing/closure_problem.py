@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from pmjac_pin.model.spec import LARGEST_TOLERANCE
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array, norm
 
@@ -54,7 +53,7 @@ class ClosureProblem:
     @property
     def largest_tolerance(self) -> float:
         """The largest gap in m that may be called closed."""
-        return min(LARGEST_TOLERANCE, LARGEST_SHARE * self.partition.length)
+        return LARGEST_SHARE * self.partition.length
 
     def gap(self, residual: Array) -> float:
         """Return the Euclidean norm of a residual, in m."""

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 
-from pmjac_pin.model.spec import LARGEST_TOLERANCE
 
-
-def wider_tolerance(gap: float, largest: float = LARGEST_TOLERANCE) -> str:
+def wider_tolerance(gap: float, largest: float = math.inf) -> str:
     """Return which tolerance would let a gap count as closed: the next power of ten.
 
     Parameters

@@ -6,6 +6,7 @@ the parameters move the origins of that URDF. Nothing in it is evaluated.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sized
 from functools import cache, reduce
 from numbers import Real
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
 else:
     Loops = tuple[Any, ...]  # which kinds there are is known when a file is read: `converted`
 
-LARGEST_TOLERANCE = 1e-2  # m
 MAXIMAL_ENTRIES = 1000  # poses, and parameters: each pose is assembled, and takes milliseconds
 
 
@@ -135,9 +135,8 @@ class MechanismSpec(TomlTable, frozen=True, kw_only=True):
             checked_pitch(name, pitch)
         if not isinstance(self.tolerance, Real | None):
             raise ArgumentError(f"`tolerance` is a number in m, got {quoted(self.tolerance)}")
-        if self.tolerance is not None and not 0.0 < self.tolerance <= LARGEST_TOLERANCE:
-            within = f"between 0 and {LARGEST_TOLERANCE:g} m"
-            raise ArgumentError(f"`tolerance` is {within}, got {quoted(self.tolerance)}")
+        if self.tolerance is not None and not 0.0 < self.tolerance < math.inf:
+            raise ArgumentError(f"`tolerance` is a length above 0 m, got {quoted(self.tolerance)}")
         if not self.actuated:
             raise ArgumentError("`actuated` is empty: name at least one motor joint")
         if both := sorted(set(self.actuated) & set(self.passive or ())):

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from pmjac_pin.closing.closure_problem import LARGEST_SHARE
 from pmjac_pin.model.joint_kinds import JOINT_KINDS
 from pmjac_pin.model.rounded_numbers import wider_tolerance
-from pmjac_pin.model.spec import LARGEST_TOLERANCE
 from pmjac_pin.studies.check.actuation_findings import (
     forbidden_findings,
     free_findings,
@@ -77,7 +77,8 @@ def _what_to_try(diagnosis: Diagnosis) -> str:
             "Each loop closes alone, all together did not: check the lengths that they share, or "
             "give joint values nearer to a closed pose."
         )
-    if failure and failure.gap is not None and failure.gap <= LARGEST_TOLERANCE:
+    most = LARGEST_SHARE * diagnosis.characteristic_length
+    if failure and failure.gap is not None and failure.gap <= most:
         cause += f" Or give {wider_tolerance(failure.gap)}."
     return cause
 
