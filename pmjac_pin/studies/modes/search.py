@@ -22,8 +22,6 @@ from pmjac_pin.values.arrays import Array
 _STEPS = 60  # of one start
 _CLOSED = 1e-9  # of the characteristic length: two steps of Newton's do the rest
 _FORGOTTEN = 0.3  # of how a joint moved the loops, in one step
-_LEAST_DAMPING = 1e-12  # of the size of K's columns, squared
-_ROUNDING = 1e-16  # of JᵀJ
 _LAST_STEPS = 2
 _FALLING = 1e-8  # of itself: a gap within the tolerance that falls less is the least there is
 _IDLE = 1e-6  # of the largest column of K*: one that is smaller moves the loops by nothing
@@ -71,7 +69,7 @@ class ManyClosures:
                 break
             q, error, rows, sizes = q[going], error[going], rows[going], sizes[going]
             gap, damping, creeping = gap[going], damping[going], creeping[going]
-            step = self._step(error, rows, sizes, damping * gap / farthest + _LEAST_DAMPING)
+            step = self._step(error, rows, sizes, damping * gap / farthest)
             trial = self.problem.tree.moved(q, step)
             trial_error, trial_rows = self._scaled(trial)
             trial_gap = np.linalg.norm(trial_error, axis=1)
@@ -94,7 +92,7 @@ class ManyClosures:
         """
         for _ in range(_LAST_STEPS if len(q) else 0):
             error, rows = self._scaled(q)
-            step = self._step(error, rows, _sizes(rows), np.full(len(q), _ROUNDING))
+            step = self._step(error, rows, _sizes(rows), np.zeros(len(q)))
             trial = self.problem.tree.moved(q, step)
             better = np.linalg.norm(self._scaled(trial)[0], axis=1) < np.linalg.norm(error, axis=1)
             q = np.where(better[:, None], trial, q)
@@ -122,7 +120,7 @@ class ManyClosures:
         across = rows.transpose(0, 2, 1)
         square = across @ rows
         diagonal = np.einsum("bii->bi", square)
-        diagonal += damping[:, None]
+        diagonal += (damping + 1e-12)[:, None]
         step = -np.linalg.solve(square, across @ error[:, :, None])[:, :, 0] / sizes
         stride = np.linalg.norm(step / self.strides, axis=1)
         step /= np.maximum(stride, 1.0)[:, None]
