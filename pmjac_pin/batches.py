@@ -153,7 +153,11 @@ class Batch:
         """
         values, whose = self._values(actuated), enforced(enforce_limits)
         start = self._start(guess, len(values))
-        closed = self._singly(start, values) if self._tied else self._together(start, values)
+        every = np.arange(len(values))
+        closed = ManyClosed(start, np.zeros(len(values)), np.zeros(len(values), dtype=np.int8))
+        if not self._tied:
+            closed = self._together(start, values)
+        closed = self._singly(closed, every[closed.share < 1.0], start, values)
         status = np.where(closed.share == 1.0, Status.CLOSED, Status.STOPPED).astype(np.int8)
         if whose != "none":
             status[self._beyond(values, self._rates.partition.actuated)] = Status.LIMITS
@@ -178,17 +182,18 @@ class Batch:
         )
         return ManyClosed(paths.points.q, paths.share, np.zeros(len(values), dtype=np.int8))
 
-    def _singly(self, start: Array, values: Array) -> ManyClosed:
-        """Walk the paths one by one: where loops tie motors, some lead and others are led."""
-        q, share = start.copy(), np.ones(len(values))
-        for index, (one, target) in enumerate(zip(start, values, strict=True)):
-            guess = self.mechanism.configuration(one)
+    def _singly(self, closed: ManyClosed, which: Index, start: Array, values: Array) -> ManyClosed:
+        """Walk some paths by single calls: those that the program does not finish."""
+        q, share = closed.q.copy(), closed.share.copy()
+        for index in which.tolist():
+            guess = self.mechanism.configuration(start[index])
             try:
-                q[index] = self.mechanism.close(target, guess, enforce_limits=False).q
+                q[index] = self.mechanism.close(values[index], guess, enforce_limits=False).q
+                share[index] = 1.0
             except ClosureError as error:
                 share[index] = error.share
-                q[index] = one if error.reached is None else error.reached.q
-        return ManyClosed(q, share, np.zeros(len(values), dtype=np.int8))
+                q[index] = start[index] if error.reached is None else error.reached.q
+        return replace(closed, q=q, share=share)
 
     def jacobian(
         self, q: ArrayLike, frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED"
