@@ -137,10 +137,13 @@ def _length(loops: float, tool: float, rounding: float) -> float:
 def _distances(motions: Array) -> Array:
     """Return how far a point is from the axes that turn it, of its motions (6, k) by 1 rad each.
 
-    What a screw slides along its axis is no distance from it.
+    What a screw slides along its axis is no distance from it. Points of several bodies have no
+    axis: the frame that they span turns faster or slower than their joints.
     """
     linear, angular = motions[:3], motions[3:]
-    distances: Array = np.linalg.norm(linear - angular * (linear * angular).sum(axis=0), axis=0)
+    about_an_axis = np.abs((angular * angular).sum(axis=0) - 1.0) < 1e-9
+    along = np.where(about_an_axis, (linear * angular).sum(axis=0), 0.0)
+    distances: Array = np.linalg.norm(linear - angular * along, axis=0)
     return distances
 
 
