@@ -5,7 +5,7 @@ What a program certifies is what the single call says; where it cannot, the sing
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
 
@@ -153,25 +153,25 @@ class Batch:
         """
         values, whose = self._values(actuated), enforced(enforce_limits)
         start = self._start(guess, len(values))
-        every = np.arange(len(values))
-        closed = ManyClosed(start, np.zeros(len(values)), np.zeros(len(values), dtype=np.int8))
-        if not self._tied:
-            closed = self._together(start, values)
-        closed = self._singly(closed, every[closed.share < 1.0], start, values)
-        status = np.where(closed.share == 1.0, Status.CLOSED, Status.STOPPED).astype(np.int8)
+        q, share, settled = self._together(start, values)
+        for index in np.flatnonzero(~settled).tolist():
+            q[index], share[index] = self._alone(start[index], values[index])
+        status = np.where(share == 1.0, Status.CLOSED, Status.STOPPED).astype(np.int8)
         if whose != "none":
             status[self._beyond(values, self._rates.partition.actuated)] = Status.LIMITS
         if whose == "all":
             limited = np.flatnonzero(np.isfinite(self._coordinates.lower))
-            reached = self._coordinates.values_of(closed.q, limited)
+            reached = self._coordinates.values_of(q, limited)
             status[self._beyond(reached, limited) & (status == Status.CLOSED)] = Status.LIMITS
-        return replace(closed, status=status)
+        return ManyClosed(q, share, status)
 
     def _beyond(self, values: Array, columns: Index) -> NDArray[np.bool_]:
         return np.asarray(self._coordinates.beyond(values, columns).any(axis=1))
 
-    def _together(self, start: Array, values: Array) -> ManyClosed:
-        """Walk all paths by the program."""
+    def _together(self, start: Array, values: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """Walk all paths by the program; return q, share, and of which this is certain."""
+        if self._tied:  # some motors lead and others are led: the single call knows which
+            return start, np.zeros(len(values)), np.zeros(len(values), dtype=bool)
         coordinates, motors = self._coordinates, self._rates.partition.actuated
         displacement = values - coordinates.values_of(start, motors)
         turns = np.round(displacement / (2.0 * np.pi)) * coordinates.wraps[motors]
@@ -180,20 +180,15 @@ class Batch:
             displacement - 2.0 * np.pi * turns,
             lambda q, which: coordinates.with_values(q, motors, values[which]),
         )
-        return ManyClosed(paths.points.q, paths.share, np.zeros(len(values), dtype=np.int8))
+        return paths.points.q, paths.share, paths.settled
 
-    def _singly(self, closed: ManyClosed, which: Index, start: Array, values: Array) -> ManyClosed:
-        """Walk some paths by single calls: those that the program does not finish."""
-        q, share = closed.q.copy(), closed.share.copy()
-        for index in which.tolist():
-            guess = self.mechanism.configuration(start[index])
-            try:
-                q[index] = self.mechanism.close(values[index], guess, enforce_limits=False).q
-                share[index] = 1.0
-            except ClosureError as error:
-                share[index] = error.share
-                q[index] = start[index] if error.reached is None else error.reached.q
-        return replace(closed, q=q, share=share)
+    def _alone(self, start: Array, values: Array) -> tuple[Array, float]:
+        """Walk a path by the single call; return its end, and the share of the way."""
+        guess = self.mechanism.configuration(start)
+        try:
+            return self.mechanism.close(values, guess, enforce_limits=False).q, 1.0
+        except ClosureError as error:
+            return (start if error.reached is None else error.reached.q), error.share
 
     def jacobian(
         self, q: ArrayLike, frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED"

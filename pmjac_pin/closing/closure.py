@@ -28,7 +28,7 @@ LARGEST_STEP = 0.25  # motion in one step, a rad counted as one length
 SMALLEST_STEP = 1e-9  # motion in one step that is not the last: less is not resolved
 LARGEST_CORRECTION = 0.25  # first Newton correction, as a share of the predicted motion
 SLOWEST_CONTRACTION = 0.25  # of one Newton correction by the next
-_HARDLY_ANYTHING = 1e-5  # left of the motors' path, where it may end in a singular target
+HARDLY_ANYTHING = 1e-5  # left of the motors' path, where it may end in a singular target
 _BESIDE = 1e-5  # lengths or rad: both modes that meet at a fold are as near when the gap is 1e-12
 WALKING = 1e-13  # gap on the way: beside a fold, more would hide how near that is
 NO_INVERSE = 1e-9  # relative singular value of K* at a pose that no step is proven to lead to
@@ -102,7 +102,7 @@ def follow(
             break
         step = 2.0 * stride
     ended = Followed(point, share, iterations, spent=tries == MOST_STEPS)
-    near = (1.0 - share) * distance <= _HARDLY_ANYTHING * partition.length
+    near = (1.0 - share) * distance <= HARDLY_ANYTHING * partition.length
     return (_arrived(problem, ended, target) if near and share < 1.0 else None) or ended
 
 

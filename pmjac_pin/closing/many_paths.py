@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing import closure
+from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
 from pmjac_pin.closing.step_guard import MARGIN
 from pmjac_pin.kinematics.many import ManyPoses
@@ -65,10 +66,15 @@ class Paths:
         A closed pose each.
     share : ndarray, shape (b,)
         Of the way; 1 at the target.
+    settled : ndarray of bool, shape (b,)
+        At the target, at a pose where K* is singular, or where steps become too small beside one.
+        The others ran out of steps, or ended where the bounds alone call K* singular, or right
+        beside a target that may be: what `close` says of them is not known here.
     """
 
     points: Points
     share: Array
+    settled: Flags
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -125,7 +131,13 @@ class Walker:
             step[done] = 2.0 * stride[good]
             ended = done[last[good] | ~self.regular(found)]
             going = np.setdiff1d(going, ended, assume_unique=True)
-        return Paths(here, share)
+        left = (1.0 - share) * self._size_of_motors(displacement)
+        settled = left > closure.HARDLY_ANYTHING * self.problem.partition.length
+        settled[going] = False
+        for index in np.flatnonzero(settled & ~self.regular(here)).tolist():
+            factors = closed_point(self.problem, here.q[index]).factors
+            settled[index] = factors.rank < self.problem.partition.passive_rank
+        return Paths(here, share, settled | (share == 1.0))
 
     def at(self, q: Array, displacement: Array) -> Points:
         """Return what is known at poses, closed or not."""
@@ -181,6 +193,11 @@ class Walker:
         change, rho, tau, within, inverse = self.run(self.step, inputs)
         contracts = MARGIN * (change + inverse * within) < 1.0
         return np.asarray(contracts & (change < 1.0) & (within * tau <= rho))
+
+    def _size_of_motors(self, displacement: Array) -> Array:
+        partition = self.problem.partition
+        scaled = displacement / partition.column_scale[partition.actuated]
+        return np.asarray(np.linalg.norm(scaled, axis=1))
 
     def _size(self, motion: Array) -> Array:
         """Return the norms of motions (b, nv), a rad counted as one length."""
