@@ -6,7 +6,7 @@ the parameters move the origins of that URDF. Nothing in it is evaluated.
 
 from __future__ import annotations
 
-import math
+import sys
 from collections.abc import Iterable, Iterator, Mapping, Sized
 from functools import cache, reduce
 from numbers import Real
@@ -135,7 +135,7 @@ class MechanismSpec(TomlTable, frozen=True, kw_only=True):
             checked_pitch(name, pitch)
         if not isinstance(self.tolerance, Real | None):
             raise ArgumentError(f"`tolerance` is a number in m, got {quoted(self.tolerance)}")
-        if self.tolerance is not None and not 0.0 < self.tolerance < math.inf:
+        if self.tolerance is not None and not 0.0 < self.tolerance <= sys.float_info.max:
             raise ArgumentError(f"`tolerance` is a length above 0 m, got {quoted(self.tolerance)}")
         if not self.actuated:
             raise ArgumentError("`actuated` is empty: name at least one motor joint")
