@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -71,6 +72,19 @@ def test_an_output_that_is_full():
     with Path("/dev/full").open("wb") as full:
         done = process("report", "serial_2r", stdout=full)
     assert (done.returncode, done.stderr) == (2, b"pmjac: No space left on device\n")
+
+
+def test_an_output_that_is_closed():
+    command = shlex.join([sys.executable, "-m", "pmjac_pin", "report", "serial_2r"])
+    done = subprocess.run(
+        ["sh", "-c", f"{command} >&-"],
+        capture_output=True,
+        env=ENVIRONMENT,
+        cwd=os.sep,
+        check=False,
+    )
+    message = b"pmjac: standard output: Bad file descriptor\n"
+    assert (done.returncode, done.stderr) == (2, message)
 
 
 def test_ctrl_c_in_a_process():

@@ -199,6 +199,15 @@ def test_the_command(machine, tmp_path, capsys, monkeypatch):
     assert main((*arguments, "-o", "mine.toml", "--force")) == 0
 
 
+@pytest.mark.parametrize("command", ["convert", "plot", "modes", "demo"])
+def test_an_output_without_a_name(command, capsys, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    arguments = [] if command == "demo" else ["four_bar"]
+    assert main((command, *arguments, "-o", "")) == 2
+    wanted = "pmjac: the path of a file is wanted, got an empty text\n"
+    assert capsys.readouterr().err == wanted
+
+
 def test_notes_in_a_report(machine, capsys):
     assert main(("report", str(machine), "--actuated=theta1", f"--tool={looped.TOOL}")) == 0
     assert "Note: joint 'hinge' leads to link 'pin', which 'weld' holds" in capsys.readouterr().out

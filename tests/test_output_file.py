@@ -163,9 +163,11 @@ def test_a_name_as_long_as_can_be(tmp_path):
 
 
 def test_nowhere(tmp_path):
-    for path in ("", ".", "..", "/", str(tmp_path)):
+    for path in (".", "..", "/", str(tmp_path)):
         with pytest.raises(pj.OutputError, match="is a folder; give the name of a file in it"):
             check_place(path)
+    with pytest.raises(pj.ArgumentError, match="got an empty text"):
+        check_place("")
     with pytest.raises(pj.OutputError, match="there is no folder"):
         check_place(tmp_path / "none" / "x")
 

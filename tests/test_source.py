@@ -27,6 +27,25 @@ def test_every_suffix_has_a_reader():
     assert (".toml", *READERS) == SUFFIXES
 
 
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("a.urdf.xacro", "xacro's macros are not read; write what they make with: xacro"),
+        ("a.json", "the end of its name tells no format; there are .toml, .urdf, .sdf, .world"),
+    ],
+)
+def test_an_end_of_a_name_that_tells_no_format(tmp_path, name, message):
+    (tmp_path / name).write_text("<robot/>")
+    with pytest.raises(pj.ModelFileError, match=f"{name}: {message}"):
+        pj.load(tmp_path / name)
+
+
+def test_a_tool_is_one_frame(path):
+    for given in (path, "four_bar"):
+        with pytest.raises(pj.ArgumentError, match="`tool` is the name of one frame, got"):
+            pj.load(given, actuated=["theta1"], tool=["a", "b", "c"])
+
+
 def test_a_model_file_takes_other_motors_and_another_tool():
     given = pj.load("four_bar", actuated=["phi1"], tool="crank")
     assert (given.actuated, given.passive) == (("phi1",), ("theta1", "phi2"))

@@ -198,9 +198,10 @@ def test_write_survives_what_the_encoding_cannot_hold(monkeypatch):
     assert stream.buffer.getvalue() == b"\\xe9\\udcff\n"
 
 
-def test_without_standard_output_nothing_happens(monkeypatch):
+def test_without_standard_output_nothing_is_written(monkeypatch):
     monkeypatch.setattr("sys.stdout", None)
-    write("a")
+    with pytest.raises(OSError, match="standard output"):
+        write("a")
 
 
 @pytest.mark.parametrize(("no_color", "colored"), [("", True), ("1", False)])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
@@ -18,7 +17,7 @@ def convert_command(
     /,
     *,
     output: Annotated[
-        Path, Parameter(name=["--output", "-o"], help="The new model file, such as mine.toml.")
+        str, Parameter(name=["--output", "-o"], help="The new model file, such as mine.toml.")
     ],
     reading: Reading = Reading(),
     force: Annotated[bool, Parameter(help="Replace files that exist.")] = False,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
@@ -14,9 +13,9 @@ from pmjac_pin.pictures.demo import FIGURE, demo_blocks, run_demo
 def demo_command(
     *,
     output: Annotated[
-        Path | None,
+        str | None,
         Parameter(name=["--output", "-o"], help="The figure (default: three_rps_lecture_b.png)."),
     ] = None,
 ) -> Output:
     """Work through the lecture's pose B of the 3-RPS and draw its figure."""
-    return demo_blocks(run_demo(output or FIGURE))
+    return demo_blocks(run_demo(FIGURE if output is None else output))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, TypeAlias
 
 from cyclopts import Parameter
@@ -100,7 +99,7 @@ def modes_command(
     search: Search = Search(),
     json: Json = False,
     output: Annotated[
-        Path | None,
+        str | None,
         Parameter(name=["--output", "-o"], help="Draw the modes, too: a .png, .pdf or .svg."),
     ] = None,
 ) -> Output:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
@@ -19,7 +18,7 @@ def plot_command(
     /,
     *,
     output: Annotated[
-        Path, Parameter(name=["--output", "-o"], help="The file: .png, .pdf or .svg.")
+        str, Parameter(name=["--output", "-o"], help="The file: .png, .pdf or .svg.")
     ],
     pose: PoseOption = PoseOption(),
     frame: FrameOption = "LOCAL_WORLD_ALIGNED",

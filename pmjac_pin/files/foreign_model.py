@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from pmjac_pin.errors import ModelFileError, enumerated, unknown_name
+from pmjac_pin.errors import ArgumentError, ModelFileError, enumerated, quoted, unknown_name
 from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.files.user_path import readable
 from pmjac_pin.model.loop_spec import MAXIMAL_LOOPS, Loop
@@ -105,8 +105,10 @@ def checked_motors(urdf: Urdf, names: tuple[str, ...]) -> tuple[str, ...]:
 
 def check_frame(urdf: Urdf, name: str) -> str:
     """Return the name, if it is a link's or a joint's."""
+    if not isinstance(name, str):
+        raise ArgumentError(f"`tool` is the name of one frame, got {quoted(name)}")
     frames = (*urdf.links, *(joint.name for joint in urdf.joints))
-    if not isinstance(name, str) or name not in frames:
+    if name not in frames:
         raise unknown_name("frame", name, frames)
     return name
 

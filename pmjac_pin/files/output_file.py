@@ -16,7 +16,7 @@ import threading
 from collections.abc import Iterator, Mapping
 
 from pmjac_pin.errors import OutputError
-from pmjac_pin.files.user_path import is_open_file, real, shown_path, user_path
+from pmjac_pin.files.user_path import is_open_file, output_path, real, shown_path
 
 _SIGNALS = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
@@ -76,7 +76,7 @@ class _Place:
     """A file to be written: what is there now, and the draft beside it."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self._given = user_path(path)
+        self._given = output_path(path)
         self._target = real(self._given)
         with self._told():
             self._found = self._check()

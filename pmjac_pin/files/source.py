@@ -8,7 +8,8 @@ from pathlib import Path
 
 import msgspec
 
-from pmjac_pin.files.catalog import find_urdf
+from pmjac_pin.errors import ModelFileError, enumerated
+from pmjac_pin.files.catalog import SUFFIXES, find_urdf
 from pmjac_pin.files.foreign_model import ForeignModel, check_frame, checked_motors
 from pmjac_pin.files.massless import mass_notes
 from pmjac_pin.files.mjcf.reader import read_mjcf
@@ -18,6 +19,7 @@ from pmjac_pin.files.urdf.extended_urdf import closure_yaml_beside, read_extende
 from pmjac_pin.files.urdf.looped_urdf import read_looped_urdf
 from pmjac_pin.files.urdf.robot import Urdf, read_urdf
 from pmjac_pin.files.urdf.ties import closing_frames
+from pmjac_pin.files.user_path import shown_path
 from pmjac_pin.model.spec import MechanismSpec, Tool
 from pmjac_pin.values.checks import as_names
 
@@ -59,7 +61,7 @@ def read_source(
     Parameters
     ----------
     path : Path
-        Anything without a suffix of `READERS` is taken for a model file of ours.
+        One without a suffix is a model file of ours, as one in ``.toml`` is.
     actuated : iterable of str, optional
         The motors, instead of those that the file tells.
     tool : str, optional
@@ -73,6 +75,8 @@ def read_source(
     if (reader := READERS.get(path.suffix.lower())) is not None:
         model = reader(path, motors or ())
         return Source(path, model.spec(motors, tool), model.urdf, model.notes, model.unread)
+    if path.suffix.lower() not in ("", ".toml"):
+        raise ModelFileError(f"{shown_path(path)}: {_other_format(path)}", path=str(path))
     spec = read_model_file(path)
     urdf = read_urdf(find_urdf(spec.urdf, path))
     if motors is not None:
@@ -82,6 +86,12 @@ def read_source(
         spec = msgspec.structs.replace(spec, tool=Tool(frame=check_frame(urdf, tool)))
     unread = (*urdf.unread, *_open_frames(urdf, spec))
     return Source(path, spec, urdf, tuple(mass_notes(urdf, urdf.links)), unread)
+
+
+def _other_format(path: Path) -> str:
+    if path.suffix.lower() == ".xacro":
+        return "xacro's macros are not read; write what they make with: xacro FILE > robot.urdf"
+    return f"the end of its name tells no format; there are {enumerated(SUFFIXES)}"
 
 
 def _open_frames(urdf: Urdf, spec: MechanismSpec) -> list[str]:
@@ -105,6 +115,7 @@ def _read_mjcf(path: Path, _: Collection[str]) -> ForeignModel:
 READERS: Mapping[str, Callable[[Path, Collection[str]], ForeignModel]] = {
     ".urdf": _read_urdf,
     ".sdf": read_sdf,
+    ".world": read_sdf,
     ".xml": _read_mjcf,
     ".mjcf": _read_mjcf,
 }

@@ -38,6 +38,19 @@ def user_path(given: object) -> Path:
         ) from None
 
 
+def output_path(given: object) -> Path:
+    """Return the path of a file that is to be written.
+
+    Raises
+    ------
+    ArgumentError
+        As `user_path`; an empty text, which `Path` takes for the working folder.
+    """
+    if isinstance(given, str) and not given:
+        raise ArgumentError("the path of a file is wanted, got an empty text")
+    return user_path(given)
+
+
 def shown_path(path: str | os.PathLike[str]) -> str:
     """Return how messages call a file: by its path, shortened."""
     return shortened(os.fspath(path), _LONGEST_PATH)

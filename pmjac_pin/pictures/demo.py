@@ -67,10 +67,10 @@ class Demo:
     contact: Report
     linear_difference: float
     angular_difference: float
-    figure: Path
+    figure: str | Path
 
 
-def run_demo(figure: Path = FIGURE) -> Demo:
+def run_demo(figure: str | Path = FIGURE) -> Demo:
     """Compute everything at the lecture's pose B and write the figure.
 
     Raises

@@ -16,7 +16,7 @@ import numpy as np
 
 from pmjac_pin.errors import ArgumentError, MissingDependencyError, quoted
 from pmjac_pin.files.output_file import check_place, write_file
-from pmjac_pin.files.user_path import user_path
+from pmjac_pin.files.user_path import output_path
 from pmjac_pin.rates.ellipse import Ellipse
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.values.arrays import Array
@@ -156,7 +156,7 @@ def check_figure_file(path: str | os.PathLike[str]) -> str:
         As `save_figure`.
     """
     check_place(path)
-    suffix = user_path(path).suffix.lower().removeprefix(".")
+    suffix = output_path(path).suffix.lower().removeprefix(".")
     formats = sorted(_matplotlib().backends.backend_agg.FigureCanvasAgg.get_supported_filetypes())
     if suffix not in formats:
         known = f"its suffix must be one of .{', .'.join(formats)}"

@@ -13,7 +13,7 @@ from pmjac_pin.words.tables import motor_line, title
 _TITLE_WIDTH, _SUBTITLE_WIDTH = 70, 95  # characters that fit the figure
 
 
-def save_pose_figure(report: Report, ellipsoid: Ellipsoid, path: Path) -> None:
+def save_pose_figure(report: Report, ellipsoid: Ellipsoid, path: str | Path) -> None:
     """Draw an ellipsoid of a pose; the titles say mechanism, pose, motor values and frame.
 
     Raises

@@ -15,7 +15,14 @@ from pmjac_pin.files.model_file import parse_model_file
 from pmjac_pin.files.output_file import check_place, write_files
 from pmjac_pin.files.source import Source, read_source
 from pmjac_pin.files.urdf.robot import Urdf, parse_urdf
-from pmjac_pin.files.user_path import followed, is_file, readable, real, shown_path, user_path
+from pmjac_pin.files.user_path import (
+    followed,
+    is_file,
+    output_path,
+    readable,
+    real,
+    shown_path,
+)
 from pmjac_pin.loading import adjusted, mechanism_of
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.spec import JointValue, MechanismSpec, encode_spec
@@ -68,7 +75,7 @@ def convert(
     ...     pj.load(model_file)
     Mechanism(mine, actuated=(theta1), 2 passive, 1 loop, mobility 1)
     """
-    path, given = find_model_file(name_or_path), user_path(output)
+    path, given = find_model_file(name_or_path), output_path(output)
     _check_name(given)
     check_place(given)
     target = followed(given)  # the URDF goes beside the file that a link leads to

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import re
 import sys
@@ -91,9 +92,16 @@ def one_line(text: str) -> str:
 
 
 def write(text: str) -> None:
-    """Write to standard output what its encoding can hold, without blanks at line ends."""
-    if sys.stdout is not None:
-        _write(sys.stdout, re.sub(r"[ ]+$", "", text, flags=re.MULTILINE))
+    """Write to standard output what its encoding can hold, without blanks at line ends.
+
+    Raises
+    ------
+    OSError
+        The device is full; standard output is closed.
+    """
+    if sys.stdout is None:
+        raise OSError(errno.EBADF, os.strerror(errno.EBADF), "standard output")
+    _write(sys.stdout, re.sub(r"[ ]+$", "", text, flags=re.MULTILINE))
 
 
 def complain(text: str) -> None:
