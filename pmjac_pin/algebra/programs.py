@@ -12,7 +12,6 @@ from collections.abc import Iterable, Sequence
 from typing import Any, Literal, Union
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra.arrays import Arrays, Numbers
 from pmjac_pin.values.arrays import Array
@@ -178,7 +177,7 @@ class Programs(Arrays):
 
     def numbers(self, terms: Sequence[Term]) -> Numbers:
         """Return terms as components."""
-        return _objects(terms)[:, None, None]
+        return objects(terms)[:, None, None]
 
     def cos(self, x: Numbers) -> Numbers:
         """Return cos x."""
@@ -224,11 +223,19 @@ _ROOTS = np.frompyfunc(root, 1, 1)
 
 def _each(x: Numbers, operation: Operation) -> Numbers:
     of = [term.recording.term(operation, term) for term in x.ravel().tolist()]
-    return _objects(of).reshape(x.shape)
+    return objects(of).reshape(x.shape)
 
 
-def _objects(entries: Iterable[Any]) -> NDArray[Any]:
+def objects(entries: Iterable[Any]) -> Numbers:
+    """Return an array of terms and doubles."""
     known = list(entries)
     found = np.empty(len(known), dtype=object)
     found[:] = known
+    return found
+
+
+def zeros(*shape: int) -> Numbers:
+    """Return an array of the double 0: what takes no part in a program."""
+    found = np.empty(shape, dtype=object)
+    found[...] = 0.0
     return found

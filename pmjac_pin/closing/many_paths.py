@@ -11,7 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing import closure
@@ -19,9 +18,8 @@ from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
 from pmjac_pin.closing.step_guard import MARGIN
 from pmjac_pin.kinematics.many import ManyPoses
-from pmjac_pin.values.arrays import Array, Index
+from pmjac_pin.values.arrays import Array, Index, Mask
 
-Flags = NDArray[np.bool_]
 Run = Callable[[Tape, Array], Array]
 
 
@@ -47,7 +45,7 @@ class Points:
     newton: Array
     velocity: Array
 
-    def __getitem__(self, which: Index | Flags) -> Points:
+    def __getitem__(self, which: Index | Mask) -> Points:
         return Points(*(getattr(self, one.name)[which] for one in fields(self)))
 
     def put(self, which: Index, others: Points) -> None:
@@ -74,7 +72,7 @@ class Paths:
 
     points: Points
     share: Array
-    settled: Flags
+    settled: Mask
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -145,7 +143,7 @@ class Walker:
         newton, velocity = np.array(motions).reshape(2, -1, len(q)).transpose(0, 2, 1)
         return Points(q, gap, inverse, size, newton, velocity)
 
-    def regular(self, points: Points) -> Flags:
+    def regular(self, points: Points) -> Mask:
         """Tell where K* has its generic rank for certain."""
         partition = self.problem.partition
         size = np.maximum(points.size, partition.least_size)
@@ -161,7 +159,7 @@ class Walker:
         return going[on], stride[on]
 
     def _correct(
-        self, q: Array, tangent: Array, displacement: Array, last: Flags
+        self, q: Array, tangent: Array, displacement: Array, last: Mask
     ) -> tuple[Points, Index]:
         """Newton on the passive joints, as `closure` does; return what it closed, and which."""
         enough = np.where(last, ROUNDING, closure.WALKING) * self.problem.partition.length
@@ -184,7 +182,7 @@ class Walker:
         good &= found.inverse * found.size * closure.NO_INVERSE < 1.0
         return found[good], np.flatnonzero(good)
 
-    def _covers(self, start: Array, end: Array, leaving: Array, arriving: Array) -> Flags:
+    def _covers(self, start: Array, end: Array, leaving: Array, arriving: Array) -> Mask:
         """Tell which steps are proven regular, as `StepGuard.covers` does."""
         way = self.poses.between(start, end)
         arriving = self.poses.arriving(way, arriving)

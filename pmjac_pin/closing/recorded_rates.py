@@ -8,12 +8,11 @@ smallest singular value, is above the rank tolerance; where it is not, nothing i
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pmjac_pin.algebra.programs import Recording
+from pmjac_pin.algebra.arrays import Numbers
+from pmjac_pin.algebra.programs import Recording, zeros
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
 from pmjac_pin.model.twist_frame import FrameName
@@ -21,8 +20,6 @@ from pmjac_pin.rates.partition import Partition
 from pmjac_pin.rates.sparse_qr import Triangle, norm
 from pmjac_pin.values.arrays import Array, Index
 from pmjac_pin.values.ties import pivots
-
-Entries = NDArray[Any]  # of terms and doubles
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,10 +44,10 @@ class RecordedRates:
         passive, rank = partition.passive, partition.passive_rank
         return cls(recorder, partition, passive[pivots(scaled[:, passive], rank)])
 
-    def scaled(self, rates: Entries) -> Entries:
+    def scaled(self, rates: Numbers) -> Numbers:
         """Return ∂η/∂v (p, nv) without dimension."""
         scale = np.outer(self.partition.row_scale, self.partition.column_scale)
-        scaled: Entries = rates * scale
+        scaled: Numbers = rates * scale
         return scaled
 
     def point_tape(self) -> Tape:
@@ -106,7 +103,7 @@ class RecordedRates:
         return Tape.of(recording, [*known, *J_eq.ravel()])
 
 
-def in_frame(kinematics: RecordedKinematics, frame: FrameName) -> Entries:
+def in_frame(kinematics: RecordedKinematics, frame: FrameName) -> Numbers:
     """Return the tool's Jacobian in one of Pinocchio's frames, as `change_frame` does."""
     linear, angular = kinematics.tool[:3], kinematics.tool[3:]
     match frame:
@@ -120,10 +117,3 @@ def in_frame(kinematics: RecordedKinematics, frame: FrameName) -> Entries:
             u, v, w = angular
             moved = np.array([w * y - v * z, u * z - w * x, v * x - u * y])
             return np.vstack([linear + moved, angular])
-
-
-def zeros(*shape: int) -> Entries:
-    """Return an array of the double 0, for numbers of a program."""
-    found = np.empty(shape, dtype=object)
-    found[...] = 0.0
-    return found

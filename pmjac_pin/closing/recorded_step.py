@@ -11,20 +11,16 @@ a step is covered where W τ ≤ ρ and N + ‖A⁺‖ W < 1.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
-from pmjac_pin.algebra.programs import Recording, largest, roots
+from pmjac_pin.algebra.arrays import Numbers
+from pmjac_pin.algebra.programs import Recording, largest, roots, zeros
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.arms import Arms
 from pmjac_pin.closing.bends import Bends, MotionSeries
-from pmjac_pin.closing.recorded_rates import RecordedRates, zeros
+from pmjac_pin.closing.recorded_rates import RecordedRates
 from pmjac_pin.closing.step_guard import CUBIC, QUADRATIC, SLOPES
 from pmjac_pin.rates.sparse_qr import Triangle, norm
-
-Entries = NDArray[Any]
 
 
 def step_tape(loops: RecordedRates, arms: Arms) -> Tape:
@@ -53,7 +49,7 @@ def step_tape(loops: RecordedRates, arms: Arms) -> Tape:
 
 
 def _motion(
-    bends: Bends, q: Entries, leaving: Entries, arriving: Entries, way: Entries
+    bends: Bends, q: Numbers, leaving: Numbers, arriving: Numbers, way: Numbers
 ) -> MotionSeries:
     """Return the series along the cubic curve that `StepGuard` takes."""
     third = 6.0 * (leaving + arriving - 2.0 * way)

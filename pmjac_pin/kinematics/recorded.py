@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.jets import Jet
-from pmjac_pin.algebra.programs import Programs, Term, root
+from pmjac_pin.algebra.programs import Programs, Term, objects, root, zeros
 from pmjac_pin.kinematics.loops import Loops, by_twists
 from pmjac_pin.kinematics.tree import Link, Poses
 from pmjac_pin.model.coupling import Coupling
@@ -20,8 +20,6 @@ from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.joint_kind import Motion
 from pmjac_pin.model.spec import Tool
 from pmjac_pin.values.arrays import Array
-
-Entries = NDArray[Any]  # of terms and doubles
 
 _PROGRAMS = Programs()
 
@@ -43,12 +41,12 @@ class RecordedKinematics:
         Of the tool.
     """
 
-    residual: Entries
-    rates: Entries
-    cosines: Entries
-    tool: Entries
-    rotation: Entries
-    position: Entries
+    residual: Numbers
+    rates: Numbers
+    cosines: Numbers
+    tool: Numbers
+    rotation: Numbers
+    position: Numbers
 
 
 class Recorder:
@@ -90,8 +88,8 @@ class Recorder:
         return RecordedKinematics(residual, rates, cosines, jacobian, rotation, stands)
 
 
-def _rows(loops: Loops, poses: Poses, q: Entries, nv: int) -> tuple[Entries, Entries, Entries]:
-    residual, rates = _zeros(loops.count), _zeros(loops.count, nv)
+def _rows(loops: Loops, poses: Poses, q: Numbers, nv: int) -> tuple[Numbers, Numbers, Numbers]:
+    residual, rates = zeros(loops.count), zeros(loops.count, nv)
     cosines: list[Any] = []
     for pair in loops.pairs:
         for (rows, _), block in zip(pair.blocks, by_twists(pair, poses), strict=True):
@@ -101,10 +99,10 @@ def _rows(loops: Loops, poses: Poses, q: Entries, nv: int) -> tuple[Entries, Ent
                 cosines += block.cosine.value.ravel().tolist()
     for row, coupling in loops.couplings.items():
         residual[row], rates[row] = _coupled(coupling, q), coupling.gradient.astype(object)
-    return residual, rates, _objects(cosines)
+    return residual, rates, objects(cosines)
 
 
-def _coupled(coupling: Coupling, q: Entries) -> Any:
+def _coupled(coupling: Coupling, q: Numbers) -> Any:
     first, second = (_value(coupling, q, column) for column in coupling.columns.tolist())
     difference = second - coupling.ratio * first - coupling.offset
     if coupling.coordinates.wraps[coupling.columns[1]]:
@@ -113,7 +111,7 @@ def _coupled(coupling: Coupling, q: Entries) -> Any:
     return difference
 
 
-def _value(coupling: Coupling, q: Entries, column: int) -> Any:
+def _value(coupling: Coupling, q: Numbers, column: int) -> Any:
     """Return the value of a joint of one freedom."""
     coordinates = coupling.coordinates
     start = coordinates.entry(column)
@@ -122,10 +120,10 @@ def _value(coupling: Coupling, q: Entries, column: int) -> Any:
     return q[start].recording.term("atan2", q[start + 1], q[start])
 
 
-def _frame(model: pin.Model, poses: Poses, name: str) -> tuple[Entries, Entries, Entries]:
+def _frame(model: pin.Model, poses: Poses, name: str) -> tuple[Numbers, Numbers, Numbers]:
     """Return rotation, position and Jacobian (6, nv) of a frame."""
     frame = find_frame(model, name)
-    seen, jacobian = poses.twisted(0, frame), _zeros(6, model.nv)
+    seen, jacobian = poses.twisted(0, frame), zeros(6, model.nv)
     origin = seen.origin()
     _spread(origin, jacobian[:3])
     for one in poses.freedoms(0, frame.joint):
@@ -135,7 +133,7 @@ def _frame(model: pin.Model, poses: Poses, name: str) -> tuple[Entries, Entries,
     return rotation, origin.value[:, 0, 0], jacobian
 
 
-def _spanned(points: list[tuple[Entries, Entries, Entries]]) -> tuple[Entries, Entries, Entries]:
+def _spanned(points: list[tuple[Numbers, Numbers, Numbers]]) -> tuple[Numbers, Numbers, Numbers]:
     """Return the same of the frame that three points span, as `PointsTool` does."""
     one, two, three = (position for _, position, _ in points)
     rate, second, third = (jacobian[:3] for _, _, jacobian in points)
@@ -146,28 +144,18 @@ def _spanned(points: list[tuple[Entries, Entries, Entries]]) -> tuple[Entries, E
     side_rate, apex_rate = second - rate, third - rate
     length, sinking = x @ side, z @ side_rate
     roll = (z @ apex_rate - sinking * (x @ apex / length)) / (y @ apex)
-    turn = _objects([roll, -sinking / length, (y @ side_rate) / length])
-    rotation = _objects([x, y, z]).T
+    turn = objects([roll, -sinking / length, (y @ side_rate) / length])
+    rotation = np.array([x, y, z], dtype=object).T
     linear = (rate + second + third) / 3.0
     return rotation, (one + two + three) / 3.0, np.vstack([linear, rotation @ turn])
 
 
-def _cross(u: Entries, v: Entries) -> Entries:
-    crossed: Entries = _PROGRAMS.cross(u, v)
+def _cross(u: Numbers, v: Numbers) -> Numbers:
+    crossed: Numbers = _PROGRAMS.cross(u, v)
     return crossed
 
 
-def _spread(jet: Jet, rates: Entries) -> None:
+def _spread(jet: Jet, rates: Numbers) -> None:
     """Write a jet's rates into all columns."""
     if jet.columns:
         rates[:, jet.columns] = jet.rates[..., 0]
-
-
-def _zeros(*shape: int) -> Entries:
-    found = np.empty(shape, dtype=object)
-    found[...] = 0.0
-    return found
-
-
-def _objects(entries: list[Any]) -> Entries:
-    return np.array(entries, dtype=object)

@@ -1,6 +1,6 @@
 """Least squares by Householder reflections in an order that is chosen once, over recorded numbers.
 
-Entries that are the double 0 are zero at every pose and take no part. Nothing is decided at a pose
+Numbers that are the double 0 are zero at every pose and take no part. Nothing is decided at a pose
 but signs, so that the whole is straight-line code; where that fails, its numbers are not finite.
 """
 
@@ -11,11 +11,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.programs import Term, root, with_sign
-
-Entries = NDArray[Any]  # of terms and doubles
+from pmjac_pin.values.arrays import Mask
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,12 +31,12 @@ class Triangle:
         The row that each of them ends in.
     """
 
-    matrix: Entries
+    matrix: Numbers
     columns: tuple[int, ...]
     rows: tuple[int, ...]
 
     @classmethod
-    def of(cls, matrix: Entries, count: int) -> Triangle:
+    def of(cls, matrix: Numbers, count: int) -> Triangle:
         """Reduce the first columns, those first that take the fewest operations."""
         reduced = matrix.copy()
         waiting, left = list(range(count)), list(range(len(matrix)))
@@ -63,7 +62,7 @@ class Triangle:
         """The rows in which none of the columns ends: what they hold cannot be solved for."""
         return [row for row in range(len(self.matrix)) if row not in self.rows]
 
-    def solve(self, right: Sequence[int]) -> Entries:
+    def solve(self, right: Sequence[int]) -> Numbers:
         """Return X with R X = B, for columns B of the matrix; rows in the columns' own order."""
         count = len(self.columns)
         found = np.empty((count, len(right)), dtype=object)
@@ -95,12 +94,12 @@ class Triangle:
         return 1.0 / self.matrix[self.rows[step], self.columns[step]]
 
 
-def norm(entries: Entries) -> Any:
+def norm(entries: Numbers) -> Any:
     """Return the Frobenius norm."""
     return root(dot(entries.ravel(), entries.ravel()))
 
 
-def dot(u: Sequence[Any] | Entries, v: Sequence[Any] | Entries) -> Any:
+def dot(u: Sequence[Any] | Numbers, v: Sequence[Any] | Numbers) -> Any:
     """Return Σ uₖ vₖ."""
     total: Any = 0.0
     for a, b in zip(u, v, strict=True):
@@ -108,13 +107,13 @@ def dot(u: Sequence[Any] | Entries, v: Sequence[Any] | Entries) -> Any:
     return total
 
 
-def _work(filled: NDArray[np.bool_], column: int) -> int:
+def _work(filled: Mask, column: int) -> int:
     """Return how many entries a reflection would change; very many where it could not be made."""
     rows = filled[filled[:, column]]
     return (len(rows) - 1) * int(rows.any(axis=0).sum()) if len(rows) else filled.size
 
 
-def _reflect(matrix: Entries, rows: Sequence[int], column: int, others: Sequence[int]) -> None:
+def _reflect(matrix: Numbers, rows: Sequence[int], column: int, others: Sequence[int]) -> None:
     """Reflect so that of a column only the entry in the first of these rows is left."""
     if len(rows) == 1:
         return
