@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import matplotlib
 import numpy as np
 import pinocchio as pin
 import pytest
 from differences import difference_quotient
+from drawn import draws_and_shows
 
 import pmjac_pin as pj
 from pmjac_pin.model.joint_kind import JointKind
@@ -126,13 +126,7 @@ def test_the_jacobian_does_not_depend_on_the_cut(bush, joint):
 
 
 def test_drawing_and_page(bush, tmp_path):
-    matplotlib.use("Agg")
-    from pmjac_pin.pictures.mode_sheet import plot_modes
-
-    assert plot_modes(pj.assembly_modes(bush, [0.2], rng=0)).axes
-    with pj.view(bush.close([0.2]), open_browser=False, port=0) as viewer:
-        viewer.save_html(tmp_path / "page.html")
-    assert (tmp_path / "page.html").stat().st_size > 0
+    assert draws_and_shows(bush, [0.2], tmp_path)
 
 
 def test_a_joint_that_is_of_no_kind_is_refused_and_closed_all_the_same(in_series):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import matplotlib
 import msgspec
 import numpy as np
 import pinocchio as pin
 import pytest
+from drawn import draws_and_shows
 
 import pmjac_pin as pj
 from pmjac_pin.model import loop_spec
@@ -112,13 +112,7 @@ def test_it_is_written_read_and_pickled(lever):
 
 
 def test_drawing_and_page(lever, tmp_path):
-    matplotlib.use("Agg")
-    from pmjac_pin.pictures.mode_sheet import plot_modes
-
-    assert plot_modes(pj.assembly_modes(lever, [0.7], rng=0)).axes
-    with pj.view(lever.close([0.7]), open_browser=False, port=0) as viewer:
-        viewer.save_html(tmp_path / "page.html")
-    assert (tmp_path / "page.html").stat().st_size > 0
+    assert draws_and_shows(lever, [0.7], tmp_path)
 
 
 def test_every_kind_says_all_of_itself():

@@ -144,7 +144,7 @@ def _spanned(points: list[tuple[Numbers, Numbers, Numbers]]) -> tuple[Numbers, N
     side_rate, apex_rate = second - rate, third - rate
     length, sinking = x @ side, z @ side_rate
     roll = (z @ apex_rate - sinking * (x @ apex / length)) / (y @ apex)
-    turn = objects([roll, -sinking / length, (y @ side_rate) / length])
+    turn = np.array([roll, -sinking / length, (y @ side_rate) / length], dtype=object)
     rotation = np.array([x, y, z], dtype=object).T
     linear = (rate + second + third) / 3.0
     return rotation, (one + two + three) / 3.0, np.vstack([linear, rotation @ turn])
