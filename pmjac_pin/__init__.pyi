@@ -108,6 +108,8 @@ from .studies.modes.branch_and_prune import Budget as Budget
 from .studies.modes.find import assembly_modes as assembly_modes
 from .studies.modes.proof import Proof as Proof
 from .studies.modes.proof import prove as prove
+from .studies.program import Program as Program
+from .studies.program import program as program
 from .studies.recut import recut as recut
 from .viewer.viewer import Viewer as Viewer
 from .viewer.viewer import view as view

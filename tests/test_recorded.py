@@ -47,6 +47,14 @@ def test_the_tool_of_any_pose_and_the_loops_of_a_closed_one(name, rng):
     # Rows of one loop may be seen in other axes.
     ours, theirs = number(found.rates), rates
     np.testing.assert_allclose(ours.T @ ours, theirs.T @ theirs, atol=1e-12 * length**2)
+    rows, expected = mechanism.home.residual, mechanism.kinematics.snapshot(mechanism.home.q)
+    ours, rates = (number(one) for one in found.in_world())
+    np.testing.assert_allclose(ours, rows, atol=1e-12 * length)
+    partition = mechanism.problem.partition
+    order = [*partition.actuated, *partition.passive]
+    np.testing.assert_allclose(
+        rates[:, order], expected.constraint_jacobian[:, order], atol=1e-11 * length
+    )
     np.testing.assert_allclose(number(found.cosines), 1.0, atol=1e-12)
 
 

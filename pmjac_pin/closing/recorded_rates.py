@@ -8,18 +8,46 @@ smallest singular value, is above the rank tolerance; where it is not, nothing i
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.programs import Recording, zeros
 from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.closing.parts import Parts
+from pmjac_pin.kinematics.loops import Loops
 from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
+from pmjac_pin.kinematics.tree import Tree
 from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.rates.sparse_qr import Triangle, norm
 from pmjac_pin.values.arrays import Array, Index
 from pmjac_pin.values.ties import pivots
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RecordedEquivalent:
+    """J_eq and what says whether it exists.
+
+    Attributes
+    ----------
+    gap : number
+        How far the loops are open, m.
+    inverse, size : number
+        ‖K*⁻¹‖ and ‖[K K*]‖, dimensionless.
+    forbidden, felt, tool : number
+        What K* cannot follow of K; what idle motions do to the tool, and what all joints do.
+    J_eq : ndarray, shape (6, n)
+    """
+
+    gap: Any
+    inverse: Any
+    size: Any
+    forbidden: Any
+    felt: Any
+    tool: Any
+    J_eq: Numbers
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,6 +65,14 @@ class RecordedRates:
     recorder: Recorder
     partition: Partition
     kept: Index
+
+    @classmethod
+    def of(cls, parts: Parts) -> RecordedRates:
+        """Record a mechanism; the columns that are kept are independent at home."""
+        loops = Loops(parts.model, Tree(parts.model), parts.spec.loops, parts.values)
+        recorder = Recorder(parts.model, loops, parts.spec.tool, parts.place)
+        partition, (_, rates) = parts.problem.partition, parts.problem.evaluate(parts.home_q)
+        return cls.at(recorder, partition, partition.scaled(rates))
 
     @classmethod
     def at(cls, recorder: Recorder, partition: Partition, scaled: Array) -> RecordedRates:
@@ -77,8 +113,14 @@ class RecordedRates:
         `forbidden` is what K* cannot follow of K, `felt` what idle motions do to the tool: norms
         that vanish where J_eq exists. J_eq is (6, n), in a frame.
         """
-        recording, partition = Recording(self.recorder.nq), self.partition
-        kinematics, motors = self.recorder.at(recording.inputs), partition.actuated
+        recording = Recording(self.recorder.nq)
+        found = self.equivalent(self.recorder.at(recording.inputs), frame)
+        known = [found.gap, found.inverse, found.size, found.forbidden, found.felt, found.tool]
+        return Tape.of(recording, [*known, *found.J_eq.ravel()])
+
+    def equivalent(self, kinematics: RecordedKinematics, frame: FrameName) -> RecordedEquivalent:
+        """Return J_eq in a frame, and what says whether it exists."""
+        partition, motors = self.partition, self.partition.actuated
         matrix = self.scaled(kinematics.rates)
         idle = np.setdiff1d(partition.passive, self.kept)
         followed, count = np.concatenate([idle, motors]), self.kept.size
@@ -91,16 +133,15 @@ class RecordedRates:
         forbidden = triangle.matrix[
             np.ix_(triangle.left_over, range(count + idle.size, count + followed.size))
         ]
-        known = [
-            norm(kinematics.residual * partition.row_scale),
-            triangle.inverse_norm(),
-            norm(matrix),
-            norm(forbidden),
-            norm(felt),
-            norm(judged),
-        ]
-        J_eq = moved[:, idle.size :] / partition.column_scale[motors]
-        return Tape.of(recording, [*known, *J_eq.ravel()])
+        return RecordedEquivalent(
+            gap=norm(kinematics.residual * partition.row_scale),
+            inverse=triangle.inverse_norm(),
+            size=norm(matrix),
+            forbidden=norm(forbidden),
+            felt=norm(felt),
+            tool=norm(judged),
+            J_eq=moved[:, idle.size :] / partition.column_scale[motors],
+        )
 
 
 def in_frame(kinematics: RecordedKinematics, frame: FrameName) -> Numbers:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +14,7 @@ from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.jets import Jet
 from pmjac_pin.algebra.programs import Programs, Term, objects, root, zeros
 from pmjac_pin.kinematics.loops import Loops, by_twists
+from pmjac_pin.kinematics.places import through
 from pmjac_pin.kinematics.tree import Link, Poses
 from pmjac_pin.model.coupling import Coupling
 from pmjac_pin.model.frames import find_frame
@@ -39,6 +40,8 @@ class RecordedKinematics:
         The tool's Jacobian in LOCAL_WORLD_ALIGNED.
     rotation, position : ndarray, shapes (3, 3) and (3,)
         Of the tool.
+    turned : tuple of (slice, ndarray of shape (3, 3))
+        The rows that are the components of a vector in a moving body's axes, and these axes.
     """
 
     residual: Numbers
@@ -47,6 +50,14 @@ class RecordedKinematics:
     tool: Numbers
     rotation: Numbers
     position: Numbers
+    turned: tuple[tuple[slice, Numbers], ...]
+
+    def in_world(self) -> tuple[Numbers, Numbers]:
+        """Return η and, where the loops are closed, ∂η/∂v in the world's axes."""
+        residual, rates = self.residual.copy(), self.rates.copy()
+        for rows, axes in self.turned:
+            residual[rows], rates[rows] = axes @ residual[rows], axes @ rates[rows]
+        return residual, rates
 
 
 class Recorder:
@@ -84,8 +95,8 @@ class Recorder:
         residual, rates, cosines = _rows(self._loops, poses, entries[:, 0, 0], self.nv)
         points = [_frame(self._model, poses, name) for name in self._names]
         rotation, position, jacobian = _spanned(points) if len(points) > 1 else points[0]
-        stands = position + self._place
-        return RecordedKinematics(residual, rates, cosines, jacobian, rotation, stands)
+        stands, turned = position + self._place, tuple(_turned(self._loops, poses))
+        return RecordedKinematics(residual, rates, cosines, jacobian, rotation, stands, turned)
 
 
 def _rows(loops: Loops, poses: Poses, q: Numbers, nv: int) -> tuple[Numbers, Numbers, Numbers]:
@@ -100,6 +111,20 @@ def _rows(loops: Loops, poses: Poses, q: Numbers, nv: int) -> tuple[Numbers, Num
     for row, coupling in loops.couplings.items():
         residual[row], rates[row] = _coupled(coupling, q), coupling.gradient.astype(object)
     return residual, rates, objects(cosines)
+
+
+def _turned(loops: Loops, poses: Poses) -> Iterator[tuple[slice, Numbers]]:
+    for pair in loops.pairs:
+        for rows, block in pair.blocks:
+            if block.vector and pair.base:
+                yield rows, _axes(poses, pair.base)
+
+
+def _axes(poses: Poses, body: int) -> Numbers:
+    """Return the axes of a body's frame in the world, as columns."""
+    pose, _ = poses.body(0, body)
+    *axes, _ = through(_PROGRAMS, pose, poses.tree.links[body].after)
+    return np.array([axis[:, 0, 0] for axis in axes], dtype=object).T
 
 
 def _coupled(coupling: Coupling, q: Numbers) -> Any:

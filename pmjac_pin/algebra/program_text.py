@@ -1,0 +1,147 @@
+"""Recorded programs as text: one statement a term, in C99 and in Python."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TypeAlias
+
+from pmjac_pin.algebra.arrays import Numbers
+from pmjac_pin.algebra.programs import Operand, Recording, Term
+
+Outputs: TypeAlias = Mapping[str, Numbers]
+
+_INFIX = frozenset("+-*/")
+_C_FUNCTIONS = {
+    "sin": "sin", "cos": "cos", "sqrt": "sqrt", "abs": "fabs", "max": "fmax",
+    "copysign": "copysign", "atan2": "atan2", "round": "rint",
+}  # fmt: skip
+_NUMPY_FUNCTIONS = {
+    "sin": "np.sin", "cos": "np.cos", "sqrt": "np.sqrt", "abs": "np.abs", "max": "np.maximum",
+    "copysign": "np.copysign", "atan2": "np.arctan2", "round": "np.rint",
+}  # fmt: skip
+
+
+def c_text(name: str, recording: Recording, outputs: Outputs, head: Iterable[str]) -> str:
+    """Return a function in C99 that writes each output row by row.
+
+    Parameters
+    ----------
+    name : str
+        Of the function.
+    recording : Recording
+        Its inputs are the entries of the function's first argument, ``q``.
+    outputs : mapping of str to ndarray
+        Terms and doubles, by the names of the other arguments.
+    head : iterable of str
+        Lines of the comment above.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> recording = Recording(1)
+    >>> square = np.array([recording.inputs[0] * recording.inputs[0]])
+    >>> print(c_text("square", recording, {"area": square}, ["The area of a square."]))
+    /*
+     * The area of a square.
+     */
+    #include <math.h>
+    <BLANKLINE>
+    void square(
+        const double q[1],
+        double area[1])
+    {
+        const double t0 = q[0];
+        const double t1 = t0 * t0;
+        area[0] = t1;
+    }
+    <BLANKLINE>
+    """
+    arguments = [f"const double q[{len(recording.inputs)}]"]
+    arguments += [f"double {key}[{array.size}]" for key, array in outputs.items() if array.size]
+    lines = ["/*", *(f" * {_in_comment(line)}" for line in head), " */", "#include <math.h>", ""]
+    lines += [f"void {name}(", ",\n".join(f"    {one}" for one in arguments) + ")", "{"]
+    statements = _statements(recording, outputs, "q[{}]", _C_FUNCTIONS)
+    lines += [f"    const double {left} = {right};" for left, right in statements]
+    for key, array in outputs.items():
+        lines += [f"    {key}[{k}] = {_name(x)};" for k, x in enumerate(array.ravel().tolist())]
+    return "\n".join([*lines, "}", ""])
+
+
+def python_text(
+    name: str, recording: Recording, outputs: Outputs, head: Iterable[str], numpy: str
+) -> str:
+    """Return a Python function of q, shape (..., nq), that gives arrays (..., *shape) by name.
+
+    Parameters
+    ----------
+    name, recording, outputs, head
+        As for `c_text`.
+    numpy : str
+        The module that is NumPy here: ``numpy`` or ``jax.numpy``.
+    """
+    shown = "\n".join(map(_in_docstring, head))
+    lines = [f'"""{shown}\n"""', "", f"import {numpy} as np", "", ""]
+    lines += [f"def {name}(q):", "    nothing = np.zeros(q.shape[:-1])"]
+    statements = _statements(recording, outputs, "q[..., {}]", _NUMPY_FUNCTIONS)
+    lines += [f"    {left} = {right}" for left, right in statements]
+    lines += ["    return {"]
+    lines += [f'        "{key}": {_stacked(array)},' for key, array in outputs.items()]
+    return "\n".join([*lines, "    }", ""])
+
+
+def _stacked(array: Numbers) -> str:
+    """Return an array of each pose, in Python."""
+    shape = "".join(f", {size}" for size in array.shape)
+    if not array.size:  # of nothing there is no stack
+        return f"np.zeros((*q.shape[:-1]{shape}))"
+    entries = "".join(f"            {_whole(x)},\n" for x in array.ravel().tolist())
+    return f"np.stack([\n{entries}        ], -1).reshape(*q.shape[:-1]{shape})"
+
+
+def _statements(
+    recording: Recording, outputs: Outputs, entry: str, functions: Mapping[str, str]
+) -> Iterator[tuple[str, str]]:
+    """Yield names and expressions of the terms that the outputs rest on."""
+    needed = {x.index for array in outputs.values() for x in array.ravel() if isinstance(x, Term)}
+    for term in reversed(recording.terms):
+        if term.index in needed and term.operation != "input":
+            needed.update(x.index for x in term.operands if isinstance(x, Term))
+    for term in recording.terms:
+        if term.index in needed:
+            yield _name(term), _expression(term, entry, functions)
+
+
+def _expression(term: Term, entry: str, functions: Mapping[str, str]) -> str:
+    operation, operands = term.operation, term.operands
+    if operation == "input":
+        return entry.format(operands[0])
+    known: Sequence[str] = [_name(x) for x in operands]
+    if operation == "neg":
+        return f"-{known[0]}"
+    if operation in _INFIX:
+        return f" {operation} ".join(known)
+    return f"{functions[operation]}({', '.join(known)})"
+
+
+def _name(operand: Operand) -> str:
+    if isinstance(operand, Term):
+        return f"t{operand.index}"
+    text = repr(operand + 0.0)  # of -0.0, too
+    return f"({text})" if operand < 0.0 else text
+
+
+def _whole(operand: Operand) -> str:
+    """Return a number of each pose."""
+    return _name(operand) if isinstance(operand, Term) else f"nothing + {_name(operand)}"
+
+
+def _in_comment(line: str) -> str:
+    return _escaped(line).replace("*/", "* /").replace("/*", "/ *")
+
+
+def _in_docstring(line: str) -> str:
+    return _escaped(line).replace('"', "'")
+
+
+def _escaped(line: str) -> str:
+    return line.encode("unicode_escape").decode()

@@ -1,0 +1,208 @@
+"""A mechanism's equations as a program of its own: straight-line text to take away."""
+
+from __future__ import annotations
+
+import keyword
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from pmjac_pin.algebra.arrays import Numbers
+from pmjac_pin.algebra.program_text import c_text, python_text
+from pmjac_pin.algebra.programs import Recording
+from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.algebra.tape_runner import run
+from pmjac_pin.closing.recorded_rates import RecordedRates
+from pmjac_pin.configuration import frame_name
+from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.model.twist_frame import FrameName
+from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.checks import as_numbers
+
+_C_WORDS = frozenset(
+    """auto break case char const continue default do double else enum extern float for goto if
+    inline int long main register restrict return short signed sizeof static struct switch typedef
+    union unsigned void volatile while""".split()  # noqa: SIM905 - thirty-five quotes
+)
+
+
+def program(
+    mechanism: Mechanism, frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED"
+) -> Program:
+    """Record η, K, K* and J_eq = J − J* K*⁻¹ K as functions of q.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    frame : {"LOCAL_WORLD_ALIGNED", "LOCAL", "WORLD"} or pin.ReferenceFrame
+        Of J_eq.
+
+    Raises
+    ------
+    NoJacobianError
+        There is no J_eq at home: what is recorded takes the same steps at every pose, and which
+        these are is chosen there.
+    ArgumentError
+        No such frame; a joint that is not in the table of joints.
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> five_bar = pj.load("five_bar")
+    >>> recorded = pj.program(five_bar)
+    >>> recorded.inputs
+    ('theta1', 'phi1', 'theta2', 'phi2')
+    >>> text = recorded.c()
+    >>> print(text[text.index("void") : text.index("{") + 1])
+    void five_bar(
+        const double q[4],
+        double eta[3],
+        double K[6],
+        double K_star[6],
+        double J_eq[12],
+        double sigma[1])
+    {
+    >>> recorded(five_bar.home.q)["J_eq"].shape
+    (6, 2)
+    """
+    name = frame_name(frame)
+    mechanism.home.jacobian()
+    rates = RecordedRates.of(mechanism._parts)
+    recording = Recording(rates.recorder.nq)
+    kinematics = rates.recorder.at(recording.inputs)
+    (eta, by_v), found = kinematics.in_world(), rates.equivalent(kinematics, name)
+    partition = rates.partition
+    outputs = {
+        "eta": eta,
+        "K": by_v[:, partition.actuated],
+        "K_star": by_v[:, partition.passive],
+        "J_eq": found.J_eq,
+    }
+    if partition.passive_rank:
+        outputs["sigma"] = np.array([1.0 / found.inverse], dtype=object)
+    return Program(mechanism, name, recording, MappingProxyType(outputs))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Program:
+    """The equations of a mechanism, recorded.
+
+    Straight-line: nothing is decided at a pose. So whether J_eq exists there is for the caller
+    to ask: the loops have to be closed (η = 0), and `sigma` has to be larger than 1e-6 or so.
+
+    Attributes
+    ----------
+    mechanism : Mechanism
+    frame : str
+        Of J_eq.
+    recording : Recording
+    outputs : mapping of str to ndarray
+        Recorded numbers, in SI units: `eta` (p,), `K` (p, n) and `K_star` (p, m_p) on all rows,
+        world axes as in `configuration.residual`, the latter two where η = 0; `J_eq` (6, n),
+        linear rows first; `sigma` (1,), at most the smallest singular value of K* without
+        dimension, and 0 where K* is singular; an open chain has none.
+    """
+
+    mechanism: Mechanism
+    frame: FrameName
+    recording: Recording
+    outputs: Mapping[str, Numbers]
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """The entries of q, by their joints."""
+        model = self.mechanism.model
+        joints = zip(list(model.names)[1:], list(model.joints)[1:], strict=True)
+        return tuple(
+            name if joint.nq == 1 else f"{name}[{k}]"
+            for name, joint in joints
+            for k in range(joint.nq)
+        )
+
+    def __call__(self, q: ArrayLike) -> dict[str, Array]:
+        """Return what the program computes.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., nq)
+
+        Returns
+        -------
+        dict of str to ndarray
+            By the names of `outputs`, of shapes (..., *shape).
+        """
+        poses, count = as_numbers(q, "q"), len(self.recording.inputs)
+        if not poses.ndim or poses.shape[-1] != count:
+            raise ArgumentError(f"q of shape (..., {count}) expected, got {poses.shape}")
+        terms = [term for array in self.outputs.values() for term in array.ravel()]
+        values = run(Tape.of(self.recording, terms), poses.reshape(-1, count).T).T
+        ends = np.cumsum([array.size for array in self.outputs.values()])
+        parts = np.split(values, ends[:-1], axis=1)
+        return {
+            name: part.reshape(*poses.shape[:-1], *array.shape)
+            for (name, array), part in zip(self.outputs.items(), parts, strict=True)
+        }
+
+    def c(self, name: str | None = None) -> str:
+        """Return a function in C99: ``void name(const double q[nq], double eta[p], ...)``.
+
+        Matrices are written row by row.
+
+        Parameters
+        ----------
+        name : str, optional
+            Of the function; by default the mechanism's.
+
+        Raises
+        ------
+        ArgumentError
+            A name that C does not allow.
+        """
+        return c_text(self._named(name, _C_WORDS), self.recording, self.outputs, self._head())
+
+    def numpy(self, name: str | None = None) -> str:
+        """Return a Python function on NumPy: q (..., nq) ↦ dict of arrays (..., *shape)."""
+        return self._python(name, "numpy")
+
+    def jax(self, name: str | None = None) -> str:
+        """Return the same on JAX, to be compiled, mapped and differentiated there.
+
+        In double precision where ``jax.config.update("jax_enable_x64", True)`` was called.
+        """
+        return self._python(name, "jax.numpy")
+
+    def __repr__(self) -> str:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in self.outputs.items())
+        return f"Program({self.mechanism.name}: q ({len(self.recording.inputs)},) -> {shapes})"
+
+    def _python(self, name: str | None, numpy: str) -> str:
+        called = self._named(name, frozenset(keyword.kwlist))
+        return python_text(called, self.recording, self.outputs, self._head(), numpy)
+
+    def _named(self, name: str | None, taken: frozenset[str]) -> str:
+        """Return the name of the function."""
+        if name is None:
+            name = re.sub(r"\W", "_", self.mechanism.name, flags=re.ASCII)
+            name = f"mechanism_{name}" if name in taken or name[:1].isdigit() else name
+        if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII):
+            raise ArgumentError(f"a function's name is letters, digits and _, got {quoted(name)}")
+        if name in taken:
+            raise ArgumentError(f"{name!r} is a word of the language; give another name")
+        return name
+
+    def _head(self) -> Iterable[str]:
+        motors = ", ".join(self.mechanism.actuated)
+        yield f"{self.mechanism.name}: eta, K, K_star, J_eq (frame {self.frame}) and sigma."
+        yield f"q: {', '.join(self.inputs)}"
+        yield f"Motors, the columns of K and J_eq: {motors}"
+        yield f"The columns of K_star: {', '.join(self.mechanism.passive)}"
+        yield f"Rows of eta, K and K_star: {', '.join(self.mechanism.rows)}"
+        yield "Units are m and rad; matrices are row by row."
+        yield "J_eq exists where eta = 0 and sigma > 0: no more than the smallest singular value"
+        yield "of K_star without dimension."

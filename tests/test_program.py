@@ -1,0 +1,137 @@
+"""What a program computes, as it is and as text in three languages, is what the library says."""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+from mechanisms import CATALOGUE
+
+import pmjac_pin as pj
+
+OPTIONS = ("-Wall", "-Wextra", "-Werror", "-pedantic", "-std=c99", "-O1", "-shared", "-fPIC")
+FRAMES = ("LOCAL_WORLD_ALIGNED", "LOCAL", "WORLD")
+DIFFERENT = ("five_bar", "three_rps_ss", "delta", "agile_eye")
+
+
+def poses(mechanism, rng):
+    """Home, and a few closed poses around it."""
+    slides = [mechanism.units[motor] == "m" for motor in mechanism.actuated]
+    size = 0.03 * np.where(slides, mechanism.characteristic_length, 1.0)
+    targets = mechanism.home.actuated + size * rng.uniform(-1, 1, (3, size.size))
+    return [mechanism.home, *(mechanism.close(one, enforce_limits=False) for one in targets)]
+
+
+def check(found, configuration, frame="LOCAL_WORLD_ALIGNED"):
+    """Compare with what the single pose says."""
+    jacobian = configuration.jacobian(frame)
+    partition, whole = jacobian.partition, jacobian.constraint_jacobian
+    length = max(configuration.mechanism.characteristic_length, 1.0)
+    for name, expected in (
+        ("eta", configuration.residual),
+        ("K", whole[:, partition.actuated]),
+        ("K_star", whole[:, partition.passive]),
+        ("J_eq", jacobian.J_eq),
+    ):
+        np.testing.assert_allclose(found[name], expected, atol=1e-9 * length, rtol=1e-9)
+    if not partition.passive_rank:
+        assert "sigma" not in found
+        return
+    scaled = partition.scaled(whole)[:, partition.passive]
+    sizes = np.linalg.svd(scaled, compute_uv=False)[: partition.passive_rank]
+    assert 0.0 < found["sigma"][0] <= sizes.min() * (1 + 1e-9)
+
+
+def in_c(recorded, folder):
+    """Compile a function and return it as one of q."""
+    source, library = folder / "program.c", folder / "program.so"
+    source.write_text(recorded.c("written"))
+    subprocess.run(["cc", *OPTIONS, str(source), "-o", str(library), "-lm"], check=True)
+    function = ctypes.CDLL(str(library)).written
+
+    def at(q):
+        found = {key: np.full(array.shape, np.nan) for key, array in recorded.outputs.items()}
+        arrays = [np.ascontiguousarray(q), *(array for array in found.values() if array.size)]
+        function(*(array.ctypes.data_as(ctypes.c_void_p) for array in arrays))
+        return found
+
+    return at
+
+
+def in_python(text):
+    names = {}
+    exec(compile(text, "written", "exec"), names)
+    return names["written"]
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_of_every_mechanism(name, rng):
+    mechanism = pj.load(name)
+    recorded, many = pj.program(mechanism), poses(mechanism, rng)
+    assert len(recorded.inputs) == mechanism.nq
+    together = recorded([pose.q for pose in many])
+    written = in_python(recorded.numpy("written"))(np.array([pose.q for pose in many]))
+    for k, configuration in enumerate(many):
+        check({key: array[k] for key, array in together.items()}, configuration)
+        check({key: array[k] for key, array in written.items()}, configuration)
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler here")
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_in_c(name, rng, tmp_path):
+    mechanism = pj.load(name)
+    function = in_c(pj.program(mechanism), tmp_path)
+    for configuration in poses(mechanism, rng):
+        check(function(configuration.q), configuration)
+
+
+@pytest.mark.parametrize("name", DIFFERENT)
+def test_in_jax(name, rng):
+    jax = pytest.importorskip("jax")
+    jax.config.update("jax_enable_x64", True)
+    mechanism = pj.load(name)
+    function = jax.jit(in_python(pj.program(mechanism).jax("written")))
+    for configuration in poses(mechanism, rng):
+        check(function(configuration.q), configuration)
+
+
+@pytest.mark.parametrize("frame", FRAMES)
+@pytest.mark.parametrize("name", DIFFERENT)
+def test_in_every_frame(name, frame, rng):
+    mechanism = pj.load(name)
+    recorded = pj.program(mechanism, frame)
+    for configuration in poses(mechanism, rng):
+        check(recorded(configuration.q), configuration, frame)
+
+
+def test_where_there_is_no_jacobian():
+    over = pj.load("five_bar", actuated=["theta1", "theta2", "phi1"])
+    with pytest.raises(pj.ForbiddenRatesError):
+        pj.program(over)
+    with pytest.raises(pj.ArgumentError, match="frame must be"):
+        pj.program(pj.load("four_bar"), "world")
+
+
+@pytest.mark.parametrize("name", ["1st", "a b", "", 3, "\u00e9"])
+def test_names_that_no_function_has(name):
+    recorded = pj.program(pj.load("four_bar"))
+    for write in (recorded.c, recorded.numpy, recorded.jax):
+        with pytest.raises(pj.ArgumentError, match="a function's name is letters, digits and _"):
+            write(name)
+
+
+def test_names_that_are_words():
+    recorded = pj.program(pj.load("four_bar"))
+    with pytest.raises(pj.ArgumentError, match="'double' is a word of the language"):
+        recorded.c("double")
+    with pytest.raises(pj.ArgumentError, match="'lambda' is a word of the language"):
+        recorded.numpy("lambda")
+
+
+@pytest.mark.parametrize("shape", [(), (2,), (5, 2)])
+def test_poses_of_another_shape(shape):
+    with pytest.raises(pj.ArgumentError, match=r"q of shape \(\.\.\., 3\) expected"):
+        pj.program(pj.load("four_bar"))(np.zeros(shape))
