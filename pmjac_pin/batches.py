@@ -21,10 +21,8 @@ from pmjac_pin.closing.recorded_rates import RecordedRates
 from pmjac_pin.closing.recorded_step import step_tape
 from pmjac_pin.configuration import Configuration, frame_name
 from pmjac_pin.errors import ArgumentError, ClosureError, NoJacobianError, SingularError
-from pmjac_pin.kinematics.loops import Loops
 from pmjac_pin.kinematics.many import ManyPoses
 from pmjac_pin.kinematics.recorded import Recorder
-from pmjac_pin.kinematics.tree import Tree
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import enforced
 from pmjac_pin.values.arrays import Array, Index, ReadOnlyArrays
@@ -109,11 +107,8 @@ class Batch:
         self.mechanism = mechanism
         self.runs_on = "NumPy" if kernel() is None else "kernel"
         parts = mechanism._parts
-        tree = Tree(parts.model)
-        loops = Loops(parts.model, tree, parts.spec.loops, parts.values)
-        recorder = Recorder(parts.model, loops, parts.spec.tool, parts.place)
-        scaled = parts.problem.partition.scaled(parts.problem.evaluate(parts.home_q)[1])
-        self._rates = RecordedRates.at(recorder, parts.problem.partition, scaled)
+        recorder = Recorder(parts.model, parts.spec, parts.values, parts.place)
+        self._rates = RecordedRates.at(recorder, parts.problem, parts.home_q)
         self._walker = Walker(
             parts.problem,
             ManyPoses(parts.model),

@@ -10,9 +10,7 @@ import pmjac_pin as pj
 from pmjac_pin.algebra.numpy_tape import run
 from pmjac_pin.algebra.programs import Recording
 from pmjac_pin.algebra.tape import Tape
-from pmjac_pin.kinematics.loops import Loops
 from pmjac_pin.kinematics.recorded import Recorder
-from pmjac_pin.kinematics.tree import Tree
 from pmjac_pin.model.joint_kinds import JOINT_KINDS
 from pmjac_pin.rates.sparse_qr import Triangle, norm
 
@@ -20,9 +18,8 @@ from pmjac_pin.rates.sparse_qr import Triangle, norm
 def recorded(mechanism, q):
     """The recorded kinematics at one q, as floats."""
     model, spec = mechanism.model, mechanism.spec
-    loops = Loops(model, Tree(model), spec.loops, mechanism.parameters)
     recording = Recording(model.nq)
-    found = Recorder(model, loops, spec.tool, np.zeros(3)).at(recording.inputs)
+    found = Recorder(model, spec, mechanism.parameters, np.zeros(3)).at(recording.inputs)
 
     def number(entries):
         tape = Tape.of(recording, entries.ravel().tolist())

@@ -15,10 +15,8 @@ import numpy as np
 from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.programs import Recording, zeros
 from pmjac_pin.algebra.tape import Tape
-from pmjac_pin.closing.parts import Parts
-from pmjac_pin.kinematics.loops import Loops
+from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
-from pmjac_pin.kinematics.tree import Tree
 from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.rates.sparse_qr import Triangle, norm
@@ -67,18 +65,12 @@ class RecordedRates:
     kept: Index
 
     @classmethod
-    def of(cls, parts: Parts) -> RecordedRates:
-        """Record a mechanism; the columns that are kept are independent at home."""
-        loops = Loops(parts.model, Tree(parts.model), parts.spec.loops, parts.values)
-        recorder = Recorder(parts.model, loops, parts.spec.tool, parts.place)
-        partition, (_, rates) = parts.problem.partition, parts.problem.evaluate(parts.home_q)
-        return cls.at(recorder, partition, partition.scaled(rates))
-
-    @classmethod
-    def at(cls, recorder: Recorder, partition: Partition, scaled: Array) -> RecordedRates:
-        """Keep the columns that are independent best in [K K*] of one regular pose."""
+    def at(cls, recorder: Recorder, problem: ClosureProblem, q: Array) -> RecordedRates:
+        """Keep the columns of K* that are independent best at one regular pose."""
+        partition, (_, rates) = problem.partition, problem.evaluate(q)
         passive, rank = partition.passive, partition.passive_rank
-        return cls(recorder, partition, passive[pivots(scaled[:, passive], rank)])
+        columns = partition.scaled(rates)[:, passive]
+        return cls(recorder, partition, passive[pivots(columns, rank)])
 
     def scaled(self, rates: Numbers) -> Numbers:
         """Return ∂η/∂v (p, nv) without dimension."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,11 +15,11 @@ from pmjac_pin.algebra.jets import Jet
 from pmjac_pin.algebra.programs import Programs, Term, objects, root, zeros
 from pmjac_pin.kinematics.loops import Loops, by_twists
 from pmjac_pin.kinematics.places import through
-from pmjac_pin.kinematics.tree import Link, Poses
+from pmjac_pin.kinematics.tree import Link, Poses, Tree
 from pmjac_pin.model.coupling import Coupling
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.joint_kind import Motion
-from pmjac_pin.model.spec import Tool
+from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.values.arrays import Array
 
 _PROGRAMS = Programs()
@@ -61,13 +61,14 @@ class RecordedKinematics:
 
 
 class Recorder:
-    """Records the kinematics of a model, its loops and its tool.
+    """Records the kinematics of a mechanism.
 
     Parameters
     ----------
     model : pin.Model
-    loops : Loops
-    tool : Tool
+    spec : MechanismSpec
+    values : mapping of str to float
+        Of the parameters.
     place : ndarray, shape (3,)
         Where the model stands in the world, m.
 
@@ -79,9 +80,12 @@ class Recorder:
 
     __slots__ = ("_loops", "_model", "_names", "_place", "nq", "nv")
 
-    def __init__(self, model: pin.Model, loops: Loops, tool: Tool, place: Array) -> None:
-        self._model, self._loops, self._place = model, loops, place
-        self._names = (tool.frame,) if tool.frame else tool.points or ()
+    def __init__(
+        self, model: pin.Model, spec: MechanismSpec, values: Mapping[str, float], place: Array
+    ) -> None:
+        self._model, self._place = model, place
+        self._loops = Loops(model, Tree(model), spec.loops, values)
+        self._names = spec.tool.names
         self.nq, self.nv = model.nq, model.nv
 
     def at(self, q: Sequence[Term]) -> RecordedKinematics:

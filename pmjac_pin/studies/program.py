@@ -20,6 +20,7 @@ from pmjac_pin.algebra.tape_runner import run
 from pmjac_pin.closing.recorded_rates import RecordedRates
 from pmjac_pin.configuration import frame_name
 from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.kinematics.recorded import Recorder
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.values.arrays import Array
@@ -72,8 +73,10 @@ def program(
     (6, 2)
     """
     name = frame_name(frame)
-    mechanism.home.jacobian()
-    rates = RecordedRates.of(mechanism._parts)
+    model, home = mechanism.kinematics.model, mechanism.home
+    recorder = Recorder(model, mechanism.spec, mechanism.parameters, mechanism.place)
+    home.jacobian()
+    rates = RecordedRates.at(recorder, mechanism.problem, home.q)
     recording = Recording(rates.recorder.nq)
     kinematics = rates.recorder.at(recording.inputs)
     (eta, by_v), found = kinematics.in_world(), rates.equivalent(kinematics, name)
