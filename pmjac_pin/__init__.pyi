@@ -111,5 +111,6 @@ from .studies.modes.proof import prove as prove
 from .studies.program import Program as Program
 from .studies.program import program as program
 from .studies.recut import recut as recut
+from .studies.sweep.sweep import sweep as sweep
 from .viewer.viewer import Viewer as Viewer
 from .viewer.viewer import view as view

@@ -40,6 +40,7 @@ class Status(IntEnum):
     OPEN = 3
     SINGULAR = 4
     NO_JACOBIAN = 5
+    NOT_ASSEMBLED = 6
 
 
 @dataclass(frozen=True, eq=False)

@@ -73,11 +73,11 @@ def equals(report, key, expected):
 def test_alone_it_shows_its_help(shown):
     text = shown()
     assert text == shown("--help")
-    for command in ("list", "report", "modes", "check", "plot", "demo", "convert"):
+    for command in ("list", "report", "modes", "check", "plot", "demo", "convert", "sweep"):
         assert re.search(rf"│ {command} +\w", text)
 
 
-@pytest.mark.parametrize("command", ["list", "report", "modes", "check", "plot", "demo", "convert"])
+@pytest.mark.parametrize("command", ["list", "report", "modes", "check", "plot", "demo", "convert", "sweep"])
 def test_help_of_a_command(shown, command):
     text = shown(command, "--help")
     assert f"Usage: pmjac {command}" in text
@@ -290,9 +290,9 @@ def test_names_that_matplotlib_or_json_would_trip_over(shown, tmp_path):
 MISTAKES = {
     "report fourr_bar": "unknown mechanism 'fourr_bar'; did you mean 'four_bar'?",
     "reprot four_bar": 'Unknown command "reprot". Did you mean "report"? '
-    "Available commands: list, report, modes, check, plot, demo, view, convert.",
+    "Available commands: list, report, modes, check, plot, demo, view, convert, ...",
     "--nope": 'Unknown command "--nope". '
-    "Available commands: list, report, modes, check, plot, demo, view, convert.",
+    "Available commands: list, report, modes, check, plot, demo, view, convert, ...",
     "report": 'Command "report" parameter MECHANISM requires an argument.',
     "report four_bar --frmae LOCAL": "Unknown option: --frmae. Did you mean --frame?",
     "report four_bar --no-json": "Unknown option: --no-json. Did you mean --json?",

@@ -70,11 +70,19 @@ def test_commands_print_what_the_page_shows(command, output, tmp_path, monkeypat
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_model_file_blocks_load(page, tmp_path):
     for number, block in enumerate(blocks(page, "toml")):
-        urdf = tomllib.loads(block)["urdf"]
+        if (urdf := tomllib.loads(block).get("urdf")) is None:
+            continue  # a sweep file
         shutil.copy(ROOT / "urdf" / urdf, tmp_path)
         model_file = tmp_path / f"block{number}.toml"
         model_file.write_text(block)
         assert pj.load(model_file).home.jacobian().J_eq.shape[0] == 6
+
+
+def test_the_sweep_file_runs(tmp_path, capsys):
+    (block,) = blocks(ROOT / "docs" / "sweeps.md", "toml")
+    (tmp_path / "map.toml").write_text(block)
+    assert main(["sweep", str(tmp_path / "map.toml"), "--workers", "1"]) == 0
+    assert "63 CLOSED" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

@@ -18,6 +18,7 @@ from pmjac_pin.cli.modes import modes_command
 from pmjac_pin.cli.output import Verdict
 from pmjac_pin.cli.plot import plot_command
 from pmjac_pin.cli.report import report_command
+from pmjac_pin.cli.sweep import sweep_command
 from pmjac_pin.cli.view import view_command
 from pmjac_pin.errors import LimitError, PmjacError, shortened
 from pmjac_pin.words.terminal import complain, draw, new_console, one_line, write
@@ -52,6 +53,7 @@ app.command(plot_command, name="plot")
 app.command(demo_command, name="demo")
 app.command(view_command, name="view")
 app.command(convert_command, name="convert")
+app.command(sweep_command, name="sweep")
 
 
 def run(argv: Sequence[str]) -> int:

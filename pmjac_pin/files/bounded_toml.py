@@ -22,6 +22,18 @@ _TOKEN = re.compile(
 )
 
 
+_LONGEST_MESSAGE = 400  # characters of one of msgspec's messages
+_OUR_WORDS = {
+    "Object contains unknown field": "unknown key",
+    "Object missing required field": "missing key",
+    "`object": "`table",
+    "| object": "| table",
+    "Invalid enum value": "Invalid value",
+    "$.": "",
+    "`$`": "the file",
+}
+
+
 def bounded_table(text: str) -> dict[str, Any]:
     """Parse TOML.
 
@@ -43,3 +55,16 @@ def bounded_table(text: str) -> dict[str, Any]:
         raise ModelFileError("not valid TOML: nested too deep to be read") from None
     except (ValueError, OverflowError) as error:
         raise ModelFileError(f"not valid TOML: {shortened(str(error))}") from None
+
+
+def in_words_of_toml(message: str) -> str:
+    """Return one of msgspec's messages in TOML's words for things.
+
+    Examples
+    --------
+    >>> in_words_of_toml("Object missing required field `frames` - at `$.loop[0]`")
+    'missing key `frames` - at `loop[0]`'
+    """
+    for theirs, ours in _OUR_WORDS.items():
+        message = message.replace(theirs, ours)
+    return shortened(message, _LONGEST_MESSAGE)

@@ -8,8 +8,8 @@ from typing import Any
 
 import msgspec
 
-from pmjac_pin.errors import ModelFileError, did_you_mean, shortened
-from pmjac_pin.files.bounded_toml import bounded_table
+from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.files.bounded_toml import bounded_table, in_words_of_toml
 from pmjac_pin.files.text_file import at_file, read_text
 from pmjac_pin.files.user_path import readable
 from pmjac_pin.model.loop_spec import LOOP_KINDS
@@ -17,7 +17,6 @@ from pmjac_pin.model.parameter import Move, Parameter
 from pmjac_pin.model.spec import MechanismSpec, Tool, converted
 
 MAXIMAL_MODEL_FILE = 1 << 20  # bytes; the largest of our own model files has a few thousand
-_LONGEST_MESSAGE = 400  # characters of one of msgspec's messages
 
 # Which table a path in one of msgspec's messages leads to: the last that fits.
 _TABLES = (
@@ -26,15 +25,6 @@ _TABLES = (
     (r"^parameters\[", Parameter),
     (r"moves\[", Move),
 )
-_OUR_WORDS = {
-    "Object contains unknown field": "unknown key",
-    "Object missing required field": "missing key",
-    "`object": "`table",
-    "| object": "| table",
-    "Invalid enum value": "Invalid value",
-    "$.": "",
-    "`$`": "the file",
-}
 
 
 def read_model_file(path: Path) -> MechanismSpec:
@@ -76,10 +66,8 @@ def _spec(text: str) -> MechanismSpec:
 
 def _explained(error: msgspec.ValidationError, given: dict[str, Any]) -> str:
     """Turn msgspec's message into ours: TOML's words for things, and the near match."""
-    message = str(error)
-    for theirs, ours in _OUR_WORDS.items():
-        message = message.replace(theirs, ours)
-    return shortened(message, _LONGEST_MESSAGE) + _hint(message, given)
+    message = in_words_of_toml(str(error))
+    return message + _hint(message, given)
 
 
 def _hint(message: str, given: dict[str, Any]) -> str:

@@ -276,3 +276,17 @@ def _rotational(model: pin.Model) -> NDArray[np.bool_]:
     motions = pin.computeJointJacobians(model, model.createData(), pin.neutral(model))
     motions = motions.reshape(6, -1)  # a vector where there is one degree of freedom
     return np.asarray(np.abs(motions[3:]).max(axis=0, initial=0.0) > 0.0)
+
+
+def entry_names(model: pin.Model) -> tuple[str, ...]:
+    """Return a name of each entry of q: its joint's, with a number where that has several.
+
+    Examples
+    --------
+    >>> entry_names(pin.buildSampleModelManipulator())[:2]
+    ('shoulder1_joint', 'shoulder2_joint')
+    """
+    joints = zip(list(model.names)[1:], list(model.joints)[1:], strict=True)
+    return tuple(
+        name if joint.nq == 1 else f"{name}[{k}]" for name, joint in joints for k in range(joint.nq)
+    )

@@ -22,6 +22,7 @@ from pmjac_pin.configuration import frame_name
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.kinematics.recorded import Recorder
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.model.coordinates import entry_names
 from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_numbers
@@ -120,13 +121,7 @@ class Program:
     @property
     def inputs(self) -> tuple[str, ...]:
         """The entries of q, by their joints."""
-        model = self.mechanism.model
-        joints = zip(list(model.names)[1:], list(model.joints)[1:], strict=True)
-        return tuple(
-            name if joint.nq == 1 else f"{name}[{k}]"
-            for name, joint in joints
-            for k in range(joint.nq)
-        )
+        return entry_names(self.mechanism.model)
 
     def __call__(self, q: ArrayLike) -> dict[str, Array]:
         """Return what the program computes.

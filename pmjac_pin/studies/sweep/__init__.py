@@ -1,0 +1,1 @@
+"""Sweeps: many poses, of many machines, into a store that outlives the process."""

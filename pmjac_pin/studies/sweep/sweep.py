@@ -1,0 +1,174 @@
+"""sweep: a map of a mechanism over its motors and parameters, resumable."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import NDArray
+
+from pmjac_pin.batches import Status
+from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.studies.sweep.hands import Hands, Progress
+from pmjac_pin.studies.sweep.points import Points, Region
+from pmjac_pin.studies.sweep.question import identity, question
+from pmjac_pin.studies.sweep.store import MARK, Store, imported
+from pmjac_pin.studies.sweep.variables import VARIABLES
+from pmjac_pin.studies.sweep.work import Work
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+else:
+    Dataset = Any
+
+
+def sweep(
+    mechanism: Mechanism | str | Path,
+    over: Mapping[str, Any] | None = None,
+    *,
+    samples: Mapping[str, Any] | None = None,
+    measures: Iterable[str] = ("J_eq",),
+    out: str | os.PathLike[str] | None = None,
+    resume: bool = False,
+    guess: str = "home",
+    enforce_limits: bool | str = True,
+    chunk: int = 10_000,
+    workers: int | None = None,
+    client: Any = None,
+    progress: Progress | None = None,
+) -> Dataset:
+    """Close a mechanism at many values of motors and parameters, and measure each pose.
+
+    Each pose is followed from the same named pose, so that a result depends neither on workers
+    nor on what was interrupted, and on chunks by rounding alone.
+
+    Parameters
+    ----------
+    mechanism : Mechanism, str or Path
+        A name of the catalogue or a path where parameters are swept.
+    over : mapping of str to array_like, shape (k,)
+        Values of motors (m or rad) and parameters: all combinations are computed. The other
+        motors stay as at home, the other parameters at their defaults.
+    samples : mapping of str to array_like, shape (k,)
+        Instead: values that belong together, as drawn at random.
+    measures : iterable of str
+        Variables of the result beside `status`: "share", "q", "J_eq".
+    out : path, optional
+        A zarr folder to be made. What is done stays there if the process ends early.
+    resume : bool
+        Go on with what is in `out` already; begin where there is nothing.
+    guess : str
+        The pose that all paths begin at.
+    enforce_limits : bool or "all"
+        As for `Mechanism.close`.
+    chunk : int
+        The largest number of poses that are computed at once, by one worker.
+    workers : int, optional
+        How many processes; by default as many as there are processors. 1 for this one alone.
+        A script that starts others has to ask for ``__name__ == "__main__"``.
+    client : optional
+        Dask's ``Client``, an executor of ``concurrent.futures``, or the module ``ray``, to hand
+        the chunks to; all of its workers have to see `out`.
+    progress : callable, optional
+        (chunks done, chunks) ↦ anything.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions are the names of `over`, or "sample". Opened from `out` where that is given:
+        its arrays are read when they are asked for. `status` is a `Status`.
+
+    Raises
+    ------
+    ArgumentError, UnknownNameError
+        No such motor, parameter, measure or pose; values out of range; `out` holds another sweep.
+    OutputError
+        `out` exists and is not to be resumed, or cannot be made.
+    MissingDependencyError
+        xarray or zarr is not installed.
+
+    Examples
+    --------
+    >>> import numpy as np, pmjac_pin as pj
+    >>> lengths = np.linspace(0.9, 1.1, 5)
+    >>> found = pj.sweep(pj.load("three_rps"), {"l1": lengths, "l2": lengths}, workers=1)
+    >>> dict(found.J_eq.sizes)
+    {'l1': 5, 'l2': 5, 'row': 6, 'motor': 3}
+    """
+    xarray = imported("xarray")
+    points = _points(over, samples)
+    work, machine = question(mechanism, points, measures, guess, enforce_limits)
+    shape = points.chunk(_at_least_one(chunk, "chunk"))
+    regions, processes = points.regions(shape), os.cpu_count() or 1
+    if workers is not None:
+        processes = _at_least_one(workers, "workers")
+    hands = Hands(client, min(processes, len(regions)), progress)
+    what = identity(work, machine, shape)
+    if out is None:
+        found = _dataset(xarray, work, _in_memory(work, regions, hands), {MARK: what})
+    else:
+        store = Store.at(out)
+        if resume and store.path.exists():
+            store.check(what)
+        else:
+            store.create(work, shape, what)
+        _fill(store, work, regions, hands)
+        found = store.open(xarray)
+    found.status.attrs["flag_values"] = [one.value for one in Status]
+    found.status.attrs["flag_meanings"] = " ".join(one.name for one in Status)
+    return found.assign_coords(
+        {name: list(labels) for name, labels in work.labels.items() if name in found.dims}
+    )
+
+
+def _points(over: object, samples: object) -> Points:
+    if (over is None) == (samples is None):
+        raise ArgumentError("either `over`, the axes of a grid, or `samples` is wanted")
+    return Points.samples(samples) if over is None else Points.grid(over)
+
+
+def _at_least_one(given: object, what: str) -> int:
+    if not isinstance(given, int) or isinstance(given, bool) or given < 1:
+        raise ArgumentError(f"`{what}` is a number, 1 or more, got {quoted(given)}")
+    return given
+
+
+def _in_memory(work: Work, regions: list[Region], hands: Hands) -> dict[str, NDArray[Any]]:
+    arrays = {name: VARIABLES[name].empty(work.points.shape, work.labels) for name in work.measures}
+    jobs = [(work, region) for region in regions]
+    for region, found in zip(regions, hands.results(_compute, jobs), strict=True):
+        for name, values in found.items():
+            arrays[name][region] = values
+    return arrays
+
+
+def _fill(store: Store, work: Work, regions: list[Region], hands: Hands) -> None:
+    jobs = [(store, work, index, regions[index]) for index in store.left().tolist()]
+    for _ in hands.results(_compute_and_write, jobs):
+        pass
+
+
+def _compute(work: Work, region: Region) -> dict[str, NDArray[Any]]:
+    return work.compute(region)
+
+
+def _compute_and_write(store: Store, work: Work, index: int, region: Region) -> None:
+    store.write(index, region, work.compute(region))
+
+
+def _dataset(
+    xarray: Any, work: Work, arrays: Mapping[str, NDArray[Any]], attributes: Mapping[str, Any]
+) -> Dataset:
+    points = work.points
+    values = {
+        name: ((name,) if points.is_grid else points.dims, column)
+        for name, column in points.values.items()
+    }
+    variables = {
+        name: ((*points.dims, *VARIABLES[name].dims), array) for name, array in arrays.items()
+    }
+    found: Dataset = xarray.Dataset({**variables, **values}, attrs=attributes)
+    return found

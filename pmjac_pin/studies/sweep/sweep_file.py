@@ -1,0 +1,91 @@
+"""Sweep files: what `pmjac sweep` is asked for, in TOML."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any, Literal
+
+import msgspec
+import numpy as np
+
+from pmjac_pin.errors import ArgumentError, ModelFileError, did_you_mean
+from pmjac_pin.files.bounded_toml import bounded_table, in_words_of_toml
+from pmjac_pin.files.catalog import list_mechanisms
+from pmjac_pin.files.text_file import at_file, read_text
+from pmjac_pin.files.user_path import user_path
+from pmjac_pin.model.table import TomlTable
+
+MAXIMAL_SWEEP_FILE = 1 << 24  # bytes; lists of samples may be long
+
+
+class Axis(TomlTable, frozen=True, kw_only=True):
+    """Evenly spaced values."""
+
+    start: float = msgspec.field(name="from")
+    to: float
+    count: int
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.count < 1:
+            raise ArgumentError(f"`count` is 1 or more, got {self.count}")
+
+
+class SweepFile(TomlTable, frozen=True, kw_only=True):
+    """What a sweep file says; its keys are the arguments of `sweep`."""
+
+    mechanism: str
+    out: str
+    over: dict[str, tuple[float, ...] | Axis] | None = None
+    samples: dict[str, tuple[float, ...]] | None = None
+    measures: tuple[str, ...] = ("J_eq",)
+    guess: str = "home"
+    enforce_limits: bool | Literal["all"] = True
+    chunk: int = 10_000
+
+    def arguments(self, folder: Path) -> dict[str, Any]:
+        """Return what `sweep` takes; paths are seen from the file's folder."""
+        over, samples = self.over, self.samples
+        in_catalogue = self.mechanism in list_mechanisms()
+        return {
+            "mechanism": self.mechanism if in_catalogue else folder / user_path(self.mechanism),
+            "out": folder / user_path(self.out),
+            "over": over and {name: _values(axis) for name, axis in over.items()},
+            "samples": samples and {name: list(values) for name, values in samples.items()},
+            "measures": self.measures,
+            "guess": self.guess,
+            "enforce_limits": self.enforce_limits,
+            "chunk": self.chunk,
+        }
+
+
+def _values(axis: tuple[float, ...] | Axis) -> list[float]:
+    if isinstance(axis, Axis):
+        return [float(x) for x in np.linspace(axis.start, axis.to, axis.count)]
+    return list(axis)
+
+
+def read_sweep_file(path: Path) -> SweepFile:
+    """Read and check a sweep file.
+
+    Raises
+    ------
+    ModelFileError
+        The message starts with the file's path and names the key at fault.
+    """
+    text = read_text(path, MAXIMAL_SWEEP_FILE)
+    with at_file(str(path)):
+        try:
+            return msgspec.convert(bounded_table(text), SweepFile)
+        except msgspec.ValidationError as error:
+            raise ModelFileError(_explained(error)) from None
+
+
+def _explained(error: msgspec.ValidationError) -> str:
+    message = in_words_of_toml(str(error))
+    if unknown := re.search(r"unknown key `([^`]*)`", message):
+        table = Axis if "at `over" in message else SweepFile
+        keys = [one.encode_name for one in msgspec.structs.fields(table)]
+        message += did_you_mean(unknown[1], keys)
+    return message

@@ -1,0 +1,275 @@
+"""Sweeps: each point is what the single call says, however the work was cut, spread or killed."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+
+import numpy as np
+import pytest
+import xarray
+
+import pmjac_pin as pj
+from pmjac_pin.cli import main
+from pmjac_pin.studies.sweep.points import Points
+
+LENGTHS = np.linspace(0.85, 1.2, 5)
+ALL = ("J_eq", "q", "share")
+
+
+def swept(**given):
+    return pj.sweep(
+        pj.load("three_rps"), {"l1": LENGTHS, "l3": LENGTHS}, measures=ALL, workers=1, **given
+    )
+
+
+def alone(mechanism, values):
+    """What the single calls say: status, q, J_eq."""
+    try:
+        pose = mechanism.close(values)
+    except pj.LimitError:
+        return pj.Status.LIMITS, None, None
+    except pj.ClosureError:
+        return pj.Status.STOPPED, None, None
+    try:
+        return pj.Status.CLOSED, pose.q, pose.jacobian().J_eq
+    except pj.SingularError:
+        return pj.Status.SINGULAR, pose.q, None
+
+
+def check(point, mechanism, values):
+    status, q, J_eq = alone(mechanism, values)
+    assert point.status == status
+    if q is not None:
+        np.testing.assert_allclose(point.q, q, atol=1e-9)
+    if J_eq is None:
+        assert np.isnan(point.J_eq).all()
+    else:
+        np.testing.assert_allclose(point.J_eq, J_eq, atol=1e-8)
+
+
+def test_each_point_of_a_grid():
+    mechanism, found = pj.load("three_rps"), swept(chunk=7)
+    assert found.J_eq.dims == ("l1", "l3", "row", "motor")
+    np.testing.assert_array_equal(found.l1, LENGTHS)
+    for l1 in LENGTHS:
+        for l3 in LENGTHS:
+            check(found.sel(l1=l1, l3=l3), mechanism, [l1, mechanism.home.actuated[1], l3])
+
+
+def test_samples_of_motors_and_parameters(rng):
+    l1, theta = rng.uniform(0.8, 1.3, 12), rng.uniform(0.5, 1.2, 12)
+    l1[3:6] = l1[0]
+    found = pj.sweep("four_bar", samples={"l1": l1, "theta1": theta}, measures=ALL, workers=1)
+    assert found.status.dims == ("sample",)
+    for k in range(12):
+        machine = pj.load("four_bar", parameters={"l1": l1[k]})
+        check(found.isel(sample=k), machine, [theta[k]])
+
+
+def test_a_machine_that_does_not_assemble():
+    lengths = [1.0, 9.5]
+    with pytest.raises(pj.ClosureError):
+        pj.load("four_bar", parameters={"l2": lengths[1]})
+    found = pj.sweep("four_bar", {"l2": lengths, "theta1": [0.9, 1.0]}, measures=ALL, workers=1)
+    assert (found.status.isel(l2=1) == pj.Status.NOT_ASSEMBLED).all()
+    assert np.isnan(found.q.isel(l2=1)).all()
+
+
+@pytest.mark.parametrize("chunk", [1, 6, 25, 1000])
+def test_results_do_not_depend_on_chunks_and_stores(chunk, tmp_path):
+    expected = swept(chunk=10)
+    found = swept(chunk=chunk, out=tmp_path / "store.zarr")
+    for name in ("status", *ALL):
+        np.testing.assert_allclose(found[name], expected[name], rtol=1e-10, atol=1e-10)
+    assert found.attrs["pmjac_pin_sweep"]["name"] == "three_rps"
+    assert list(found.motor) == ["l1", "l2", "l3"]
+    opened = xarray.open_zarr(tmp_path / "store.zarr", consolidated=False, chunks=None)
+    assert opened.done.all()
+
+
+def test_nothing_is_computed_twice(tmp_path, monkeypatch):
+    from pmjac_pin.studies.sweep.work import Work
+
+    done, out = [], tmp_path / "store.zarr"
+    first = swept(chunk=5, out=out, progress=lambda *now: done.append(now)).load()
+    assert done == [(k + 1, 5) for k in range(5)]
+    monkeypatch.setattr(Work, "compute", None)
+    again = swept(chunk=5, out=out, resume=True)
+    xarray.testing.assert_identical(again.load(), first)
+    assert len(done) == 5
+
+
+def test_a_store_of_another_sweep(tmp_path):
+    out = tmp_path / "store.zarr"
+    swept(out=out)
+    with pytest.raises(pj.OutputError, match="exists already; with `resume` a sweep goes on there"):
+        swept(out=out)
+    with pytest.raises(pj.ArgumentError, match="another sweep: it differs in its chunk; give"):
+        swept(out=out, chunk=5, resume=True)
+    with pytest.raises(pj.ArgumentError, match="differs in its name, mechanism, dim"):
+        pj.sweep(pj.load("four_bar"), {"theta1": [0.9]}, out=out, resume=True)
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "notes").write_text("mine")
+    for resume in (True, False):
+        with pytest.raises(pj.OutputError, match=r"exists already|is no store of a sweep"):
+            swept(out=tmp_path / "mine", resume=resume)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine", "store.zarr"]
+    assert (tmp_path / "mine" / "notes").read_text() == "mine"
+
+
+SCRIPT = """
+    import sys, numpy as np, pmjac_pin as pj
+    if __name__ == "__main__":
+        lengths = np.linspace(0.85, 1.2, 9)
+        pj.sweep(
+            pj.load("three_rps"), {"l1": lengths, "l2": lengths}, measures=("J_eq", "q", "share"),
+            out=sys.argv[1], chunk=1, workers=int(sys.argv[2]), resume=True,
+            progress=lambda *now: print(*now, flush=True),
+        )
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("workers", "most", "least"), [("1", 5, 20), ("2", 30, 2)])
+def test_killed_and_resumed_is_as_never_interrupted(workers, most, least, tmp_path, rng):
+    script = tmp_path / "script.py"
+    script.write_text(textwrap.dedent(SCRIPT))
+
+    def start(out):
+        command = [sys.executable, str(script), str(out), workers]
+        return subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True)
+
+    with start(tmp_path / "whole.zarr") as whole:
+        whole.communicate()
+    kills, out = 0, tmp_path / "killed.zarr"
+    while True:
+        with start(out) as child:
+            # By its own word, and then at some moment of what comes next.
+            for _ in range(int(rng.integers(1, most))):
+                child.stdout.readline()
+            try:
+                child.wait(timeout=rng.uniform(0.0, 0.01))
+            except subprocess.TimeoutExpired:
+                os.killpg(child.pid, signal.SIGKILL)
+                kills += 1
+            else:
+                assert child.returncode == 0
+                break
+    assert kills >= least
+    one, other = (
+        xarray.open_zarr(path, consolidated=False, chunks=None).load()
+        for path in (tmp_path / "whole.zarr", out)
+    )
+    xarray.testing.assert_identical(one, other)
+    assert one.done.all()
+
+
+# --- what is refused ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({}, "either `over`, the axes of a grid, or `samples` is wanted"),
+        ({"over": {"l1": [1.0]}, "samples": {"l1": [1.0]}}, "either `over`"),
+        ({"over": [1.0]}, "`over` is a mapping of names to values, got"),
+        ({"over": {}}, "`over` is a mapping of names to values, got {}"),
+        ({"over": {"l9": [1.0]}}, "unknown motor or parameter 'l9'; there are: l1, l2, l3, a, b"),
+        ({"over": {"l1": 1.0}}, r"a list of values for 'l1' expected, got shape \(\)"),
+        ({"over": {"l1": []}}, r"a list of values for 'l1' expected, got shape \(0,\)"),
+        ({"over": {"l1": ["a"]}}, "the values of 'l1' must be real numbers"),
+        ({"over": {"l1": [np.nan]}}, "the values of 'l1' must be finite"),
+        ({"samples": {"l1": [1.0], "l2": [1.0, 1.1]}}, "got 1 of 'l1', 2 of 'l2'"),
+        ({"over": {"l1": [1.0]}, "measures": "J_eq"}, "`measures` is a list of names"),
+        ({"over": {"l1": [1.0]}, "measures": ["Jeq"]}, "unknown measure 'Jeq'; did you mean"),
+        ({"over": {"l1": [1.0]}, "guess": "lecture"}, "unknown pose 'lecture'"),
+        ({"over": {"l1": [1.0]}, "chunk": 0}, "`chunk` is a number, 1 or more, got 0"),
+        ({"over": {"l1": [1.0]}, "workers": 0}, "`workers` is a number, 1 or more, got 0"),
+        ({"over": {"l1": [1.0]}, "client": 3}, "`client` is Dask's Client, an executor or"),
+        ({"over": {"l1": [1.0]}, "enforce_limits": "no"}, "enforce_limits"),
+        ({"over": {"l1": [1.0]}, "out": ""}, "got an empty text"),
+        ({"over": {"l1": [1.0]}, "out": "/nowhere/at/all"}, "there is no folder /nowhere/at"),
+    ],
+)
+def test_what_is_refused(given, message):
+    with pytest.raises(pj.PmjacError, match=message):
+        pj.sweep(pj.load("three_rps"), **{"workers": 1, **given})
+
+
+def test_parameters_of_a_mechanism_that_has_its_own():
+    with pytest.raises(pj.ArgumentError, match="to sweep the parameter 'l1', give the mechanism's"):
+        pj.sweep(pj.load("four_bar"), {"l1": [1.0]}, workers=1)
+    with pytest.raises(pj.ArgumentError, match="l1"):
+        pj.sweep("four_bar", {"l1": [1.0, -1.0]}, workers=1)
+
+
+def test_without_the_packages(monkeypatch):
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(pj.MissingDependencyError, match=r"pip install 'pmjac_pin\[sweep\]'"):
+        swept()
+
+
+@pytest.mark.parametrize("most", [1, 2, 7, 12, 1000])
+def test_chunks_cover_a_grid_once(most):
+    points = Points.grid({"a": np.arange(3.0), "b": np.arange(4.0), "c": np.arange(5.0)})
+    chunk, seen = points.chunk(most), np.zeros(points.shape, dtype=int)
+    assert np.prod(chunk) <= most
+    for region in points.regions(chunk):
+        seen[region] += 1
+        a, b, c = points.at(region).values()
+        np.testing.assert_array_equal(
+            np.ravel_multi_index((a.astype(int), b.astype(int), c.astype(int)), points.shape),
+            np.arange(60).reshape(points.shape)[region].ravel(),
+        )
+    assert (seen == 1).all()
+
+
+# --- the command line --------------------------------------------------------------------------
+
+FILE = """
+mechanism = "three_rps"
+out = "map.zarr"
+measures = ["q"]
+
+[over]
+l1 = { from = 0.9, to = 1.1, count = 3 }
+l2 = [0.9, 1.0]
+"""
+
+
+def test_the_command(tmp_path, capsys):
+    path = tmp_path / "map.toml"
+    path.write_text(FILE)
+    assert main(["sweep", str(path), "--workers", "1"]) == 0
+    assert capsys.readouterr().out == f"{tmp_path / 'map.zarr'}\n6 CLOSED\n"
+    assert main(["sweep", str(path), "--workers", "1"]) == 2
+    assert "exists already" in capsys.readouterr().err
+    assert main(["sweep", str(path), "--resume", "--workers", "1"]) == 0
+    found = xarray.open_zarr(tmp_path / "map.zarr", consolidated=False, chunks=None)
+    np.testing.assert_allclose(found.l1, [0.9, 1.0, 1.1])
+    assert found.q.shape == (3, 2, pj.load("three_rps").nq)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("measures", "mesures", "unknown key `mesures`; did you mean 'measures'?"),
+        ("count = 3", "cuont = 3", "unknown key `cuont` - at `over[...]`; did you mean 'count'?"),
+        ("count = 3", "count = 0", "`count` is 1 or more, got 0"),
+        ('mechanism = "three_rps"', "", "missing key `mechanism`"),
+        ("three_rps", "three_rsp", "No such file or directory"),
+        ("[over]", "[over", "not valid TOML"),
+    ],
+)
+def test_faults_of_a_file(tmp_path, capsys, old, new, message):
+    path = tmp_path / "map.toml"
+    path.write_text(FILE.replace(old, new))
+    assert main(["sweep", str(path), "--workers", "1"]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
+    assert [one.name for one in tmp_path.iterdir()] == ["map.toml"]
