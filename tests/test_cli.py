@@ -77,7 +77,9 @@ def test_alone_it_shows_its_help(shown):
         assert re.search(rf"│ {command} +\w", text)
 
 
-@pytest.mark.parametrize("command", ["list", "report", "modes", "check", "plot", "demo", "convert", "sweep"])
+@pytest.mark.parametrize(
+    "command", ["list", "report", "modes", "check", "plot", "demo", "convert", "sweep"]
+)
 def test_help_of_a_command(shown, command):
     text = shown(command, "--help")
     assert f"Usage: pmjac {command}" in text
