@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from random_machines import Tree, at
 
@@ -104,3 +105,89 @@ def test_check_says_by_what_a_loop_is_measured(size, code):
     findings = pj.check(one_drives_the_other(size)).findings
     codes = {finding.code for finding in findings} & {"small-loop", "loop-without-size"}
     assert codes == ({code} if code else set())
+
+
+# --- slides that a small loop shares with a large one --------------------------------------------
+
+ANY = np.full(1, 1e9)
+
+
+def planar(joints):
+    """A model of named joints on the ground, turning about z or sliding along x."""
+    model = pin.Model()
+    for name, kind, x, y in joints:
+        place = pin.SE3(np.eye(3), np.array([x, y, 0.0]))
+        model.addJointFrame(model.addJoint(0, kind(), place, name, ANY, ANY, -ANY, ANY))
+    return model
+
+
+def eccentric(radius, motor):
+    """A crank of this radius with a rod of thrice moves a slide; that turns a lever of 1 m."""
+    model = planar(
+        [
+            ("crank", pin.JointModelRZ, 0.0, 0.0),
+            ("slide", pin.JointModelPX, 0.0, 0.0),
+            ("lever", pin.JointModelRZ, 0.3, -0.8),
+        ]
+    )
+    for name, joint, arm in (("pin", 1, radius), ("end", 3, 1.0)):
+        place = pin.SE3(np.eye(3), np.array([arm, 0.0, 0.0]))
+        model.addFrame(pin.Frame(name, joint, place, pin.FrameType.OP_FRAME), False)
+    turn = 0.7
+    x = radius * (math.cos(turn) + math.sqrt(9.0 - math.sin(turn) ** 2))
+    reach = math.hypot(x - 0.3, 0.8)
+    lever = math.atan2(0.8, x - 0.3) + math.acos(reach / 2.0)
+    loops = [
+        pj.DistanceLoop(frames=("pin", "slide"), length=3.0 * radius),
+        pj.DistanceLoop(frames=("end", "slide"), length=1.0),
+    ]
+    home = {"crank": turn, "slide": x, "lever": lever}
+    rate = -radius * math.sin(turn) * (1.0 + math.cos(turn) / math.sqrt(9.0 - math.sin(turn) ** 2))
+    machine = pj.Mechanism.from_pinocchio(model, loops, [motor], "end", home=home)
+    return machine, rate, x, lever
+
+
+@pytest.mark.parametrize("motor", ["crank", "lever"])
+@pytest.mark.parametrize("radius", [0.3, 0.02, 3e-3, 3e-4, 2e-5])
+def test_an_eccentric_of_any_size_moves_a_slide(radius, motor):
+    machine, rate, x, lever = eccentric(radius, motor)
+    home = machine.home
+    assert (machine.mobility, home.singularity().kind) == (1, "regular")
+    # By hand: the slide by the crank, and the lever's end (u, v) at 1 m from the slide.
+    u, v = 0.3 + math.cos(lever) - x, -0.8 + math.sin(lever)
+    turned = rate * u / (v * math.cos(lever) - u * math.sin(lever))
+    expected = np.array([1.0, rate, turned]) / (1.0 if motor == "crank" else turned)
+    np.testing.assert_allclose(home.jacobian().motion_map[:, 0], expected, rtol=1e-6)
+    modes = pj.assembly_modes(machine, home.actuated, rng=0)
+    assert len(modes) == (2 if motor == "lever" and radius < 0.3 else 4)
+    assert any(np.allclose(mode.q, home.q, atol=1e-6) for mode in modes)
+    assert machine.close(home.actuated + 1e-2 * radius).residual_norm <= machine.tolerance
+
+
+@pytest.mark.parametrize("rod", [0.3, 0.03, 0.009, 1e-3, 1e-4])
+def test_a_rod_between_two_slides_may_have_any_length(rod):
+    """How it is inclined is all that matters: no singular value depends on its length."""
+    model = planar(
+        [
+            ("crank", pin.JointModelRZ, 0.0, 0.0),
+            ("near", pin.JointModelPX, 0.0, 0.0),
+            ("far", pin.JointModelPX, 0.0, rod / 2.0),
+        ]
+    )
+    place = pin.SE3(np.eye(3), np.array([0.3, 0.0, 0.0]))
+    model.addFrame(pin.Frame("pin", 1, place, pin.FrameType.OP_FRAME), False)
+    x = 0.3 * math.cos(0.7) + math.sqrt(1.0 - (0.3 * math.sin(0.7)) ** 2)
+    loops = [
+        pj.DistanceLoop(frames=("pin", "near"), length=1.0),
+        pj.DistanceLoop(frames=("near", "far"), length=rod),
+    ]
+    home = {"crank": 0.7, "near": x, "far": x + rod * math.sqrt(0.75)}
+    machine = pj.Mechanism.from_pinocchio(model, loops, ["crank"], "far", home=home)
+    singularity = machine.home.singularity()
+    assert (machine.mobility, singularity.kind) == (1, "regular")
+    assert singularity.smallest == pytest.approx(0.368, abs=0.01)
+    rate = -0.3 * math.sin(0.7) * (1.0 + 0.3 * math.cos(0.7) / (x - 0.3 * math.cos(0.7)))
+    jacobian = machine.home.jacobian()
+    assert jacobian.J_eq[0, 0] == pytest.approx(rate, rel=1e-9)
+    assert jacobian.error_estimate.max() < 1e-9
+    assert len(pj.assembly_modes(machine, [0.7], rng=0)) == 4

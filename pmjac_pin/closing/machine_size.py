@@ -7,8 +7,6 @@ names, and wherever it stands. So has each loop one, where it is much smaller th
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 import pinocchio as pin
 
@@ -82,9 +80,14 @@ class Size:
         points = [self._data.oMf[frame.index].translation for frames in ends for frame in frames]
         points.append(tool.pose(model, self._data)[1])
         opened = ROUNDING_OF_PLACES * float(np.abs(points).max())
+        rods = [
+            [loops.rods[row] for row in loops.rods if rows.start <= row < rows.stop]
+            for rows in loops.slices
+        ]
         arms = [
-            [*(loops.rods[row] for row in loops.rods if rows.start <= row < rows.stop), *own]
-            for rows, own in zip(loops.slices, map(self._arms, ends), strict=True)
+            # Where nothing turns, how long a rod is does not matter to any rate.
+            [*rod, *own] if own else []
+            for rod, own in zip(rods, map(self._arms, ends), strict=True)
         ]
         turns = tool.jacobian(model, self._data)[:, self._turns]
         rounding = max(NO_LENGTH, _TOLERANCES * max(spec.tolerance or 0.0, opened))
@@ -100,12 +103,13 @@ class Size:
         middle = np.mean(points, axis=0)
         self.place: Array = np.where(np.abs(middle) > _BESIDE_ITSELF * self.length, middle, 0.0)
 
-    def _arms(self, frames: list[Frame]) -> Iterator[float]:
-        moving = moving_columns(self._model, frames) if frames else []
+    def _arms(self, frames: list[Frame]) -> list[float]:
+        moving, arms = moving_columns(self._model, frames) if frames else [], []
         for frame, columns in zip(frames, moving, strict=True):
             turning = columns[self._turns[columns]]
             motions = frame_jacobian(self._model, self._data, frame.index)[:, turning]
-            yield from _distances(motions).tolist()
+            arms += _distances(motions).tolist()
+        return arms
 
 
 def shifted_model(model: pin.Model, by: Array) -> pin.Model:

@@ -28,7 +28,7 @@ def column_scale(
 ) -> Array:
     """Return a natural rate of each column, shape (nv,): 1/length rad or 1 m, times its gears.
 
-    A slide that is in small loops only moves by their size.
+    A slide that is in a small loop moves by its size.
 
     Parameters
     ----------
@@ -60,11 +60,14 @@ def column_scale(
 
 
 def _strokes(loops: LoopSystem, sizes: Sequence[float], count: int, length: float) -> Array:
-    """Return the size, m, of the largest loop that each column is in; `length` for one in none."""
-    largest = np.zeros(count)
+    """Return the size, m, of the smallest loop that each column is in; `length` for one in none.
+
+    That loop is what ends the slide: with a larger size, its rows would be all about the slide.
+    """
+    smallest = np.full(count, np.inf)
     for columns, size in zip(loops.moving, sizes, strict=True):
-        largest[columns] = np.maximum(largest[columns], size)
-    return np.where(largest > 0.0, largest, length)
+        smallest[columns] = np.minimum(smallest[columns], size)
+    return np.where(np.isfinite(smallest), smallest, length)
 
 
 def _pass_on(coupling: Coupling, scale: Array, known: Mask) -> None:
