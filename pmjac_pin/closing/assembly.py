@@ -73,7 +73,7 @@ def build_parts(
 
 def _ranked(parts: Parts) -> Parts:
     problem, kinematics = parts.problem, parts.kinematics
-    size = _machine_size(kinematics, parts.spec, parts.home_q)
+    size = Size(kinematics, parts.spec, parts.coordinates.rotational, parts.home_q)
     partition = _partition(parts.spec, parts.coordinates, kinematics, size, problem.rounding)
     problem = replace(problem, partition=partition)
     poses = [parts.home_q, *nearby(problem, parts.home_q)]
@@ -150,9 +150,11 @@ def unassembled(
     """
     coordinates = JointCoordinates(model)
     given = coordinates.q(spec.poses["home"])
-    size = _machine_size(_kinematics(model, spec, values), spec, given)
-    near = shifted_model(model, -size.place) if size.place.any() else model
-    kinematics = _kinematics(near, spec, values)
+    near, kinematics = model, _kinematics(model, spec, values)
+    size = Size(kinematics, spec, coordinates.rotational, given)
+    if size.place.any():
+        near = shifted_model(model, -size.place)
+        kinematics = _kinematics(near, spec, values, kinematics.placed(given))
     rounding = size.rounding
     partition = _partition(spec, coordinates, kinematics, size, rounding)
     problem = ClosureProblem(
@@ -168,13 +170,14 @@ def unassembled(
     )
 
 
-def _kinematics(model: pin.Model, spec: MechanismSpec, values: Mapping[str, float]) -> Kinematics:
+def _kinematics(
+    model: pin.Model,
+    spec: MechanismSpec,
+    values: Mapping[str, float],
+    data: pin.Data | None = None,
+) -> Kinematics:
     loops = LoopSystem(model, spec.loops, values)
-    return Kinematics(model, loops, tool_kinematics(model, spec.tool))
-
-
-def _machine_size(kinematics: Kinematics, spec: MechanismSpec, q: Array) -> Size:
-    return Size(kinematics.model, spec, kinematics.loops, kinematics.tool, q)
+    return Kinematics(model, loops, tool_kinematics(model, spec.tool), data)
 
 
 def _partition(

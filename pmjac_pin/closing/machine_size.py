@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
-from pmjac_pin.kinematics.loop_system import LoopSystem
-from pmjac_pin.kinematics.tool import ToolKinematics, frame_jacobian
-from pmjac_pin.model.coordinates import JointCoordinates
+from pmjac_pin.kinematics.pinocchio import Kinematics
+from pmjac_pin.kinematics.tool import frame_jacobian
 from pmjac_pin.model.frames import Frame, find_frame, moving_columns
 from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.model.spec import MechanismSpec
@@ -37,10 +37,10 @@ class Size:
 
     Parameters
     ----------
-    model : pin.Model
+    kinematics : Kinematics
     spec : MechanismSpec
-    loops : LoopSystem
-    tool : ToolKinematics
+    turns : ndarray of bool, shape (nv,)
+        Which rates are in rad/s.
     q : ndarray, shape (nq,)
 
     Attributes
@@ -62,23 +62,16 @@ class Size:
     """
 
     def __init__(
-        self,
-        model: pin.Model,
-        spec: MechanismSpec,
-        loops: LoopSystem,
-        tool: ToolKinematics,
-        q: Array,
+        self, kinematics: Kinematics, spec: MechanismSpec, turns: NDArray[np.bool_], q: Array
     ) -> None:
-        self._model, self._data = model, model.createData()
-        pin.computeJointJacobians(model, self._data, q)
-        pin.updateFramePlacements(model, self._data)
-        self._turns = JointCoordinates(model).rotational
+        model, loops, tool = kinematics.model, kinematics.loops, kinematics.tool
+        data = kinematics.placed(q)
         ends = [
             [] if isinstance(loop, JointLoop) else [find_frame(model, name) for name in loop.frames]
             for loop in spec.loops
         ]
-        points = [self._data.oMf[frame.index].translation for frames in ends for frame in frames]
-        points.append(tool.pose(model, self._data)[1])
+        points = [data.oMf[frame.index].translation for frames in ends for frame in frames]
+        points.append(tool.pose(model, data)[1])
         opened = ROUNDING_OF_PLACES * float(np.abs(points).max())
         rods = [
             [loops.rods[row] for row in loops.rods if rows.start <= row < rows.stop]
@@ -87,13 +80,15 @@ class Size:
         arms = [
             # Where nothing turns, how long a rod is does not matter to any rate.
             [*rod, *own] if own else []
-            for rod, own in zip(rods, map(self._arms, ends), strict=True)
+            for rod, own in zip(
+                rods, (_arms(model, data, turns, frames) for frames in ends), strict=True
+            )
         ]
-        turns = tool.jacobian(model, self._data)[:, self._turns]
+        turning = tool.jacobian(model, data)[:, turns]
         rounding = max(NO_LENGTH, _TOLERANCES * max(spec.tolerance or 0.0, opened))
         means = [_mean(np.array(own)) for own in arms]
         every = _mean(np.array([arm for own in arms for arm in own]))
-        self.length = _length(every, _mean(_distances(turns)), rounding)
+        self.length = _length(every, _mean(_distances(turning)), rounding)
         self.arms = tuple(mean if mean > rounding else 0.0 for mean in means)
         self.loop_sizes = tuple(
             mean if SPHERICAL * self.length < mean < SMALL * self.length else self.length
@@ -102,14 +97,6 @@ class Size:
         self.rounding = opened * self.length / min(self.loop_sizes, default=self.length)
         middle = np.mean(points, axis=0)
         self.place: Array = np.where(np.abs(middle) > _BESIDE_ITSELF * self.length, middle, 0.0)
-
-    def _arms(self, frames: list[Frame]) -> list[float]:
-        moving, arms = moving_columns(self._model, frames) if frames else [], []
-        for frame, columns in zip(frames, moving, strict=True):
-            turning = columns[self._turns[columns]]
-            motions = frame_jacobian(self._model, self._data, frame.index)[:, turning]
-            arms += _distances(motions).tolist()
-        return arms
 
 
 def shifted_model(model: pin.Model, by: Array) -> pin.Model:
@@ -130,6 +117,16 @@ def shifted_model(model: pin.Model, by: Array) -> pin.Model:
         if frame.parentJoint == 0:
             frame.placement = pin.SE3(frame.placement.rotation, frame.placement.translation + by)
     return moved
+
+
+def _arms(
+    model: pin.Model, data: pin.Data, turns: NDArray[np.bool_], frames: list[Frame]
+) -> list[float]:
+    moving, arms = moving_columns(model, frames) if frames else [], []
+    for frame, columns in zip(frames, moving, strict=True):
+        motions = frame_jacobian(model, data, frame.index)[:, columns[turns[columns]]]
+        arms += _distances(motions).tolist()
+    return arms
 
 
 def _length(loops: float, tool: float, rounding: float) -> float:

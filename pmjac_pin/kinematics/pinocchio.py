@@ -51,15 +51,33 @@ class _Scratch(threading.local):
 
 
 class Kinematics:
-    """The loops and the tool as functions of q; safe to use from many threads."""
+    """The loops and the tool as functions of q; safe to use from many threads.
+
+    Parameters
+    ----------
+    model : pin.Model
+    loops : LoopSystem
+    tool : ToolKinematics
+    data : pin.Data, optional
+        For this thread: that of the model, or of it standing elsewhere, which nobody else uses.
+        One of a large model costs more to make than a hundred poses.
+    """
 
     __slots__ = ("_scratch", "loops", "model", "tool")
 
-    def __init__(self, model: pin.Model, loops: LoopSystem, tool: ToolKinematics) -> None:
+    def __init__(
+        self,
+        model: pin.Model,
+        loops: LoopSystem,
+        tool: ToolKinematics,
+        data: pin.Data | None = None,
+    ) -> None:
         self.model = model
         self.loops = loops
         self.tool = tool
         self._scratch = _Scratch()
+        if data is not None:
+            self._scratch.data, self._scratch.loops = data, loops.create_data()
 
     def evaluate(self, q: Array) -> tuple[Array, Array]:
         """Return the residual η (p,) and its Jacobian ∂η/∂v (p, nv), in the anchors' axes."""
@@ -94,6 +112,16 @@ class Kinematics:
         rotation, position = self.tool.pose(self.model, data)
         jacobian = self.tool.jacobian(self.model, data)
         return Snapshot(residual, constraint_jacobian, jacobian, rotation, position)
+
+    def placed(self, q: Array) -> pin.Data:
+        """Return this thread's scratch data, joints' motions and frames computed at q.
+
+        What is read off it has to be read before the next call.
+        """
+        data = self._thread_scratch().data
+        pin.computeJointJacobians(self.model, data, q)
+        pin.updateFramePlacements(self.model, data)
+        return data
 
     def _thread_scratch(self) -> _Scratch:
         scratch = self._scratch

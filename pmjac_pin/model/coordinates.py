@@ -93,7 +93,7 @@ class JointCoordinates:
             twice = next(name for name in names if names.count(name) > 1)
             raise ArgumentError(f"two joints of the model are named {twice!r}")
         self.names: tuple[str, ...] = tuple(self._joints)
-        self.rotational = _rotational(model)
+        self.rotational = _rotational(model, joints)
         self.wraps = np.zeros(model.nv, dtype=bool)
         self.lower, self.upper = np.full(model.nv, -np.inf), np.full(model.nv, np.inf)
         self.angles = np.zeros(model.nv, dtype=bool)
@@ -271,8 +271,18 @@ class JointCoordinates:
         return q[joint.idx_q : joint.idx_q + joint.nq]
 
 
-def _rotational(model: pin.Model) -> NDArray[np.bool_]:
+def _rotational(model: pin.Model, joints: Sequence[_Joint]) -> NDArray[np.bool_]:
     """Return which columns are rotations: those whose motion has an angular part."""
+    turns = np.zeros(model.nv, dtype=bool)
+    for joint in joints:
+        if joint.kind is None:
+            return _seen_to_turn(model)
+        turns[joint.idx_v : joint.idx_v + joint.nv] = joint.kind.twists(1.0)[3:].any(axis=0)
+    return turns
+
+
+def _seen_to_turn(model: pin.Model) -> NDArray[np.bool_]:
+    """Return the same as Pinocchio computes it, which takes a ``pin.Data`` of its own."""
     motions = pin.computeJointJacobians(model, model.createData(), pin.neutral(model))
     motions = motions.reshape(6, -1)  # a vector where there is one degree of freedom
     return np.asarray(np.abs(motions[3:]).max(axis=0, initial=0.0) > 0.0)

@@ -50,11 +50,7 @@ def find_frame(model: pin.Model, name: str) -> Frame:
     ArgumentError
         Several of this name in different places, such as a link and a frame added to the model.
     """
-    matches = [
-        index
-        for index, frame in enumerate(model.frames)
-        if frame.name == name and frame.type != pin.FrameType.SENSOR
-    ]
+    matches = _of_name(model, name)
     if not matches:
         raise unknown_name("frame", name, tuple(frame.name for frame in model.frames))
     meant = [index for index in matches if model.frames[index].type not in _JOINT_FRAMES] or matches
@@ -65,6 +61,19 @@ def find_frame(model: pin.Model, name: str) -> Frame:
         )
         raise ArgumentError(f"frame {name!r} is ambiguous: {places} have this name; rename one")
     return Frame(meant[0], frames[0].parentJoint, frames[0].placement.copy())
+
+
+def _of_name(model: pin.Model, name: str) -> list[int]:
+    """Return the frames of this name, in Pinocchio's order, but for sensors."""
+    try:
+        found = [kind for kind in _FRAME_KINDS if model.existFrame(name, kind)]
+        return sorted(model.getFrameId(name, kind) for kind in found)
+    except ValueError:  # several of one type
+        return [k for k, frame in enumerate(model.frames) if _is_meant(frame, name)]
+
+
+def _is_meant(frame: pin.Frame, name: str) -> bool:
+    return bool(frame.name == name and frame.type in _FRAME_KINDS)
 
 
 def moving_columns(model: pin.Model, frames: Sequence[Frame]) -> list[NDArray[np.intp]]:

@@ -124,9 +124,10 @@ def loops(
 
     `best` is then the pose of the smallest gap that was found, if any.
     """
-    kinematics, spec = structure.machine.kinematics, structure.machine.spec
-    system, gaps = kinematics.loops, loop_gaps(structure.machine, structure.given)
-    sizes = Size(kinematics.model, spec, system, kinematics.tool, structure.home).arms
+    machine, spec = structure.machine, structure.machine.spec
+    system, gaps = machine.kinematics.loops, loop_gaps(machine, structure.given)
+    turns = machine.coordinates.rotational
+    sizes = Size(machine.kinematics, spec, turns, structure.home).arms
     return tuple(
         LoopEntry(
             name=name,
