@@ -244,7 +244,8 @@ class Configuration:
         return read_only(self._parts.coordinates.values(self.q)[columns])
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (Configuration._of_q, (self.mechanism, np.array(self.q), self.iterations))
+        # What a pickle says is no proof: the loops are looked at again.
+        return (_unpickled, (self.mechanism, np.array(self.q), self.iterations))
 
     def __repr__(self) -> str:
         motors = ", ".join(
@@ -254,6 +255,10 @@ class Configuration:
         gap = f"residual_norm={self.residual_norm:.1e}"
         beyond = "".join(f", {name!r} beyond its limits" for name in self.limits_violated)
         return f"Configuration({self.mechanism.name}, {motors}, {gap}{beyond})"
+
+
+def _unpickled(mechanism: Mechanism, q: Array, iterations: int) -> Configuration:
+    return Configuration._of_q(mechanism, mechanism._checked(q), iterations)
 
 
 def frame_name(frame: str | pin.ReferenceFrame) -> FrameName:

@@ -9,7 +9,7 @@ from typing import Any, Self
 
 import pinocchio as pin
 
-from pmjac_pin.closing.assembly import build_parts
+from pmjac_pin.closing.assembly import Found, rebuilt_parts
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.nearby_poses import FARTHEST
 from pmjac_pin.closing.parts import Parts
@@ -26,7 +26,7 @@ class MechanismValue:
     """What never changes of a mechanism, wherever it stands.
 
     Equal where spec, parameters and Pinocchio model are; copied as itself; pickled by what it is
-    built of, as Pinocchio's constraint models cannot be.
+    built of and what was found for it, as Pinocchio's constraint models cannot be.
     """
 
     _parts: Parts
@@ -215,7 +215,7 @@ class MechanismValue:
 
     def __reduce__(self) -> tuple[Any, ...]:
         parts = self._parts
-        built_of = (parts.standing, parts.spec, dict(parts.values), parts.urdf)
+        built_of = (parts.standing, parts.spec, dict(parts.values), parts.urdf, Found.of(parts))
         return (_rebuild, (type(self), self.notes, self.unread, *built_of))
 
     def __repr__(self) -> str:
@@ -235,4 +235,4 @@ class MechanismValue:
 def _rebuild(
     kind: type[MechanismValue], notes: tuple[str, ...], unread: tuple[str, ...], *built_of: Any
 ) -> MechanismValue:
-    return kind(build_parts(*built_of), notes=notes, unread=unread)
+    return kind(rebuilt_parts(*built_of), notes=notes, unread=unread)

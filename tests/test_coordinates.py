@@ -33,6 +33,15 @@ def test_names_and_columns(coordinates):
     assert coordinates.rotational.tolist() == [0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 1]
 
 
+def test_what_turns_is_what_pinocchio_turns():
+    model = pj.load("ankle").model
+    for joint in (pin.JointModelPlanar(), pin.JointModelHz(0.2), pin.JointModelSphericalZYX()):
+        model.addJoint(1, joint, pin.SE3.Random(), joint.shortname())
+    motions = pin.computeJointJacobians(model, model.createData(), pin.neutral(model))
+    turns = np.abs(motions[3:]).max(axis=0) > 0.0
+    assert JointCoordinates(model).rotational.tolist() == turns.tolist()
+
+
 def test_values_and_back(coordinates, rng):
     for _ in range(50):
         pose = {

@@ -107,6 +107,22 @@ def test_far_from_the_origin_poses_and_models_stand_where_they_were_put(name):
     np.testing.assert_array_equal(again.home.q, there.home.q)
 
 
+def test_a_mechanism_makes_one_scratch_data(monkeypatch):
+    """Of a large model it takes longer than all else; standing elsewhere, it needs no second."""
+    place = pin.SE3(np.eye(3), np.array([5e5, 0.0, 0.0]))
+    far = transformed.moved(pj.load("three_rps"), place)
+    made, create = [], pin.Model.createData
+
+    def counted(model):
+        made.append(model.nv)
+        return create(model)
+
+    monkeypatch.setattr(pin.Model, "createData", counted)
+    for there in (place.inverse(), pin.SE3.Identity()):
+        transformed.moved(far, there)
+    assert made == [far.nv, far.nv]
+
+
 def geared_four_bar(ratio, forward, passive_motor=False):
     """A four-bar whose crank a motor turns through a reduction, named from either joint."""
     tree, (l0, l1, l2, l3), theta = Tree(), (4.0, 1.0, 3.0, 2.5), 0.9

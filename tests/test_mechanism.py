@@ -14,6 +14,7 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
+from pmjac_pin.closing import assembly
 
 
 @pytest.fixture(scope="module")
@@ -83,6 +84,57 @@ def test_a_configuration_survives_pickling_and_stays_closed(three_rps):
     # Pickled apart from its mechanism, it is still a start for the first one.
     onward = three_rps.close([1.0, 1.1, 0.95], guess=again)
     np.testing.assert_allclose(onward.q, three_rps.close([1.0, 1.1, 0.95]).q, atol=1e-12)
+
+
+def test_unpickling_assembles_nothing_that_was_found_before(monkeypatch, three_rps):
+    pickled = pickle.dumps(three_rps.pose("home"))
+    monkeypatch.setattr(assembly, "build_parts", None)
+    monkeypatch.setattr(assembly, "assemble_pose", None)
+    again = pickle.loads(pickled)
+    same([solve(again.mechanism, TARGETS[0])], [solve(three_rps, TARGETS[0])])
+    assert again.mechanism.characteristic_length == three_rps.characteristic_length
+
+
+class ByHand:
+    """A pickle of something with one argument of what makes it changed."""
+
+    def __init__(self, value, change):
+        self.value, self.change = value, change
+
+    def __reduce__(self):
+        make, arguments = self.value.__reduce__()
+        return make, tuple(map(self.change, arguments))
+
+
+def test_a_pickle_made_by_hand_is_no_open_configuration():
+    """Holding one is proof that its loops are closed."""
+
+    def opened(argument):
+        return argument + 1e-6 if isinstance(argument, np.ndarray) else argument
+
+    pickled = pickle.dumps(ByHand(pj.load("five_bar").home, opened))
+    with pytest.raises(pj.ClosureError, match="are open by"):
+        pickle.loads(pickled)
+
+
+def test_a_pickle_made_by_hand_has_turns_of_unit_length():
+    home = pj.load("three_rps").home
+
+    def longer(argument):
+        return 1.1 * argument if isinstance(argument, np.ndarray) else argument
+
+    with pytest.raises(pj.ArgumentError, match="not of unit length"):
+        pickle.loads(pickle.dumps(ByHand(home, longer)))
+
+
+def test_a_mechanism_whose_pickle_has_an_open_home_is_assembled_anew(three_rps):
+    def opened(argument):
+        if not isinstance(argument, assembly.Found):
+            return argument
+        return dataclasses.replace(argument, home_q=argument.home_q + 0.01)
+
+    again = pickle.loads(pickle.dumps(ByHand(three_rps, opened)))
+    np.testing.assert_array_equal(again.home.q, three_rps.home.q)
 
 
 @pytest.mark.parametrize("make", ["jacobian", "singularity", "split_jacobian"])

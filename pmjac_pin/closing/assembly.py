@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
@@ -157,17 +157,69 @@ def unassembled(
         kinematics = _kinematics(near, spec, values, kinematics.placed(given))
     rounding = size.rounding
     partition = _partition(spec, coordinates, kinematics, size, rounding)
-    problem = ClosureProblem(
+    problem = _problem(kinematics, spec, partition, rounding)
+    return Parts(
+        near, spec, values, coordinates, kinematics, problem, given, urdf, model, size.place
+    )
+
+
+def _problem(
+    kinematics: Kinematics, spec: MechanismSpec, partition: Partition, rounding: float
+) -> ClosureProblem:
+    model = kinematics.model
+    return ClosureProblem(
         kinematics.closure,
-        lambda q, v: pin.integrate(near, q, v),
-        lambda one, other: pin.difference(near, one, other),
+        lambda q, v: pin.integrate(model, q, v),
+        lambda one, other: pin.difference(model, one, other),
         partition,
         spec.tolerance,
         rounding,
     )
-    return Parts(
-        near, spec, values, coordinates, kinematics, problem, given, urdf, model, size.place
-    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """What `build_parts` computes and an equal mechanism elsewhere need not: plain numbers.
+
+    The attributes are those of `Parts` and its problem.
+    """
+
+    home_q: Array
+    place: Array
+    rounding: float
+    partition: Partition
+
+    @classmethod
+    def of(cls, parts: Parts) -> Found:
+        """Return what was found for these parts."""
+        problem = parts.problem
+        return cls(parts.home_q, parts.place, problem.rounding, replace(problem.partition))
+
+
+def rebuilt_parts(
+    model: pin.Model,
+    spec: MechanismSpec,
+    values: Mapping[str, float],
+    urdf: Urdf | None,
+    found: Found,
+) -> Parts:
+    """Return the parts that `build_parts` would, as they were found before.
+
+    The loops of the home pose are looked at again: where they are open, as on a machine that
+    computes otherwise, all is found anew.
+
+    Raises
+    ------
+    UnknownNameError, ArgumentError, ClosureError
+        As `build_parts`.
+    """
+    near = shifted_model(model, -found.place) if found.place.any() else model
+    kinematics = _kinematics(near, spec, values)
+    problem, q = _problem(kinematics, spec, found.partition, found.rounding), found.home_q
+    if not problem.gap(problem.evaluate(q)[0]) <= problem.tolerance:
+        return build_parts(model, spec, values, urdf)
+    coordinates = JointCoordinates(model)
+    return Parts(near, spec, values, coordinates, kinematics, problem, q, urdf, model, found.place)
 
 
 def _kinematics(
