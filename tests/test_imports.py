@@ -153,6 +153,24 @@ def test_what_is_not_asked_for_is_not_imported():
     subprocess.run([sys.executable, "-c", code], check=True, cwd=PACKAGE.parent)
 
 
+@pytest.mark.parametrize(
+    "code",
+    [
+        "import pmjac_pin as pj; pj.load('four_bar')",
+        "from pmjac_pin.cli.running import import_commands; import_commands(['list'])",
+    ],
+)
+def test_starting_up_imports_little(code):
+    """SciPy takes as long as Pinocchio; most models are of our own format."""
+    code += (
+        ";import sys;"
+        "found = {'scipy', 'yaml', 'mujoco', 'email', 'pmjac_pin.studies'} & set(sys.modules);"
+        "found |= {name for name in sys.modules if name.startswith('pmjac_pin.files.mjcf')};"
+        "assert not found, found"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=PACKAGE.parent)
+
+
 # Imports each of these modules in a process of its own, where others' packages are there already.
 IN_FORKS = """
 import importlib, os, sys, traceback

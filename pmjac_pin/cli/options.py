@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Annotated, Any, TypeAlias
 
+# As long as Ctrl-C ends all silently, not when the first loop is closed.
+import scipy.linalg.lapack  # noqa: F401
 from cyclopts import Parameter
 
 from pmjac_pin.configuration import Configuration

@@ -34,8 +34,9 @@ def main(argv: "Sequence[str] | None" = None) -> int:
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         return _run(sys.argv[1:])
     signal.signal(signal.SIGINT, _leave)  # C code that is being imported may lose an exception
-    import pmjac_pin.cli.running  # noqa: F401, PLC0415
+    from pmjac_pin.cli.running import import_commands  # noqa: PLC0415
 
+    import_commands(sys.argv[1:])
     try:
         signal.signal(signal.SIGINT, signal.default_int_handler)
         status = _run(sys.argv[1:])

@@ -2,33 +2,26 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 import re
 from collections.abc import Sequence
 
 import numpy as np
 from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
-from pmjac_pin.cli.check import check_command
-from pmjac_pin.cli.convert import convert_command
-from pmjac_pin.cli.demo import demo_command
 from pmjac_pin.cli.exit_status import INTERRUPTED
-from pmjac_pin.cli.list import list_command
-from pmjac_pin.cli.modes import modes_command
 from pmjac_pin.cli.output import Verdict
-from pmjac_pin.cli.plot import plot_command
-from pmjac_pin.cli.report import report_command
-from pmjac_pin.cli.sweep import sweep_command
-from pmjac_pin.cli.view import view_command
 from pmjac_pin.errors import LimitError, PmjacError, shortened
 from pmjac_pin.words.terminal import complain, draw, new_console, one_line, write
 
+_COMMANDS = ("list", "report", "modes", "check", "plot", "demo", "view", "convert", "sweep")
 _EXAMPLE = "Example: pmjac report four_bar --at 1.2 --set l1=1.1,l2=2.9"
 
 _LONGEST_TYPED = 600  # characters of a message that quotes what was typed
 
 
 def _version() -> str:
+    import importlib.metadata  # noqa: PLC0415 (reads mail)
+
     try:
         return f"pmjac {importlib.metadata.version('pmjac_pin')}"
     except importlib.metadata.PackageNotFoundError:
@@ -45,20 +38,20 @@ app = App(
     suppress_keyboard_interrupt=False,
     default_parameter=Parameter(negative=(), show_default=False),
 )
-app.command(list_command, name="list")
-app.command(report_command, name="report")
-app.command(modes_command, name="modes")
-app.command(check_command, name="check")
-app.command(plot_command, name="plot")
-app.command(demo_command, name="demo")
-app.command(view_command, name="view")
-app.command(convert_command, name="convert")
-app.command(sweep_command, name="sweep")
+for _name in _COMMANDS:
+    app.command(f"pmjac_pin.cli.{_name}:{_name}_command", name=_name)
+
+
+def import_commands(argv: Sequence[str]) -> None:
+    """Import the command that these arguments name; all, which help tells of, where it is none."""
+    for name in argv[:1] if set(argv[:1]) & set(_COMMANDS) else _COMMANDS:
+        app[name]
 
 
 def run(argv: Sequence[str]) -> int:
     """Run a command; return the exit status, 130 where it was interrupted."""
     try:
+        import_commands(argv)
         return _run_app(argv)
     except BrokenPipeError:  # the reader, such as `head`, has seen enough
         return 0

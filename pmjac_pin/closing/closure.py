@@ -12,7 +12,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg.lapack import dgesv
 
 from pmjac_pin.closing.closed import Closed, point_at
 from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
@@ -20,6 +19,7 @@ from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.step_guard import StepGuard
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array, norm
+from pmjac_pin.values.square import solved
 
 MOST_STEPS = 20_000  #: tried in one path
 
@@ -194,8 +194,8 @@ def _newton_step(residual: Array, jacobian: Array, partition: Partition) -> Arra
     passive = partition.passive
     velocity = np.zeros(partition.column_scale.size)
     if residual.size == passive.size == partition.passive_rank:
-        *_, solution, failed = dgesv(jacobian.take(passive, axis=1), residual)
-        velocity[passive] = np.nan if failed else -solution
+        solution = solved(jacobian.take(passive, axis=1), residual)
+        velocity[passive] = np.nan if solution is None else -solution
         return velocity
     scaled = partition.scaled(jacobian)
     factors = partition.factorise(scaled.take(passive, axis=1), partition.size_of(scaled))

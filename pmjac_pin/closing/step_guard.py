@@ -24,7 +24,6 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from scipy.linalg.lapack import dgesv
 
 from pmjac_pin.closing.arms import Arms
 from pmjac_pin.closing.bends import Bends, MotionSeries
@@ -33,6 +32,7 @@ from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.model.joint_kinds import kind_of
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.square import solved
 
 QUADRATIC = 3**0.5 / 216.0  # of |f‴|: f between its values at 0, ½ and 1
 CUBIC = 1.0 / 384.0  # of |f⁗|: f between its values and slopes at 0 and 1
@@ -141,8 +141,7 @@ class StepGuard:
         left_out = step.left_out if mixed is None else step.left_out @ mixed
         change = np.abs(straight) + np.abs(bent) + sizes @ left_out
         identity = np.eye(len(change))
-        *_, gains, failed = dgesv(identity - change, sizes)
-        if failed:
+        if (gains := solved(identity - change, sizes)) is None:
             return False
         open_by = step.open_by
         for _ in range(2):
@@ -155,8 +154,8 @@ class StepGuard:
         else:
             return False
         change += sizes @ within
-        *_, weights, failed = dgesv(identity - MARGIN * change, np.ones(len(change)))
-        return not failed and bool((weights >= 1.0).all())
+        weights = solved(identity - MARGIN * change, np.ones(len(change)))
+        return weights is not None and bool((weights >= 1.0).all())
 
     def _within(self, step: _Step, tube: Array, mixed: Array | None) -> Array:
         """Return a bound on how K* changes in the tube, scaled, (p, m_p)."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 import os
 from pathlib import Path
 
@@ -109,6 +108,8 @@ def _data() -> Path:
 
 
 def _example_robots(model_file: Path) -> Path:
+    import importlib.metadata  # noqa: PLC0415 (reads mail)
+
     try:
         package = importlib.metadata.distribution("example-robot-data")
     except importlib.metadata.PackageNotFoundError:

@@ -12,11 +12,7 @@ from pmjac_pin.errors import ModelFileError, enumerated
 from pmjac_pin.files.catalog import SUFFIXES, find_urdf
 from pmjac_pin.files.foreign_model import ForeignModel, check_frame, checked_motors
 from pmjac_pin.files.massless import mass_notes
-from pmjac_pin.files.mjcf.reader import read_mjcf
 from pmjac_pin.files.model_file import read_model_file
-from pmjac_pin.files.sdf.reader import read_sdf
-from pmjac_pin.files.urdf.extended_urdf import closure_yaml_beside, read_extended_urdf
-from pmjac_pin.files.urdf.looped_urdf import read_looped_urdf
 from pmjac_pin.files.urdf.robot import Urdf, read_urdf
 from pmjac_pin.files.urdf.ties import closing_frames
 from pmjac_pin.files.user_path import shown_path
@@ -102,20 +98,35 @@ def _open_frames(urdf: Urdf, spec: MechanismSpec) -> list[str]:
     return [f"not read: the frames {pair} are in no [[loop]]" for pair in pairs]
 
 
+# What reads another format is imported when a file of it is read.
 def _read_urdf(path: Path, motors: Collection[str]) -> ForeignModel:
+    from pmjac_pin.files.urdf.extended_urdf import (  # noqa: PLC0415
+        closure_yaml_beside,
+        read_extended_urdf,
+    )
+    from pmjac_pin.files.urdf.looped_urdf import read_looped_urdf  # noqa: PLC0415
+
     extended = closure_yaml_beside(path) is not None
     return (read_extended_urdf if extended else read_looped_urdf)(path, motors)
 
 
+def _read_sdf(path: Path, motors: Collection[str]) -> ForeignModel:
+    from pmjac_pin.files.sdf.reader import read_sdf  # noqa: PLC0415
+
+    return read_sdf(path, motors)
+
+
 def _read_mjcf(path: Path, _: Collection[str]) -> ForeignModel:
+    from pmjac_pin.files.mjcf.reader import read_mjcf  # noqa: PLC0415
+
     return read_mjcf(path)  # its loops are cut already
 
 
 # The readers of other formats, by the suffix of the file; each is told which joints stay uncut.
 READERS: Mapping[str, Callable[[Path, Collection[str]], ForeignModel]] = {
     ".urdf": _read_urdf,
-    ".sdf": read_sdf,
-    ".world": read_sdf,
+    ".sdf": _read_sdf,
+    ".world": _read_sdf,
     ".xml": _read_mjcf,
     ".mjcf": _read_mjcf,
 }
