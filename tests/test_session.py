@@ -13,6 +13,7 @@ import scipy.optimize
 
 import pmjac_pin as pj
 from pmjac_pin.model.tool_rows import TWIST_ROWS
+from pmjac_pin.rates.ellipsoid import velocity_ellipsoid
 from pmjac_pin.viewer.messages import (
     MAXIMAL_MESSAGE,
     Home,
@@ -249,6 +250,20 @@ def test_the_same_mechanism_loaded_twice_is_welcome():
     session.show(pj.load("three_rps").close([1.1, 1.0, 1.0]))
     assert session.configuration.actuated[0] == pytest.approx(1.1)
     session.obey(MoveMotors(values=[1.2, 1.0, 1.0]))
+
+
+def test_an_update_computes_jacobian_and_ellipsoids_once(monkeypatch):
+    session, computed = session_of(), []
+
+    def counted(jacobian, unit, rounding):
+        computed.append(unit)
+        return velocity_ellipsoid(jacobian, unit, rounding)
+
+    monkeypatch.setattr("pmjac_pin.rates.jacobian.velocity_ellipsoid", counted)
+    session.obey(MoveMotors(values=[1.2, 1.0, 1.0]))
+    session.scene()
+    session.state()
+    assert sorted(computed) == ["m/s", "rad/s"]
 
 
 @pytest.mark.parametrize("name", pj.list_mechanisms())

@@ -138,8 +138,12 @@ class EquivalentJacobian(SplitJacobian):
     def velocity_ellipsoid(self) -> Ellipsoid:
         """Return the tool velocities of all |θ̇| = 1: the principal velocities, in m/s.
 
-        A radius that is only rounding, beside `sizes`, is 0.
+        A radius that is only rounding, beside `sizes`, is 0. Computed once.
         """
+        return self._linear_ellipsoid
+
+    @cached_property
+    def _linear_ellipsoid(self) -> Ellipsoid:
         return velocity_ellipsoid(self.Jv_eq, unit="m/s", rounding=self._rounding[0])
 
     def angular_ellipsoid(self) -> Ellipsoid:

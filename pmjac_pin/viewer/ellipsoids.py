@@ -8,13 +8,14 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ClosureError, NoJacobianError
+from pmjac_pin.errors import ClosureError
 from pmjac_pin.files.shapes import Cone, Cylinder, Sphere
 from pmjac_pin.pictures.anatomy import Anatomy
 from pmjac_pin.rates.ellipse import ties, turned_into_plane
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.values.arrays import Array, read_only
+from pmjac_pin.viewer.equivalent import equivalent
 from pmjac_pin.viewer.items import Part, between
 from pmjac_pin.viewer.layers import (
     SPECK,
@@ -109,11 +110,8 @@ def find_ellipsoids(
 ) -> dict[EllipsoidKind, Ellipsoid]:
     """Return the ellipsoids of these kinds, or nothing where no equivalent Jacobian exists."""
     kinds = tuple(kinds)
-    if not kinds:
-        return {}
-    try:
-        jacobian = configuration.jacobian()
-    except NoJacobianError:
+    jacobian, _ = equivalent(configuration) if kinds else (None, "")
+    if jacobian is None:
         return {}
     return {kind: _ellipsoid(jacobian, kind) for kind in kinds}
 

@@ -8,7 +8,6 @@ import msgspec
 import numpy as np
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import NoJacobianError
 from pmjac_pin.model.tool_rows import ToolRows
 from pmjac_pin.model.twist_frame import change_frame
 from pmjac_pin.pictures.plotting import PLANES
@@ -16,6 +15,7 @@ from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.singularity import Singularity
 from pmjac_pin.values.arrays import Array, norm
+from pmjac_pin.viewer.equivalent import equivalent
 from pmjac_pin.viewer.free_motion import ALMOST_SINGULAR, easiest_motions
 from pmjac_pin.viewer.tool_ranks import ToolRanks
 from pmjac_pin.words.labelled import SHOWN_AS_ZERO
@@ -127,7 +127,7 @@ def make_readout(configuration: Configuration, ranks: ToolRanks | None = None) -
     >>> readout.warning.level, [section.plane for section in readout.sections]
     ('regular', ['zy', 'zx', 'xy'])
     """
-    jacobian, refusal = _equivalent(configuration)
+    jacobian, refusal = equivalent(configuration)
     singularity = configuration.singularity()
     loops = bool(singularity.generic_rank)
     known = {} if jacobian is None else _of_jacobian(jacobian)
@@ -156,13 +156,6 @@ def _beyond(configuration: Configuration) -> str:
     shown = ", ".join(found[:_NAMES_SHOWN]) + " and others" * (len(found) > _NAMES_SHOWN)
     their = "its limits" if len(found) == 1 else "their limits"
     return f"Beyond {their}: {shown}. The loops close, but the machine cannot be here."
-
-
-def _equivalent(configuration: Configuration) -> tuple[EquivalentJacobian | None, str | None]:
-    try:
-        return configuration.jacobian(), None
-    except NoJacobianError as error:
-        return None, str(error)
 
 
 def _judged(rows: ToolRows) -> tuple[str, str]:
