@@ -16,3 +16,25 @@ def test_the_inverse_by_the_generic_rank_is_the_pseudoinverse(shape, rng):
     matrix = rng.normal(size=(rows, rank)) @ rng.normal(size=(rank, columns))
     inverse = factorise(matrix, 1.0).inverse(rank)
     np.testing.assert_allclose(inverse, np.linalg.pinv(matrix, rcond=1e-10), atol=1e-10)
+
+
+@pytest.mark.parametrize("share", [0.0, 1e-16, 1e-9, 0.5e-6, 0.999e-6, 1.001e-6, 2e-6, 1e-3, 1.0])
+@pytest.mark.parametrize("count", [1, 2, 5, 18])
+def test_what_the_inverse_tells_is_what_singular_values_tell(share, count, rng):
+    """Ranks on either side of the tolerance, whichever way they are found."""
+    for _ in range(10):
+        left, right = (np.linalg.qr(rng.normal(size=(count, count)))[0] for _ in range(2))
+        values = np.append(rng.uniform(0.5, 1.0, count - 1), share)
+        matrix, size = (left * values) @ right, np.linalg.norm(values) or 1.0
+        factors, b = factorise(matrix, size), rng.normal(size=(count, 3))
+        expected = np.linalg.svd(matrix)[1]
+        rank = np.count_nonzero(expected > 1e-6 * size)
+        assert factors.rank == rank
+        for least in (0.0, 0.1 * share, 0.99 * share, 1.01 * share, 2.0):
+            assert factors.exceeds(count, least) == (expected[-1] > least)
+        np.testing.assert_array_equal(factors.singular_values, expected)
+        pseudo = np.linalg.pinv(matrix, rcond=1e-6 * size / expected[0])
+        if expected[0] > 1e-6 * size:
+            scale = np.linalg.norm(pseudo)
+            np.testing.assert_allclose(factors.inverse(rank), pseudo, atol=1e-8 * scale)
+            np.testing.assert_allclose(factors.solve(b), pseudo @ b, atol=1e-8 * scale)

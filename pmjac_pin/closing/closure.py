@@ -19,7 +19,7 @@ from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.step_guard import StepGuard
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array, norm
-from pmjac_pin.values.square import solved
+from pmjac_pin.values.lapack import least_squares, solved
 
 MOST_STEPS = 20_000  #: tried in one path
 
@@ -77,7 +77,7 @@ def follow(
     point, share, step, iterations = start, 0.0, 1.0, 0
     regular = not _is_singular(start, partition)
     velocity = _path_velocity(start, displacement, partition) if regular else np.zeros(0)
-    tries, weakest = 0, _weakest(start, partition) if regular else 0.0
+    tries = 0
     while regular and tries < MOST_STEPS:
         tries += 1
         pace = norm(velocity / partition.column_scale)
@@ -96,9 +96,9 @@ def follow(
         if not guard.covers(problem, point, candidate, tangent, arriving * stride):
             continue
         iterations += candidate.iterations
-        point, velocity, share = candidate, arriving, 1.0 if last else share + stride
-        before, weakest = weakest, _weakest(point, partition)
-        if last or _is_singular(point, partition) or _sinks_away(before, weakest, partition):
+        before, point, velocity = point, candidate, arriving
+        share = 1.0 if last else share + stride
+        if last or _is_singular(point, partition) or _sinks_away(before, point, partition):
             break
         step = 2.0 * stride
     ended = Followed(point, share, iterations, spent=tries == MOST_STEPS)
@@ -106,9 +106,14 @@ def follow(
     return (_arrived(problem, ended, target) if near and share < 1.0 else None) or ended
 
 
-def _sinks_away(before: float, weakest: float, partition: Partition) -> bool:
+def _sinks_away(before: Closed, point: Closed, partition: Partition) -> bool:
     """Tell whether K* has come nearer to losing its rank and is beyond its tolerance already."""
-    return weakest < before and weakest <= partition.rank_tolerance * partition.size
+    rank, least = partition.passive_rank, partition.rank_tolerance * partition.size
+    if not rank or point.factors.exceeds(rank, least):
+        return False
+    # In m: beside a crossing all of K* is small.
+    weakest, earlier = (one.factors.singular_values[rank - 1] for one in (point, before))
+    return bool(weakest < earlier)
 
 
 def _arrived(
@@ -139,14 +144,8 @@ def _is_singular(point: Closed, partition: Partition) -> bool:
 
 
 def _is_invertible(point: Closed, partition: Partition) -> bool:
-    rank, values = partition.passive_rank, point.factors.singular_values
-    return not rank or float(values[rank - 1]) > NO_INVERSE * point.factors.size
-
-
-def _weakest(point: Closed, partition: Partition) -> float:
-    """Return the singular value of K* that decides, in m; beside a crossing all of K* is small."""
-    rank = partition.passive_rank
-    return float(point.factors.singular_values[rank - 1]) if rank else np.inf
+    factors = point.factors
+    return factors.exceeds(partition.passive_rank, NO_INVERSE * factors.size)
 
 
 def _path_velocity(point: Closed, displacement: Array, partition: Partition) -> Array:
@@ -155,7 +154,7 @@ def _path_velocity(point: Closed, displacement: Array, partition: Partition) -> 
     velocity = np.zeros(partition.column_scale.size)
     velocity[actuated] = displacement / partition.column_scale[actuated]
     velocity[passive] = -point.factors.solve(
-        point.scaled[:, actuated] @ velocity[actuated], partition.passive_rank
+        point.scaled.take(actuated, axis=1) @ velocity[actuated], partition.passive_rank
     )
     velocity *= partition.column_scale
     return velocity
@@ -197,12 +196,16 @@ def _newton_step(residual: Array, jacobian: Array, partition: Partition) -> Arra
         solution = solved(jacobian.take(passive, axis=1), residual)
         velocity[passive] = np.nan if solution is None else -solution
         return velocity
-    scaled = partition.scaled(jacobian)
+    scaled, error = partition.scaled(jacobian), residual * partition.row_scale
+    if residual.size > passive.size == partition.passive_rank:
+        solution = least_squares(scaled.take(passive, axis=1), error)
+        moves = np.nan if solution is None else -solution
+        velocity[passive] = partition.column_scale[passive] * moves
+        return velocity
     factors = partition.factorise(scaled.take(passive, axis=1), partition.size_of(scaled))
     if not factors.singular_values[: partition.passive_rank].all():
         velocity[passive] = np.nan
         return velocity
-    error = residual * partition.row_scale
     velocity[passive] = -partition.column_scale[passive] * factors.solve(
         error, partition.passive_rank
     )

@@ -32,7 +32,7 @@ from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.model.joint_kinds import kind_of
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.square import solved
+from pmjac_pin.values.lapack import solved
 
 QUADRATIC = 3**0.5 / 216.0  # of |f‴|: f between its values at 0, ½ and 1
 CUBIC = 1.0 / 384.0  # of |f⁗|: f between its values and slopes at 0 and 1
@@ -111,8 +111,9 @@ class StepGuard:
         )
         # Loops that follow one another show in the joints themselves, what turns as a whole in
         # the singular vectors.
-        singular = start.factors.right[: partition.passive_rank].T
-        return self._contracts(step, None) or self._contracts(step, singular)
+        return self._contracts(step, None) or self._contracts(
+            step, start.factors.right[: partition.passive_rank].T
+        )
 
     def _curve(
         self, first: Array, last: Array, leaving: Array, arriving: Array

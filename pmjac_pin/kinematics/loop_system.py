@@ -62,6 +62,7 @@ class _Closure:
     blocks: tuple[tuple[slice, Rows], ...]
     body: int  # Pinocchio's index of the joint that carries the second frame
     base: int  # ... of the last joint that carries both frames, 0 for the world
+    vectors: tuple[slice, ...]  # the rows of blocks that turn with the axes
 
     def relative(self, model: pin.Model, data: pin.Data, scratch: Any) -> Relative:
         # Without `calc` the constraint's Jacobian is silently the one of another q.
@@ -73,9 +74,6 @@ class _Closure:
         gap, turning = scratch.c1Mc2.translation, rates[3:]
         gap_rates = rates[:3] - pin.skew(gap) @ turning  # ṗ = v + ω × p
         return Relative(gap, gap_rates, scratch.c1Mc2.rotation, turning)
-
-    def vectors(self) -> list[slice]:
-        return [rows for rows, block in self.blocks if block.vector]
 
 
 class LoopSystem:
@@ -209,7 +207,7 @@ class LoopSystem:
         On closure this is exact; off it, `add_turning` adds what is missing.
         """
         for closure, loop_data in zip(self._closures, scratch, strict=True):
-            for rows in closure.vectors():
+            for rows in closure.vectors:
                 rotation = loop_data.oMc1.rotation
                 residual[rows] = rotation @ residual[rows]
                 jacobian[rows] = rotation @ jacobian[rows]
@@ -222,7 +220,7 @@ class LoopSystem:
         for closure, loop_data in zip(self._closures, scratch, strict=True):
             if closure.base == closure.body:
                 continue
-            for rows in closure.vectors():
+            for rows in closure.vectors:
                 rotation = loop_data.oMc1.rotation
                 if closure.base:
                     rotation = data.oMi[closure.base].rotation.T @ rotation
@@ -236,7 +234,7 @@ class LoopSystem:
         for closure in self._closures:
             turning = pin.getJointJacobian(model, data, closure.body, pin.LOCAL_WORLD_ALIGNED)
             turning = turning.reshape(6, -1)[3:]
-            for rows in closure.vectors():
+            for rows in closure.vectors:
                 jacobian[rows] -= pin.skew(residual[rows]) @ turning
 
 
@@ -255,4 +253,5 @@ def _closure(
     constraint = anchors(model, second.joint, second.placement, first.joint, first.placement)
     one, other = (list(model.supports[frame.joint]) for frame in (first, second))
     base = [a for a, b in zip(one, other, strict=False) if a == b][-1]
-    return _Closure(constraint, blocks, second.joint, base)
+    vectors = tuple(rows for rows, block in blocks if block.vector)
+    return _Closure(constraint, blocks, second.joint, base, vectors)

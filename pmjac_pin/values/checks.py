@@ -35,7 +35,8 @@ def as_numbers(given: object, what: str, largest: float = LARGEST) -> Array:
             raise TypeError
     except (TypeError, ValueError):
         raise ArgumentError(f"{what} must be real numbers, got {quoted(given)}") from None
-    if np.ma.is_masked(given):
+    # Only what has a mask is looked at: what knows masks takes long to import.
+    if hasattr(given, "mask") and np.ma.is_masked(given):
         raise ArgumentError(f"{what} must have no masked entries, got {quoted(given)}")
     array = raw.astype(np.float64)
     if not np.isfinite(array).all():

@@ -1,0 +1,48 @@
+"""Small systems of equations, many times: LAPACK without NumPy's checks."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+from pmjac_pin.values.arrays import Array
+
+
+def solved(matrix: Array, right: Array) -> Array | None:
+    """Return x with A x = b, A square, or None where elimination meets a zero.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> solved(2.0 * np.eye(2), np.array([1.0, 3.0])).tolist()
+    [0.5, 1.5]
+    >>> solved(np.zeros((2, 2)), np.ones(2)) is None
+    True
+    """
+    *_, solution, failed = _lapack().dgesv(matrix, right)
+    return None if failed else solution
+
+
+def least_squares(matrix: Array, right: Array) -> Array | None:
+    """Return the x of smallest |A x − b|, A with more rows than columns, or None as `solved`.
+
+    Of a matrix of zeros, 0.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> least_squares(np.array([[2.0], [0.0]]), np.array([1.0, 3.0])).tolist()
+    [0.5]
+    >>> least_squares(np.eye(3, 2) @ np.diag([1.0, 0.0]), np.ones(3)) is None
+    True
+    """
+    _, solution, failed = _lapack().dgels(matrix, right)
+    return None if failed else solution[: matrix.shape[1]]
+
+
+@functools.cache
+def _lapack() -> Any:
+    # When it is first called: to import SciPy takes as long as to import Pinocchio.
+    from scipy.linalg import lapack  # noqa: PLC0415
+
+    return lapack
