@@ -10,6 +10,7 @@ Manipulator Jacobian Matrix*; they are never computed from g, which would lose h
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -32,6 +33,8 @@ from pmjac_pin.rates.ellipse import (
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import LARGEST
 from pmjac_pin.values.ties import first_largest
+
+_ORTHONORMAL = 1e-6  # of lengths and scalar products
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -274,12 +277,16 @@ def _principal(jacobian: ArrayLike, rounding: float) -> tuple[Array, Array]:
 
 
 def _right_handed(axes: Array) -> bool:
-    # The first test also stops NaN and numbers that would overflow in the second.
-    return bool(
-        np.abs(axes).max() < 2
-        and np.abs(axes.T @ axes - np.eye(3)).max() <= 1e-6
-        and np.linalg.det(axes) > 0
-    )
+    """On Python floats: on so few numbers they are several times faster than NumPy."""
+    a, b, c = axes.T.tolist()
+    # This stops NaN, too, and numbers whose squares would overflow.
+    if not all(abs(x) < 2.0 for x in (*a, *b, *c)):
+        return False
+    lengths = [sum(map(operator.mul, one, one)) - 1.0 for one in (a, b, c)]
+    angles = [sum(map(operator.mul, *pair)) for pair in ((a, b), (b, c), (c, a))]
+    normal = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    orthonormal = max(map(abs, lengths + angles)) <= _ORTHONORMAL
+    return orthonormal and sum(map(operator.mul, normal, c)) > 0.0
 
 
 def _basis_and_normal(plane: str | ArrayLike) -> tuple[Array, Array]:
