@@ -286,7 +286,7 @@ def _right_handed(axes: Array) -> bool:
     angles = [sum(map(operator.mul, *pair)) for pair in ((a, b), (b, c), (c, a))]
     normal = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
     orthonormal = max(map(abs, lengths + angles)) <= _ORTHONORMAL
-    return orthonormal and sum(map(operator.mul, normal, c)) > 0.0
+    return bool(orthonormal and sum(map(operator.mul, normal, c)) > 0.0)
 
 
 def _basis_and_normal(plane: str | ArrayLike) -> tuple[Array, Array]:
