@@ -16,6 +16,7 @@ from pmjac_pin.values.arrays import Array, norm
 RANK_TOLERANCE = 1e-6
 
 _SURELY = 1.0 - 1e-3  # of a bound that rounding may have moved
+_RESOLVED = 1e-9  # of the matrix: above, rounding moves an inverse by less than that
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,8 +58,10 @@ class Factorisation:
             inverse = np.asarray(np.linalg.inv(self.matrix), dtype=np.float64)
         except np.linalg.LinAlgError:
             return None, 0.0
-        bound = _SURELY / (norm(inverse) or math.inf)
-        return (inverse, bound) if bound > self.tolerance * self.size else (None, 0.0)
+        # By the largest entry: squares may overflow.
+        bound = _SURELY / (rows * float(np.abs(inverse).max()) or math.inf)
+        least = max(self.tolerance, _RESOLVED) * max(self.size, norm(self.matrix))
+        return (inverse, bound) if bound > least else (None, 0.0)
 
     @property
     def left(self) -> Array:
