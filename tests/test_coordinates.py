@@ -35,7 +35,7 @@ def test_names_and_columns(coordinates):
 
 def test_what_turns_is_what_pinocchio_turns():
     model = pj.load("ankle").model
-    for joint in (pin.JointModelPlanar(), pin.JointModelHz(0.2), pin.JointModelSphericalZYX()):
+    for joint in (pin.JointModelPlanar(), pin.JointModelHZ(0.2), pin.JointModelSphericalZYX()):
         model.addJoint(1, joint, pin.SE3.Random(), joint.shortname())
     motions = pin.computeJointJacobians(model, model.createData(), pin.neutral(model))
     turns = np.abs(motions[3:]).max(axis=0) > 0.0
