@@ -150,6 +150,9 @@ class Batch:
         values, whose = self._values(actuated), enforced(enforce_limits)
         start = self._start(guess, len(values))
         q, share, settled = self._together(start, values)
+        # Another branch may have more rank than home's, of which the program knows nothing.
+        full = self.mechanism.problem.partition.full
+        settled &= (share == 1.0) | (full & (share > 0.0))
         for index in np.flatnonzero(~settled).tolist():
             q[index], share[index] = self._alone(start[index], values[index])
         status = np.where(share == 1.0, Status.CLOSED, Status.STOPPED).astype(np.int8)

@@ -14,6 +14,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.closing.closed import Closed, closed_point
+from pmjac_pin.closing.closure_problem import ClosureProblem
+from pmjac_pin.closing.generic_ranks import on_branch_of
 from pmjac_pin.closing.idle_motions import gained_and_idle
 from pmjac_pin.closing.parts import Parts
 from pmjac_pin.errors import ArgumentError, ClosureError, quoted
@@ -79,9 +81,12 @@ class Configuration:
         return configuration
 
     @classmethod
-    def _of_point(cls, mechanism: Mechanism, point: Closed, iterations: int) -> Configuration:
-        """Make the configuration where a path ended."""
-        return cls._certified(mechanism, point.q, iterations, point.gap, _point=point)
+    def _of_point(
+        cls, mechanism: Mechanism, point: Closed, iterations: int, problem: ClosureProblem
+    ) -> Configuration:
+        """Make the configuration where a path ended, on the branch with the problem's ranks."""
+        known = {"_point": point, "_problem": problem}
+        return cls._certified(mechanism, point.q, iterations, point.gap, **known)
 
     @classmethod
     def _of_q(cls, mechanism: Mechanism, q: Array, iterations: int = 0) -> Configuration:
@@ -197,7 +202,7 @@ class Configuration:
         """
         name = frame_name(frame)
         constraint, tool = self._jacobians(self._snapshot, name)
-        partition = self._parts.problem.partition
+        partition = self._problem.partition
         return SplitJacobian(constraint, tool, name, partition, pose=PoseRounding(self, name))
 
     def singularity(self) -> Singularity:
@@ -209,7 +214,7 @@ class Configuration:
         >>> pj.load("four_bar").home.singularity().kind
         'regular'
         """
-        problem = self._parts.problem
+        problem = self._problem
         return analyse_singularity(
             self._snapshot.constraint_jacobian,
             self._snapshot.judged_jacobian(problem.partition.tool_rows),
@@ -226,11 +231,25 @@ class Configuration:
 
     @cached_property
     def _point(self) -> Closed:
-        return closed_point(self._parts.problem, self.q)
+        return closed_point(self._problem, self.q)
 
     @cached_property
     def _loop_rates(self) -> LoopRates:
-        return self._parts.problem.partition.loop_rates(self._snapshot.constraint_jacobian)
+        home, here = self._parts.problem, self._problem
+        return self._by_home if here is home else self._rates_by(here)
+
+    @cached_property
+    def _problem(self) -> ClosureProblem:
+        """The closure problem, with the generic ranks of the branch that this pose lies on."""
+        parts = self._parts
+        return on_branch_of(parts.problem, parts.kinematics, self.q, self._by_home)
+
+    @cached_property
+    def _by_home(self) -> LoopRates:
+        return self._rates_by(self._parts.problem)
+
+    def _rates_by(self, problem: ClosureProblem) -> LoopRates:
+        return problem.partition.loop_rates(self._snapshot.constraint_jacobian)
 
     @cached_property
     def _snapshot(self) -> Snapshot:

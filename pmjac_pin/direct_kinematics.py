@@ -45,10 +45,11 @@ def close(
     start = _start(mechanism, guess, values)
 
     displacement = _displacement(parts, start, values)
-    path = walk(parts, mechanism._step_guard, start._point, displacement, values)
+    problem, guard = start._problem, mechanism._step_guard
+    path = walk(problem, parts.coordinates, guard, start._point, displacement, values)
     if path.share < 1.0:
         raise _stopped(mechanism, values, start, path)
-    closed = Configuration._of_point(mechanism, path.point, path.iterations)
+    closed = Configuration._of_point(mechanism, path.point, path.iterations, problem)
     if whose == "all" and (beyond := closed.limits_violated):
         what = f"{mechanism.name}: at these motor values, on this assembly mode, "
         raise limit_error(what, beyond, "; enforce_limits=True asks for the motors' alone")
@@ -116,9 +117,8 @@ def _stopped(
     mechanism: Mechanism, values: Array, start: Configuration, path: Followed
 ) -> ClosureError:
     """Build the error of a path that ended early, with the best pose at the target itself."""
-    parts = mechanism._parts
-    problem = parts.problem
-    reached = Configuration._of_point(mechanism, path.point, path.iterations)
+    parts, problem = mechanism._parts, start._problem
+    reached = Configuration._of_point(mechanism, path.point, path.iterations, problem)
     at_target = parts.coordinates.with_values(path.point.q, problem.partition.actuated, values)
     best = assemble(problem, at_target, motor_weights(problem, 0.0))
     ties = ties_in_words(problem, start._point)

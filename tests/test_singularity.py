@@ -264,10 +264,10 @@ def test_a_path_through_a_branch_point_stops_there():
 
 @pytest.mark.parametrize("name", ["four_bar", "three_rps", "delta"])
 def test_jacobian_and_singularity_share_one_factorisation_of_K_star(name, monkeypatch):
-    configuration = pj.load(name).home
-    partition = configuration.mechanism.problem.partition
-    scaled = partition.scaled(configuration.split_jacobian().constraint_jacobian)
-    looked_at = []
+    home = pj.load(name).home
+    partition = home.mechanism.problem.partition
+    scaled = partition.scaled(home.split_jacobian().constraint_jacobian)
+    configuration, looked_at = home.mechanism.configuration(home.q), []
 
     def counted(matrix, *others):
         looked_at.append(np.array_equal(matrix, scaled[:, partition.passive]))

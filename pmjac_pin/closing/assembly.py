@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,8 +12,8 @@ import pinocchio as pin
 from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.closure_problem import LARGEST_SHARE, ClosureProblem
 from pmjac_pin.closing.damped_closure import assemble
+from pmjac_pin.closing.generic_ranks import ranked
 from pmjac_pin.closing.machine_size import Size, shifted_model
-from pmjac_pin.closing.nearby_poses import FARTHEST, nearby, reach_of_joints
 from pmjac_pin.closing.parts import Parts
 from pmjac_pin.closing.pose_assembly import assemble_pose, check_motors, motor_weights
 from pmjac_pin.closing.scales import column_scale, row_scale
@@ -32,7 +32,6 @@ from pmjac_pin.values.arrays import Array
 # Numbers that are off by a share of the mechanism's length are off by that in K*, and more.
 _SMALLEST_SIZE = 1e-2  # of [K K*]: rows are measured by their loops, columns by the machine
 _RANK_ROOM = 10.0
-_ENOUGH = 3  # poses of the generic rank from which it is tried whether all joints can move
 
 _logger = logging.getLogger(__name__)
 
@@ -76,30 +75,7 @@ def _ranked(parts: Parts) -> Parts:
     size = Size(kinematics, parts.spec, parts.coordinates.rotational, parts.home_q)
     partition = _partition(parts.spec, parts.coordinates, kinematics, size, problem.rounding)
     problem = replace(problem, partition=partition)
-    poses = [parts.home_q, *nearby(problem, parts.home_q)]
-    snapshots = [kinematics.snapshot(q) for q in poses]
-    rows = partition.tool_rows
-    ranked = partition.with_ranks_of(
-        [(snapshot.constraint_jacobian, snapshot.judged_jacobian(rows)) for snapshot in snapshots]
-    )
-    problem = replace(problem, partition=ranked)
-    regular = [
-        q
-        for q, snapshot in zip(poses, snapshots, strict=True)
-        if ranked.rank_of(snapshot.constraint_jacobian) == ranked.constraint_rank
-    ]
-    reach = _farthest(problem, regular[:_ENOUGH])
-    return replace(parts, problem=replace(problem, partition=replace(ranked, reach=reach)))
-
-
-def _farthest(problem: ClosureProblem, poses: Sequence[Array]) -> float:
-    """Return how far all joints can be displaced from one of these poses: enough is enough."""
-    farthest = 0.0
-    for q in poses:
-        farthest = max(farthest, reach_of_joints(problem, q))
-        if farthest >= FARTHEST:
-            break
-    return farthest
+    return replace(parts, problem=ranked(problem, kinematics, parts.home_q))
 
 
 def home_pose(

@@ -32,6 +32,7 @@ import numpy as np
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.rates.factorisation import Factorisation, factorise
+from pmjac_pin.rates.partition import LoopRates
 from pmjac_pin.values.arrays import Array, norm
 
 _DIFFERENCE_STEP = 1e-3  # of the characteristic length, of differences of fourth order
@@ -72,12 +73,25 @@ def _by_what_changes(
     problem: ClosureProblem, q: Array, scaled: Array, passive: Factorisation, rank: int
 ) -> Array | None:
     """Return an orthogonal matrix, its first columns gained, the others in all null B(v)."""
+    seen = _changes(problem, q, scaled, passive, rank)
+    return seen.right.T if seen.rank == problem.partition.passive_rank - rank else None
+
+
+def _changes(
+    problem: ClosureProblem, q: Array, scaled: Array, passive: Factorisation, rank: int
+) -> Factorisation:
+    """Return B(v) factorised, for all v of a basis one above the other."""
     partition = problem.partition
     free, left = passive.right[rank:].T, passive.left[:, rank:]
     allowed = partition.factorise(scaled, partition.size_of(scaled)).null_space
     changes = [left.T @ _derivative(problem, q, v) @ free for v in allowed.T]
-    seen = factorise(np.vstack(changes), partition.size_of(scaled), _NOTICED)
-    return seen.right.T if seen.rank == partition.passive_rank - rank else None
+    return factorise(np.vstack([free[:0], *changes]), partition.size_of(scaled), _NOTICED)
+
+
+def rank_changes(problem: ClosureProblem, q: Array, rates: LoopRates) -> bool:
+    """Tell whether K* has another rank at once where a closed pose is left as loops allow."""
+    passive = rates.passive
+    return bool(_changes(problem, q, rates.scaled, passive, passive.rank).rank)
 
 
 def _derivative(problem: ClosureProblem, q: Array, v: Array) -> Array:

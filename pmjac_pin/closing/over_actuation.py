@@ -16,8 +16,8 @@ import numpy as np
 from pmjac_pin.closing.closed import Closed, closed_point
 from pmjac_pin.closing.closure import Followed, beside, follow
 from pmjac_pin.closing.closure_problem import ClosureProblem
-from pmjac_pin.closing.parts import Parts
 from pmjac_pin.closing.step_guard import StepGuard
+from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.values.arrays import Array, Index
 from pmjac_pin.values.ties import pivots
 
@@ -25,7 +25,12 @@ _NO_RATE = 1e-9  # of the largest ratio between rates of motors, or of one to on
 
 
 def walk(
-    parts: Parts, guard: StepGuard, point: Closed, displacement: Array, values: Array
+    problem: ClosureProblem,
+    coordinates: JointCoordinates,
+    guard: StepGuard,
+    point: Closed,
+    displacement: Array,
+    values: Array,
 ) -> Followed:
     """Walk the motors to their values from a closed pose, on its assembly mode.
 
@@ -34,13 +39,14 @@ def walk(
 
     Parameters
     ----------
-    parts : Parts
+    problem : ClosureProblem
+        With the generic ranks of the branch that the path begins on.
+    coordinates : JointCoordinates
     guard : StepGuard
     point : Closed
     displacement, values : ndarray, shape (n,)
         Of the motors: over the whole path, and at its end.
     """
-    problem, coordinates = parts.problem, parts.coordinates
     driven = lead(problem, point)
     columns = driven.problem.partition.actuated
 

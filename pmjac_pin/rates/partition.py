@@ -105,6 +105,11 @@ class Partition(ReadOnlyArrays):
         return not self.reach
 
     @property
+    def full(self) -> bool:
+        """Whether K* has all the rank that its shape allows: it has more nowhere."""
+        return self.passive_rank == min(self.passive.size, self.row_scale.size)
+
+    @property
     def columns(self) -> dict[str, int]:
         """The column of each degree of freedom by its name, in the order of K and K*."""
         names = self.actuated_names + self.passive_names

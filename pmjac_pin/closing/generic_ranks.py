@@ -1,0 +1,99 @@
+"""Generic ranks: those of the branch of the configuration space that a pose lies on.
+
+Loops may close in several families of poses, branches, which meet at singular poses or nowhere, and
+not all of them need have the same ranks: a rhombus with its arms folded together turns about its
+tip, with the motors locked, and on its other branch it does not. Home's ranks say nothing of a pose
+on a branch of more rank: what is idle at home moves with the motors there, and what is tied at home
+is free. On a branch the rank is nowhere more than the generic one, and that shows where a pose does
+not belong: by ranks that it has, or by those that it gets where it is moved a little.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from pmjac_pin.closing.closure_problem import ClosureProblem
+from pmjac_pin.closing.idle_motions import rank_changes
+from pmjac_pin.closing.nearby_poses import FARTHEST, nearby, reach_of_joints
+from pmjac_pin.kinematics.pinocchio import Kinematics
+from pmjac_pin.rates.partition import LoopRates
+from pmjac_pin.values.arrays import Array, norm
+
+_ENOUGH = 3  # poses of the generic rank from which it is tried whether all joints can move
+
+
+def ranked(problem: ClosureProblem, kinematics: Kinematics, q: Array) -> ClosureProblem:
+    """Return the problem with the generic ranks of a closed pose and of those near it."""
+    partition = replace(problem.partition, size=0.0)
+    problem = replace(problem, partition=partition)
+    poses = [q, *nearby(problem, q)]
+    snapshots = [kinematics.snapshot(pose) for pose in poses]
+    rows = partition.tool_rows
+    generic = partition.with_ranks_of(
+        [(snapshot.constraint_jacobian, snapshot.judged_jacobian(rows)) for snapshot in snapshots]
+    )
+    problem = replace(problem, partition=generic)
+    regular = [
+        pose
+        for pose, snapshot in zip(poses, snapshots, strict=True)
+        if generic.rank_of(snapshot.constraint_jacobian) == generic.constraint_rank
+    ]
+    reach = _farthest(problem, regular[:_ENOUGH])
+    return replace(problem, partition=replace(generic, reach=reach))
+
+
+def on_branch_of(
+    problem: ClosureProblem, kinematics: Kinematics, q: Array, rates: LoopRates
+) -> ClosureProblem:
+    """Return the problem with the generic ranks of the branch that a closed pose lies on.
+
+    Parameters
+    ----------
+    problem : ClosureProblem
+        With home's ranks: the same is returned where no more than these are met.
+    kinematics : Kinematics
+    q : ndarray, shape (nq,)
+    rates : LoopRates
+        There, by the problem's partition.
+    """
+    if not (_exceeds(problem, rates) or _may_exceed(problem, q, rates)):
+        return problem
+    home, found = problem.partition, ranked(problem, kinematics, q)
+    there = found.partition
+    more = there.passive_rank > home.passive_rank or there.constraint_rank > home.constraint_rank
+    return found if more else problem
+
+
+def _exceeds(problem: ClosureProblem, rates: LoopRates) -> bool:
+    """Tell whether a rank at a pose is more than the generic one."""
+    partition, (scaled, size, passive) = problem.partition, rates
+    if passive.rank != partition.passive_rank:
+        return passive.rank > partition.passive_rank or _exceeds_in_all(problem, rates)
+    if passive.rank == len(scaled):
+        return False
+    if partition.constraint_rank == passive.rank:  # [K K*] has more where K* cannot follow K
+        left_over = passive.left_null_space.T @ scaled.take(partition.actuated, axis=1)
+        if norm(left_over) <= partition.rank_tolerance * size:
+            return False
+    return _exceeds_in_all(problem, rates)
+
+
+def _exceeds_in_all(problem: ClosureProblem, rates: LoopRates) -> bool:
+    partition, (scaled, size, _) = problem.partition, rates
+    return partition.factorise(scaled, size).rank > partition.constraint_rank
+
+
+def _may_exceed(problem: ClosureProblem, q: Array, rates: LoopRates) -> bool:
+    """Tell whether K* gets another rank beside a pose, where it can have more than at home."""
+    return not problem.partition.full and rank_changes(problem, q, rates)
+
+
+def _farthest(problem: ClosureProblem, poses: Sequence[Array]) -> float:
+    """Return how far all joints can be displaced from one of these poses: enough is enough."""
+    farthest = 0.0
+    for q in poses:
+        farthest = max(farthest, reach_of_joints(problem, q))
+        if farthest >= FARTHEST:
+            break
+    return farthest
