@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -45,8 +46,10 @@ def close(
     start = _start(mechanism, guess, values)
 
     displacement = _displacement(parts, start, values)
-    problem, guard = start._problem, mechanism._step_guard
-    path = walk(problem, parts.coordinates, guard, start._point, displacement, values)
+    problem = start._problem
+    if problem is not parts.problem:
+        parts = replace(parts, problem=problem)
+    path = walk(parts, mechanism._step_guard, start._point, displacement, values)
     if path.share < 1.0:
         raise _stopped(mechanism, values, start, path)
     closed = Configuration._of_point(mechanism, path.point, path.iterations, problem)

@@ -119,7 +119,7 @@ def test_a_pose_has_the_ranks_of_its_own_branch(name, rng):
         assert other.problem.partition.passive_rank > mechanism.problem.partition.passive_rank
         theirs = other.home
         ours = mechanism.configuration(theirs.q)
-        for one in (ours, pickle.loads(pickle.dumps(ours))):  # noqa: S301
+        for one in (ours, pickle.loads(pickle.dumps(ours))):
             assert repr(one.singularity()) == repr(theirs.singularity())
             assert one.singularity().idle == 0
             J_eq = one.jacobian().J_eq
@@ -174,3 +174,18 @@ def test_home_keeps_its_own_ranks_where_it_is_folded():
         assert (found.kind, found.rank, found.generic_rank, found.idle) == ("regular", 1, 1, 1)
         with pytest.raises(pj.ForbiddenRatesError, match="crank"):
             mechanism.home.jacobian()
+
+
+@pytest.mark.parametrize("name", ["rhombus", "kite", "two kites, both folded"])
+def test_modes_are_those_that_a_home_on_their_branch_finds(name):
+    """What moves freely at home does not at these motor values, and says nothing of them."""
+    build, low, poses = CASES[name]
+    ours, theirs = build(low), build(poses[0])
+    values = theirs.home.actuated
+    found = pj.assembly_modes(ours, values, rng=0, limits=False)
+    expected = pj.assembly_modes(theirs, values, rng=0, limits=False)
+    assert len(found) == len(expected) > 1
+    for one, other in zip(found, expected, strict=True):
+        assert one.tool_pose.isApprox(other.tool_pose, 1e-7)
+    with pytest.raises(pj.IdleMotionError):
+        pj.assembly_modes(ours, ours.home.actuated, rng=0, limits=False)

@@ -16,8 +16,8 @@ import numpy as np
 from pmjac_pin.closing.closed import Closed, closed_point
 from pmjac_pin.closing.closure import Followed, beside, follow
 from pmjac_pin.closing.closure_problem import ClosureProblem
+from pmjac_pin.closing.parts import Parts
 from pmjac_pin.closing.step_guard import StepGuard
-from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.values.arrays import Array, Index
 from pmjac_pin.values.ties import pivots
 
@@ -25,12 +25,7 @@ _NO_RATE = 1e-9  # of the largest ratio between rates of motors, or of one to on
 
 
 def walk(
-    problem: ClosureProblem,
-    coordinates: JointCoordinates,
-    guard: StepGuard,
-    point: Closed,
-    displacement: Array,
-    values: Array,
+    parts: Parts, guard: StepGuard, point: Closed, displacement: Array, values: Array
 ) -> Followed:
     """Walk the motors to their values from a closed pose, on its assembly mode.
 
@@ -39,14 +34,14 @@ def walk(
 
     Parameters
     ----------
-    problem : ClosureProblem
-        With the generic ranks of the branch that the path begins on.
-    coordinates : JointCoordinates
+    parts : Parts
+        Its problem with the generic ranks of the branch that the path begins on.
     guard : StepGuard
     point : Closed
     displacement, values : ndarray, shape (n,)
         Of the motors: over the whole path, and at its end.
     """
+    problem, coordinates = parts.problem, parts.coordinates
     driven = lead(problem, point)
     columns = driven.problem.partition.actuated
 

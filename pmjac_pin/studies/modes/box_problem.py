@@ -87,7 +87,8 @@ def box_problem(mechanism: Mechanism, motors: Mapping[str, float], limits: bool)
     if partition.isolated:
         raise NoBoxesError("no pose near home closes: what joints can do in general is not known")
     if partition.passive_rank < partition.passive.size:
-        raise NoBoxesError("passive joints can move with all motors locked, at every pose")
+        where = "at every pose" if partition.full else "at home and all poses near it"
+        raise NoBoxesError(f"passive joints can move with all motors locked, {where}")
     if not partition.passive.size:
         raise NoBoxesError("no joint is passive: the motors alone have to close the loops")
     several = [edge for edge in edges.values() if edge.kind.nv > 1]

@@ -115,12 +115,13 @@ def find_modes(
     values = motor_values(mechanism.spec, mechanism.coordinates, actuated)
     if limits:
         check_limits(mechanism, values)
-    _refuse_felt_idle_motion(mechanism)
     columns = mechanism.problem.partition.actuated
     base = mechanism.coordinates.with_values(mechanism.home.q, columns, values)
     problem, legs = search_problem(mechanism, base)
     search = RandomSearch(problem, StartSpace.of(problem, limits), rng)
     search.run(_FIRST_STARTS)
+    if not search.raised:
+        _refuse_felt_idle_motion(mechanism)
     censuses = [one for one in _censuses(mechanism, values, limits, aim) if one.whole]
 
     def rows() -> list[Array]:
@@ -212,7 +213,7 @@ def _closed(
 
 
 def _refuse_felt_idle_motion(mechanism: Mechanism) -> None:
-    """Raise IdleMotionError where the tool moves with all motors locked, at every pose."""
+    """Raise IdleMotionError where the tool moves with all motors locked, as at home."""
     partition = mechanism.problem.partition
     factors = closed_point(mechanism.problem, mechanism.home.q).factors
     if partition.isolated:  # to first order alone the tool moves, and perhaps no farther

@@ -9,7 +9,7 @@ idled for a while, where nothing is in line by chance.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -50,6 +50,7 @@ class Idling:
     @classmethod
     def of(cls, problem: SearchProblem, rows: Array) -> Idling:
         """Return what idles in a problem, by some of its closed poses (b, nq)."""
+        problem = raised(problem, rows)
         if not problem.idle or not len(rows):
             return cls(problem, (), 0.0)
         some = rows[np.unique(np.linspace(0, len(rows) - 1, _TRIED).astype(int))]
@@ -104,7 +105,21 @@ class Idling:
 def isolated(problem: SearchProblem, rows: Array) -> Mask:
     """Tell at which closed poses (b, nq) nothing moves but what idles at every pose."""
     ranks = np.array([factors.rank for factors in _passive(problem, rows)])
-    return np.asarray(ranks >= problem.partition.passive_rank)
+    return np.asarray(ranks >= max(problem.partition.passive_rank, *ranks))
+
+
+def raised(problem: SearchProblem, rows: Array) -> SearchProblem:
+    """Return the problem with the rank of K* at closed poses (b, nq), where that is more.
+
+    Home may be on a branch of less rank: what idles there need not idle at these motor values.
+    """
+    partition = problem.partition
+    if partition.full or not len(rows):
+        return problem
+    rank = max(factors.rank for factors in _passive(problem, rows))
+    if rank <= partition.passive_rank:
+        return problem
+    return replace(problem, partition=replace(partition, passive_rank=rank))
 
 
 def _passive(problem: SearchProblem, rows: Array) -> list[Factorisation]:

@@ -7,7 +7,7 @@ import numpy as np
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.modes.aim import Aim
 from pmjac_pin.studies.modes.distinct import Distinct, Signatures
-from pmjac_pin.studies.modes.idling import isolated
+from pmjac_pin.studies.modes.idling import isolated, raised
 from pmjac_pin.studies.modes.search import ManyClosures, unseen_share
 from pmjac_pin.studies.modes.search_problem import SearchProblem
 from pmjac_pin.studies.modes.starts import StartSpace
@@ -37,6 +37,11 @@ class RandomSearch:
         self.starts = 0
         self.moving = False
         self._in_a_row, self._question = 0, 0
+
+    @property
+    def raised(self) -> bool:
+        """Whether K* was met with more rank than at home: on another branch."""
+        return raised(self._problem, np.array(self.met.q)) is not self._problem
 
     def modes(self) -> list[tuple[Array, float]]:
         """Return the poses that are modes, each with the share of the starts that led there."""
