@@ -20,7 +20,7 @@ class Evidence:
         What is known, or why nothing is, in one sentence.
     unseen : float or None
         Upper bound on the share of the start space that leads to modes not found, where random
-        starts say so.
+        starts say so: of those that end, where the statement counts some that do not.
     confidence : float or None
         Probability that this bound holds.
 

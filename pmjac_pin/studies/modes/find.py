@@ -127,26 +127,29 @@ def find_modes(
     def rows() -> list[Array]:
         return [with_legs(mechanism, legs, problem, base, q) for q, _ in search.modes()]
 
-    def judged() -> tuple[list[_Found], Evidence | None]:
+    def judged() -> tuple[list[_Found], Evidence | None, list[Array]]:
         shares = [share for _, share in search.modes()]
         return _settled(mechanism, _closed(mechanism, rows(), shares, limits), censuses, limits)
 
-    found, evidence = judged() if censuses else ([], None)
+    found, evidence, lost = judged() if censuses else ([], None, [])
     if evidence is None:
         search.until(aim)
-        found, evidence = judged()
+        found, evidence, lost = judged()
     if evidence is None:
-        evidence = _without_open(mechanism, rows(), search.evidence(aim))
+        evidence = _without_open(mechanism, [*rows(), *lost], search.evidence(aim))
     return _modes(mechanism, found, search.starts, evidence)
 
 
-def _without_open(mechanism: Mechanism, rows: list[Array], evidence: Evidence) -> Evidence:
-    """Say what a search met that does not close to the tolerance and is left out."""
+def _without_open(
+    mechanism: Mechanism, rows: list[Array], evidence: Evidence, which: str = "more"
+) -> Evidence:
+    """Say which poses are known, do not close to the tolerance and are left out."""
     gaps = list(filter(None, (open_by(mechanism, q) for q in rows)))
     if not gaps:
         return evidence
     least = f"the tolerance of {mechanism.tolerance:.2g} m"
-    left_out = f"{len(gaps)} more, open by {max(gaps):.2g} m at most, miss {least} and are left out"
+    miss = f"misses {least} and is" if len(gaps) == 1 else f"miss {least} and are"
+    left_out = f"{len(gaps)} {which}, open by {max(gaps):.2g} m at most, {miss} left out"
     return replace(evidence, statement=f"{evidence.statement}; {left_out}")
 
 
@@ -184,14 +187,23 @@ def _censuses(mechanism: Mechanism, values: Array, limits: bool, aim: Aim) -> It
 
 def _settled(
     mechanism: Mechanism, found: list[_Found], censuses: list[Census], limits: bool
-) -> tuple[list[_Found], Evidence | None]:
-    """Return the modes found with those that a census adds, and whether one says these are all."""
+) -> tuple[list[_Found], Evidence | None, list[Array]]:
+    """Return the modes found with those that a census adds, and whether one says these are all.
+
+    At last what a census has and cannot be closed: then it does not tell all, but how many.
+    """
+    lost: list[Array] = []
     for census in censuses:
-        lost = missing(census, [one for one, _ in found])
-        more = found + _closed(mechanism, lost, [0.0] * len(lost), limits)
-        if (evidence := settled(census, [one for one, _ in more])) is not None:
-            return more, evidence
-    return found, None
+        met = missing(census, [one for one, _ in found])
+        more = found + _closed(mechanism, met, [0.0] * len(met), limits)
+        modes = [one for one, _ in more]
+        if (evidence := settled(census, modes)) is not None:
+            return more, evidence, []
+        lost = [q for q in missing(census, modes) if open_by(mechanism, q)]
+        if (evidence := settled(census, modes, but=len(lost))) is not None:
+            told = Evidence("nothing", evidence.statement)
+            return more, _without_open(mechanism, lost, told, "of them"), lost
+    return found, None, lost
 
 
 def _closed(

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,6 +29,20 @@ _IDLE = 1e-6  # of the largest column of K*: one that is smaller moves the loops
 _STUCK = 1e8  # damping at which a start is given up
 _CREEPING = 1e-4  # of itself: an open gap that falls less in each of so many steps stays open
 _PATIENCE = 3
+_STILL = 1e-7  # of itself: an open gap that falls less stays open, however patient one is
+_AS_PROMISED = 0.25  # of the fall to first order
+
+
+class Ends(NamedTuple):
+    """Where starts lead to, rows of q.
+
+    `closed` where the loops are, `open` where they were given up at a gap that hardly falls;
+    `spent` where the steps were used up.
+    """
+
+    closed: Array
+    open: Array
+    spent: Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,17 +60,48 @@ class ManyClosures:
     strides: Array
 
     def closed(self, starts: Array) -> Array:
-        """Return the rows of q that close the loops, of those that starts (b, nq) lead to.
+        """Return the rows of q that close the loops, of those that starts (b, nq) lead to."""
+        return self.ends(starts).closed
+
+    def ends(self, starts: Array) -> Ends:
+        """Return where starts (b, nq) lead to.
 
         Loops with redundant rows that close to a tolerance only are closed as far as they can be:
         the many poses around that are within the tolerance, too, are that one. Without redundant
         rows a gap that stays is none of rounding, but of a fold that is not reached.
         """
+        return self._ends(starts, _CREEPING)
+
+    def finished(self, ends: Ends) -> Ends:
+        """Go on from the ends that are none yet, for as many steps and with more patience.
+
+        Those are the starts that have used up their steps, and those that were given up though
+        a whole step brings them nearer by as much as the loops promise: slides that have far to
+        go at a small angle. What is `spent` then has not been decided.
+        """
+        return self._ends(np.concatenate([ends.spent, self._falling(ends.open)]), _STILL)
+
+    def _falling(self, q: Array) -> Array:
+        """Return the rows whose gap falls along an undamped step, as its first order says."""
+        if not len(q):
+            return q
+        partition = self.problem.partition
+        error, rows = self._scaled(q)
+        step = self._step(error, rows, _sizes(rows), np.zeros(len(q)))
+        rates = step[:, partition.passive] / partition.column_scale[partition.passive]
+        ahead = np.linalg.norm(error + np.einsum("bij,bj->bi", rows, rates), axis=1)
+        gap = np.linalg.norm(error, axis=1)
+        fall = gap - np.linalg.norm(self._scaled(self.problem.tree.moved(q, step))[0], axis=1)
+        return np.asarray(q[(fall > _STILL * gap) & (fall > _AS_PROMISED * (gap - ahead))])
+
+    def _ends(self, starts: Array, creeps: float) -> Ends:
+        if not len(starts):
+            return Ends(starts, starts, starts)
         problem, length = self.problem, self.problem.length
         farthest = float(self.strides.max(initial=length))
         redundant = problem.partition.row_scale.size > problem.partition.passive_rank
         tolerance = problem.tolerance if redundant else 0.0
-        q, found = starts, []
+        q, found, left = starts, [], []
         damping = np.full(len(q), 1e-2)
         error, rows = self._scaled(q)
         sizes = _sizes(rows)
@@ -63,19 +109,21 @@ class ManyClosures:
         least, creeping = np.zeros(len(q), dtype=bool), np.zeros(len(q), dtype=int)
         for _ in range(_STEPS):
             done = (gap <= _CLOSED * length) | least
+            given_up = ~done & ((damping >= _STUCK) | (creeping >= _PATIENCE))
             found.append(q[done])
-            going = ~done & (damping < _STUCK) & (creeping < _PATIENCE)
-            if not going.any():
-                break
+            left.append(q[given_up])
+            going = ~done & ~given_up
             q, error, rows, sizes = q[going], error[going], rows[going], sizes[going]
             gap, damping, creeping = gap[going], damping[going], creeping[going]
+            if not len(q):
+                break
             step = self._step(error, rows, sizes, damping * gap / farthest)
             trial = self.problem.tree.moved(q, step)
             trial_error, trial_rows = self._scaled(trial)
             trial_gap = np.linalg.norm(trial_error, axis=1)
             better = trial_gap < gap
             least = (gap <= tolerance) & better & (trial_gap >= (1.0 - _FALLING) * gap)
-            falls = (trial_gap < (1.0 - _CREEPING) * gap) | (gap <= tolerance)
+            falls = (trial_gap < (1.0 - creeps) * gap) | (gap <= tolerance)
             creeping = np.where(falls, 0, creeping + better)
             q = np.where(better[:, None], trial, q)
             error = np.where(better[:, None], trial_error, error)
@@ -83,7 +131,7 @@ class ManyClosures:
             sizes = np.maximum(_FORGOTTEN * sizes, _sizes(rows))
             gap = np.where(better, trial_gap, gap)
             damping = np.where(better, np.maximum(damping / 5.0, 1e-9), damping * 5.0)
-        return self._polished(np.concatenate(found))
+        return Ends(self._polished(np.concatenate(found)), np.concatenate(left), q)
 
     def _polished(self, q: Array) -> Array:
         """Return closed rows after Newton's last steps, where these close them further.

@@ -10,7 +10,7 @@ import numpy as np
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.studies.evidence import Evidence
-from pmjac_pin.studies.modes.closed_pose import closed_pose
+from pmjac_pin.studies.modes.closed_pose import closed_pose, open_by
 from pmjac_pin.studies.modes.proof import Proof
 from pmjac_pin.studies.modes.recognition import Recognition
 from pmjac_pin.values.arrays import Array
@@ -96,11 +96,15 @@ class ProofCensus:
 
 
 class HomotopyCensus:
-    """The real ones of all complex solutions, within the joints' limits or not."""
+    """The real ones of all complex solutions, within the joints' limits or not.
+
+    Those that rounding keeps open are among its rows, and are no mode that can be found.
+    """
 
     def __init__(self, mechanism: Mechanism, modes: ComplexModes, limits: bool) -> None:
-        rows = [closed_pose(mechanism, mode.q, limits) for mode in modes.real]
-        self._modes = [mode for mode in rows if mode is not None]
+        poses = [(mode.q, closed_pose(mechanism, mode.q, limits)) for mode in modes.real]
+        self._modes = [mode for _, mode in poses if mode is not None]
+        self._open = [q for q, mode in poses if mode is None and open_by(mechanism, q)]
         self._evidence = modes.evidence
 
     @property
@@ -114,12 +118,12 @@ class HomotopyCensus:
 
     def rows(self) -> list[Array]:
         """Return the real solutions."""
-        return [mode.q for mode in self._modes]
+        return [*(mode.q for mode in self._modes), *self._open]
 
     def found_as(self, found: Sequence[Configuration]) -> list[int | None]:
         """Return which found mode has all bodies where each real solution has them."""
         recognition = Recognition(found)
-        return [recognition.index(mode) for mode in self._modes]
+        return [*map(recognition.index, self._modes), *([None] * len(self._open))]
 
 
 def missing(census: Census, found: Sequence[Configuration]) -> list[Array]:
@@ -128,7 +132,12 @@ def missing(census: Census, found: Sequence[Configuration]) -> list[Array]:
     return [row for row, place in zip(census.rows(), places, strict=True) if place is None]
 
 
-def settled(census: Census, found: Sequence[Configuration]) -> Evidence | None:
-    """Return what the census rests on, where it says that the found modes are all; else None."""
+def settled(census: Census, found: Sequence[Configuration], but: int = 0) -> Evidence | None:
+    """Return what the census rests on, where it says that the found modes are all; else None.
+
+    All but so many that it has and that are not among them.
+    """
     places = census.found_as(found)
-    return census.evidence(len(found)) if {*places} == {*range(len(found))} else None
+    if places.count(None) != but or {*places} - {None} != {*range(len(found))}:
+        return None
+    return census.evidence(len(found) + but)
