@@ -282,7 +282,7 @@ def test_what_does_not_close_to_the_tolerance_is_told():
     assert _without_open(mechanism, [mechanism.home.q], evidence) is evidence
     told = _without_open(mechanism, [mechanism.home.q, beyond], evidence).statement
     assert told.startswith("all; 1 more, open by ")
-    assert told.endswith(f"miss the tolerance of {mechanism.tolerance:.2g} m and are left out")
+    assert told.endswith(f"misses the tolerance of {mechanism.tolerance:.2g} m and is left out")
 
 
 def domain_of_slides(mechanism):

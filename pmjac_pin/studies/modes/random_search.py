@@ -15,6 +15,7 @@ from pmjac_pin.values.arrays import Array
 
 _STARTS_AT_ONCE = 2048
 _MOST_MODES = 2000  # more is a motion, not a set of poses
+_ENOUGH_END = 0.25  # of the starts: where fewer end, what is known of these says little
 
 
 class RandomSearch:
@@ -79,12 +80,12 @@ class RandomSearch:
                 self._in_a_row, self._question = 0, self._question + 1
 
     def until(self, aim: Aim) -> None:
-        """Go on until the aim is met, its budget is spent, or most starts do not end."""
+        """Go on until the aim is met, its budget is spent, or few starts end."""
         self.finish()
         while self.starts < aim.most_starts and self._bound(aim) > aim.unseen and aim.wanted():
             self.run(_STARTS_AT_ONCE)
             self.finish()
-            if self.moving or self._mostly_undecided:
+            if self.moving or self._few_end:
                 break
 
     def _meet(self, closed: Array) -> bool:
@@ -97,8 +98,8 @@ class RandomSearch:
         return new
 
     @property
-    def _mostly_undecided(self) -> bool:
-        return 2 * self.undecided > self.starts
+    def _few_end(self) -> bool:
+        return self.starts - self.undecided < _ENOUGH_END * self.starts
 
     def evidence(self, aim: Aim) -> Evidence:
         """Return what it rests on, by the search alone, that no mode is missing."""
@@ -106,7 +107,7 @@ class RandomSearch:
             left_out = len(self.met.q) - len(self.modes())
             moves = "the loops also move with all motors locked"
             return Evidence("nothing", f"{moves}, and {left_out} poses of that motion are left out")
-        if self._mostly_undecided:
+        if self._few_end:
             neither = "neither closed nor where no step brings them nearer"
             of_all = f"{self.undecided} of {self.starts} random starts did not end"
             where = f"{of_all}, {neither}: slides may have too far to go"
