@@ -40,6 +40,8 @@ def check(found, configuration, frame="LOCAL_WORLD_ALIGNED"):
     if not partition.passive_rank:
         assert "sigma" not in found
         return
+    for doubt in ("forbidden", "felt"):
+        assert abs(found.get(doubt, np.zeros(1))[0]) < 1e-9 * length
     scaled = partition.scaled(whole)[:, partition.passive]
     sizes = np.linalg.svd(scaled, compute_uv=False)[: partition.passive_rank]
     assert 0.0 < found["sigma"][0] <= sizes.min() * (1 + 1e-9)

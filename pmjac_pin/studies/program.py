@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.program_text import c_text, python_text
-from pmjac_pin.algebra.programs import Recording
+from pmjac_pin.algebra.programs import Recording, Term
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import run
 from pmjac_pin.closing.recorded_rates import RecordedRates
@@ -90,6 +90,9 @@ def program(
     }
     if partition.passive_rank:
         outputs["sigma"] = np.array([1.0 / found.inverse], dtype=object)
+    for doubt, number in (("forbidden", found.forbidden), ("felt", found.felt)):
+        if isinstance(number, Term):  # else 0 at every pose
+            outputs[doubt] = np.array([number], dtype=object)
     return Program(mechanism, name, recording, MappingProxyType(outputs))
 
 
@@ -98,7 +101,8 @@ class Program:
     """The equations of a mechanism, recorded.
 
     Straight-line: nothing is decided at a pose. So whether J_eq exists there is for the caller
-    to ask: the loops have to be closed (η = 0), and `sigma` has to be larger than 1e-6 or so.
+    to ask: the loops have to be closed (η = 0), `sigma` has to be larger than 1e-6 or so, and
+    `forbidden` and `felt`, where there are any, have to be 0 but for rounding.
 
     Attributes
     ----------
@@ -110,7 +114,9 @@ class Program:
         Recorded numbers, in SI units: `eta` (p,), `K` (p, n) and `K_star` (p, m_p) on all rows,
         world axes as in `configuration.residual`, the latter two where η = 0; `J_eq` (6, n),
         linear rows first; `sigma` (1,), at most the smallest singular value of K* without
-        dimension, and 0 where K* is singular; an open chain has none.
+        dimension, and 0 where K* is singular; an open chain has none. Where rows are
+        redundant, `forbidden` (1,): what K* cannot follow of K; where motions idle, `felt` (1,):
+        what they do to the tool.
     """
 
     mechanism: Mechanism
@@ -203,4 +209,4 @@ class Program:
         yield f"Rows of eta, K and K_star: {', '.join(self.mechanism.rows)}"
         yield "Units are m and rad; matrices are row by row."
         yield "J_eq exists where eta = 0 and sigma > 0: no more than the smallest singular value"
-        yield "of K_star without dimension."
+        yield "of K_star without dimension; and where forbidden and felt are 0, if there are any."
