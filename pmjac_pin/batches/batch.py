@@ -5,16 +5,17 @@ What a program certifies is what the single call says; where it cannot, the sing
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from enum import IntEnum
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import kernel, run
+from pmjac_pin.batches.measures import measured
+from pmjac_pin.batches.results import ManyClosed, ManyJacobians, ManyMeasures, Status, Statuses
 from pmjac_pin.closing.arms import arms_of
 from pmjac_pin.closing.many_paths import Walker
 from pmjac_pin.closing.recorded_rates import RecordedRates
@@ -25,59 +26,11 @@ from pmjac_pin.kinematics.many import ManyPoses
 from pmjac_pin.kinematics.recorded import Recorder
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import enforced
-from pmjac_pin.values.arrays import Array, Index, ReadOnlyArrays
+from pmjac_pin.model.twist_frame import FrameName
+from pmjac_pin.values.arrays import Array, Index, Mask
 from pmjac_pin.values.checks import as_numbers
 
 _FELT = 1e-13  # of the tool's motion: what idle motions may do to it by rounding
-
-
-class Status(IntEnum):
-    """What became of one pose among many."""
-
-    CLOSED = 0
-    STOPPED = 1
-    LIMITS = 2
-    OPEN = 3
-    SINGULAR = 4
-    NO_JACOBIAN = 5
-    NOT_ASSEMBLED = 6
-
-
-@dataclass(frozen=True, eq=False)
-class ManyClosed(ReadOnlyArrays):
-    """Closed poses, or where their paths ended.
-
-    Attributes
-    ----------
-    q : ndarray, shape (N, nq)
-        Pinocchio's configuration vectors. Where a path ended early, its last closed pose.
-    share : ndarray, shape (N,)
-        Of the way from the guess to the target; 1 where it was reached.
-    status : ndarray of int, shape (N,)
-        `Status`: CLOSED; STOPPED where `close` raises ClosureError; LIMITS where it raises
-        LimitError.
-    """
-
-    q: Array
-    share: Array
-    status: NDArray[np.int8]
-
-
-@dataclass(frozen=True, eq=False)
-class ManyJacobians(ReadOnlyArrays):
-    """J_eq of many poses.
-
-    Attributes
-    ----------
-    J_eq : ndarray, shape (N, 6, n)
-        J − J* K*⁻¹ K, linear rows first; NaN where there is none.
-    status : ndarray of int, shape (N,)
-        `Status`: CLOSED; OPEN where `configuration` raises ClosureError; SINGULAR where
-        `jacobian` raises SingularError; NO_JACOBIAN where it raises another NoJacobianError.
-    """
-
-    J_eq: Array
-    status: NDArray[np.int8]
 
 
 def batch(mechanism: Mechanism) -> Batch:
@@ -164,10 +117,10 @@ class Batch:
             status[self._beyond(reached, limited) & (status == Status.CLOSED)] = Status.LIMITS
         return ManyClosed(q, share, status)
 
-    def _beyond(self, values: Array, columns: Index) -> NDArray[np.bool_]:
+    def _beyond(self, values: Array, columns: Index) -> Mask:
         return np.asarray(self._coordinates.beyond(values, columns).any(axis=1))
 
-    def _together(self, start: Array, values: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    def _together(self, start: Array, values: Array) -> tuple[Array, Array, Mask]:
         """Walk all paths by the program; return q, share, and of which this is certain."""
         if self._tied:  # some motors lead and others are led: the single call knows which
             return start, np.zeros(len(values)), np.zeros(len(values), dtype=bool)
@@ -202,16 +155,45 @@ class Batch:
         poses, name = self._poses(q), frame_name(frame)
         if name not in self._tapes:
             self._tapes[name] = self._rates.jacobian_tape(name)
-        gap, inverse, size, forbidden, felt, tool, *entries = run(self._tapes[name], poses.T)
+        return ManyJacobians(*self._judged(poses, run(self._tapes[name], poses.T), name))
+
+    def measures(self, q: ArrayLike) -> ManyMeasures:
+        """Return J_eq, its singular values, how near K* is to singular, and where the tool is.
+
+        Parameters
+        ----------
+        q : array_like, shape (N, nq)
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> home = pj.load("five_bar").home
+        >>> found = pj.batch(home.mechanism).measures([home.q])
+        >>> bool(abs(found.smallest[0] - home.singularity().smallest) < 1e-12)
+        True
+        """
+        poses = self._poses(q)
+        found = run(self._measures_tape, poses.T)
+        J_eq, status = self._judged(poses, found, "LOCAL_WORLD_ALIGNED")
+        rest = found[6 + 6 * len(self.mechanism.actuated) :]
+        return measured(J_eq, status, rest, self._rates.partition)
+
+    @cached_property
+    def _measures_tape(self) -> Tape:
+        return self._rates.measures_tape()
+
+    def _judged(self, poses: Array, found: Array, frame: FrameName) -> tuple[Array, Statuses]:
+        """Return J_eq of what a tape found, where that is certain, else of the single call."""
         partition, n = self._rates.partition, len(self.mechanism.actuated)
+        gap, inverse, size, forbidden, felt, tool = found[:6]
         least = partition.rank_tolerance * np.maximum(size, partition.least_size)
         certain = (gap <= self.mechanism.problem.tolerance) & (inverse * least < 1.0)
         certain &= (forbidden <= least) & (felt <= _FELT * tool) & (not partition.isolated)
-        J_eq = np.array(entries).T.reshape(-1, 6, n)
+        J_eq = found[6 : 6 + 6 * n].T.reshape(-1, 6, n).copy()
         status = np.zeros(len(poses), dtype=np.int8)
         for index in np.flatnonzero(~certain).tolist():
-            J_eq[index], status[index] = self._single(poses[index], name)
-        return ManyJacobians(J_eq, status)
+            J_eq[index], status[index] = self._single(poses[index], frame)
+        return J_eq, status
 
     def _single(self, q: Array, frame: str) -> tuple[Any, Status]:
         """Return what the single call says at a pose."""
