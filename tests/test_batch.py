@@ -156,3 +156,22 @@ def test_measures_of_open_and_singular_poses():
     np.testing.assert_allclose(found.smallest[0], flat.singularity().smallest, atol=1e-14)
     np.testing.assert_allclose(found.position[0], flat.tool_pose.translation, atol=1e-14)
     assert np.isnan([found.smallest[1], found.position[1, 0], *found.velocity_radii.ravel()]).all()
+
+
+def test_threads_change_no_bit(rng):
+    mechanism = pj.load("five_bar")
+    many, values = pj.batch(mechanism), targets(mechanism, 9000, 0.1, rng)
+    told = []
+    alone = many.close(values, threads=1, progress=lambda *done: told.append(done))
+    together, parted = many.close(values, threads=3), many.close(values[4096:8192], threads=1)
+    for name in ("q", "share", "status"):
+        np.testing.assert_array_equal(getattr(together, name), getattr(alone, name))
+        np.testing.assert_array_equal(getattr(parted, name), getattr(alone, name)[4096:8192])
+    assert told[-1] == (9000, 9000)
+    assert len(told) == 3
+    for one in (many.jacobian, many.measures):
+        first, second = one(alone.q, threads=1), one(alone.q, threads=3)
+        for name, array in vars(first).items():
+            np.testing.assert_array_equal(getattr(second, name), array)
+    with pytest.raises(pj.ArgumentError, match="threads must be"):
+        many.close(values, threads=0)

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import kernel, run
+from pmjac_pin.batches.chunks import Progress, fill
 from pmjac_pin.batches.measures import measured
 from pmjac_pin.batches.results import ManyClosed, ManyJacobians, ManyMeasures, Status, Statuses
 from pmjac_pin.closing.arms import arms_of
@@ -81,6 +82,8 @@ class Batch:
         guess: str | Configuration | ArrayLike = "home",
         *,
         enforce_limits: bool | str = True,
+        threads: int | None = None,
+        progress: Progress | None = None,
     ) -> ManyClosed:
         """Close the loops at many motor values, each on the assembly mode of its guess.
 
@@ -92,6 +95,10 @@ class Batch:
             Where the paths begin: one pose, or closed q of shape (N, nq).
         enforce_limits : bool or "all"
             As for `Mechanism.close`.
+        threads : int, optional
+            All cores by default; the result is the same to the last bit.
+        progress : callable, optional
+            Called with (poses done, N) now and then, in the caller's thread.
 
         Raises
         ------
@@ -102,6 +109,12 @@ class Batch:
         """
         values, whose = self._values(actuated), enforced(enforce_limits)
         start = self._start(guess, len(values))
+        found = (np.empty(start.shape), np.empty(len(start)), np.empty(len(start), dtype=np.int8))
+        fill(found, lambda at: self._closed(start[at], values[at], whose), threads, progress)
+        return ManyClosed(*found)
+
+    def _closed(self, start: Array, values: Array, whose: str) -> tuple[Array, Array, Statuses]:
+        """Return q, share and status of one piece."""
         q, share, settled = self._together(start, values)
         # Another branch may have more rank than home's, of which the program knows nothing.
         full = self.mechanism.problem.partition.full
@@ -115,7 +128,7 @@ class Batch:
             limited = np.flatnonzero(np.isfinite(self._coordinates.lower))
             reached = self._coordinates.values_of(q, limited)
             status[self._beyond(reached, limited) & (status == Status.CLOSED)] = Status.LIMITS
-        return ManyClosed(q, share, status)
+        return q, share, status
 
     def _beyond(self, values: Array, columns: Index) -> Mask:
         return np.asarray(self._coordinates.beyond(values, columns).any(axis=1))
@@ -123,7 +136,7 @@ class Batch:
     def _together(self, start: Array, values: Array) -> tuple[Array, Array, Mask]:
         """Walk all paths by the program; return q, share, and of which this is certain."""
         if self._tied:  # some motors lead and others are led: the single call knows which
-            return start, np.zeros(len(values)), np.zeros(len(values), dtype=bool)
+            return start.copy(), np.zeros(len(values)), np.zeros(len(values), dtype=bool)
         coordinates, motors = self._coordinates, self._rates.partition.actuated
         displacement = values - coordinates.values_of(start, motors)
         turns = np.round(displacement / (2.0 * np.pi)) * coordinates.wraps[motors]
@@ -143,7 +156,12 @@ class Batch:
             return (start if error.reached is None else error.reached.q), error.share
 
     def jacobian(
-        self, q: ArrayLike, frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED"
+        self,
+        q: ArrayLike,
+        frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED",
+        *,
+        threads: int | None = None,
+        progress: Progress | None = None,
     ) -> ManyJacobians:
         """Return J_eq at many closed poses.
 
@@ -151,18 +169,31 @@ class Batch:
         ----------
         q : array_like, shape (N, nq)
         frame : {"LOCAL_WORLD_ALIGNED", "LOCAL", "WORLD"} or pin.ReferenceFrame
+        threads, progress
+            As for `close`.
         """
         poses, name = self._poses(q), frame_name(frame)
         if name not in self._tapes:
             self._tapes[name] = self._rates.jacobian_tape(name)
-        return ManyJacobians(*self._judged(poses, run(self._tapes[name], poses.T), name))
+        tape, count, n = self._tapes[name], len(poses), len(self.mechanism.actuated)
+        found = (np.empty((count, 6, n)), np.empty(count, dtype=np.int8))
 
-    def measures(self, q: ArrayLike) -> ManyMeasures:
+        def work(at: slice) -> tuple[Array, Statuses]:
+            return self._judged(poses[at], run(tape, poses[at].T), name)
+
+        fill(found, work, threads, progress)
+        return ManyJacobians(*found)
+
+    def measures(
+        self, q: ArrayLike, *, threads: int | None = None, progress: Progress | None = None
+    ) -> ManyMeasures:
         """Return J_eq, its singular values, how near K* is to singular, and where the tool is.
 
         Parameters
         ----------
         q : array_like, shape (N, nq)
+        threads, progress
+            As for `close`.
 
         Examples
         --------
@@ -172,11 +203,20 @@ class Batch:
         >>> bool(abs(found.smallest[0] - home.singularity().smallest) < 1e-12)
         True
         """
-        poses = self._poses(q)
-        found = run(self._measures_tape, poses.T)
-        J_eq, status = self._judged(poses, found, "LOCAL_WORLD_ALIGNED")
-        rest = found[6 + 6 * len(self.mechanism.actuated) :]
-        return measured(J_eq, status, rest, self._rates.partition)
+        poses, tape, n = self._poses(q), self._measures_tape, len(self.mechanism.actuated)
+        shapes = ((6, n), (), (3,), (3,), (), (), (3,), (3, 3))  # in the order of ManyMeasures
+        found: list[Any] = [np.empty((len(poses), *shape)) for shape in shapes]
+        found[1] = np.empty(len(poses), dtype=np.int8)
+
+        def work(at: slice) -> list[Array]:
+            told = run(tape, poses[at].T)
+            J_eq, status = self._judged(poses[at], told, "LOCAL_WORLD_ALIGNED")
+            return [
+                *vars(measured(J_eq, status, told[6 + 6 * n :], self._rates.partition)).values()
+            ]
+
+        fill(found, work, threads, progress)
+        return ManyMeasures(*found)
 
     @cached_property
     def _measures_tape(self) -> Tape:
