@@ -1,10 +1,11 @@
 # What `import pmjac_pin` offers, by its names there; each is imported when it is asked for.
 
-from .batches import Batch as Batch
-from .batches import ManyClosed as ManyClosed
-from .batches import ManyJacobians as ManyJacobians
-from .batches import Status as Status
-from .batches import batch as batch
+from .batches.batch import Batch as Batch
+from .batches.batch import batch as batch
+from .batches.results import ManyClosed as ManyClosed
+from .batches.results import ManyJacobians as ManyJacobians
+from .batches.results import ManyMeasures as ManyMeasures
+from .batches.results import Status as Status
 from .configuration import Configuration as Configuration
 from .errors import (
     ArgumentError as ArgumentError,

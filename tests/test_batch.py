@@ -117,3 +117,61 @@ def test_poses_without_a_jacobian_say_why():
     assert found.status.tolist() == [pj.Status.CLOSED, pj.Status.SINGULAR, pj.Status.OPEN]
     assert np.isnan(found.J_eq[1:]).all()
     assert np.isfinite(found.J_eq[0]).all()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_measures_are_those_of_one_by_one(name, rng):
+    mechanism = machine(name)
+    many = pj.batch(mechanism)
+    q = many.close(targets(mechanism, 3, 0.05, rng), enforce_limits=False).q
+    found, jacobians = many.measures(q), many.jacobian(q)
+    assert found.status.tolist() == jacobians.status.tolist()
+    for k, pose in enumerate(map(mechanism.configuration, q)):
+        singularity, tool = pose.singularity(), pose.tool_pose
+        assert found.smallest[k] == pytest.approx(singularity.smallest, rel=1e-9, abs=1e-14)
+        if singularity.smallest > 1e-12:
+            assert found.condition[k] == pytest.approx(singularity.condition, rel=1e-9)
+        size = max(1.0, np.abs(tool.translation).max())
+        np.testing.assert_allclose(found.position[k], tool.translation, atol=1e-13 * size)
+        np.testing.assert_allclose(found.rotation[k], tool.rotation, atol=1e-13)
+        if found.status[k] != pj.Status.CLOSED:
+            assert np.isnan(found.velocity_radii[k]).all()
+            continue
+        jacobian = pose.jacobian()
+        for radii, ellipsoid, size in zip(
+            (found.velocity_radii[k], found.angular_radii[k]),
+            (jacobian.velocity_ellipsoid(), jacobian.angular_ellipsoid()),
+            jacobian.sizes,
+            strict=True,
+        ):
+            tolerance = 1e-14 * singularity.condition * size
+            np.testing.assert_allclose(radii, ellipsoid.radii, rtol=1e-9, atol=tolerance)
+
+
+def test_measures_of_open_and_singular_poses():
+    mechanism = pj.load("four_bar", {"l0": 2.0, "l1": 1.0, "l2": 2.0, "l3": 1.0})
+    flat = mechanism.close([0.0], enforce_limits=False)
+    found = pj.batch(mechanism).measures([flat.q, flat.q + 0.1])
+    assert found.status.tolist() == [pj.Status.SINGULAR, pj.Status.OPEN]
+    np.testing.assert_allclose(found.smallest[0], flat.singularity().smallest, atol=1e-14)
+    np.testing.assert_allclose(found.position[0], flat.tool_pose.translation, atol=1e-14)
+    assert np.isnan([found.smallest[1], found.position[1, 0], *found.velocity_radii.ravel()]).all()
+
+
+def test_threads_change_no_bit(rng):
+    mechanism = pj.load("five_bar")
+    many, values = pj.batch(mechanism), targets(mechanism, 9000, 0.1, rng)
+    told = []
+    alone = many.close(values, threads=1, progress=lambda *done: told.append(done))
+    together, parted = many.close(values, threads=3), many.close(values[4096:8192], threads=1)
+    for name in ("q", "share", "status"):
+        np.testing.assert_array_equal(getattr(together, name), getattr(alone, name))
+        np.testing.assert_array_equal(getattr(parted, name), getattr(alone, name)[4096:8192])
+    assert told[-1] == (9000, 9000)
+    assert len(told) == 3
+    for one in (many.jacobian, many.measures):
+        first, second = one(alone.q, threads=1), one(alone.q, threads=3)
+        for name, array in vars(first).items():
+            np.testing.assert_array_equal(getattr(second, name), array)
+    with pytest.raises(pj.ArgumentError, match="threads must be"):
+        many.close(values, threads=0)

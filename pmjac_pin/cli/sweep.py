@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.progress import Progress
 
-from pmjac_pin.batches import Status
+from pmjac_pin.batches.results import Status
 from pmjac_pin.cli.output import Output
 from pmjac_pin.files.user_path import user_path
 from pmjac_pin.studies.sweep.sweep import sweep

@@ -36,6 +36,10 @@ class RecordedEquivalent:
         ‖K*⁻¹‖ and ‖[K K*]‖, dimensionless.
     forbidden, felt, tool : number
         What K* cannot follow of K; what idle motions do to the tool, and what all joints do.
+    turning : number
+        What all joints do to the tool's orientation, rad/s per scaled rate.
+    motions : number
+        ‖G‖ on scaled rates, idle motions at rest.
     J_eq : ndarray, shape (6, n)
     """
 
@@ -45,7 +49,14 @@ class RecordedEquivalent:
     forbidden: Any
     felt: Any
     tool: Any
+    turning: Any
+    motions: Any
     J_eq: Numbers
+
+    def judged(self) -> list[Any]:
+        """Return J_eq's entries after what says whether they hold."""
+        known = [self.gap, self.inverse, self.size, self.forbidden, self.felt, self.tool]
+        return [*known, *self.J_eq.ravel()]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,8 +118,21 @@ class RecordedRates:
         """
         recording = Recording(self.recorder.nq)
         found = self.equivalent(self.recorder.at(recording.inputs), frame)
-        known = [found.gap, found.inverse, found.size, found.forbidden, found.felt, found.tool]
-        return Tape.of(recording, [*known, *found.J_eq.ravel()])
+        return Tape.of(recording, found.judged())
+
+    def measures_tape(self) -> Tape:
+        """Return q ↦ (those of `jacobian_tape`, sizes (3,), tool (12,), K*).
+
+        Sizes are ‖[K K*]‖, and what the entries of J_eq are compared with, linear and angular;
+        of the tool the position and the rotation (3, 3); K* is (p, m_p), dimensionless.
+        """
+        recording, passive = Recording(self.recorder.nq), self.partition.passive
+        kinematics = self.recorder.at(recording.inputs)
+        found = self.equivalent(kinematics, "LOCAL_WORLD_ALIGNED")
+        sizes = [found.size, found.tool * found.motions, found.turning * found.motions]
+        tool = [*kinematics.position, *kinematics.rotation.ravel()]
+        K_star = self.scaled(kinematics.rates)[:, passive]
+        return Tape.of(recording, [*found.judged(), *sizes, *tool, *K_star.ravel()])
 
     def equivalent(self, kinematics: RecordedKinematics, frame: FrameName) -> RecordedEquivalent:
         """Return J_eq in a frame, and what says whether it exists."""
@@ -120,6 +144,7 @@ class RecordedRates:
         rates = triangle.solve(range(count, count + followed.size))
         tool = in_frame(kinematics, frame) * partition.column_scale
         moved = tool[:, followed] - tool[:, self.kept] @ rates
+        scale = partition.column_scale[motors]
         judged = np.vstack([tool[:3], partition.length * tool[3:]])
         felt = np.vstack([moved[:3], partition.length * moved[3:]])[:, : idle.size]
         forbidden = triangle.matrix[
@@ -132,7 +157,9 @@ class RecordedRates:
             forbidden=norm(forbidden),
             felt=norm(felt),
             tool=norm(judged),
-            J_eq=moved[:, idle.size :] / partition.column_scale[motors],
+            turning=norm(tool[3:]),
+            motions=norm(np.vstack([np.eye(motors.size), rates[:, idle.size :]]) / scale),
+            J_eq=moved[:, idle.size :] / scale,
         )
 
 

@@ -108,7 +108,7 @@ def image_of_ball(A: Array) -> tuple[Array, Array]:
     return radii, axes
 
 
-def flattened(radii: Array, size: float) -> Array:
+def flattened(radii: Array, size: float | Array) -> Array:
     """Return the radii, with zeros for those that are flat beside `size`."""
     return np.where(radii > FLATNESS_TOLERANCE * size, radii, 0.0)
 

@@ -28,7 +28,7 @@ from pmjac_pin.values.arrays import Array, norm, read_only
 from pmjac_pin.values.ties import first_largest
 
 _STILL = 1e-6  # of the largest rate of a motion
-_RADIUS_ROUNDING = 1e-12  # of ‖J‖ ‖G‖
+RADIUS_ROUNDING = 1e-12  # of ‖J‖ ‖G‖
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -133,7 +133,7 @@ class EquivalentJacobian(SplitJacobian):
     @property
     def _rounding(self) -> list[float]:
         """What a radius may be by rounding alone: far above it, and far below all that matters."""
-        return [_RADIUS_ROUNDING * size for size in self.sizes.tolist()]
+        return [RADIUS_ROUNDING * size for size in self.sizes.tolist()]
 
     def velocity_ellipsoid(self) -> Ellipsoid:
         """Return the tool velocities of all |θ̇| = 1: the principal velocities, in m/s.

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
 
-from pmjac_pin.batches import Status
+from pmjac_pin.batches.results import Status
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.sweep.hands import Hands, Progress

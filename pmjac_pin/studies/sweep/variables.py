@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.batches import Batch, ManyClosed, Status
+from pmjac_pin.batches.batch import Batch
+from pmjac_pin.batches.results import ManyClosed, Status
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import entry_names
 

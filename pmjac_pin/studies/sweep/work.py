@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.batches import Batch, batch
+from pmjac_pin.batches.batch import Batch, batch
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.loading import load
 from pmjac_pin.studies.sweep.points import Points, Region

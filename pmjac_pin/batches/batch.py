@@ -5,16 +5,18 @@ What a program certifies is what the single call says; where it cannot, the sing
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from enum import IntEnum
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import kernel, run
+from pmjac_pin.batches.chunks import Progress, fill
+from pmjac_pin.batches.measures import measured
+from pmjac_pin.batches.results import ManyClosed, ManyJacobians, ManyMeasures, Status, Statuses
 from pmjac_pin.closing.arms import arms_of
 from pmjac_pin.closing.many_paths import Walker
 from pmjac_pin.closing.recorded_rates import RecordedRates
@@ -25,59 +27,11 @@ from pmjac_pin.kinematics.many import ManyPoses
 from pmjac_pin.kinematics.recorded import Recorder
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import enforced
-from pmjac_pin.values.arrays import Array, Index, ReadOnlyArrays
+from pmjac_pin.model.twist_frame import FrameName
+from pmjac_pin.values.arrays import Array, Index, Mask
 from pmjac_pin.values.checks import as_numbers
 
 _FELT = 1e-13  # of the tool's motion: what idle motions may do to it by rounding
-
-
-class Status(IntEnum):
-    """What became of one pose among many."""
-
-    CLOSED = 0
-    STOPPED = 1
-    LIMITS = 2
-    OPEN = 3
-    SINGULAR = 4
-    NO_JACOBIAN = 5
-    NOT_ASSEMBLED = 6
-
-
-@dataclass(frozen=True, eq=False)
-class ManyClosed(ReadOnlyArrays):
-    """Closed poses, or where their paths ended.
-
-    Attributes
-    ----------
-    q : ndarray, shape (N, nq)
-        Pinocchio's configuration vectors. Where a path ended early, its last closed pose.
-    share : ndarray, shape (N,)
-        Of the way from the guess to the target; 1 where it was reached.
-    status : ndarray of int, shape (N,)
-        `Status`: CLOSED; STOPPED where `close` raises ClosureError; LIMITS where it raises
-        LimitError.
-    """
-
-    q: Array
-    share: Array
-    status: NDArray[np.int8]
-
-
-@dataclass(frozen=True, eq=False)
-class ManyJacobians(ReadOnlyArrays):
-    """J_eq of many poses.
-
-    Attributes
-    ----------
-    J_eq : ndarray, shape (N, 6, n)
-        J − J* K*⁻¹ K, linear rows first; NaN where there is none.
-    status : ndarray of int, shape (N,)
-        `Status`: CLOSED; OPEN where `configuration` raises ClosureError; SINGULAR where
-        `jacobian` raises SingularError; NO_JACOBIAN where it raises another NoJacobianError.
-    """
-
-    J_eq: Array
-    status: NDArray[np.int8]
 
 
 def batch(mechanism: Mechanism) -> Batch:
@@ -128,6 +82,8 @@ class Batch:
         guess: str | Configuration | ArrayLike = "home",
         *,
         enforce_limits: bool | str = True,
+        threads: int | None = None,
+        progress: Progress | None = None,
     ) -> ManyClosed:
         """Close the loops at many motor values, each on the assembly mode of its guess.
 
@@ -139,6 +95,10 @@ class Batch:
             Where the paths begin: one pose, or closed q of shape (N, nq).
         enforce_limits : bool or "all"
             As for `Mechanism.close`.
+        threads : int, optional
+            All cores by default; the result is the same to the last bit.
+        progress : callable, optional
+            Called with (poses done, N) now and then, in the caller's thread.
 
         Raises
         ------
@@ -149,6 +109,12 @@ class Batch:
         """
         values, whose = self._values(actuated), enforced(enforce_limits)
         start = self._start(guess, len(values))
+        found = (np.empty(start.shape), np.empty(len(start)), np.empty(len(start), dtype=np.int8))
+        fill(found, lambda at: self._closed(start[at], values[at], whose), threads, progress)
+        return ManyClosed(*found)
+
+    def _closed(self, start: Array, values: Array, whose: str) -> tuple[Array, Array, Statuses]:
+        """Return q, share and status of one piece."""
         q, share, settled = self._together(start, values)
         # Another branch may have more rank than home's, of which the program knows nothing.
         full = self.mechanism.problem.partition.full
@@ -162,15 +128,15 @@ class Batch:
             limited = np.flatnonzero(np.isfinite(self._coordinates.lower))
             reached = self._coordinates.values_of(q, limited)
             status[self._beyond(reached, limited) & (status == Status.CLOSED)] = Status.LIMITS
-        return ManyClosed(q, share, status)
+        return q, share, status
 
-    def _beyond(self, values: Array, columns: Index) -> NDArray[np.bool_]:
+    def _beyond(self, values: Array, columns: Index) -> Mask:
         return np.asarray(self._coordinates.beyond(values, columns).any(axis=1))
 
-    def _together(self, start: Array, values: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    def _together(self, start: Array, values: Array) -> tuple[Array, Array, Mask]:
         """Walk all paths by the program; return q, share, and of which this is certain."""
         if self._tied:  # some motors lead and others are led: the single call knows which
-            return start, np.zeros(len(values)), np.zeros(len(values), dtype=bool)
+            return start.copy(), np.zeros(len(values)), np.zeros(len(values), dtype=bool)
         coordinates, motors = self._coordinates, self._rates.partition.actuated
         displacement = values - coordinates.values_of(start, motors)
         turns = np.round(displacement / (2.0 * np.pi)) * coordinates.wraps[motors]
@@ -190,7 +156,12 @@ class Batch:
             return (start if error.reached is None else error.reached.q), error.share
 
     def jacobian(
-        self, q: ArrayLike, frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED"
+        self,
+        q: ArrayLike,
+        frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED",
+        *,
+        threads: int | None = None,
+        progress: Progress | None = None,
     ) -> ManyJacobians:
         """Return J_eq at many closed poses.
 
@@ -198,20 +169,71 @@ class Batch:
         ----------
         q : array_like, shape (N, nq)
         frame : {"LOCAL_WORLD_ALIGNED", "LOCAL", "WORLD"} or pin.ReferenceFrame
+        threads, progress
+            As for `close`.
         """
         poses, name = self._poses(q), frame_name(frame)
         if name not in self._tapes:
             self._tapes[name] = self._rates.jacobian_tape(name)
-        gap, inverse, size, forbidden, felt, tool, *entries = run(self._tapes[name], poses.T)
+        tape, count, n = self._tapes[name], len(poses), len(self.mechanism.actuated)
+        found = (np.empty((count, 6, n)), np.empty(count, dtype=np.int8))
+
+        def work(at: slice) -> tuple[Array, Statuses]:
+            return self._judged(poses[at], run(tape, poses[at].T), name)
+
+        fill(found, work, threads, progress)
+        return ManyJacobians(*found)
+
+    def measures(
+        self, q: ArrayLike, *, threads: int | None = None, progress: Progress | None = None
+    ) -> ManyMeasures:
+        """Return J_eq, its singular values, how near K* is to singular, and where the tool is.
+
+        Parameters
+        ----------
+        q : array_like, shape (N, nq)
+        threads, progress
+            As for `close`.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> home = pj.load("five_bar").home
+        >>> found = pj.batch(home.mechanism).measures([home.q])
+        >>> bool(abs(found.smallest[0] - home.singularity().smallest) < 1e-12)
+        True
+        """
+        poses, tape, n = self._poses(q), self._measures_tape, len(self.mechanism.actuated)
+        shapes = ((6, n), (), (3,), (3,), (), (), (3,), (3, 3))  # in the order of ManyMeasures
+        found: list[Any] = [np.empty((len(poses), *shape)) for shape in shapes]
+        found[1] = np.empty(len(poses), dtype=np.int8)
+
+        def work(at: slice) -> list[Array]:
+            told = run(tape, poses[at].T)
+            J_eq, status = self._judged(poses[at], told, "LOCAL_WORLD_ALIGNED")
+            return [
+                *vars(measured(J_eq, status, told[6 + 6 * n :], self._rates.partition)).values()
+            ]
+
+        fill(found, work, threads, progress)
+        return ManyMeasures(*found)
+
+    @cached_property
+    def _measures_tape(self) -> Tape:
+        return self._rates.measures_tape()
+
+    def _judged(self, poses: Array, found: Array, frame: FrameName) -> tuple[Array, Statuses]:
+        """Return J_eq of what a tape found, where that is certain, else of the single call."""
         partition, n = self._rates.partition, len(self.mechanism.actuated)
+        gap, inverse, size, forbidden, felt, tool = found[:6]
         least = partition.rank_tolerance * np.maximum(size, partition.least_size)
         certain = (gap <= self.mechanism.problem.tolerance) & (inverse * least < 1.0)
         certain &= (forbidden <= least) & (felt <= _FELT * tool) & (not partition.isolated)
-        J_eq = np.array(entries).T.reshape(-1, 6, n)
+        J_eq = found[6 : 6 + 6 * n].T.reshape(-1, 6, n).copy()
         status = np.zeros(len(poses), dtype=np.int8)
         for index in np.flatnonzero(~certain).tolist():
-            J_eq[index], status[index] = self._single(poses[index], name)
-        return ManyJacobians(J_eq, status)
+            J_eq[index], status[index] = self._single(poses[index], frame)
+        return J_eq, status
 
     def _single(self, q: Array, frame: str) -> tuple[Any, Status]:
         """Return what the single call says at a pose."""

@@ -1,0 +1,1 @@
+"""Many poses of one mechanism at once."""

@@ -1,0 +1,89 @@
+"""What is found of many poses: arrays, and a status each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmjac_pin.values.arrays import Array, ReadOnlyArrays
+
+Statuses: TypeAlias = NDArray[np.int8]
+
+
+class Status(IntEnum):
+    """What became of one pose among many."""
+
+    CLOSED = 0
+    STOPPED = 1
+    LIMITS = 2
+    OPEN = 3
+    SINGULAR = 4
+    NO_JACOBIAN = 5
+    NOT_ASSEMBLED = 6
+
+
+@dataclass(frozen=True, eq=False)
+class ManyClosed(ReadOnlyArrays):
+    """Closed poses, or where their paths ended.
+
+    Attributes
+    ----------
+    q : ndarray, shape (N, nq)
+        Pinocchio's configuration vectors. Where a path ended early, its last closed pose.
+    share : ndarray, shape (N,)
+        Of the way from the guess to the target; 1 where it was reached.
+    status : ndarray of int, shape (N,)
+        `Status`: CLOSED; STOPPED where `close` raises ClosureError; LIMITS where it raises
+        LimitError.
+    """
+
+    q: Array
+    share: Array
+    status: Statuses
+
+
+@dataclass(frozen=True, eq=False)
+class ManyJacobians(ReadOnlyArrays):
+    """J_eq of many poses.
+
+    Attributes
+    ----------
+    J_eq : ndarray, shape (N, 6, n)
+        J − J* K*⁻¹ K, linear rows first; NaN where there is none.
+    status : ndarray of int, shape (N,)
+        `Status`: CLOSED; OPEN where `configuration` raises ClosureError; SINGULAR where
+        `jacobian` raises SingularError; NO_JACOBIAN where it raises another NoJacobianError.
+    """
+
+    J_eq: Array
+    status: Statuses
+
+
+@dataclass(frozen=True, eq=False)
+class ManyMeasures(ManyJacobians):
+    """What is asked of a map: J_eq, its singular values, how near K* is to singular, the tool.
+
+    NaN where the loops are open; J_eq and the radii also where there is no J_eq.
+
+    Attributes
+    ----------
+    velocity_radii : ndarray, shape (N, 3)
+        Singular values of the linear rows of J_eq, descending: `velocity_ellipsoid().radii`.
+    angular_radii : ndarray, shape (N, 3)
+        Of the angular rows: `angular_ellipsoid().radii`.
+    smallest, condition : ndarray, shape (N,)
+        Of K*, as those of `Singularity`.
+    position, rotation : ndarray, shapes (N, 3) and (N, 3, 3)
+        Of the tool, in the world: those of `tool_pose`.
+    """
+
+    velocity_radii: Array
+    angular_radii: Array
+    smallest: Array
+    condition: Array
+    position: Array
+    rotation: Array
