@@ -43,6 +43,7 @@ TESTS = (
     "test_report.py",
     "test_sdf.py",
     "test_server.py",
+    "test_sweep.py",
     "test_tables.py",
     "test_urdf.py",
     "test_viewer.py",
@@ -50,10 +51,10 @@ TESTS = (
 
 
 def lowest() -> list[str]:
-    """Return each requirement at its lowest version, with those of MJCF, plots and the page."""
+    """Return each requirement at its lowest version, with those of all that is optional."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
-    optional = extras["mjcf"] + extras["plot"] + extras["view"]
+    optional = extras["mjcf"] + extras["plot"] + extras["sweep"] + extras["view"]
     requirements = project["dependencies"] + optional
     return [re.sub(">=", "==", requirement) for requirement in requirements]
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas
 import pytest
+import xarray
 from random_machines import random_machine
 
 import pmjac_pin as pj
@@ -175,3 +177,38 @@ def test_threads_change_no_bit(rng):
             np.testing.assert_array_equal(getattr(second, name), array)
     with pytest.raises(pj.ArgumentError, match="threads must be"):
         many.close(values, threads=0)
+
+
+NAMED = {
+    "mapping": dict,
+    "DataFrame": pandas.DataFrame,
+    "records": lambda columns: pandas.DataFrame(columns).to_records(index=False),
+    "Dataset": lambda columns: xarray.Dataset({k: ("time", v) for k, v in columns.items()}),
+    "DataArray": lambda columns: pandas.DataFrame(columns).to_xarray().to_array("motor").T,
+    "DataArray, turned": lambda columns: pandas.DataFrame(columns).to_xarray().to_array("motor"),
+}
+
+
+@pytest.mark.parametrize("kind", NAMED)
+def test_motor_values_with_names_go_by_them(kind, rng):
+    mechanism = pj.load("three_rps")
+    values = mechanism.home.actuated + 0.02 * rng.normal(size=(3, 3))
+    columns = {name: values[:, mechanism.actuated.index(name)] for name in ("l3", "l1", "l2")}
+    many = pj.batch(mechanism)
+    np.testing.assert_array_equal(many.close(NAMED[kind](columns)).q, many.close(values).q)
+    wrong = {"l1": columns["l1"], "l2": columns["l2"], "l4": columns["l3"]}
+    with pytest.raises(pj.UnknownNameError, match="unknown motor 'l4'"):
+        many.close(NAMED[kind](wrong))
+    with pytest.raises(pj.ArgumentError, match="no value is given for motor 'l3'"):
+        many.close(NAMED[kind]({"l1": columns["l1"], "l2": columns["l2"]}))
+    with pytest.raises(pj.ArgumentError, match="joint 'theta1' is passive"):
+        many.close(NAMED[kind]({**columns, "theta1": columns["l1"]}))
+
+
+def test_columns_of_unlike_lengths():
+    many = pj.batch(pj.load("three_rps"))
+    with pytest.raises(pj.ArgumentError, match=r"got shapes \(2,\), \(1,\), \(2,\)"):
+        many.close({"l1": [1.0, 1.0], "l2": [1.0], "l3": [1.0, 1.0]})
+    with pytest.raises(pj.ArgumentError, match="by one name twice"):
+        twice = xarray.DataArray(np.ones((2, 3)), {"m": ["l1", "l1", "l2"]}, ("k", "m"))
+        many.close(twice)

@@ -60,6 +60,26 @@ def test_each_point_of_a_grid():
             check(found.sel(l1=l1, l3=l3), mechanism, [l1, mechanism.home.actuated[1], l3])
 
 
+def test_measures():
+    measures = ("velocity_radii", "angular_radii", "smallest", "condition", "position", "rotation")
+    mechanism = pj.load("three_rps")
+    found = pj.sweep(mechanism, {"l1": [*LENGTHS, 3.0]}, measures=measures, workers=1)
+    closed = found.status == pj.Status.CLOSED
+    assert closed.any()
+    assert not closed.all()
+    for point in (found.isel(l1=k) for k in np.flatnonzero(closed)):
+        pose = mechanism.close([float(point.l1), *mechanism.home.actuated[1:]])
+        radii = pose.jacobian().velocity_ellipsoid().radii
+        np.testing.assert_allclose(point.velocity_radii, radii, atol=1e-9)
+        singularity, placed = pose.singularity(), pose.tool_pose
+        assert point.smallest == pytest.approx(singularity.smallest, rel=1e-8)
+        assert point.condition == pytest.approx(singularity.condition, rel=1e-8)
+        np.testing.assert_allclose(point.position, placed.translation, atol=1e-9)
+        np.testing.assert_allclose(point.rotation, placed.rotation, atol=1e-9)
+    for name in measures:
+        assert np.isnan(found[name].where(~closed, drop=True)).all()
+
+
 def test_samples_of_motors_and_parameters(rng):
     l1, theta = rng.uniform(0.8, 1.3, 12), rng.uniform(0.5, 1.2, 12)
     l1[3:6] = l1[0]

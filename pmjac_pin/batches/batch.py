@@ -19,6 +19,7 @@ from pmjac_pin.batches.measures import measured
 from pmjac_pin.batches.results import ManyClosed, ManyJacobians, ManyMeasures, Status, Statuses
 from pmjac_pin.closing.arms import arms_of
 from pmjac_pin.closing.many_paths import Walker
+from pmjac_pin.closing.motor_values import motor_table
 from pmjac_pin.closing.recorded_rates import RecordedRates
 from pmjac_pin.closing.recorded_step import step_tape
 from pmjac_pin.configuration import Configuration, frame_name
@@ -89,8 +90,9 @@ class Batch:
 
         Parameters
         ----------
-        actuated : array_like, shape (N, n)
-            Motor values, m or rad.
+        actuated : array_like, shape (N, n), or columns by their names
+            Motor values, m or rad; columns of a mapping, a DataFrame or records go by the names
+            of the motors.
         guess : str, Configuration or array_like
             Where the paths begin: one pose, or closed q of shape (N, nq).
         enforce_limits : bool or "all"
@@ -107,7 +109,8 @@ class Batch:
         ClosureError
             A guess that is not closed.
         """
-        values, whose = self._values(actuated), enforced(enforce_limits)
+        values = motor_table(self.mechanism.spec, self._coordinates, actuated)
+        whose = enforced(enforce_limits)
         start = self._start(guess, len(values))
         found = (np.empty(start.shape), np.empty(len(start)), np.empty(len(start), dtype=np.int8))
         fill(found, lambda at: self._closed(start[at], values[at], whose), threads, progress)
@@ -245,14 +248,6 @@ class Batch:
             return np.nan, Status.SINGULAR
         except NoJacobianError:
             return np.nan, Status.NO_JACOBIAN
-
-    def _values(self, actuated: Any) -> Array:
-        names = self.mechanism.actuated
-        values = as_numbers(actuated, "motor values")
-        if values.ndim != 2 or values.shape[1] != len(names):
-            wanted = f"(N, {len(names)}) for {', '.join(names)}"
-            raise ArgumentError(f"motor values of shape {wanted} expected, got {values.shape}")
-        return values
 
     def _start(self, guess: Any, count: int) -> Array:
         if isinstance(guess, str):

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pmjac_pin.errors import ArgumentError, unknown_name
+from pmjac_pin.errors import ArgumentError, quoted, unknown_name
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.values.arrays import Array
@@ -48,18 +48,83 @@ def motor_values(spec: MechanismSpec, coordinates: JointCoordinates, actuated: A
     return values
 
 
-def _in_order(
-    names: tuple[str, ...], coordinates: JointCoordinates, by_name: dict[Any, Any]
-) -> Array:
-    for name in by_name:
+def motor_table(spec: MechanismSpec, coordinates: JointCoordinates, actuated: Any) -> Array:
+    """Return motor values of many poses as an array (N, n), or say what was expected.
+
+    Parameters
+    ----------
+    spec, coordinates
+        As for `motor_values`.
+    actuated : array_like, shape (N, n), or columns by their names
+        Columns of a mapping, a pandas DataFrame, an xarray Dataset or NumPy's records are taken
+        by the names of the motors.
+
+    Raises
+    ------
+    UnknownNameError, ArgumentError
+        As `motor_values`; columns of unlike lengths.
+    """
+    names = spec.actuated
+    if (columns := _columns(actuated)) is not None:
+        _check_names(names, coordinates, columns)
+        ordered = [as_numbers(columns[name], f"values of motor {name!r}") for name in names]
+        shapes = {column.shape for column in ordered}
+        if len(shapes) > 1 or ordered[0].ndim != 1:
+            got = ", ".join(str(column.shape) for column in ordered)
+            raise ArgumentError(f"one value a pose expected of each motor, got shapes {got}")
+        return np.column_stack(ordered)
+    values = as_numbers(actuated, "motor values")
+    if values.ndim != 2 or values.shape[1] != len(names):
+        wanted = f"(N, {len(names)}) for {', '.join(names)}"
+        raise ArgumentError(f"motor values of shape {wanted} expected, got {values.shape}")
+    return values
+
+
+def _columns(given: Any) -> dict[Any, Any] | None:
+    """Return columns by their names, None for what has none."""
+    if names := getattr(getattr(given, "dtype", None), "names", None):
+        return {name: given[name] for name in names}
+    if isinstance(given, Mapping) or callable(getattr(given, "keys", None)):
+        # Of pandas' columns and xarray's variables, the numbers without their own labels.
+        return {name: getattr(given[name], "values", given[name]) for name in list(given.keys())}
+    return _labelled(given)
+
+
+def _labelled(given: Any) -> dict[Any, Any] | None:
+    """Return the columns of an array of xarray's that labels one of its two axes by names."""
+    dimensions, coordinates = getattr(given, "dims", ()), getattr(given, "coords", {})
+    if len(dimensions) != 2:
+        return None
+    for axis, dimension in enumerate(dimensions):
+        labels = np.asarray(coordinates[dimension]).tolist() if dimension in coordinates else []
+        if labels and all(isinstance(label, str) for label in labels):
+            if len(set(labels)) < len(labels):
+                raise ArgumentError(
+                    f"motor values are labelled {quoted(labels)}: by one name twice"
+                )
+            table = np.moveaxis(np.asarray(given), axis, 1)
+            return {label: table[:, k] for k, label in enumerate(labels)}
+    return None
+
+
+def _check_names(
+    names: tuple[str, ...], coordinates: JointCoordinates, given: Collection[Any]
+) -> None:
+    for name in given:
         if name not in names:
             if name in coordinates.names:
                 message = f"joint {name!r} is passive; motors are: {', '.join(names)}"
                 raise ArgumentError(message)
             raise unknown_name("motor", name, names)
-    if missing := [name for name in names if name not in by_name]:
+    if missing := [name for name in names if name not in given]:
         plural = "s" * (len(missing) > 1)
         raise ArgumentError(f"no value is given for motor{plural} {', '.join(map(repr, missing))}")
+
+
+def _in_order(
+    names: tuple[str, ...], coordinates: JointCoordinates, by_name: dict[Any, Any]
+) -> Array:
+    _check_names(names, coordinates, by_name)
     return np.array([_one(name, by_name[name]) for name in names], dtype=float)
 
 

@@ -78,8 +78,9 @@ class Store:
             group[name][region] = values
         group[_DONE][index] = 1
 
-    def open(self, xarray: Any) -> Any:
+    def open(self) -> Any:
         """Return its contents."""
+        xarray, _ = packages()
         return xarray.open_zarr(self.path, consolidated=False, chunks=None, drop_variables=[_DONE])
 
     def _identity(self) -> dict[str, Any]:
@@ -89,13 +90,13 @@ class Store:
             raise OutputError(f"{shown_path(self.path)}: is no store of a sweep") from None
 
     def _group(self) -> Any:
-        return imported("zarr").open_group(self.path, mode="r+")
+        return packages()[1].open_group(self.path, mode="r+")
 
     def _write_draft(
         self, draft: Path, work: Work, chunk: tuple[int, ...], identity: Mapping[str, Any]
     ) -> None:
         points = work.points
-        group = imported("zarr").create_group(draft, attributes={MARK: dict(identity)})
+        group = packages()[1].create_group(draft, attributes={MARK: dict(identity)})
         for name, column in points.values.items():
             dims = (name,) if points.is_grid else points.dims
             group.create_array(name, data=column, dimension_names=dims)
@@ -121,11 +122,13 @@ class Store:
         )
 
 
-def imported(name: str) -> Any:
-    """Import one of the packages that sweeps need."""
+def packages() -> tuple[Any, Any]:
+    """Return xarray and zarr."""
     try:
-        return __import__(name)
+        import xarray  # noqa: PLC0415
+        import zarr  # noqa: PLC0415
     except ImportError as error:
         raise MissingDependencyError(
             f"a sweep needs xarray and zarr: pip install 'pmjac_pin[sweep]' ({error})"
         ) from error
+    return xarray, zarr

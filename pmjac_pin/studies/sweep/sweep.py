@@ -15,7 +15,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.sweep.hands import Hands, Progress
 from pmjac_pin.studies.sweep.points import Points, Region
 from pmjac_pin.studies.sweep.question import identity, question
-from pmjac_pin.studies.sweep.store import MARK, Store, imported
+from pmjac_pin.studies.sweep.store import MARK, Store, packages
 from pmjac_pin.studies.sweep.variables import VARIABLES
 from pmjac_pin.studies.sweep.work import Work
 
@@ -55,7 +55,9 @@ def sweep(
     samples : mapping of str to array_like, shape (k,)
         Instead: values that belong together, as drawn at random.
     measures : iterable of str
-        Variables of the result beside `status`: "share", "q", "J_eq".
+        Variables of the result beside `status`: "share" and "q" as of `ManyClosed`, "J_eq",
+        "velocity_radii", "angular_radii", "smallest", "condition", "position" and "rotation" as
+        of `ManyMeasures`.
     out : path, optional
         A zarr folder to be made. What is done stays there if the process ends early.
     resume : bool
@@ -98,7 +100,7 @@ def sweep(
     >>> dict(found.J_eq.sizes)
     {'l1': 5, 'l2': 5, 'row': 6, 'motor': 3}
     """
-    xarray = imported("xarray")
+    packages()
     points = _points(over, samples)
     work, machine = question(mechanism, points, measures, guess, enforce_limits)
     shape = points.chunk(_at_least_one(chunk, "chunk"))
@@ -108,7 +110,7 @@ def sweep(
     hands = Hands(client, min(processes, len(regions)), progress)
     what = identity(work, machine, shape)
     if out is None:
-        found = _dataset(xarray, work, _in_memory(work, regions, hands), {MARK: what})
+        found = _dataset(work, _in_memory(work, regions, hands), {MARK: what})
     else:
         store = Store.at(out)
         if resume and store.path.exists():
@@ -116,7 +118,7 @@ def sweep(
         else:
             store.create(work, shape, what)
         _fill(store, work, regions, hands)
-        found = store.open(xarray)
+        found = store.open()
     found.status.attrs["flag_values"] = [one.value for one in Status]
     found.status.attrs["flag_meanings"] = " ".join(one.name for one in Status)
     return found.assign_coords(
@@ -160,7 +162,7 @@ def _compute_and_write(store: Store, work: Work, index: int, region: Region) -> 
 
 
 def _dataset(
-    xarray: Any, work: Work, arrays: Mapping[str, NDArray[Any]], attributes: Mapping[str, Any]
+    work: Work, arrays: Mapping[str, NDArray[Any]], attributes: Mapping[str, Any]
 ) -> Dataset:
     points = work.points
     values = {
@@ -170,5 +172,6 @@ def _dataset(
     variables = {
         name: ((*points.dims, *VARIABLES[name].dims), array) for name, array in arrays.items()
     }
+    xarray, _ = packages()
     found: Dataset = xarray.Dataset({**variables, **values}, attrs=attributes)
     return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
@@ -11,11 +12,51 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.batches.batch import Batch
-from pmjac_pin.batches.results import ManyClosed, Status
+from pmjac_pin.batches.results import ManyClosed, ManyJacobians, ManyMeasures, Status, Statuses
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import entry_names
+from pmjac_pin.values.arrays import Array, Index
 
-ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
+_ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
+
+
+class Seen:
+    """Poses, and what is known where their loops are closed.
+
+    Parameters
+    ----------
+    many : Batch
+    poses : ManyClosed
+    """
+
+    def __init__(self, many: Batch, poses: ManyClosed) -> None:
+        self._many, self.poses = many, poses
+
+    @cached_property
+    def _closed(self) -> Index:
+        return np.flatnonzero(self.poses.status == Status.CLOSED)
+
+    @cached_property
+    def jacobians(self) -> ManyJacobians:
+        """J_eq at the closed poses."""
+        return self._many.jacobian(self.poses.q[self._closed], threads=1)
+
+    @cached_property
+    def measures(self) -> ManyMeasures:
+        """Measures of the closed poses."""
+        return self._many.measures(self.poses.q[self._closed], threads=1)
+
+    def status(self) -> Statuses:
+        """Return what became of each pose: of its loops and, where these are closed, of J_eq."""
+        found: Statuses = self.poses.status.copy()
+        found[self._closed] = self.jacobians.status
+        return found
+
+    def spread(self, values: Array) -> Array:
+        """Return values of the closed poses for all, NaN where there are none."""
+        found = np.full((len(self.poses.q), *values.shape[1:]), np.nan)
+        found[self._closed] = values
+        return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +75,7 @@ class Variable:
 
     dims: tuple[str, ...]
     nothing: np.float64 | np.int8
-    of: Callable[[Batch, ManyClosed], NDArray[Any]]
+    of: Callable[[Seen], NDArray[Any]]
 
     def empty(self, points: Sequence[int], labels: Mapping[str, Sequence[str]]) -> NDArray[Any]:
         """Return an array without values.
@@ -53,34 +94,34 @@ class Variable:
 def labels_of(mechanism: Mechanism) -> dict[str, Sequence[str]]:
     """Return the labels of the axes that are not those of the points."""
     return {
-        "row": ROWS,
+        "row": _ROWS,
         "motor": mechanism.actuated,
         "entry": entry_names(mechanism.model),
+        "radius": ("1", "2", "3"),
+        "xyz": ("x", "y", "z"),
+        "tool_axis": ("x", "y", "z"),
     }
 
 
-def _status(many: Batch, poses: ManyClosed) -> NDArray[np.int8]:
-    """Return what became of each pose: of its loops and, where these are closed, of J_eq."""
-    found: NDArray[np.int8] = poses.status.copy()
-    closed = np.flatnonzero(found == Status.CLOSED)
-    found[closed] = many.jacobian(poses.q[closed]).status
-    return found
+def _number(of: Callable[[Seen], Array], *dims: str) -> Variable:
+    return Variable(dims, np.float64(np.nan), of)
 
 
-def _jacobian(many: Batch, poses: ManyClosed) -> NDArray[np.float64]:
-    """Return J_eq, NaN where the target was not reached."""
-    found = np.full((len(poses.q), 6, len(many.mechanism.actuated)), np.nan)
-    closed = np.flatnonzero(poses.status == Status.CLOSED)
-    found[closed] = many.jacobian(poses.q[closed]).J_eq
-    return found
+def _measure(name: str, *dims: str) -> Variable:
+    return _number(lambda seen: seen.spread(getattr(seen.measures, name)), *dims)
 
 
-_NAN = np.float64(np.nan)
 VARIABLES: Mapping[str, Variable] = MappingProxyType(
     {
-        "status": Variable((), np.int8(Status.NOT_ASSEMBLED), _status),
-        "share": Variable((), _NAN, lambda _, poses: poses.share),
-        "q": Variable(("entry",), _NAN, lambda _, poses: poses.q),
-        "J_eq": Variable(("row", "motor"), _NAN, _jacobian),
+        "status": Variable((), np.int8(Status.NOT_ASSEMBLED), Seen.status),
+        "share": _number(lambda seen: seen.poses.share),
+        "q": _number(lambda seen: seen.poses.q, "entry"),
+        "J_eq": _number(lambda seen: seen.spread(seen.jacobians.J_eq), "row", "motor"),
+        "velocity_radii": _measure("velocity_radii", "radius"),
+        "angular_radii": _measure("angular_radii", "radius"),
+        "smallest": _measure("smallest"),
+        "condition": _measure("condition"),
+        "position": _measure("position", "xyz"),
+        "rotation": _measure("rotation", "xyz", "tool_axis"),
     }
 )

@@ -15,7 +15,7 @@ from pmjac_pin.batches.batch import Batch, batch
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.loading import load
 from pmjac_pin.studies.sweep.points import Points, Region
-from pmjac_pin.studies.sweep.variables import VARIABLES
+from pmjac_pin.studies.sweep.variables import VARIABLES, Seen
 from pmjac_pin.values.arrays import Array, Index
 
 _MACHINES = 8  # kept in each process
@@ -59,9 +59,12 @@ class Work:
         for parameters, which in self._machines(values, count):
             if (many := _batch_of(self.machine, parameters)) is not None:
                 targets = self._targets(many, values, which)
-                poses = many.close(targets, self.guess, enforce_limits=self.enforce_limits)
+                poses = many.close(
+                    targets, self.guess, enforce_limits=self.enforce_limits, threads=1
+                )
+                seen = Seen(many, poses)
                 for name in self.measures:
-                    found[name][which] = VARIABLES[name].of(many, poses)
+                    found[name][which] = VARIABLES[name].of(seen)
         return {name: array.reshape(*shape, *array.shape[1:]) for name, array in found.items()}
 
     def _machines(
