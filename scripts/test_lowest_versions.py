@@ -23,6 +23,7 @@ TOOLS = ("pytest", "hypothesis", "mpmath")
 
 #: At least one for each dependency, and for each thing that one can do with the package.
 TESTS = (
+    "test_batch.py",
     "test_catalog.py",
     "test_certificate.py",
     "test_cli.py",

@@ -184,6 +184,8 @@ class Walker:
 
     def _covers(self, start: Array, end: Array, leaving: Array, arriving: Array) -> Mask:
         """Tell which steps are proven regular, as `StepGuard.covers` does."""
+        if not len(start):  # not every SciPy turns nothing
+            return np.zeros(0, dtype=bool)
         way = self.poses.between(start, end)
         arriving = self.poses.arriving(way, arriving)
         half = self.poses.moved(start, 0.5 * way + 0.125 * (leaving - arriving))

@@ -99,9 +99,7 @@ def _labelled(given: Any) -> dict[Any, Any] | None:
         labels = np.asarray(coordinates[dimension]).tolist() if dimension in coordinates else []
         if labels and all(isinstance(label, str) for label in labels):
             if len(set(labels)) < len(labels):
-                raise ArgumentError(
-                    f"motor values are labelled {quoted(labels)}: by one name twice"
-                )
+                raise ArgumentError(f"motor values are labelled {quoted(labels)}, by one twice")
             table = np.moveaxis(np.asarray(given), axis, 1)
             return {label: table[:, k] for k, label in enumerate(labels)}
     return None
