@@ -20,7 +20,14 @@ def __getattr__(name: str) -> "Any":
         return _lazy()[2]
     if name.startswith("_"):
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return _lazy()[0](name)
+    try:
+        return _lazy()[0](name)
+    except OSError as error:  # no file descriptor may be left to read a module by
+        from pmjac_pin.errors import PmjacError  # noqa: PLC0415
+
+        if isinstance(error, PmjacError):
+            raise
+        raise PmjacError(f"pmjac_pin.{name} cannot be imported: {error.strerror}") from error
 
 
 def __dir__() -> "list[str]":

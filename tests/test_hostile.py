@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import resource
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -351,6 +353,19 @@ def test_a_viewer_without_file_descriptors(spare):
         for descriptor in descriptors:
             os.close(descriptor)
     assert _descriptors() == used
+
+
+def test_a_viewer_that_was_not_imported_before_there_were_no_file_descriptors():
+    code = (
+        "import os, resource, pmjac_pin as pj\n"
+        "home = pj.load('serial_2r').home\n"
+        "used = max(int(name) for name in os.listdir('/proc/self/fd'))\n"
+        "resource.setrlimit(resource.RLIMIT_NOFILE, (used, used))\n"
+        "try: pj.view(home)\n"
+        "except pj.PmjacError as error: print(error)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "pmjac_pin.view cannot be imported: Too many open files\n"
 
 
 # --- quoting -----------------------------------------------------------------------------------
