@@ -212,3 +212,13 @@ def test_columns_of_unlike_lengths():
     twice = xarray.DataArray(np.ones((2, 3)), {"m": ["l1", "l1", "l2"]}, ("k", "m"))
     with pytest.raises(pj.ArgumentError, match="by one twice"):
         many.close(twice)
+
+
+@pytest.mark.parametrize("name", ["five_bar", "three_rps", "serial_2r"])
+def test_no_poses_at_all(name):
+    mechanism = pj.load(name)
+    many, n = pj.batch(mechanism), len(mechanism.actuated)
+    poses = many.close(np.zeros((0, n)))
+    assert poses.q.shape == (0, mechanism.nq)
+    assert many.jacobian(poses.q).J_eq.shape == (0, 6, n)
+    assert many.measures(poses.q).velocity_radii.shape == (0, 3)

@@ -5,6 +5,7 @@ What a program certifies is what the single call says; where it cannot, the sing
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 from typing import Any
 
@@ -15,15 +16,29 @@ from numpy.typing import ArrayLike
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import kernel, run
 from pmjac_pin.batches.chunks import Progress, fill
+from pmjac_pin.batches.grid import spread, walk_grid
 from pmjac_pin.batches.measures import measured
-from pmjac_pin.batches.results import ManyClosed, ManyJacobians, ManyMeasures, Status, Statuses
+from pmjac_pin.batches.results import (
+    ManyClosed,
+    ManyInGrid,
+    ManyJacobians,
+    ManyMeasures,
+    Status,
+    Statuses,
+)
 from pmjac_pin.closing.arms import arms_of
 from pmjac_pin.closing.many_paths import Walker
 from pmjac_pin.closing.motor_values import motor_table
 from pmjac_pin.closing.recorded_rates import RecordedRates
 from pmjac_pin.closing.recorded_step import step_tape
 from pmjac_pin.configuration import Configuration, frame_name
-from pmjac_pin.errors import ArgumentError, ClosureError, NoJacobianError, SingularError
+from pmjac_pin.errors import (
+    ArgumentError,
+    ClosureError,
+    NoJacobianError,
+    SingularError,
+    quoted,
+)
 from pmjac_pin.kinematics.many import ManyPoses
 from pmjac_pin.kinematics.recorded import Recorder
 from pmjac_pin.mechanism import Mechanism
@@ -115,6 +130,60 @@ class Batch:
         found = (np.empty(start.shape), np.empty(len(start)), np.empty(len(start), dtype=np.int8))
         fill(found, lambda at: self._closed(start[at], values[at], whose), threads, progress)
         return ManyClosed(*found)
+
+    def grid(
+        self,
+        over: Mapping[str, ArrayLike],
+        guess: str | Configuration = "home",
+        *,
+        enforce_limits: bool | str = True,
+        threads: int | None = None,
+    ) -> ManyInGrid:
+        """Close the loops all over a grid of motor values, from cell to neighbouring cell.
+
+        Parameters
+        ----------
+        over : mapping of str to array_like, shape (k,)
+            Values of motors, m or rad: the axes. Other motors stay where the guess has them.
+        guess : str or Configuration
+            Where the first path begins; it leads to the nearest cell that it reaches.
+        enforce_limits, threads
+            As for `close`; cells outside limits are not walked through.
+
+        Raises
+        ------
+        ArgumentError, UnknownNameError
+            Axes that are no motors, or no values; no such pose.
+
+        Examples
+        --------
+        >>> import numpy as np, pmjac_pin as pj
+        >>> many = pj.batch(pj.load("five_bar"))
+        >>> found = many.grid({"theta1": np.linspace(0.5, 2.5, 9), "theta2": [0.9, 1.0]})
+        >>> found.q.shape
+        (9, 2, 4)
+        """
+        begin = self.mechanism.pose(guess) if isinstance(guess, str) else guess
+        if not isinstance(begin, Configuration):
+            raise ArgumentError(f"`guess` is a pose's name or a Configuration, got {quoted(guess)}")
+        values = spread(over, self.mechanism.actuated, begin.actuated)
+        cells = values.reshape(-1, begin.actuated.size)
+
+        def close(which: Index, start: Array | None) -> ManyClosed:
+            where = begin if start is None else start
+            return self.close(cells[which], where, enforce_limits=enforce_limits, threads=threads)
+
+        scale = self._rates.partition.column_scale[self._rates.partition.actuated]
+        away = np.linalg.norm((cells - begin.actuated) / scale, axis=1)
+        shape = values.shape[:-1]
+        found = walk_grid(shape, np.argsort(away, kind="stable"), self.mechanism.nq, close)
+        return ManyInGrid(
+            q=found.q.reshape(*shape, -1),
+            share=found.share.reshape(shape),
+            status=found.status.reshape(shape),
+            actuated=values,
+            source=found.source.reshape(shape),
+        )
 
     def _closed(self, start: Array, values: Array, whose: str) -> tuple[Array, Array, Statuses]:
         """Return q, share and status of one piece."""

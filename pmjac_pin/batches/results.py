@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.values.arrays import Array, ReadOnlyArrays
+from pmjac_pin.values.arrays import Array, Index, ReadOnlyArrays
 
 Statuses: TypeAlias = NDArray[np.int8]
 
@@ -44,6 +44,25 @@ class ManyClosed(ReadOnlyArrays):
     q: Array
     share: Array
     status: Statuses
+
+
+@dataclass(frozen=True, eq=False)
+class ManyInGrid(ManyClosed):
+    """Closed poses of a grid of motor values.
+
+    Attributes
+    ----------
+    q, share, status : ndarray, shapes (*grid, nq), (*grid,) and (*grid,)
+        As of `ManyClosed`, of the path that reached a cell or was the last to be tried.
+    actuated : ndarray, shape (*grid, n)
+        The motor values of each cell.
+    source : ndarray of int, shape (*grid,)
+        The number of the cell from which that path came, row by row; −1 for the guess. A cell
+        that the straight path from the guess does not reach may be reached around an obstacle.
+    """
+
+    actuated: Array
+    source: Index
 
 
 @dataclass(frozen=True, eq=False)

@@ -140,7 +140,7 @@ class Walker:
     def at(self, q: Array, displacement: Array) -> Points:
         """Return what is known at poses, closed or not."""
         gap, inverse, size, *motions = self.run(self.point, np.vstack([q.T, displacement.T]))
-        newton, velocity = np.array(motions).reshape(2, -1, len(q)).transpose(0, 2, 1)
+        newton, velocity = np.reshape(motions, (2, len(motions) // 2, len(q))).transpose(0, 2, 1)
         return Points(q, gap, inverse, size, newton, velocity)
 
     def regular(self, points: Points) -> Mask:
