@@ -191,3 +191,43 @@ def test_a_rod_between_two_slides_may_have_any_length(rod):
     assert jacobian.J_eq[0, 0] == pytest.approx(rate, rel=1e-9)
     assert jacobian.error_estimate.max() < 1e-9
     assert len(pj.assembly_modes(machine, [0.7], rng=0)) == 4
+
+
+@pytest.mark.parametrize("rod", [1e-4, 0.1, 1e2, 1e5])
+def test_two_slides_and_a_rod_in_any_unit_of_length(rod):
+    model = planar([("x", pin.JointModelPX, 0.0, 0.0), ("y", pin.JointModelPY, 0.0, 0.0)])
+    loops = [pj.DistanceLoop(frames=("x", "y"), length=rod)]
+    home = {"x": 0.6 * rod, "y": 0.8 * rod}
+    machine = pj.Mechanism.from_pinocchio(model, loops, ["x"], "y", home=home)
+    assert (machine.mobility, machine.home.singularity().kind) == (1, "regular")
+    assert machine.home.jacobian().J_eq[1, 0] == pytest.approx(-0.75, rel=1e-9)
+
+
+def test_a_mode_is_told_once_however_a_small_loop_widens_the_tolerance():
+    """A crank of 3 µm and one of 0.5 m pull one slide; the large one is the motor."""
+    small = 1e-5
+    model = pin.Model()
+    ground = [
+        ("turn", 0, pin.JointModelRZ(), (0.0, 0.0)),
+        ("slide", 0, pin.JointModelPX(), (0.0, 0.0)),
+        ("crank", 0, pin.JointModelRZ(), (-1.2, 0.2)),
+    ]
+    for name, parent, kind, (x, y) in ground:
+        place = pin.SE3(np.eye(3), np.array([x, y, 0.0]))
+        model.addJointFrame(model.addJoint(parent, kind, place, name, ANY, ANY, -ANY, ANY))
+    frames = (("pin", 1, 0.3 * small, 0.0), ("end", 3, 0.5, 0.0), ("eye", 2, 0.0, 0.1))
+    for name, joint, x, y in frames:
+        place = pin.SE3(np.eye(3), np.array([x, y, 0.0]))
+        model.addFrame(pin.Frame(name, joint, place, pin.FrameType.OP_FRAME), False)
+    s = small * (0.3 * math.cos(0.7) + math.sqrt(1.0 - (0.3 * math.sin(0.7)) ** 2))
+    reach = math.hypot(s + 1.2, -0.1)
+    crank = math.atan2(-0.1, s + 1.2) + math.acos((0.25 + reach**2 - 1.0) / reach)
+    loops = [
+        pj.DistanceLoop(frames=("pin", "slide"), length=small),
+        pj.DistanceLoop(frames=("end", "eye"), length=1.0),
+    ]
+    home = {"turn": 0.7, "slide": s, "crank": crank}
+    machine = pj.Mechanism.from_pinocchio(model, loops, ["crank"], "end", home=home)
+    for seed in range(3):
+        modes = pj.assembly_modes(machine, machine.home.actuated, rng=seed, proof=False)
+        assert sorted(round(mode.joint_values["turn"], 4) for mode in modes) == [-0.7, 0.7]

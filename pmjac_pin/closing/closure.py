@@ -188,6 +188,12 @@ def _correct(problem: ClosureProblem, q: Array, tangent: Array, last: bool) -> C
     return None
 
 
+def polished(problem: ClosureProblem, q: Array) -> Array:
+    """Return a closed pose after as many further Newton steps as halve its gap."""
+    point = _correct(problem, q, np.zeros(problem.partition.column_scale.size), last=True)
+    return q if point is None else point.q
+
+
 def _newton_step(residual: Array, jacobian: Array, partition: Partition) -> Array:
     """Return v (nv,) that moves the passive joints only: K* φ̇ = −η, smallest φ̇."""
     passive = partition.passive

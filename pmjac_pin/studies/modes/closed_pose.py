@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pmjac_pin.closing.closure import polished
 from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.pose_assembly import motor_weights
 from pmjac_pin.configuration import Configuration
@@ -24,15 +25,19 @@ def closed_pose(mechanism: Mechanism, q: Array, limits: bool) -> Configuration |
     closed = assemble(problem, q, weights)
     if closed.gap > problem.tolerance:
         return None
+    q = closed.q
+    if problem.given_tolerance is None:
+        # Within a tolerance that a small loop or a far place widens, one mode is many poses.
+        q = polished(problem, q)
     columns = problem.partition.passive
     trains = gear_trains(mechanism.kinematics.model, mechanism.spec.loops, mechanism.spec.actuated)
-    q = unwound(coordinates, trains, closed.q, columns, limits)
+    found, q = q, unwound(coordinates, trains, q, columns, limits)
     if limits and coordinates.outside(coordinates.values(q)[columns], columns):
         return None
     # Full turns taken off an angle change its last digits, and far away by more than the tolerance.
     if problem.gap(problem.evaluate(q)[0]) > problem.tolerance:
         again = assemble(problem, q, weights)
-        q = again.q if again.gap <= problem.tolerance else closed.q
+        q = again.q if again.gap <= problem.tolerance else found
     return Configuration._of_q(mechanism, q)
 
 
