@@ -94,12 +94,12 @@ def test_where_no_cell_is_reached():
 @pytest.mark.parametrize(
     ("over", "guess", "message"),
     [
-        ({}, "home", "`over` is a mapping of motors to values"),
-        ([1.0], "home", "`over` is a mapping of motors to values"),
+        ({}, "home", "`over` is a mapping of names to values"),
+        ([1.0], "home", "`over` is a mapping of names to values"),
         ({"l9": [1.0]}, "home", "unknown motor 'l9'"),
-        ({"l1": 1.0}, "home", "a list of values of motor 'l1' expected"),
-        ({"l1": []}, "home", "a list of values of motor 'l1' expected"),
-        ({"l1": ["a"]}, "home", "values of motor 'l1' must be real numbers"),
+        ({"l1": 1.0}, "home", "a list of values for 'l1' expected"),
+        ({"l1": []}, "home", "a list of values for 'l1' expected"),
+        ({"l1": ["a"]}, "home", "the values of 'l1' must be real numbers"),
         ({"l1": [1.0]}, "nowhere", "unknown pose 'nowhere'"),
         ({"l1": [1.0]}, 3, "`guess` is a pose's name or a Configuration"),
     ],

@@ -7,15 +7,15 @@ others as these are closed, once each.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from pmjac_pin.batches.results import ManyClosed, Status, Statuses
-from pmjac_pin.errors import ArgumentError, quoted, unknown_name
+from pmjac_pin.errors import unknown_name
 from pmjac_pin.values.arrays import Array, Index
-from pmjac_pin.values.checks import as_numbers
+from pmjac_pin.values.columns import named_columns
 
 FROM_GUESS = -1  # in place of a neighbour's number
 _SEEDS = 64  # cells tried from the guess at a time until one is reached
@@ -82,19 +82,13 @@ def spread(over: Any, motors: Sequence[str], rest: Array) -> Array:
     rest : ndarray, shape (n,)
         Where the motors are that are no axes.
     """
-    if not isinstance(over, Mapping) or not over:
-        raise ArgumentError(f"`over` is a mapping of motors to values, got {quoted(over)}")
-    axes = []
-    for name, given in over.items():
+    axes = named_columns(over, "over")
+    for name in axes:
         if name not in motors:
             raise unknown_name("motor", name, tuple(motors))
-        axes.append(as_numbers(getattr(given, "values", given), f"values of motor {name!r}"))
-        if axes[-1].ndim != 1 or not axes[-1].size:
-            got = f"shape {axes[-1].shape}"
-            raise ArgumentError(f"a list of values of motor {name!r} expected, got {got}")
-    meshed = np.meshgrid(*axes, indexing="ij")
+    meshed = np.meshgrid(*axes.values(), indexing="ij")
     values = np.tile(rest, (*meshed[0].shape, 1))
-    values[..., [motors.index(name) for name in over]] = np.stack(meshed, axis=-1)
+    values[..., [motors.index(name) for name in axes]] = np.stack(meshed, axis=-1)
     return values
 
 

@@ -87,7 +87,7 @@ class Size:
         turning = tool.jacobian(model, data)[:, turns]
         rounding = max(NO_LENGTH, _TOLERANCES * max(spec.tolerance or 0.0, opened))
         means = [_mean(np.array(own)) for own in arms]
-        every = _mean(np.array([arm for own in arms if own for arm in own]))
+        every = _mean(np.array([arm for own in arms for arm in own]))
         if not any(arms):  # slides alone
             every = _mean(np.array([one for rod in rods for one in rod]))
         self.length = _length(every, _mean(_distances(turning)), rounding)

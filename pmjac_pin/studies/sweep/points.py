@@ -10,9 +10,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.errors import ArgumentError
 from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.checks import as_numbers
+from pmjac_pin.values.columns import named_columns
 
 Region: TypeAlias = tuple[slice, ...]
 
@@ -35,12 +35,12 @@ class Points:
     @classmethod
     def grid(cls, over: object) -> Points:
         """Return all combinations of the values of some axes."""
-        return cls(tuple(values := _columns(over, "over")), values)
+        return cls(tuple(values := named_columns(over, "over")), values)
 
     @classmethod
     def samples(cls, given: object) -> Points:
         """Return values that belong together, one of each name."""
-        values = _columns(given, "samples")
+        values = named_columns(given, "samples")
         sizes = {name: column.size for name, column in values.items()}
         if len(set(sizes.values())) > 1:
             counts = ", ".join(f"{count} of {name!r}" for name, count in sizes.items())
@@ -80,17 +80,3 @@ class Points:
         axes = [column[part] for column, part in zip(self.values.values(), region, strict=True)]
         meshed = np.meshgrid(*axes, indexing="ij")
         return {name: mesh.ravel() for name, mesh in zip(self.values, meshed, strict=True)}
-
-
-def _columns(given: object, what: str) -> dict[str, Array]:
-    if not isinstance(given, Mapping) or not given:
-        raise ArgumentError(f"`{what}` is a mapping of names to values, got {quoted(given)}")
-    columns = {}
-    for name, values in given.items():
-        # Plain lists, NumPy's arrays, and such with labels of their own, as xarray's.
-        column = as_numbers(getattr(values, "values", values), f"`{what}`: the values of {name!r}")
-        if not isinstance(name, str) or column.ndim != 1 or not column.size:
-            wanted = f"`{what}`: a list of values for {quoted(name)} expected"
-            raise ArgumentError(f"{wanted}, got shape {column.shape}")
-        columns[name] = column
-    return columns
