@@ -20,7 +20,7 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError
 from pmjac_pin.model.limits import Violation, enforced, limit_error
 from pmjac_pin.model.rounded_numbers import wider_tolerance
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import Array, norm
 from pmjac_pin.values.named_values import named_values
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ Guess: TypeAlias = "str | Configuration | Mapping[str, float | Sequence[float]]"
 _ARRIVED = 1e-9  # m or rad
 _GO_ON = "go on from there, the error's `reached`, as guess"
 _IN_BETWEEN = "go there by motor values in between"
+_BESIDE = 1e-2  # lengths or rad: nearer to where a path ends, its mode may be the one found
 _SMALL = 1e-4  # of the characteristic length: a gap of a target hardly missed, or of rounding
 _NEARLY_SINGULAR = 1e-3  # relative singular value of K* that explains why a path ended
 
@@ -129,7 +130,9 @@ def _stopped(
         message = _forbidden(mechanism, values, path.strayed, best.gap <= problem.tolerance)
     else:
         going_on = _GO_ON if path.share else _IN_BETWEEN
-        advice = going_on if path.spent else _advice(problem, best.gap, bool(ties))
+        apart = problem.difference(path.point.q, best.q) / problem.partition.column_scale
+        beside = norm(apart) <= _BESIDE * problem.partition.length
+        advice = going_on if path.spent else _advice(problem, best.gap, bool(ties), beside)
         message = f"the straight path to the target {_reason(reached, path)}; {advice}"
     # What the motors can do at all comes first, before what became of this target.
     if ties:
@@ -192,11 +195,16 @@ def _reason(reached: Configuration, path: Followed) -> str:
     return f"cannot be followed further than {where}"
 
 
-def _advice(problem: ClosureProblem, gap: float, tied: bool) -> str:
-    """Say what to do about it: whether the loops close at the target at all."""
+def _advice(problem: ClosureProblem, gap: float, tied: bool, beside: bool) -> str:
+    """Say what to do about it: whether the loops close at the target at all, and how near by."""
     if gap <= problem.tolerance:
         if tied:
             return f"the loops do close at the target: {_IN_BETWEEN}, or start from another pose"
+        if beside:
+            return (
+                "the loops do close at the target, so near a singularity that this assembly mode "
+                "and those that meet it there are not told apart: start from a pose beside it"
+            )
         where = "the loops do close at the target, on another assembly mode"
         return f"{where}: start from a pose of that mode"
     open_by = f"at the target the loops stay open by {gap:.3g} m at best: "

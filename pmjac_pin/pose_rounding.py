@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pmjac_pin.model.frames import carrying_columns
 from pmjac_pin.rates.error_estimate import EPS
-from pmjac_pin.values.arrays import Array, norm
+from pmjac_pin.values.arrays import Array, Mask
 
 if TYPE_CHECKING:
     from pmjac_pin.configuration import Configuration
@@ -27,18 +28,41 @@ class PoseRounding:
     configuration: Configuration
     frame: FrameName
 
-    def opened(self) -> float:
-        """Return by how much the loops are open, m: the gap, and what rounding hides of it.
+    def opened(self) -> Array:
+        """Return by how much each row is open, m, shape (p,): its gap, and what rounding hides.
 
         Rounding of the places that the loops rest on, where the machine stands; of a length of its
         own; and of the joint values, each times what it moves.
         """
         configuration = self.configuration
-        problem = configuration.mechanism._parts.problem
-        values = np.abs(configuration.mechanism._parts.coordinates.values(configuration.q))
-        rows = problem.partition.row_scale[:, None] * configuration._snapshot.constraint_jacobian
-        places = problem.rounding + _PLACES * EPS * problem.partition.length
-        return configuration.residual_norm + places + EPS * norm(rows * values)
+        parts, snapshot = configuration.mechanism._parts, configuration._snapshot
+        partition = parts.problem.partition
+        values = np.abs(parts.coordinates.values(configuration.q))
+        rows = partition.row_scale[:, None] * snapshot.constraint_jacobian
+        opened = np.abs(partition.row_scale * snapshot.residual)
+        opened += _PLACES * EPS * partition.length + EPS * np.linalg.norm(rows * values, axis=1)
+        smallest = min(partition.loop_sizes, default=partition.length)
+        for at, size in zip(parts.kinematics.loops.slices, partition.loop_sizes, strict=True):
+            opened[at] += parts.problem.rounding * smallest / size
+        return opened
+
+    def places(self) -> float:
+        """Return what rounding of places moves the tool by, m."""
+        problem = self.configuration.mechanism._parts.problem
+        length, sizes = problem.partition.length, problem.partition.loop_sizes
+        at_places = problem.rounding * min(sizes, default=length) / length
+        return at_places + _PLACES * EPS * length
+
+    def moving(self) -> tuple[Mask, Mask]:
+        """Return which columns are not always 0, in each row, (p, nv), and of the tool, (nv,)."""
+        parts = self.configuration.mechanism._parts
+        loops = parts.kinematics.loops
+        rows = np.zeros((len(loops.row_units), parts.model.nv), dtype=bool)
+        for at, columns in zip(loops.slices, loops.moving, strict=True):
+            rows[at, columns] = True
+        for row, coupling in loops.couplings.items():
+            rows[row, coupling.columns] = True
+        return rows, carrying_columns(parts.model, parts.spec.tool.names)
 
     def slopes(self, motions: Array) -> Iterator[tuple[Array, Array]]:
         """Yield how the constraint and the tool Jacobian change along each motion, per metre."""

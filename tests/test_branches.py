@@ -36,6 +36,7 @@ def kites(home, motors, bars=(0.8,), tool="tip0"):
         tree.frame(coupler, f"tip{k}", at([1 + bar, 0, 0]))
         tree.frame(rocker, f"end{k}", at([1 + bar, 0, 0]))
         loops.append(pj.PointLoop(frames=(f"tip{k}", f"end{k}")))
+    tree.frame(crank, "middle", at([0.5, 0, 0]))
     return pj.Mechanism.from_pinocchio(tree.model, loops, motors, tool, home=home)
 
 
@@ -145,6 +146,20 @@ def test_a_singular_pose_of_another_branch_is_singular(way):
     assert (found.kind, found.rank, found.generic_rank, found.idle) == ("gain", 1, 2, 0)
     with pytest.raises(pj.SingularError):
         stretched.jacobian()
+
+
+@pytest.mark.parametrize("motor", ["coupler0", "rocker0"])
+@pytest.mark.parametrize("home", [folded(), opened(1.1)])
+def test_what_a_tool_loses_is_what_it_has_on_its_branch(motor, home):
+    """Folded, the crank rests; opened, it does only where coupler and rocker are in line."""
+    mechanism = kites(home, [motor], tool="middle")
+    kinds = []
+    for pose in (opened(1.1), opened(0.5), opened(STRETCHED), opened(STRETCHED - 1e-3)):
+        there = mechanism.configuration(mechanism.coordinates.q(pose, mechanism.home.q))
+        found = there.singularity()
+        kinds.append((found.kind, found.tool_rank, found.generic_tool_rank))
+    regular = ("regular", 1, 1)
+    assert kinds == [regular, regular, ("loss", 0, 1), regular]
 
 
 def test_a_path_that_ends_on_another_branch_says_so_by_its_ranks():

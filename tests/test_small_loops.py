@@ -231,3 +231,97 @@ def test_a_mode_is_told_once_however_a_small_loop_widens_the_tolerance():
     for seed in range(3):
         modes = pj.assembly_modes(machine, machine.home.actuated, rng=seed, proof=False)
         assert sorted(round(mode.joint_values["turn"], 4) for mode in modes) == [-0.7, 0.7]
+
+
+@pytest.mark.parametrize("radius", [0.3, 3e-2, 3e-3, 3e-4, 3e-5, 3e-6])
+def test_the_tool_rests_at_the_dead_centre_and_nowhere_else(radius):
+    """However small the crank is beside the lever that carries the tool."""
+    machine = eccentric(radius, "crank")[0]
+    kinds = []
+    for away in (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-8):
+        found = machine.close([math.pi - away]).singularity()
+        kinds.append((found.kind, found.tool_rank, found.generic_tool_rank))
+    assert kinds == [("regular", 1, 1)] * 5 + [("loss", 0, 1)]
+
+
+@pytest.mark.parametrize("ratio", [1.0, 1e-3, 1e-5])
+def test_a_motor_that_moves_the_tool_little_is_lost_where_it_moves_it_not(ratio):
+    """Two motors: the large arm and, by a crank of this size, a slide on it carry the tool."""
+    model = planar([("arm", pin.JointModelRZ, 0.0, 0.0)])
+    for parent, name, kind in ((1, "crank", pin.JointModelRZ()), (1, "slide", pin.JointModelPX())):
+        model.addJointFrame(model.addJoint(parent, kind, pin.SE3.Identity(), name))
+    place = pin.SE3(np.eye(3), np.array([0.3 * ratio, 0.0, 0.0]))
+    model.addFrame(pin.Frame("pin", 2, place, pin.FrameType.OP_FRAME), False)
+    place = pin.SE3(np.eye(3), np.array([1.0, 0.0, 0.0]))
+    model.addFrame(pin.Frame("tip", 3, place, pin.FrameType.OP_FRAME), False)
+    loops = [pj.DistanceLoop(frames=("pin", "slide"), length=ratio)]
+    slide = ratio * (0.3 * math.cos(0.7) + math.sqrt(1.0 - (0.3 * math.sin(0.7)) ** 2))
+    home = {"crank": 0.7, "slide": slide}
+    machine = pj.Mechanism.from_pinocchio(model, loops, ["arm", "crank"], "tip", home=home)
+    for away, kind, rank in ((1.0, "regular", 2), (1e-3, "regular", 2), (1e-8, "loss", 1)):
+        found = machine.close([0.4, math.pi - away]).singularity()
+        assert (found.kind, found.tool_rank, found.generic_tool_rank) == (kind, rank, 2)
+
+
+@pytest.mark.parametrize("rod", [0.1, 1e-3, 1e-4, 1e-5])
+def test_slides_alone_whose_rods_differ_in_length(rod):
+    """x and y on a short rod, y and z on one of 1 m."""
+    model = planar([("x", pin.JointModelPX, 0.0, 0.0), ("y", pin.JointModelPY, 0.0, 0.0)])
+    model.addJointFrame(model.addJoint(0, pin.JointModelPZ(), pin.SE3.Identity(), "z"))
+    loops = [
+        pj.DistanceLoop(frames=("x", "y"), length=rod),
+        pj.DistanceLoop(frames=("y", "z"), length=1.0),
+    ]
+    home = {"x": 0.6 * rod, "y": 0.8 * rod, "z": math.sqrt(1.0 - 0.64 * rod**2)}
+    machine = pj.Mechanism.from_pinocchio(model, loops, ["x"], "z", home=home)
+    found = machine.home.singularity()
+    assert (machine.mobility, found.kind, found.tool_rank) == (1, "regular", 1)
+    for share in (0.6, 0.9, 0.999):
+        pose = machine.close([share * rod])
+        rate = share * rod / math.sqrt(1.0 - (1.0 - share**2) * rod**2)
+        assert pose.jacobian().J_eq[2, 0] == pytest.approx(rate, rel=1e-9)
+    assert len(pj.assembly_modes(machine, machine.home.actuated, rng=0)) == 4
+
+
+@pytest.mark.parametrize("radius", [0.3, 3e-3, 3e-5])
+def test_an_error_beside_a_small_loop_is_what_its_own_rounding_does(radius):
+    """Relative to J_eq, some 1e-15 over the loop's size, with a factor of at most a thousand."""
+    machine, rate, x, lever = eccentric(radius, "crank")
+    u, v = 0.3 + math.cos(lever) - x, -0.8 + math.sin(lever)
+    expected = rate * u / (v * math.cos(lever) - u * math.sin(lever))
+    jacobian = machine.home.jacobian()
+    estimate = jacobian.error_estimate[5, 0]
+    assert abs(jacobian.J_eq[5, 0] - expected) <= estimate + 1e-15 * abs(expected)
+    assert estimate < 1e-12 / radius * abs(expected)
+
+
+def lever_at(radius, turn):
+    """Return the lever's angle of an eccentric, on the side that `eccentric` takes."""
+    x = radius * (math.cos(turn) + math.sqrt(9.0 - math.sin(turn) ** 2))
+    return math.atan2(0.8, x - 0.3) + math.acos(math.hypot(x - 0.3, 0.8) / 2.0)
+
+
+@pytest.mark.parametrize("radius", [0.3, 0.1, 3e-3])
+def test_a_target_just_before_a_fold_is_on_this_mode_or_not_told(radius):
+    """Driven by its lever, the crank folds at 0: no pose before it is on another mode."""
+    machine, refused = eccentric(radius, "lever")[0], 0
+    for turn in (1e-2, 1e-3, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6):
+        try:
+            pose = machine.close([lever_at(radius, turn)])
+        except pj.ClosureError as error:
+            assert "not told apart" in str(error)
+            refused += 1
+        else:
+            assert pose.joint_values["crank"] == pytest.approx(turn, rel=0.1, abs=1e-6)
+    assert refused < 7
+
+
+def test_a_tool_that_counts_as_at_rest_is_told():
+    tree = Tree()
+    add_four_bar(tree, "large", np.zeros(3), 1.0)
+    tree.frame(0, "tool", at([0.1, 0.2, 0.0]))
+    loops = [pj.PointLoop(frames=("large0", "large1"))]
+    machine = pj.Mechanism.from_pinocchio(tree.model, loops, ["largea"], "tool")
+    [finding] = [one for one in pj.check(machine).findings if one.code == "tool-rests"]
+    assert finding.severity == "warning"
+    assert "counts as at rest" in finding.message

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.closing.closed import closed_point
-from pmjac_pin.closing.closure_problem import LARGEST_SHARE, ClosureProblem
+from pmjac_pin.closing.closure_problem import CLOSURE_TOLERANCE, LARGEST_SHARE, ClosureProblem
 from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.generic_ranks import ranked
 from pmjac_pin.closing.machine_size import Size, shifted_model
@@ -247,4 +247,6 @@ def _partition(
         rank_tolerance=max(RANK_TOLERANCE, _RANK_ROOM * opened / length),
         tool_rows=spec.tool.judged,
         smallest_size=_SMALLEST_SIZE,
+        shortest_rod=size.shortest_rod,
+        gap=max(CLOSURE_TOLERANCE, opened / length),
     )

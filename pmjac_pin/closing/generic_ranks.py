@@ -12,14 +12,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import chain
+
+import numpy as np
 
 from pmjac_pin.closing.closure_problem import ClosureProblem
+from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.idle_motions import rank_changes
 from pmjac_pin.closing.nearby_poses import FARTHEST, nearby, reach_of_joints
 from pmjac_pin.kinematics.pinocchio import Kinematics
 from pmjac_pin.rates.partition import LoopRates
 from pmjac_pin.values.arrays import Array, norm
 
+_BESIDE = 1e-3  # of the length or rad: where the tool may move that rests at a pose
 _ENOUGH = 3  # poses of the generic rank from which it is tried whether all joints can move
 
 
@@ -57,11 +62,19 @@ def on_branch_of(
     rates : LoopRates
         There, by the problem's partition.
     """
-    if not (_exceeds(problem, rates) or _may_exceed(problem, q, rates)):
+    if not (
+        _exceeds(problem, rates)
+        or _may_exceed(problem, q, rates)
+        or _tool_may_exceed(problem, kinematics, q, rates)
+    ):
         return problem
-    home, found = problem.partition, ranked(problem, kinematics, q)
-    there = found.partition
-    more = there.passive_rank > home.passive_rank or there.constraint_rank > home.constraint_rank
+    found = ranked(problem, kinematics, q)
+    more = any(
+        there > here
+        for there, here in zip(
+            found.partition.generic_ranks, problem.partition.generic_ranks, strict=True
+        )
+    )
     return found if more else problem
 
 
@@ -87,6 +100,37 @@ def _exceeds_in_all(problem: ClosureProblem, rates: LoopRates) -> bool:
 def _may_exceed(problem: ClosureProblem, q: Array, rates: LoopRates) -> bool:
     """Tell whether K* gets another rank beside a pose, where it can have more than at home."""
     return not problem.partition.full and rank_changes(problem, q, rates)
+
+
+def _tool_may_exceed(
+    problem: ClosureProblem, kinematics: Kinematics, q: Array, rates: LoopRates
+) -> bool:
+    """Tell whether the tool moves in more ways than at home, at a pose of home's ranks or beside.
+
+    Only loops have branches, and more is possible only where the tool rests in some motions that
+    are not idle. Where [K K*] drops, branches meet, and what the tool seems to do is of none.
+    """
+    partition, (scaled, size, passive) = problem.partition, rates
+    whole = partition.factorise(scaled, size)
+    idle = partition.passive.size - passive.rank
+    ways = min(len(partition.tool_rows.names), len(partition.column_scale) - whole.rank - idle)
+    if partition.tool_rank >= ways or not len(scaled) or whole.rank < partition.constraint_rank:
+        return False
+    strides = _BESIDE * partition.length * partition.column_scale[:, None] * whole.null_space
+    displaced = (problem.integrate(q, way * v) for v in strides.T for way in (1.0, -1.0))
+    beside = (assemble(problem, there, np.ones(len(strides)), limit=50) for there in displaced)
+    closed = chain([q], (pose.q for pose in beside if pose.gap <= problem.tolerance))
+    return any(_tool_rank(problem, kinematics, pose) > partition.tool_rank for pose in closed)
+
+
+def _tool_rank(problem: ClosureProblem, kinematics: Kinematics, q: Array) -> int:
+    """Return the rank of the tool's motion at a closed pose; 0 where [K K*] drops."""
+    partition, snapshot = problem.partition, kinematics.snapshot(q)
+    whole = partition.factorise_all(snapshot.constraint_jacobian)
+    if whole.rank < partition.constraint_rank:
+        return 0
+    tool_jacobian = snapshot.judged_jacobian(partition.tool_rows)
+    return partition.tool_motion(tool_jacobian).judged_rank(whole.null_space)
 
 
 def _farthest(problem: ClosureProblem, poses: Sequence[Array]) -> float:

@@ -21,6 +21,7 @@ _PROBES = 2  # times three poses along allowed rates or with displaced motors
 #: How far joints are displaced at most, rad or a share of the characteristic length.
 FARTHEST = 0.05
 _DISTANCES = (FARTHEST, 0.005, 0.0005)
+_SHORT = 0.1  # of the machine: a rod that ends what can be displaced
 _SEEN = 100.0  # tolerances: a gap of the square of a distance may have a small factor
 _AWAY = 0.1  # of a probe's distance: nearer to home, the loops have only pulled it back
 _TOO_FAR = 20.0  # times a probe's distance: another assembly mode
@@ -89,10 +90,15 @@ def _reach(
 
 
 def _seen_distances(problem: ClosureProblem) -> tuple[float, ...]:
-    """Return the distances at which a gap of second order would be seen under the tolerance."""
-    least = _SEEN * problem.tolerance / problem.partition.length
-    first, *nearer = _DISTANCES
-    return (first, *(distance for distance in nearer if distance**2 >= least))
+    """Return the distances at which a gap of second order would be seen under the tolerance.
+
+    Slides that only a rod much shorter than the machine ties can be displaced by less than that.
+    """
+    partition = problem.partition
+    least, rod = _SEEN * problem.tolerance / partition.length, partition.shortest_rod
+    near = [distance for distance in _DISTANCES[1:] if distance**2 >= least]
+    nearer = [rod * distance for distance in _DISTANCES if distance**2 * rod >= least]
+    return (FARTHEST, *near, *(nearer if rod < _SHORT else ()))
 
 
 def _allowed(problem: ClosureProblem, q: Array) -> Array:

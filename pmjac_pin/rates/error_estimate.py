@@ -16,7 +16,7 @@ import numpy as np
 
 from pmjac_pin.rates.factorisation import Factorisation
 from pmjac_pin.rates.partition import Partition
-from pmjac_pin.values.arrays import Array, norm
+from pmjac_pin.values.arrays import Array, Mask, norm
 
 EPS = float(np.finfo(float).eps)
 _SUMS = 16.0  # units in the last place, for an entry that is a sum of a few products
@@ -25,8 +25,19 @@ _SUMS = 16.0  # units in the last place, for an entry that is a sum of a few pro
 class RoundedPose(Protocol):
     """A pose whose loops are closed but for rounding."""
 
-    def opened(self) -> float:
-        """Return by how much its loops are open, m: the gap, and what rounding hides of it."""
+    def opened(self) -> Array:
+        """Return by how much each row is open, m, shape (p,): its gap, and what rounding hides.
+
+        Each is counted as `Partition.row_scale` does, of a loop as large as the mechanism.
+        """
+        ...
+
+    def places(self) -> float:
+        """Return what rounding of places moves the tool by, m."""
+        ...
+
+    def moving(self) -> tuple[Mask, Mask]:
+        """Return which columns are not always 0, in each row, (p, nv), and of the tool, (nv,)."""
         ...
 
     def slopes(self, motions: Array) -> Iterator[tuple[Array, Array]]:
@@ -49,53 +60,49 @@ def error_estimate(
 ) -> Array:
     """Return a bound for |J_eq − that of the closed pose|, entry by entry, shape (6, n).
 
-    With K* = U Σ Vᵀ on dimensionless rows and columns, a pose whose loops are open by δ is off by
-    V Σ⁻¹ Uᵀ e for some |e| ≤ δ, and, to first order, with dJ, dC the changes of the tool and of
-    the constraint Jacobian C along a passive motion and G the motion map,
+    With K* = U Σ Vᵀ on dimensionless rows and columns, a pose whose rows are open by δ (p,) is off
+    by V Σ⁻¹ Uᵀ D u for some |u| ≤ 1, D = diag(δ), and, to first order, with dJ, dC the changes of
+    the tool and of the constraint Jacobian C along a passive motion and G the motion map,
 
         dJ_eq = (dJ − J* K*⁺ dC) G.
 
-    By Cauchy and Schwarz its entries are at most δ (Σᵢ (dJ_eq[vᵢ] / σᵢ)²)^½. The rounding of J
-    and C themselves adds |δJ| |G| + |J* K*⁺| |δC| |G|. What the second order adds is estimated by
-    1/(1 − κ), κ = 2 δ max|dK*| / σ²; the bound is infinite where κ ≥ 1: there the nearest closed
-    pose may be anywhere, or none.
+    By Cauchy and Schwarz its entries are at most |Σᵢ D uᵢ dJ_eq[vᵢ] / σᵢ|, a norm over the rows: a
+    loop much smaller than the mechanism adds what it is open by, and no other. The rounding of J
+    and C themselves adds |δJ| |G| + |J* K*⁺| |δC| |G|, where they can be other than 0. What the
+    second order adds is estimated by 1/(1 − κ), κ = 2 |D U Σ⁻¹| max|dK*| / σ_min; the bound is
+    infinite where κ ≥ 1: there the nearest closed pose may be anywhere, or none.
     """
     passive, rank = partition.passive, partition.passive_rank
     scaled, _, factors = partition.loop_rates(constraint_jacobian)
     tool = tool_jacobian * partition.column_scale
     rates = motion_map / partition.column_scale[:, None]
-    felt = tool.take(passive, axis=1) @ (factors.right[:rank].T / factors.singular_values[:rank])
-    opened = pose.opened()
-    entries = opened / partition.length + _SUMS * EPS * norm(scaled)
-    linear = opened / partition.length + _SUMS * EPS * norm(tool[:3])
-    rows = np.repeat([linear, _SUMS * EPS * norm(tool[3:])], 3)
-    rounding = np.outer(
-        rows + entries * np.linalg.norm(felt, axis=1), np.linalg.norm(rates, axis=0)
-    )
-    moved, bend = _by_the_pose(factors, felt @ factors.left[:, :rank].T, rates, partition, pose)
-    curvature = 2.0 * opened * bend
+    inverse = factors.right[:rank].T / factors.singular_values[:rank]
+    felt = tool.take(passive, axis=1) @ inverse @ factors.left[:, :rank].T
+    in_loops, of_tool = pose.moving()
+    entries = pose.opened() / partition.length + _SUMS * EPS * np.linalg.norm(scaled, axis=1)
+    linear = pose.places() / partition.length + _SUMS * EPS * norm(tool[:3])
+    twists = np.repeat([linear, _SUMS * EPS * norm(tool[3:])], 3)
+    rounding = np.outer(twists, np.linalg.norm(rates[of_tool | tool.any(axis=0)], axis=0))
+    rounding += (np.abs(felt) * entries) @ np.sqrt((in_loops | (scaled != 0.0)) @ rates**2)
+    moved, curvature = _by_the_pose(factors, felt, rates, partition, pose)
     if not curvature < 1.0:
         return np.full(rounding.shape, np.inf)
-    estimate: Array = (rounding + opened * moved) / (1.0 - curvature)
+    estimate: Array = (rounding + moved) / (1.0 - curvature)
     return estimate
 
 
 def _by_the_pose(
-    factors: Factorisation,
-    felt: Array,
-    rates: Array,
-    partition: Partition,
-    pose: RoundedPose,
+    factors: Factorisation, felt: Array, rates: Array, partition: Partition, pose: RoundedPose
 ) -> tuple[Array, float]:
-    """Return (Σᵢ (dJ_eq[vᵢ] / σᵢ)²)^½, shape (6, n), and the largest |dK*[vᵢ]| over σ²."""
-    rank = partition.passive_rank
+    """Return |Σᵢ D uᵢ dJ_eq[vᵢ] / σᵢ|, shape (6, n), and κ."""
+    opened, rank = pose.opened(), partition.passive_rank
     motions = np.zeros((rates.shape[0], rank))
     motions[partition.passive] = factors.right[:rank].T
-    squares, bend = np.zeros((6, rates.shape[1])), 0.0
-    values = factors.singular_values[:rank].tolist()
-    for value, (dC, dJ) in zip(values, pose.slopes(motions), strict=True):
+    values = factors.singular_values[:rank]
+    off = opened[:, None] * factors.left[:, :rank] / values
+    moved, bend = np.zeros((opened.size, 6, rates.shape[1])), 0.0
+    for by, (dC, dJ) in zip(off.T, pose.slopes(motions), strict=True):
         turned = partition.scaled(dC)
-        change = (dJ * partition.column_scale - felt @ turned) @ rates
-        squares += (change / value) ** 2
+        moved += np.multiply.outer(by, (dJ * partition.column_scale - felt @ turned) @ rates)
         bend = max(bend, norm(turned.take(partition.passive, axis=1)))
-    return np.sqrt(squares), bend / min(values, default=np.inf) ** 2
+    return np.linalg.norm(moved, axis=0), 2.0 * norm(off) * bend / values.min(initial=np.inf)

@@ -21,9 +21,10 @@ from pmjac_pin.errors import (
 from pmjac_pin.rates.ellipsoid import Ellipsoid, force_ellipsoid, velocity_ellipsoid
 from pmjac_pin.rates.error_estimate import error_estimate
 from pmjac_pin.rates.factorisation import Factorisation
-from pmjac_pin.rates.partition import LoopRates, Partition, TwistRanks
+from pmjac_pin.rates.partition import LoopRates, Partition
 from pmjac_pin.rates.singularity import Singularity, analyse_singularity, forbidden_rates
 from pmjac_pin.rates.split import SplitJacobian
+from pmjac_pin.rates.tool_motion import TwistRanks
 from pmjac_pin.values.arrays import Array, norm, read_only
 from pmjac_pin.values.ties import first_largest
 
@@ -71,7 +72,8 @@ class EquivalentJacobian(SplitJacobian):
         ‖J‖ ‖G‖ for J_eq = J G: of that, rounding leaves some 1e-16 where J_eq should be zero.
         """
         motions = self.motion_map / self.partition.column_scale[:, None]
-        sizes = np.array(self.partition.tool_sizes(self.tool_jacobian))
+        tool = self.partition.tool_motion(self.tool_jacobian)
+        sizes = np.array([tool.size, tool.angular_size])
         return read_only(sizes * norm(motions))
 
     @cached_property
@@ -92,7 +94,7 @@ class EquivalentJacobian(SplitJacobian):
         beyond bounds, one large column must not hide the others.
         """
         motions = np.linalg.qr(self.motion_map / self.partition.column_scale[:, None])[0]
-        return self.partition.tool_ranks(self.tool_jacobian, motions)
+        return self.partition.tool_motion(self.tool_jacobian).ranks(motions)
 
     @cached_property
     def error_estimate(self) -> Array:

@@ -17,19 +17,12 @@ from numpy.typing import ArrayLike
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.model.tool_rows import WHOLE_TWIST, ToolRows
 from pmjac_pin.rates.factorisation import RANK_TOLERANCE, Factorisation, factorise
+from pmjac_pin.rates.tool_motion import ToolMotion
 from pmjac_pin.values.arrays import Array, Index, ReadOnlyArrays, norm, read_only
 from pmjac_pin.values.checks import SMALLEST, as_number, as_numbers
 from pmjac_pin.values.ties import pivots
 
 _LEAST_SIZE = 0.1  # of [K K*], beside its generic size
-
-
-class TwistRanks(NamedTuple):
-    """Dimensions of the tool's twists, of its linear and of its angular velocities."""
-
-    twist: int
-    linear: int
-    angular: int
 
 
 class LoopRates(NamedTuple):
@@ -72,6 +65,13 @@ class Partition(ReadOnlyArrays):
         Of [K K*], the largest seen where the ranks are from.
     smallest_size : float
         Below it [K K*] is rounding of a machine whose loops close nothing.
+    shortest_rod : float
+        Of rods in loops where nothing turns, a share of `length`; 1 where none is shorter.
+    gap : float
+        Up to which loops count as closed, as a share of `length`.
+    tool_rates : ndarray, shape (nv,)
+        Scaled rates by which the tool generically moves as fast as all else; empty where they are
+        1 (`ToolMotion.rates`).
     """
 
     actuated: Index
@@ -91,6 +91,9 @@ class Partition(ReadOnlyArrays):
     loop_sizes: tuple[float, ...] = ()
     tool_rows: ToolRows = WHOLE_TWIST
     smallest_size: float = 0.0
+    shortest_rod: float = 1.0
+    gap: float = 1e-12
+    tool_rates: Array = field(default_factory=lambda: np.zeros(0))
 
     @cached_property
     def _scale(self) -> Array:
@@ -103,6 +106,11 @@ class Partition(ReadOnlyArrays):
         It is part of a structure, or home is singular. What is generic is not known then.
         """
         return not self.reach
+
+    @property
+    def generic_ranks(self) -> tuple[int, int, int]:
+        """The generic ranks of [K K*], of K* and of the tool's motion."""
+        return self.constraint_rank, self.passive_rank, self.tool_rank
 
     @property
     def full(self) -> bool:
@@ -214,43 +222,10 @@ class Partition(ReadOnlyArrays):
         scaled[3:] *= self.length
         return scaled
 
-    def tool_ranks(self, tool_jacobian: Array, motions: Array) -> TwistRanks:
-        """Return how many independent velocities these motions give the tool.
-
-        What vanishes is judged against the tool Jacobian before elimination (`tool_sizes`).
-
-        Parameters
-        ----------
-        tool_jacobian : ndarray, shape (6, nv)
-        motions : ndarray, shape (nv, k)
-            Orthonormal columns, on the scaled rates, that span what the loops allow.
-        """
+    def tool_motion(self, tool_jacobian: Array) -> ToolMotion:
+        """Return the tool Jacobian (6, nv), in the axes of `tool_rows`, and how to judge it."""
         scaled = self.scaled_tool(tool_jacobian)
-        moved, (size, angular) = scaled @ motions, self.tool_sizes(tool_jacobian)
-        return TwistRanks(
-            self.factorise(moved, size).rank,
-            self.factorise(moved[:3], size).rank,
-            self.factorise(moved[3:], self.length * angular).rank,
-        )
-
-    def judged_rank(self, tool_jacobian: Array, motions: Array) -> int:
-        """Return how many independent velocities they give the rows of `tool_rows`.
-
-        The parameters are those of `tool_ranks`, the Jacobian in the axes of these rows.
-        """
-        rows, (size, angular) = self.tool_rows, self.tool_sizes(tool_jacobian)
-        moved = self.scaled_tool(tool_jacobian)[rows.linear + rows.angular] @ motions
-        return self.factorise(moved, size if rows.linear else self.length * angular).rank
-
-    def tool_sizes(self, tool_jacobian: Array) -> tuple[float, float]:
-        """Return the size of the linear and of the angular rows, m/s and rad/s per scaled rate.
-
-        A linear velocity is ω × r, so its rounding is that of arms as long as the mechanism,
-        even where all of them end in the tool: its rows count beside the angular ones times
-        `length`. Angular velocities are sums of axes and know no arms.
-        """
-        scaled = self.scaled_tool(tool_jacobian)
-        return norm(scaled), norm(scaled[3:]) / self.length
+        return ToolMotion(scaled, self.length, self.tool_rows, self.tool_rates, self.rank_tolerance)
 
     def shown_rows(self, scaled: Array) -> Index:
         """Return the rows of η to show: those kept since home, while they are independent."""
@@ -276,29 +251,44 @@ class Partition(ReadOnlyArrays):
         """
         size = max(norm(self.scaled(constraint)) for constraint, _ in poses)
         sized = replace(self, size=size)
-        ranks = [sized._ranks(constraint, tool) for constraint, tool in poses]
+        ranks = [sized._ranks(*pose) for pose in poses]
         regular = max(range(len(poses)), key=ranks.__getitem__)
         whole, passive, tool = ranks[regular]
         shown = 0 if ranks[0][0] == whole else regular
+        alike = [pose for pose, own in zip(poses, ranks, strict=True) if own == ranks[regular]]
         return replace(
             sized,
             passive_rank=passive,
             constraint_rank=whole,
             tool_rank=tool,
             kept_rows=independent_rows(self.scaled(poses[shown][0]), whole),
+            tool_rates=min(
+                (sized._generic_rates(*pose) for pose in alike),
+                key=lambda rates: float(rates.max(initial=1.0)),
+            ),
         )
 
     def rank_of(self, constraint_jacobian: Array) -> int:
         """Return the rank of [K K*] at one pose."""
+        return self.factorise_all(constraint_jacobian).rank
+
+    def factorise_all(self, constraint_jacobian: Array) -> Factorisation:
+        """Factorise [K K*] at one pose, without dimension."""
         scaled = self.scaled(constraint_jacobian)
-        return self.factorise(scaled, self.size_of(scaled)).rank
+        return self.factorise(scaled, self.size_of(scaled))
 
     def _ranks(self, constraint_jacobian: Array, tool_jacobian: Array) -> tuple[int, int, int]:
         """Return the ranks of [K K*], of K* and of the tool's motion."""
-        scaled, size, passive = self.loop_rates(constraint_jacobian)
-        whole = self.factorise(scaled, size)
-        tool = self.judged_rank(tool_jacobian, whole.null_space)
-        return whole.rank, passive.rank, tool
+        whole, passive = (
+            self.factorise_all(constraint_jacobian),
+            self.loop_rates(constraint_jacobian),
+        )
+        tool = self.tool_motion(tool_jacobian).seen(whole, self.gap)
+        return whole.rank, passive.passive.rank, tool.rank
+
+    def _generic_rates(self, constraint_jacobian: Array, tool_jacobian: Array) -> Array:
+        whole = self.factorise_all(constraint_jacobian)
+        return self.tool_motion(tool_jacobian).generic_rates(whole, self.gap)
 
 
 def _check_shapes(

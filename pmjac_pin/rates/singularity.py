@@ -182,7 +182,8 @@ def analyse_singularity(
     """
     scaled, size, passive = loops or partition.loop_rates(constraint_jacobian)
     whole = partition.factorise(scaled, size)
-    tool = partition.tool_ranks(tool_jacobian, whole.null_space)
+    tool_motion = partition.tool_motion(tool_jacobian)
+    tool = tool_motion.ranks(whole.null_space)
     forbidden = forbidden_rates(passive.left_null_space, scaled, partition)
     gained, idle = _free(passive, partition, split)
     scale = partition.column_scale[partition.passive, None]
@@ -194,7 +195,7 @@ def analyse_singularity(
         constraint_rank=whole.rank,
         generic_constraint_rank=partition.constraint_rank,
         tool_rows=partition.tool_rows,
-        tool_rank=partition.judged_rank(tool_jacobian, whole.null_space),
+        tool_rank=tool_motion.judged_rank(whole.null_space),
         generic_tool_rank=partition.tool_rank,
         linear_rank=tool.linear,
         angular_rank=tool.angular,

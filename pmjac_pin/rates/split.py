@@ -84,8 +84,9 @@ class SplitJacobian(ReadOnlyArrays):
     @property
     def tool_sizes(self) -> Array:
         """What the entries of J and J* are compared with, linear and angular, shape (2,)."""
-        sizes = self.partition.tool_sizes(self.tool_jacobian)
-        return read_only(np.array(sizes) / self.partition.column_scale.min(initial=1.0))
+        tool = self.partition.tool_motion(self.tool_jacobian)
+        sizes = np.array([tool.size, tool.angular_size])
+        return read_only(sizes / self.partition.column_scale.min(initial=1.0))
 
     @property
     def det_K_star(self) -> float | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
+from pmjac_pin.rates.factorisation import RANK_TOLERANCE
 from pmjac_pin.studies.check.diagnosis import Diagnosis, Finding, FreeMotion, Severity
 
 _MOST_LISTED = 6  # listed in one sentence
@@ -106,9 +107,17 @@ def _idle(joints: Sequence[str], motion: FreeMotion) -> Finding:
 
 
 def tool_row_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
-    """Say where the judged rows move in fewer ways than they could: others may be meant."""
+    """Say where the tool moves in fewer ways than it could: other rows may be meant, or bodies."""
     actuation, rows = diagnosis.actuation, diagnosis.judged
-    if actuation is None or diagnosis.tool_rank is None or rows.is_whole:
+    if actuation is None or diagnosis.tool_rank is None:
+        return
+    if rows.is_whole:
+        if not diagnosis.tool_rank and actuation.allowed_rates:
+            message = (
+                f"What the loops allow moves the tool by less than {RANK_TOLERANCE:g} of the "
+                "machine's size, if at all: it counts as at rest."
+            )
+            yield Finding("warning", "tool-rests", message, "Is this the body that is to move?")
         return
     most = min(len(rows.names), len(actuation.allowed_rates))
     if diagnosis.tool_rank < most:

@@ -85,7 +85,8 @@ def _near_home_only(diagnosis: Diagnosis) -> Iterator[Finding]:
     )
     advice = (
         "It may be a structure whose loops part very slowly, or home may be at the very end of a "
-        "motion: move home, and check the lengths; till then J_eq may be that of a structure."
+        "motion, or a rod that is as short may end it: move home, and check the lengths; till then "
+        "J_eq may be that of a structure."
     )
     yield Finding("warning", "near-home-only", message, advice)
 

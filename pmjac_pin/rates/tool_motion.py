@@ -1,0 +1,131 @@
+"""What the tool does with the motions that loops allow: in how many independent ways it moves.
+
+Velocities are compared with the tool Jacobian before elimination. A motion that generically moves
+the tool much less than that (by a crank a thousandth as long as the machine, say) is measured by
+what it does: else it would count as lost long before its dead centre, or everywhere.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from pmjac_pin.model.tool_rows import ToolRows
+from pmjac_pin.rates.factorisation import Factorisation, factorise
+from pmjac_pin.values.arrays import Array, norm
+
+_SLOW = 1e-2  # of the tool's size: motions that move it less are measured by what they do to it
+_FAINT = 1e-9  # of the tool's size: less is rounding at every pose
+_POSE_ERRORS = 10.0  # gap/σ²: what the tool's motion may be off by, at a pose that is off by gap/σ
+
+
+class TwistRanks(NamedTuple):
+    """Dimensions of the tool's twists, of its linear and of its angular velocities."""
+
+    twist: int
+    linear: int
+    angular: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ToolMotion:
+    """The tool Jacobian at one pose, on scaled rates.
+
+    A linear velocity is ω × r, so its rounding is that of arms as long as the mechanism, even where
+    all of them end in the tool: its rows count beside the angular ones times `length`. Angular
+    velocities are sums of axes and know no arms.
+
+    Attributes
+    ----------
+    scaled : ndarray, shape (6, nv)
+        Angular rows times `length`.
+    length : float
+        The mechanism's characteristic length, m.
+    rows : ToolRows
+        Those of the twist that are judged; the Jacobian is in their axes.
+    rates : ndarray, shape (nv,)
+        Scaled rates by which the tool generically moves as fast as by all else; empty where they
+        are 1.
+    tolerance : float
+        Relative size up to which velocities count as zero.
+    """
+
+    scaled: Array
+    length: float
+    rows: ToolRows
+    rates: Array
+    tolerance: float
+
+    @property
+    def size(self) -> float:
+        """What linear velocities and twists are compared with, m/s per scaled rate."""
+        return norm(self.scaled)
+
+    @property
+    def angular_size(self) -> float:
+        """What angular velocities are compared with, rad/s per scaled rate."""
+        return norm(self.scaled[3:]) / self.length
+
+    @property
+    def _judged_size(self) -> float:
+        return self.size if self.rows.linear else norm(self.scaled[3:])
+
+    def ranks(self, motions: Array) -> TwistRanks:
+        """Return how many independent velocities these motions give the tool.
+
+        Parameters
+        ----------
+        motions : ndarray, shape (nv, k)
+            Orthonormal columns, on the scaled rates, that span what the loops allow.
+        """
+        moved = self._moved(motions)
+        return TwistRanks(
+            factorise(moved, self.size, self.tolerance).rank,
+            factorise(moved[:3], self.size, self.tolerance).rank,
+            factorise(moved[3:], norm(self.scaled[3:]), self.tolerance).rank,
+        )
+
+    def judged_rank(self, motions: Array) -> int:
+        """Return how many independent velocities they give the rows that are judged."""
+        moved = self._moved(motions)[self.rows.linear + self.rows.angular]
+        return factorise(moved, self._judged_size, self.tolerance).rank
+
+    def _moved(self, motions: Array) -> Array:
+        """Return the tool's twists by these motions, or by such of them as move it alike."""
+        if not self.rates.size:
+            return self.scaled @ motions
+        moved: Array = self.scaled * self.rates @ np.linalg.qr(motions / self.rates[:, None])[0]
+        return moved
+
+    def seen(self, whole: Factorisation, gap: float) -> Factorisation:
+        """Factorise what the motions that [K K*] allows do to the judged rows.
+
+        By far less than `tolerance` they are told from rounding: by what the pose may be off.
+
+        Parameters
+        ----------
+        whole : Factorisation
+            Of [K K*], dimensionless.
+        gap : float
+            Up to which the loops count as closed, as a share of `length`.
+        """
+        twists = self.scaled[self.rows.linear + self.rows.angular] @ whole.null_space
+        values = whole.singular_values[: whole.rank] / (whole.size or 1.0)
+        rounding = max(_FAINT, _POSE_ERRORS * gap / float(values.min(initial=1.0)) ** 2)
+        return factorise(twists, self._judged_size, min(self.tolerance, rounding))
+
+    def generic_rates(self, whole: Factorisation, gap: float) -> Array:
+        """Return `rates` by a regular pose: max |v| / σ over its motions v, of twists σ.
+
+        Only those σ count that are small beside the tool's size, and no rounding.
+        """
+        twists = self.seen(whole, gap)
+        shares = twists.singular_values[: twists.rank] / (twists.size or 1.0)
+        if not shares.size or shares[-1] >= _SLOW:
+            return np.zeros(0)
+        shares = np.where(shares < _SLOW, shares, 1.0)
+        fastest = np.abs(whole.null_space @ twists.right[: twists.rank].T) / shares
+        rates: Array = np.maximum(fastest.max(axis=1), 1.0)
+        return rates
