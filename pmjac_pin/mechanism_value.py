@@ -228,8 +228,15 @@ class MechanismValue:
 
     @property
     def _seen(self) -> str:
-        reach = self._parts.problem.partition.reach
-        return f", seen no further than {reach:g} rad from home" if 0.0 < reach < FARTHEST else ""
+        partition, turns = self._parts.problem.partition, self._parts.coordinates.rotational
+        if not 0.0 < partition.reach < FARTHEST:
+            return ""
+        far = (
+            f"{partition.reach:g} rad"
+            if turns.any()
+            else f"{partition.reach * partition.length:g} m"
+        )
+        return f", seen no further than {far} from home"
 
 
 def _rebuild(

@@ -77,10 +77,12 @@ def _near_home_only(diagnosis: Diagnosis) -> Iterator[Finding]:
     found = diagnosis.mobility
     if found.reach is None:
         return
-    metres = brief(found.reach * diagnosis.characteristic_length)
+    far = f"{brief(found.reach * diagnosis.characteristic_length)} m"
+    if any(freedom.unit == "rad" for freedom in diagnosis.freedoms):
+        far = f"{found.reach:g} rad or {far}"
     message = (
         f"Mobility {found.mobility} and all generic ranks rest on poses no further than "
-        f"{found.reach:g} rad or {metres} m from home: with a joint displaced ten times as far, "
+        f"{far} from home: with a joint displaced ten times as far, "
         "the loops stay open."
     )
     advice = (
