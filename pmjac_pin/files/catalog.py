@@ -30,7 +30,7 @@ def list_mechanisms() -> tuple[str, ...]:
     >>> "three_rps" in pj.list_mechanisms()
     True
     """
-    return tuple(sorted(path.stem for path in (_data() / "models").glob("*.toml")))
+    return tuple(sorted(path.stem for path in (data_folder() / "models").glob("*.toml")))
 
 
 def find_model_file(name_or_path: str | Path) -> Path:
@@ -54,7 +54,7 @@ def find_model_file(name_or_path: str | Path) -> Path:
         return path
     names = list_mechanisms()
     if path.name in names:
-        return _data() / "models" / f"{path.name}.toml"
+        return data_folder() / "models" / f"{path.name}.toml"
     hint = did_you_mean(path.name, names)
     if is_file(path):
         hint = f"; for the file of this name write './{path.name}'"
@@ -101,7 +101,7 @@ def _urdf_path(urdf: str, model_file: Path) -> Path:
         return user_path(urdf)
 
 
-def _data() -> Path:
+def data_folder() -> Path:
     """Return the folder that holds ``models`` and ``urdf``: the wheel's, or the checkout's."""
     package = Path(__file__).resolve().parent.parent
     return package / "data" if (package / "data").is_dir() else package.parent

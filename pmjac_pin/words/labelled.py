@@ -7,13 +7,15 @@ units of quotients and of determinants follow by adding and subtracting.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import msgspec
 import numpy as np
 
-from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.values.arrays import Array
+
+if TYPE_CHECKING:
+    from pmjac_pin.mechanism import Mechanism
 
 Powers: TypeAlias = tuple[int, int]
 
