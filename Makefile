@@ -18,6 +18,7 @@ lowest:
 	$(PYTHON) scripts/test_lowest_versions.py
 
 bench: .venv/ready
+	$(BIN)/python benchmarks/bench_start.py
 	$(BIN)/python benchmarks/bench_jacobian.py
 	$(BIN)/python benchmarks/bench_batch.py
 	$(BIN)/python benchmarks/bench_error.py
