@@ -135,7 +135,13 @@ def _stopped(
         advice = going_on if path.spent else _advice(problem, best.gap, bool(ties), beside)
         message = f"the straight path to the target {_reason(reached, path)}; {advice}"
     # What the motors can do at all comes first, before what became of this target.
-    if ties:
+    if ties and problem.tolerance < best.gap <= _SMALL * problem.partition.length:
+        enough = wider_tolerance(best.gap, problem.largest_tolerance)
+        message = (
+            f"at the target the loops stay open by {best.gap:.3g} m at best: give {enough}; where "
+            f"they are not, the machine is {ties}"
+        )
+    elif ties:
         message = f"{ties}. {message[0].upper()}{message[1:]}"
     return ClosureError(
         f"{mechanism.name}: {message}",
@@ -168,6 +174,8 @@ def _forbidden(mechanism: Mechanism, values: Array, strayed: Array, closes: bool
             "the loops close at these values, but no straight path of the other motors leads "
             f"there: on it {' and '.join(led)}; {_IN_BETWEEN}"
         )
+    if len(mechanism.actuated) == 1:
+        return f"the loops forbid this motor to move: there, {led[0]}"
     passive = f"{len(led)} of them" if len(led) > 1 else "one of them"
     return (
         "the loops forbid these motors to move so together: with the other motors at their "

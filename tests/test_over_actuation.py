@@ -87,7 +87,9 @@ def test_a_motor_that_the_loops_hold_is_told_to_be_held():
         ("anchor", "fixed", "ground", "pin", (1, 0, 0)),
     ]
     machine = mechanisms.build(joints, [("end", "pin")], ["a"], "end", {})
-    with pytest.raises(pj.ClosureError, match=r"other: here 'a' cannot move\. The loops forbid"):
+    with pytest.raises(
+        pj.ClosureError, match=r"no motor move: here 'a' cannot move\. The loops forbid"
+    ):
         machine.close([0.1])
 
 

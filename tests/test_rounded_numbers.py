@@ -57,14 +57,14 @@ def test_the_tolerance_that_is_named_does(name, scale):
     pytest.fail("no tolerance was enough")
 
 
-def one_axis(tolerance=None):
-    """A four-bar that closes exactly at home, and whose rod is tilted by 2e-8 rad elsewhere."""
+def one_axis(tolerance=None, tilt=2e-8):
+    """A four-bar that closes exactly at home, and whose rod is tilted elsewhere, rad."""
     machine = pj.load("four_bar")
     model, home = machine.model, machine.home.q
     joint = model.getJointId("phi2")
     angle = home[model.joints[joint].idx_q]
     turn = pin.SE3(pin.exp3(np.array([0.0, 0.0, angle])), np.zeros(3))
-    tilt = pin.SE3(pin.exp3(np.array([2e-8, 1e-8, 0.0])), np.zeros(3))
+    tilt = pin.SE3(pin.exp3(np.array([tilt, 0.5 * tilt, 0.0])), np.zeros(3))
     place = model.jointPlacements[joint]
     # Tilted about its own axis's pose at home, and the body behind it back again.
     model.jointPlacements[joint] = place * tilt
@@ -101,3 +101,39 @@ def test_far_out_of_reach_is_no_rounding():
     with pytest.raises(pj.ClosureError, match="out of reach from here") as caught:
         rocker.close([1.5])
     assert "tolerance`" not in str(caught.value)
+
+
+@pytest.mark.parametrize("tilt", [1e-13, 1e-10, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4])
+def test_everything_says_which_tolerance_would_do(tilt):
+    """Modes, close and check of one machine agree: closed, or open for want of a tolerance."""
+    machine = one_axis(tilt=tilt)
+    target = machine.home.actuated + 0.3
+    modes = pj.assembly_modes(machine, target, rng=0)
+    if tilt == 1e-13:
+        assert (len(modes), modes.evidence.kind) == (2, "proof")
+        machine.close(target)
+        return
+    assert modes.evidence.kind == "nothing"
+    assert len(modes) < 2
+    named = re.search(r"a `tolerance` of (\S+) where numbers are rounded", str(modes.evidence))
+    assert named, str(modes.evidence)
+    with pytest.raises(pj.ClosureError, match=r"a `tolerance` of \S+ where numbers") as caught:
+        machine.close(target)
+    assert "other motors" not in str(caught.value)
+    codes = [finding.code for finding in pj.check(machine).findings]
+    assert "rounded-numbers" in codes
+    tolerant = one_axis(10.0 * float(named[1]), tilt)
+    found = pj.assembly_modes(tolerant, target, rng=0)
+    assert len(found) == 2
+    assert found.evidence.kind != "nothing"
+    assert tolerant.close(target).residual_norm <= tolerant.tolerance
+
+
+@pytest.mark.parametrize("beyond", [1e-2, 1e-4, 1e-6, 1e-9])
+def test_beyond_a_fold_no_mode_is_missing(beyond):
+    """A small gap alone says nothing: there the motor's value is out of reach."""
+    lengths = {"l0": 4.0, "l1": 3.0, "l2": 2.5, "l3": 2.0}
+    rocker = pj.load("four_bar", parameters=lengths)
+    fold = np.arccos((16.0 + 9.0 - 4.5**2) / 24.0)
+    modes = pj.assembly_modes(rocker, [fold + beyond], rng=0, limits=False)
+    assert (len(modes), modes.evidence.kind) == (0, "proof")

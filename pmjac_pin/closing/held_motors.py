@@ -17,7 +17,8 @@ Room = Callable[[Array], tuple[Array | float, Array | float]]
 SHAKES = (0.03, 0.1, 0.3, 0.6, *4 * (1.0,), *8 * (1.5,), *8 * (3.0,))
 _NEARLY_ALL = 8  # of them, where the gap is small already
 _LIMIT = 100  # iterations from a shaken start: those that close at all mostly do within these
-_ROUNDED_SHARE = 2e-3  # of the length: a file with three digits is open by less
+#: Of the length: a file with three digits is open by less.
+ROUNDED_SHARE = 2e-3
 
 
 def assemble_held(problem: ClosureProblem, q: Array, room: Room = unlimited) -> Assembled:
@@ -54,4 +55,4 @@ def assemble_held(problem: ClosureProblem, q: Array, room: Room = unlimited) -> 
 
 def is_rounding(problem: ClosureProblem, gap: float) -> bool:
     """Tell whether a gap is so small that rounded numbers may be its cause."""
-    return gap <= _ROUNDED_SHARE * problem.partition.length
+    return gap <= ROUNDED_SHARE * problem.partition.length

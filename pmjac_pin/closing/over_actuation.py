@@ -121,6 +121,8 @@ def ties_in_words(problem: ClosureProblem, point: Closed) -> str:
         for k, ratios in zip(driven.led, driven.ratios.tolist(), strict=True)
     ]
     count = len(ties)
+    if not leaders:
+        return f"over-actuated by {count}, the loops let no motor move: here {'; '.join(ties)}"
     return f"over-actuated by {count}, the loops tie motors to each other: here {'; '.join(ties)}"
 
 

@@ -57,10 +57,11 @@ def forbidden_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
         message += f". What they allow is spanned by {rates}"
         enough = f": {listed_in_words(actuation.sufficient)} determine the others"
         enough = enough.replace("determine", "determines") if allowed == 1 else enough
+        motors = f"{count} of the {actuation.motors} motors"
+        advice = f"Declare {motors} passive{enough}; no J_eq till then."
     else:
         message += ". No motor can move: it is a structure"
-        enough = ""
-    advice = f"Declare {count} of the {actuation.motors} motors passive{enough}; no J_eq till then."
+        advice = "Check its lengths and axes, or make a loop's joint free; no J_eq till then."
     yield Finding("error", "over-actuated", f"{message}.", advice)
 
 

@@ -18,6 +18,7 @@ from pmjac_pin.files.source import Source
 from pmjac_pin.loading import load
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.actuation import analyse_actuation
+from pmjac_pin.rates.factorisation import factorise
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.rates.redundancy import LoopRank, dependent_rows, loop_ranks
 from pmjac_pin.rates.singularity import Singularity, analyse_singularity
@@ -47,6 +48,7 @@ from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.encodable import encodable
 
 _ROUNDING_STRIDE = 0.1  # rad or share of the length, from home to where rounding is looked for
+_ROUNDED_RATES = 1e-3  # of the size of [K K*]: rates that loops of rounded numbers forbid
 _ROUNDED_GAP = 1e-5  # of the length: the gap of a structure is a hundred times as large there
 
 
@@ -252,7 +254,8 @@ def _rounding(mechanism: Mechanism) -> float | None:
     problem, q = mechanism.problem, mechanism.home.q
     partition = problem.partition
     scaled = partition.scaled(mechanism.kinematics.snapshot(q).constraint_jacobian)
-    allowed = partition.factorise(scaled, partition.size_of(scaled)).null_space
+    # Rounded axes take away what should be allowed: to no more than their rounding.
+    allowed = factorise(scaled, partition.size_of(scaled), _ROUNDED_RATES).null_space
     gaps = []
     for direction in (*allowed.T, *-allowed.T):
         stride = _ROUNDING_STRIDE * partition.length * partition.column_scale * direction

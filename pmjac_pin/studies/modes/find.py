@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +21,7 @@ from pmjac_pin.studies.modes.aim import Aim
 from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
 from pmjac_pin.studies.modes.closed_pose import closed_pose, generator, open_by, order
 from pmjac_pin.studies.modes.mirror import mirror_images
+from pmjac_pin.studies.modes.nearly_closed import rounded_gaps, with_rounded
 from pmjac_pin.studies.modes.proof import prove
 from pmjac_pin.studies.modes.random_search import RandomSearch
 from pmjac_pin.studies.modes.recognition import Recognition
@@ -135,8 +137,14 @@ def find_modes(
     if evidence is None:
         search.until(aim)
         found, evidence, lost = judged()
+    near = (with_legs(mechanism, legs, problem, base, q) for q in search.near.q)
+    told = evidence is not None and lost
+    gaps = [] if told else rounded_gaps(mechanism, chain(rows(), lost, near))
     if evidence is None:
-        evidence = _without_open(mechanism, [*rows(), *lost], search.evidence(aim))
+        evidence = search.evidence(aim)
+        evidence = evidence if gaps else _without_open(mechanism, [*rows(), *lost], evidence)
+    if gaps:
+        evidence = with_rounded(mechanism, gaps, evidence)
     return _modes(mechanism, found, search.starts, evidence)
 
 

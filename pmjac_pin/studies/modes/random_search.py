@@ -24,6 +24,9 @@ class RandomSearch:
     Attributes
     ----------
     met : Distinct
+        Closed poses.
+    near : Distinct
+        Where starts were given up at a gap as small as rounded numbers leave.
     starts : int
         Tried so far.
     moving : bool
@@ -37,6 +40,7 @@ class RandomSearch:
         self._closures = ManyClosures(problem, space.strides(problem))
         self._problem, self._space, self._rng = problem, space, rng
         self.met = Distinct(Signatures.of(problem, problem.base[None][:0]))
+        self.near = Distinct(Signatures.of(problem, problem.base[None][:0]))
         self.starts = 0
         self.moving = False
         self.undecided = 0
@@ -60,6 +64,7 @@ class RandomSearch:
         """Try that many further starts."""
         ends = self._closures.ends(self._space.draw(self._rng, count))
         self._unfinished.append(ends)
+        self.near.add(self._closures.nearly(ends.open))
         new = self._meet(ends.closed)
         self.starts += count
         if new or not self._question:
@@ -76,6 +81,7 @@ class RandomSearch:
         self.undecided += undecided
         self._in_a_row = max(0, self._in_a_row - undecided)
         for one in ends:
+            self.near.add(self._closures.nearly(one.open))
             if self._meet(one.closed):
                 self._in_a_row, self._question = 0, self._question + 1
 

@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pmjac_pin.closing.held_motors import ROUNDED_SHARE
 from pmjac_pin.studies.modes.search_problem import SearchProblem
 from pmjac_pin.values.arrays import Array
 
@@ -80,6 +81,13 @@ class ManyClosures:
         go at a small angle. What is `spent` then has not been decided.
         """
         return self._ends(np.concatenate([ends.spent, self._falling(ends.open)]), _STILL)
+
+    def nearly(self, q: Array) -> Array:
+        """Return the rows of q at which the gap is as small as rounded numbers leave it."""
+        if not len(q):
+            return q
+        gap = np.linalg.norm(self._scaled(q)[0], axis=1)
+        return np.asarray(q[gap <= ROUNDED_SHARE * self.problem.length])
 
     def _falling(self, q: Array) -> Array:
         """Return the rows whose gap falls along an undamped step, as its first order says."""
