@@ -1,6 +1,8 @@
 # Everything runs in .venv, which `make` sets up by itself.
 PYTHON ?= python3
 BIN := .venv/bin
+# Else each of the many processes that tests start compiles the package anew.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo test slow lowest bench screenshots readme lint clean
 
@@ -12,7 +14,7 @@ test: .venv/ready
 
 slow: .venv/ready
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[peers]'
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 -m slow --durations=8
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile -m slow --durations=8
 
 lowest:
 	$(PYTHON) scripts/test_lowest_versions.py

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from math import pi
 
 import numpy as np
@@ -36,6 +37,12 @@ CLOSED = tuple(name for name in CATALOGUE if name not in OPEN)
 
 
 NON_GRASHOF = (4.0, 3.0, 2.5, 2.0)
+
+
+@cache
+def homotopy_of(name, seed=0):
+    """All complex solutions, once for all tests: it takes seconds, and nothing changes it."""
+    return pj.parameter_homotopy(pj.load(name), rng=seed)
 
 
 def rocker_rocker():

@@ -16,7 +16,7 @@ QUICK = ("four_bar", "five_bar", "bennett", "delta", "random 1")  # whose long p
 
 def machines_and_shares():
     """Short paths, and long ones that meet folds: of some machines these take many seconds."""
-    for name in [*NAMES, *(f"random {seed}" for seed in range(20))]:
+    for name in [*NAMES, *(f"random {seed}" for seed in range(10))]:
         slow = name.startswith("random") and int(name.split()[1]) >= 5
         yield pytest.param(name, 0.03, marks=[pytest.mark.slow] if slow else [])
         yield pytest.param(name, 0.6, marks=[] if name in QUICK else [pytest.mark.slow])

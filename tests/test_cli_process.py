@@ -108,7 +108,7 @@ def test_ctrl_c_in_a_process():
     assert child.wait() == 130
 
 
-WHEN = np.random.default_rng(0).uniform(0.005, 1.5, 60)  # seconds after `main` is there
+WHEN = np.random.default_rng(0).uniform(0.005, 1.5, 28)  # seconds after `main` is there
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -11,7 +12,7 @@ import pmjac_pin as pj
 
 @pytest.fixture(scope="module")
 def three_rps():
-    homotopy = pj.parameter_homotopy(pj.load("three_rps_ss"), rng=0)
+    homotopy = mechanisms.homotopy_of("three_rps_ss")
     return homotopy, homotopy.operation_modes(rng=0)
 
 
@@ -96,13 +97,13 @@ def test_the_agile_eyes_four_and_four_times_one():
 @pytest.mark.slow
 def test_dietmaiers_platform_has_one():
     """Its forty solutions all hang together."""
-    homotopy = pj.parameter_homotopy(pj.load("stewart_gough_dietmaier"), rng=0)
+    homotopy = mechanisms.homotopy_of("stewart_gough_dietmaier")
     assert homotopy.operation_modes(rng=0).sizes == (40,)
 
 
 @pytest.mark.slow
 def test_too_few_rounds_are_admitted():
-    homotopy = pj.parameter_homotopy(pj.load("three_rps_ss"), rng=0)
+    homotopy = mechanisms.homotopy_of("three_rps_ss")
     found = homotopy.operation_modes(rng=0, most_rounds=1)
     assert found.evidence.kind == "nothing"
     assert "is not whole" in str(found.evidence)

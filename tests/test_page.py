@@ -227,16 +227,18 @@ def test_near_a_singularity_the_page_and_the_scene_warn(viewer, open_page):
     assert any("free" in item.name and item.visible for item in items)
 
 
-@pytest.mark.parametrize("text", ["abc", "99", "1e999", "NaN", "", "1,1,1"])
-def test_a_value_that_is_none(viewer, open_page, text):
+def test_a_value_that_is_none(viewer, open_page):
     page = open_page(viewer)
-    page.fill("#motor-0-value", text)
-    page.press("#motor-0-value", "Enter")
-    page.wait_for_selector(".status.error")
-    assert page.inner_text("#notice")
-    np.testing.assert_array_equal(viewer.configuration.actuated, [1.0, 1.0, 1.0])
-    page.press("#motor-0-value", "Escape")
-    assert page.input_value("#motor-0-value") == "1.0000"
+    for text in ("abc", "99", "1e999", "NaN", "", "1,1,1"):
+        page.fill("#motor-0-value", text)
+        page.press("#motor-0-value", "Enter")
+        page.wait_for_selector(".status.error")
+        assert page.inner_text("#notice"), text
+        np.testing.assert_array_equal(viewer.configuration.actuated, [1.0, 1.0, 1.0])
+        page.press("#motor-0-value", "Escape")
+        assert page.input_value("#motor-0-value") == "1.0000"
+        page.click("#home")
+        wait(page, "!document.querySelector('.status.error')")
 
 
 def test_an_exact_value(viewer, open_page):
@@ -343,26 +345,72 @@ def pixels(page):
     return np.array(page.evaluate(VISIBLE), dtype=float).reshape(48, 64, 4)[:, :, :3]
 
 
-@pytest.mark.parametrize("size", [DESKTOP, TELEPHONE], ids=["desktop", "telephone"])
-def test_every_mechanism_has_a_picture_of_its_own(open_page, size):
-    pictures = {}
-    for name in pj.list_mechanisms():
-        with pj.view(pj.load(name).home, open_browser=False, port=0) as viewer:
-            page = open_page(viewer, size)
-            page.wait_for_timeout(500)
-            pictures[name] = seen = pixels(page)
-            page.close()
-        drawn = np.abs(seen - seen[:, :1]).max(axis=2) > 25  # the left edge shows the ground
-        assert drawn.sum() > 20, name  # not blank
-        rows, columns = np.nonzero(drawn)
-        # The first view frames the mechanism: it fills much of the picture, and nothing is cut.
-        assert max(np.ptp(rows) / 48, np.ptp(columns) / 64) > 0.5, name
-        edge = np.concatenate([drawn[0], drawn[-1], drawn[:, 0], drawn[:, -1]])
-        assert edge.sum() <= 2, name
-    names = list(pictures)
-    for k, one in enumerate(names):
-        for two in names[k + 1 :]:
-            assert np.abs(pictures[one] - pictures[two]).mean() > 0.5, (one, two)
+LABELS = """() => {
+  const inner = document.getElementById("scene").contentWindow;
+  inner.viewer.render();
+  const found = [];
+  inner.viewer.scene.traverseVisible((object) => {
+    if (object.isSprite) found.push([object.userData.text, ...object.userData.rectangle]);
+  });
+  return [inner.innerWidth, inner.innerHeight, found];
+}"""
+
+
+@pytest.fixture(scope="module")
+def pictures():
+    """What was seen of each machine on each screen."""
+    return {"desktop": [], "telephone": []}
+
+
+@pytest.mark.parametrize("name", pj.list_mechanisms())
+def test_every_mechanism_is_framed_and_labelled(open_page, pictures, name):
+    """On both screens: to open a page takes seconds, to give it another size does not."""
+    with pj.view(pj.load(name).home, open_browser=False, port=0) as viewer:
+        page = open_page(viewer)
+        for screen, others in pictures.items():
+            if screen == "telephone":
+                page.set_viewport_size(TELEPHONE)
+                wait(page, LAID_OUT)
+                page.click("#reset")
+                quiet(page)
+            wait(page, f"({LABELS})()[2].length > 0")
+            page.wait_for_timeout(300)
+            seen = pixels(page)
+            check_framed(seen)
+            assert all(np.abs(seen - other).mean() > 0.5 for other in others)
+            others.append(seen)
+            check_labels(page, viewer.configuration)
+        page.close()
+
+
+def check_framed(seen):
+    """What is shown fills much of the picture, and nothing is cut."""
+    drawn = np.abs(seen - seen[:, :1]).max(axis=2) > 25  # the left edge shows the ground
+    assert drawn.sum() > 20  # not blank
+    rows, columns = np.nonzero(drawn)
+    assert max(np.ptp(rows) / 48, np.ptp(columns) / 64) > 0.5
+    edge = np.concatenate([drawn[0], drawn[-1], drawn[:, 0], drawn[:, -1]])
+    assert edge.sum() <= 2
+
+
+def check_labels(page, configuration):
+    """None lies on another or outside, and those of the motors can be put away."""
+    width, height, labels = page.evaluate(f"({LABELS})()")
+    texts = [text for text, *_ in labels]
+    assert set(texts) >= set(configuration.mechanism.actuated)
+    for k, (text, left, top, across, down) in enumerate(labels):
+        assert left >= 0 and top >= 0, text  # noqa: PT018
+        assert left + across <= width, text
+        assert top + down <= height, text
+        for other, x, y, w, h in labels[k + 1 :]:
+            apart = left + across <= x or x + w <= left or top + down <= y or y + h <= top
+            assert apart, (text, other)
+    page.uncheck("#names")
+    quiet(page)
+    wait(page, f"({LABELS})()[2].length === {len(texts) - len(configuration.actuated)}")
+    page.check("#names")
+    quiet(page)
+    wait(page, f"({LABELS})()[2].length === {len(texts)}")
 
 
 def test_updates_keep_up_with_a_slider_that_never_rests(viewer, open_page):
@@ -446,39 +494,6 @@ def test_nothing_overlaps_and_nothing_is_too_wide(open_page, name, size):
         assert smallest >= 11
         panel = page.evaluate("document.querySelector('.panel').scrollWidth")
         assert panel <= page.evaluate("document.querySelector('.panel').clientWidth")
-        page.close()
-
-
-LABELS = """() => {
-  const inner = document.getElementById("scene").contentWindow;
-  inner.viewer.render();
-  const found = [];
-  inner.viewer.scene.traverseVisible((object) => {
-    if (object.isSprite) found.push([object.userData.text, ...object.userData.rectangle]);
-  });
-  return [inner.innerWidth, inner.innerHeight, found];
-}"""
-
-
-@pytest.mark.parametrize("size", [DESKTOP, TELEPHONE], ids=["desktop", "telephone"])
-@pytest.mark.parametrize("name", pj.list_mechanisms())
-def test_no_label_lies_on_another_or_outside(open_page, name, size):
-    with pj.view(pj.load(name).home, open_browser=False, port=0) as viewer:
-        page = open_page(viewer, size)
-        wait(page, f"({LABELS})()[2].length > 0")
-        width, height, labels = page.evaluate(f"({LABELS})()")
-        texts = [text for text, *_ in labels]
-        assert set(texts) >= set(viewer.configuration.mechanism.actuated)
-        for k, (text, left, top, across, down) in enumerate(labels):
-            assert left >= 0 and top >= 0, text  # noqa: PT018
-            assert left + across <= width, text
-            assert top + down <= height, text
-            for other, x, y, w, h in labels[k + 1 :]:
-                apart = left + across <= x or x + w <= left or top + down <= y or y + h <= top
-                assert apart, (text, other)
-        page.uncheck("#names")
-        quiet(page)
-        wait(page, f"({LABELS})()[2].length === {len(texts) - len(viewer.configuration.actuated)}")
         page.close()
 
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
+import multiprocessing
 import os
 import signal
-import subprocess
 import sys
-import textwrap
 
 import numpy as np
 import pytest
 import xarray
+from swept_for_kill import PRELOADED, go_on, swept_for_kill
 
 import pmjac_pin as pj
 from pmjac_pin.cli import main
@@ -141,45 +142,39 @@ def test_a_store_of_another_sweep(tmp_path):
     assert (tmp_path / "mine" / "notes").read_text() == "mine"
 
 
-SCRIPT = """
-    import sys, numpy as np, pmjac_pin as pj
-    if __name__ == "__main__":
-        lengths = np.linspace(0.85, 1.2, 9)
-        pj.sweep(
-            pj.load("three_rps"), {"l1": lengths, "l2": lengths}, measures=("J_eq", "q", "share"),
-            out=sys.argv[1], chunk=1, workers=int(sys.argv[2]), resume=True,
-            progress=lambda *now: print(*now, flush=True),
-        )
-"""
+@pytest.fixture(scope="module")
+def forks():
+    """Starts processes as forks of one that has imported all: a kill takes no second of start."""
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(PRELOADED)
+    return context
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("workers", "most", "least"), [("1", 5, 20), ("2", 30, 2)])
-def test_killed_and_resumed_is_as_never_interrupted(workers, most, least, tmp_path, rng):
-    script = tmp_path / "script.py"
-    script.write_text(textwrap.dedent(SCRIPT))
-
-    def start(out):
-        command = [sys.executable, str(script), str(out), workers]
-        return subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True)
-
-    with start(tmp_path / "whole.zarr") as whole:
-        whole.communicate()
+@pytest.mark.parametrize(("workers", "count", "most", "least"), [(1, 8, 5, 20), (2, 6, 20, 2)])
+def test_killed_and_resumed_is_as_never_interrupted(
+    workers, count, most, least, tmp_path, rng, forks
+):
     kills, out = 0, tmp_path / "killed.zarr"
     while True:
-        with start(out) as child:
-            # By its own word, and then at some moment of what comes next.
+        here, there = forks.Pipe(duplex=False)
+        child = forks.Process(target=swept_for_kill, args=(out, count, workers, there))
+        child.start()
+        there.close()
+        # By its own word, and then at some moment of what comes next.
+        with here, contextlib.suppress(EOFError):
             for _ in range(int(rng.integers(1, most))):
-                child.stdout.readline()
-            try:
-                child.wait(timeout=rng.uniform(0.0, 0.01))
-            except subprocess.TimeoutExpired:
-                os.killpg(child.pid, signal.SIGKILL)
-                kills += 1
-            else:
-                assert child.returncode == 0
-                break
+                here.recv_bytes()
+            child.join(timeout=rng.uniform(0.0, 0.01))
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(child.pid, signal.SIGKILL)
+        child.join()
+        if child.exitcode == 0:
+            break
+        assert child.exitcode == -signal.SIGKILL
+        kills += 1
     assert kills >= least
+    go_on(tmp_path / "whole.zarr", count)
     one, other = (
         xarray.open_zarr(path, consolidated=False, chunks=None).load()
         for path in (tmp_path / "whole.zarr", out)

@@ -1,0 +1,33 @@
+"""A sweep in a process of its own, to be killed: `multiprocessing` imports this by its name."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+
+import pmjac_pin as pj
+
+# What a server of forks imports once, before the first of them; Dask is what xarray asks for.
+PRELOADED = ["pmjac_pin.studies.sweep.sweep", "xarray", "zarr", "dask.array"]
+
+
+def go_on(out, count, workers=1, progress=None):
+    """Sweep `count` times `count` poses into `out`, each a chunk, going on there."""
+    lengths = np.linspace(0.85, 1.2, count)
+    pj.sweep(
+        pj.load("three_rps"),
+        {"l1": lengths, "l2": lengths},
+        measures=("J_eq", "q", "share"),
+        out=out,
+        chunk=1,
+        workers=workers,
+        resume=True,
+        progress=progress,
+    )
+
+
+def swept_for_kill(out, count, workers, said):
+    """Sweep, with a byte for each chunk, until one kills the group of this process."""
+    os.setsid()
+    go_on(out, count, workers, lambda *_: said.send_bytes(b"."))
