@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.closure import MOST_STEPS, Followed
 from pmjac_pin.closing.closure_problem import ClosureProblem
-from pmjac_pin.closing.damped_closure import assemble
+from pmjac_pin.closing.damped_closure import Assembled, assemble
 from pmjac_pin.closing.held_motors import assemble_held
 from pmjac_pin.closing.motor_values import motor_values
 from pmjac_pin.closing.over_actuation import ties_in_words, walk
@@ -32,6 +33,8 @@ _ARRIVED = 1e-9  # m or rad
 _GO_ON = "go on from there, the error's `reached`, as guess"
 _IN_BETWEEN = "go there by motor values in between"
 _BESIDE = 1e-2  # lengths or rad: nearer to where a path ends, its mode may be the one found
+_ROUNDING = 1e-9  # of the characteristic length: a gap of a pose far away, closed as it can be
+_SAME = 1e-5  # lengths or rad: what rounding moves a regular pose by, at most
 _SMALL = 1e-4  # of the characteristic length: a gap of a target hardly missed, or of rounding
 _NEARLY_SINGULAR = 1e-3  # relative singular value of K* that explains why a path ended
 
@@ -97,14 +100,27 @@ def _assembled_at_guess(
     parts = mechanism._parts
     motors = dict(zip(parts.spec.actuated, map(float, values), strict=True))
     q = parts.coordinates.q({**motors, **guess}, parts.home_q)
-    pose = assemble_held(parts.problem, q)
+    pose = _held(parts.problem, q)
     if pose.gap > parts.problem.tolerance:
         message = (
             f"the guess does not assemble: the loops of {mechanism.name!r} stay open by "
-            f"{pose.gap:.3g} m at best; give joint values nearer to a closed pose"
+            f"{pose.gap:.3g} m at best; give joint values nearer to a closed pose, or "
+            f"{wider_tolerance(pose.gap, parts.problem.largest_tolerance)}"
         )
         raise ClosureError(message, residual_norm=pose.gap, q=pose.q, actuated=values)
     return Configuration._of_q(mechanism, pose.q, pose.iterations)
+
+
+def _held(problem: ClosureProblem, q: Array) -> Assembled:
+    """Close the loops at q with the motors held; beside where rounding alone keeps them open."""
+    first, best = assemble(problem, q, motor_weights(problem, 0.0)), assemble_held(problem, q)
+    if first.gap <= problem.tolerance or first.gap > _ROUNDING * problem.partition.length:
+        return best
+    factors = closed_point(problem, first.q).factors
+    apart = problem.difference(first.q, best.q) / problem.partition.column_scale
+    near = norm(apart) <= _SAME * problem.partition.length
+    # From a regular pose whose gap is rounding, starts around it lead to other modes.
+    return best if near or factors.rank < problem.partition.passive_rank else first
 
 
 def _displacement(parts: Parts, start: Configuration, values: Array) -> Array:

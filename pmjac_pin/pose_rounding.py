@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pmjac_pin.model.frames import carrying_columns
+from pmjac_pin.model.frames import carrying_columns, find_frame
+from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.rates.error_estimate import EPS
-from pmjac_pin.values.arrays import Array, Mask
+from pmjac_pin.values.arrays import Array, Mask, norm
 
 if TYPE_CHECKING:
     from pmjac_pin.configuration import Configuration
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 
 _PLACES = 16.0  # units in the last place of a length: what chains of joints add up to
+_JOINTS = 4.0  # units in the last place of where each joint of a chain is
 _DIFFERENCE = 1e-7  # of the length: for differences, between what is curved and what is rounding
 
 
@@ -41,17 +43,31 @@ class PoseRounding:
         rows = partition.row_scale[:, None] * snapshot.constraint_jacobian
         opened = np.abs(partition.row_scale * snapshot.residual)
         opened += _PLACES * EPS * partition.length + EPS * np.linalg.norm(rows * values, axis=1)
-        smallest = min(partition.loop_sizes, default=partition.length)
-        for at, size in zip(parts.kinematics.loops.slices, partition.loop_sizes, strict=True):
-            opened[at] += parts.problem.rounding * smallest / size
+        loops = zip(
+            parts.kinematics.loops.slices, parts.spec.loops, partition.loop_sizes, strict=True
+        )
+        for at, loop, size in loops:
+            if not isinstance(loop, JointLoop):
+                opened[at] += self._rounded_places(loop.frames) * partition.length / size
         return opened
 
     def places(self) -> float:
         """Return what rounding of places moves the tool by, m."""
-        problem = self.configuration.mechanism._parts.problem
-        length, sizes = problem.partition.length, problem.partition.loop_sizes
-        at_places = problem.rounding * min(sizes, default=length) / length
-        return at_places + _PLACES * EPS * length
+        parts = self.configuration.mechanism._parts
+        return (
+            self._rounded_places(parts.spec.tool.names)
+            + _PLACES * EPS * parts.problem.partition.length
+        )
+
+    def _rounded_places(self, frames: Sequence[str]) -> float:
+        """Return what rounding of places moves frames by, m: theirs, and of joints on the way."""
+        parts = self.configuration.mechanism._parts
+        found = [find_frame(parts.model, name) for name in frames]
+        data = parts.kinematics.placed(self.configuration.q)
+        joints = {k for frame in found for k in parts.model.supports[frame.joint]}
+        far = [norm(data.oMi[k].translation) for k in joints]
+        ends = [norm(data.oMf[frame.index].translation) for frame in found]
+        return EPS * (_PLACES * max(far + ends) + _JOINTS * sum(far))
 
     def moving(self) -> tuple[Mask, Mask]:
         """Return which columns are not always 0, in each row, (p, nv), and of the tool, (nv,)."""

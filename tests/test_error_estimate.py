@@ -283,3 +283,90 @@ def test_it_is_found_when_asked_for_and_kept():
     np.testing.assert_allclose(
         again.error_estimate, home.jacobian("LOCAL").error_estimate, rtol=1e-3
     )
+
+
+def on_a_rail(size):
+    """A four-bar of this size whose ground, crank's pivot and rocker's, is on a slide."""
+    model = pin.Model()
+    for name, parent, kind, x in (
+        ("rail", 0, pin.JointModelPX(), 0.0),
+        ("crank", 1, pin.JointModelRZ(), 0.0),
+        ("coupler", 2, pin.JointModelRZ(), 0.25 * size),
+        ("rocker", 1, pin.JointModelRZ(), size),
+    ):
+        place = pin.SE3(np.eye(3), np.array([x, 0.0, 0.0]))
+        model.addJointFrame(model.addJoint(parent, kind, place, name))
+    for name, joint, x in (("tip", 3, 0.75 * size), ("end", 4, 0.625 * size)):
+        place = pin.SE3(np.eye(3), np.array([x, 0.0, 0.0]))
+        model.addFrame(pin.Frame(name, joint, place, pin.FrameType.OP_FRAME), False)
+    loops = [pj.PointLoop(frames=("tip", "end"))]
+    home = {"crank": 0.9, "coupler": -0.6, "rocker": 1.2}
+    return pj.Mechanism.from_pinocchio(model, loops, ["rail", "crank"], "tip", home=home)
+
+
+@pytest.mark.parametrize(("size", "far"), [(1.0, 1e3), (1.0, 1e6), (1e-3, 50.0), (1e-3, 1e3)])
+def test_a_machine_that_a_slide_carries_far_away(size, far, rng):
+    """There, J_eq is that of home's place but for the estimate, and no other mode is met."""
+    machine = on_a_rail(size)
+    met = 0
+    for crank in rng.uniform(-3.0, 3.0, 20):
+        here = machine.close([0.0, crank])
+        guess = {**here.joint_values, "rail": far}
+        try:
+            there = machine.close([far, crank], guess=guess)
+        except pj.ClosureError as error:
+            assert "tolerance" in str(error)
+            continue
+        met += 1
+        near, away = here.jacobian(), there.jacobian()
+        apart = np.abs(away.J_eq - near.J_eq)
+        assert (apart <= near.error_estimate + away.error_estimate).all()
+        assert (apart <= 1e-3 * np.abs(near.J_eq).max() + 1e-15 * far / size).all()
+    assert met > 10
+
+
+@pytest.mark.parametrize("gear", [1.0, 50.0])
+@pytest.mark.parametrize("away", [1e-2, 1e-5, 1e-8, 1e-10])
+def test_an_arm_beside_its_fold_leaves_the_others_exact(gear, away):
+    """A motor geared to a crank that moves a slide with the tool, and a lever near its fold."""
+    model = pin.Model()
+    for name, kind, x in (
+        ("motor", pin.JointModelRZ(), -1.0),
+        ("crank", pin.JointModelRZ(), 0.0),
+        ("slide", pin.JointModelPX(), 0.0),
+        ("lever", pin.JointModelRZ(), 1.9),
+    ):
+        place = pin.SE3(np.eye(3), np.array([x, 0.0, 0.0]))
+        model.addJointFrame(model.addJoint(0, kind, place, name))
+    for name, joint, x in (("pin", 2, 0.3), ("end", 4, 0.5)):
+        place = pin.SE3(np.eye(3), np.array([x, 0.0, 0.0]))
+        model.addFrame(pin.Frame(name, joint, place, pin.FrameType.OP_FRAME), False)
+    rod = 1.3  # the lever is in line with it where the pin is at 1.8 m from its pivot
+    loops = [
+        pj.JointLoop(joints=("motor", "crank"), ratio=gear),
+        pj.DistanceLoop(frames=("pin", "slide"), length=1.0),
+        pj.DistanceLoop(frames=("pin", "end"), length=rod),
+    ]
+    fold = float(np.arccos((1.9**2 + 0.3**2 - (rod + 0.5) ** 2) / (2 * 1.9 * 0.3)))
+
+    def values(turn):
+        x, y = 0.3 * np.cos(turn), 0.3 * np.sin(turn)
+        reach = np.hypot(1.9 - x, y)
+        bend = np.arccos((0.25 + reach**2 - rod**2) / reach)
+        lever = np.arctan2(y, x - 1.9) - bend
+        return {
+            "motor": turn / gear,
+            "crank": turn,
+            "slide": x + np.sqrt(1 - y * y),
+            "lever": lever,
+        }
+
+    machine = pj.Mechanism.from_pinocchio(model, loops, ["motor"], "slide", home=values(0.5 * fold))
+    pose = machine.close([(fold - away) / gear])
+    turn = pose.joint_values["crank"]
+    x, y = 0.3 * np.cos(turn), 0.3 * np.sin(turn)
+    jacobian = pose.jacobian()
+    expected = -gear * y * (1.0 + x / np.sqrt(1.0 - y * y))
+    error = abs(jacobian.J_eq[0, 0] - expected)
+    assert error <= jacobian.error_estimate[0, 0] + 1e-15 * abs(expected)
+    assert error <= 1e-13 * abs(expected)

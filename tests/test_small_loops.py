@@ -325,3 +325,31 @@ def test_a_tool_that_counts_as_at_rest_is_told():
     [finding] = [one for one in pj.check(machine).findings if one.code == "tool-rests"]
     assert finding.severity == "warning"
     assert "counts as at rest" in finding.message
+
+
+@pytest.mark.parametrize("rod", [0.3, 1e-2, 1e-3, 1e-4])
+def test_a_structure_beside_slides_on_a_short_rod_is_one(rod):
+    """A four-bar stretched taut, l0 = l1 + l2 + l3, whatever else is in the model."""
+    model = pin.Model()
+    for name, parent, kind, x in (
+        ("x", 0, pin.JointModelPX(), 0.0),
+        ("y", 0, pin.JointModelPY(), 0.0),
+        ("crank", 0, pin.JointModelRZ(), 0.0),
+        ("coupler", 3, pin.JointModelRZ(), 1.0),
+        ("rocker", 0, pin.JointModelRZ(), 2.2),
+    ):
+        place = pin.SE3(np.eye(3), np.array([x, 0.0, 0.0]))
+        model.addJointFrame(model.addJoint(parent, kind, place, name))
+    for name, joint, x in (("tip", 4, 0.7), ("end", 5, -0.5)):
+        place = pin.SE3(np.eye(3), np.array([x, 0.0, 0.0]))
+        model.addFrame(pin.Frame(name, joint, place, pin.FrameType.OP_FRAME), False)
+    loops = [
+        pj.DistanceLoop(frames=("x", "y"), length=rod),
+        pj.PointLoop(frames=("tip", "end")),
+    ]
+    home = {"x": 0.6 * rod, "y": 0.8 * rod}
+    machine = pj.Mechanism.from_pinocchio(model, loops, ["x", "crank"], "tip", home=home)
+    assert machine.mobility is None
+    assert machine.home.singularity().kind == "isolated"
+    with pytest.raises(pj.SingularError):
+        machine.home.jacobian()

@@ -247,6 +247,6 @@ def _partition(
         rank_tolerance=max(RANK_TOLERANCE, _RANK_ROOM * opened / length),
         tool_rows=spec.tool.judged,
         smallest_size=_SMALLEST_SIZE,
-        shortest_rod=size.shortest_rod,
+        strokes=size.strokes,
         gap=max(CLOSURE_TOLERANCE, opened / length),
     )

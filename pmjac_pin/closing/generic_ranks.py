@@ -129,8 +129,8 @@ def _tool_rank(problem: ClosureProblem, kinematics: Kinematics, q: Array) -> int
     whole = partition.factorise_all(snapshot.constraint_jacobian)
     if whole.rank < partition.constraint_rank:
         return 0
-    tool_jacobian = snapshot.judged_jacobian(partition.tool_rows)
-    return partition.tool_motion(tool_jacobian).judged_rank(whole.null_space)
+    tool = partition.tool_motion(snapshot.judged_jacobian(partition.tool_rows))
+    return tool.seen_rank(whole, partition.gap, partition.actuated)
 
 
 def _farthest(problem: ClosureProblem, poses: Sequence[Array]) -> float:

@@ -55,8 +55,8 @@ class Size:
     loop_sizes : tuple of float
         What each loop is measured by, m: its arms where they are less than a hundredth of the
         machine's, but not so short that it is spherical; `length` elsewhere.
-    shortest_rod : float
-        Of rods in loops where nothing turns, a share of `length`; 1 where none is shorter.
+    strokes : ndarray, shape (nv,)
+        How far a rod lets slides go that nothing turns with it, a share of `length`; 1 elsewhere.
     rounding : float
         What rounding of coordinates may open a loop by, m, each loop as large as the machine.
     place : ndarray, shape (3,)
@@ -93,8 +93,11 @@ class Size:
         if not any(arms):  # slides alone
             every = _mean(np.array([one for rod in rods for one in rod]))
         self.length = _length(every, _mean(_distances(turning)), rounding)
-        held = [one for rod, own in zip(rods, arms, strict=True) if not own for one in rod]
-        self.shortest_rod = min([1.0, *(one / self.length for one in held)])
+        self.strokes = np.ones(model.nv)
+        for rod, own, columns in zip(rods, arms, loops.moving, strict=True):
+            if rod and not own:
+                shorter = np.minimum(self.strokes[columns], min(rod) / self.length)
+                self.strokes[columns] = shorter
         self.arms = tuple(mean if mean > rounding else 0.0 for mean in means)
         self.loop_sizes = tuple(
             mean if SPHERICAL * self.length < mean < SMALL * self.length else self.length

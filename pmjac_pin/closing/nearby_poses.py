@@ -8,7 +8,7 @@ a time is displaced and held: with it, closed poses are away from home, or there
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -50,6 +50,12 @@ def nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
             found = _closed_starts(problem, home_q, starts, distance)
         if found:
             return found
+    for joint in _moving(allowed):
+        for distance in _short_distances(problem, joint):
+            held = (_held(allowed, joint, rng) for _ in range(_SHAKEN))
+            starts = ((distance * step, weights) for step, weights in held)
+            if found := _closed_starts(problem, home_q, starts, distance):
+                return found
     return []
 
 
@@ -62,26 +68,30 @@ def reach_of_joints(problem: ClosureProblem, q: Array) -> float:
     0. Where one can be displaced by very little only, loops may still part: gaps that grow with a
     high power of the distance are within the tolerance there. Infinite where nothing may move.
     """
-    rng = np.random.default_rng(0)
     allowed = _allowed(problem, q)
     leading = pivots(allowed.T, allowed.shape[1])
     steps, farthest = allowed @ np.linalg.inv(allowed[leading]), math.inf
-    for step in steps.T:
-        farthest = min(farthest, _reach(problem, q, step, leading, rng))
+    for joint, step in zip(leading.tolist(), steps.T, strict=True):
+        distances = (*_seen_distances(problem), *_short_distances(problem, joint))
+        farthest = min(farthest, _reach(problem, q, step, leading, distances))
         if not farthest:
             break
     return farthest
 
 
 def _reach(
-    problem: ClosureProblem, q: Array, step: Array, leading: Index, rng: np.random.Generator
+    problem: ClosureProblem,
+    q: Array,
+    step: Array,
+    leading: Index,
+    distances: Sequence[float],
 ) -> float:
-    weights = np.ones(step.size)
+    rng, weights = np.random.default_rng(0), np.ones(step.size)
     weights[leading] = 0.0
     tries = [step, *(step + weights * rng.normal(size=step.size) for _ in range(_SHAKEN))]
     moved = (
         distance
-        for distance in _seen_distances(problem)
+        for distance in distances
         for one in tries
         for way in (1.0, -1.0)
         if _closed_starts(problem, q, [(way * distance * one, weights)], distance)
@@ -90,15 +100,23 @@ def _reach(
 
 
 def _seen_distances(problem: ClosureProblem) -> tuple[float, ...]:
-    """Return the distances at which a gap of second order would be seen under the tolerance.
+    """Return the distances at which a gap of second order would be seen under the tolerance."""
+    least = _SEEN * problem.tolerance / problem.partition.length
+    first, *nearer = _DISTANCES
+    return (first, *(distance for distance in nearer if distance**2 >= least))
 
-    Slides that only a rod much shorter than the machine ties can be displaced by less than that.
+
+def _short_distances(problem: ClosureProblem, joint: int) -> tuple[float, ...]:
+    """Return by how much less a slide can be displaced that a rod much shorter than all else ties.
+
+    Of a distance d along a rod r, gaps of second order are d²/r.
     """
     partition = problem.partition
-    least, rod = _SEEN * problem.tolerance / partition.length, partition.shortest_rod
-    near = [distance for distance in _DISTANCES[1:] if distance**2 >= least]
-    nearer = [rod * distance for distance in _DISTANCES if distance**2 * rod >= least]
-    return (FARTHEST, *near, *(nearer if rod < _SHORT else ()))
+    stroke = float(partition.strokes[joint]) if partition.strokes.size else 1.0
+    if stroke > _SHORT:
+        return ()
+    least = _SEEN * problem.tolerance / partition.length
+    return tuple(stroke * distance for distance in _DISTANCES if distance**2 * stroke >= least)
 
 
 def _allowed(problem: ClosureProblem, q: Array) -> Array:

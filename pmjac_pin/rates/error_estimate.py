@@ -14,7 +14,7 @@ from typing import Protocol
 
 import numpy as np
 
-from pmjac_pin.rates.factorisation import Factorisation
+from pmjac_pin.rates.factorisation import REFINED, Factorisation
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array, Mask, norm
 
@@ -68,12 +68,13 @@ def error_estimate(
 
     By Cauchy and Schwarz its entries are at most |Σᵢ D uᵢ dJ_eq[vᵢ] / σᵢ|, a norm over the rows: a
     loop much smaller than the mechanism adds what it is open by, and no other. The rounding of J
-    and C themselves adds |δJ| |G| + |J* K*⁺| |δC| |G|, where they can be other than 0. What the
-    second order adds is estimated by 1/(1 − κ), κ = 2 |D U Σ⁻¹| max|dK*| / σ_min; the bound is
-    infinite where κ ≥ 1: there the nearest closed pose may be anywhere, or none.
+    and C themselves adds |δJ| |G| + |J* K*⁺| |δC| |G|, where they can be other than 0, and that of
+    the elimination, where rates are not refined, some ε |J* K*⁺| |G|. What the second order adds is
+    estimated by 1/(1 − κ), κ = 2 |D U Σ⁻¹| max|dK*| / σ_min; the bound is infinite where κ ≥ 1:
+    there the nearest closed pose may be anywhere, or none.
     """
     passive, rank = partition.passive, partition.passive_rank
-    scaled, _, factors = partition.loop_rates(constraint_jacobian)
+    scaled, size, factors = partition.loop_rates(constraint_jacobian)
     tool = tool_jacobian * partition.column_scale
     rates = motion_map / partition.column_scale[:, None]
     inverse = factors.right[:rank].T / factors.singular_values[:rank]
@@ -84,6 +85,10 @@ def error_estimate(
     twists = np.repeat([linear, _SUMS * EPS * norm(tool[3:])], 3)
     rounding = np.outer(twists, np.linalg.norm(rates[of_tool | tool.any(axis=0)], axis=0))
     rounding += (np.abs(felt) * entries) @ np.sqrt((in_loops | (scaled != 0.0)) @ rates**2)
+    if factors.exceeds(rank, REFINED * size):
+        # Elimination that is not refined knows nothing of which entries are 0.
+        sizes = np.linalg.norm(felt, axis=1), np.linalg.norm(rates, axis=0)
+        rounding += _SUMS * EPS * norm(scaled) * np.outer(*sizes)
     moved, curvature = _by_the_pose(factors, felt, rates, partition, pose)
     if not curvature < 1.0:
         return np.full(rounding.shape, np.inf)

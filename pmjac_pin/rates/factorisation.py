@@ -14,6 +14,8 @@ from pmjac_pin.values.arrays import Array, norm
 #: of the length cannot tell a pose from a singular one nearer than √1e-12: at a fold the residual
 #: grows with the square of the distance.
 RANK_TOLERANCE = 1e-6
+#: Of the size of [K K*]: where a singular value of K* is less, rates are refined.
+REFINED = 1e-2
 
 _SURELY = 1.0 - 1e-3  # of a bound that rounding may have moved
 _RESOLVED = 1e-9  # of the matrix: above, rounding moves an inverse by less than that

@@ -20,7 +20,7 @@ from pmjac_pin.errors import (
 )
 from pmjac_pin.rates.ellipsoid import Ellipsoid, force_ellipsoid, velocity_ellipsoid
 from pmjac_pin.rates.error_estimate import error_estimate
-from pmjac_pin.rates.factorisation import Factorisation
+from pmjac_pin.rates.factorisation import REFINED, Factorisation
 from pmjac_pin.rates.partition import LoopRates, Partition
 from pmjac_pin.rates.singularity import Singularity, analyse_singularity, forbidden_rates
 from pmjac_pin.rates.split import SplitJacobian
@@ -191,7 +191,7 @@ def equivalent_jacobian(
         raise ArgumentError(f"a SplitJacobian is needed, got {quoted(split)}")
     partition, J = split.partition, split.tool_jacobian
     actuated, passive = partition.actuated, partition.passive
-    scaled, _, factors = loops or partition.loop_rates(split.constraint_jacobian)
+    scaled, size, factors = loops or partition.loop_rates(split.constraint_jacobian)
     if factors.rank < partition.passive_rank or partition.isolated:
         here = singularity or partial(analyse_singularity, split.constraint_jacobian, J, partition)
         raise _singular(here())
@@ -199,7 +199,11 @@ def equivalent_jacobian(
         _refuse_forbidden(factors, scaled, partition)
     if factors.rank < passive.size:
         refuse_felt_idle_motion(factors, J, partition)
-    rates = factors.solve(scaled.take(actuated, axis=1))
+    driven = scaled.take(actuated, axis=1)
+    rates = factors.solve(driven)
+    if not factors.exceeds(factors.rank, REFINED * size):
+        # Once again for what is left over: rounding of a weak row then stays in its own loop.
+        rates += factors.solve(driven - scaled.take(passive, axis=1) @ rates)
     rates *= partition.rate_scale
     J_eq = J.take(actuated, axis=1) + J.take(passive, axis=1) @ rates
     return EquivalentJacobian(

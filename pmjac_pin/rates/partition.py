@@ -65,8 +65,9 @@ class Partition(ReadOnlyArrays):
         Of [K K*], the largest seen where the ranks are from.
     smallest_size : float
         Below it [K K*] is rounding of a machine whose loops close nothing.
-    shortest_rod : float
-        Of rods in loops where nothing turns, a share of `length`; 1 where none is shorter.
+    strokes : ndarray, shape (nv,)
+        How far a rod lets slides go that nothing turns with it, a share of `length`; 1 elsewhere,
+        and for all where it is empty.
     gap : float
         Up to which loops count as closed, as a share of `length`.
     tool_rates : ndarray, shape (nv,)
@@ -91,7 +92,7 @@ class Partition(ReadOnlyArrays):
     loop_sizes: tuple[float, ...] = ()
     tool_rows: ToolRows = WHOLE_TWIST
     smallest_size: float = 0.0
-    shortest_rod: float = 1.0
+    strokes: Array = field(default_factory=lambda: np.zeros(0))
     gap: float = 1e-12
     tool_rates: Array = field(default_factory=lambda: np.zeros(0))
 
@@ -283,12 +284,12 @@ class Partition(ReadOnlyArrays):
             self.factorise_all(constraint_jacobian),
             self.loop_rates(constraint_jacobian),
         )
-        tool = self.tool_motion(tool_jacobian).seen(whole, self.gap)
-        return whole.rank, passive.passive.rank, tool.rank
+        tool = self.tool_motion(tool_jacobian).seen_rank(whole, self.gap, self.actuated)
+        return whole.rank, passive.passive.rank, tool
 
     def _generic_rates(self, constraint_jacobian: Array, tool_jacobian: Array) -> Array:
         whole = self.factorise_all(constraint_jacobian)
-        return self.tool_motion(tool_jacobian).generic_rates(whole, self.gap)
+        return self.tool_motion(tool_jacobian).generic_rates(whole, self.gap, self.actuated)
 
 
 def _check_shapes(

@@ -14,7 +14,7 @@ import numpy as np
 
 from pmjac_pin.model.tool_rows import ToolRows
 from pmjac_pin.rates.factorisation import Factorisation, factorise
-from pmjac_pin.values.arrays import Array, norm
+from pmjac_pin.values.arrays import Array, Index, norm
 
 _SLOW = 1e-2  # of the tool's size: motions that move it less are measured by what they do to it
 _FAINT = 1e-9  # of the tool's size: less is rounding at every pose
@@ -99,10 +99,11 @@ class ToolMotion:
         moved: Array = self.scaled * self.rates @ np.linalg.qr(motions / self.rates[:, None])[0]
         return moved
 
-    def seen(self, whole: Factorisation, gap: float) -> Factorisation:
-        """Factorise what the motions that [K K*] allows do to the judged rows.
+    def seen_rank(self, whole: Factorisation, gap: float, motors: Index) -> int:
+        """Return in how many independent ways the judged rows move, slow ones counted.
 
-        By far less than `tolerance` they are told from rounding: by what the pose may be off.
+        What motors command is told from rounding by far less than `tolerance`: by what the pose
+        may be off. What idles is felt by more than `tolerance`, or counts as not felt.
 
         Parameters
         ----------
@@ -110,22 +111,39 @@ class ToolMotion:
             Of [K K*], dimensionless.
         gap : float
             Up to which the loops count as closed, as a share of `length`.
+        motors : ndarray of int, shape (n,)
+            Their columns.
         """
-        twists = self.scaled[self.rows.linear + self.rows.angular] @ whole.null_space
-        values = whole.singular_values[: whole.rank] / (whole.size or 1.0)
-        rounding = max(_FAINT, _POSE_ERRORS * gap / float(values.min(initial=1.0)) ** 2)
-        return factorise(twists, self._judged_size, min(self.tolerance, rounding))
+        commanded = self._commanded(whole, _commanded(whole, motors), gap)
+        return max(commanded.rank, self.judged_rank(whole.null_space))
 
-    def generic_rates(self, whole: Factorisation, gap: float) -> Array:
+    def generic_rates(self, whole: Factorisation, gap: float, motors: Index) -> Array:
         """Return `rates` by a regular pose: max |v| / σ over its motions v, of twists σ.
 
-        Only those σ count that are small beside the tool's size, and no rounding.
+        Only those σ count that are small beside the tool's size, and no rounding; the parameters
+        are those of `seen_rank`.
         """
-        twists = self.seen(whole, gap)
+        motions = _commanded(whole, motors)
+        twists = self._commanded(whole, motions, gap)
         shares = twists.singular_values[: twists.rank] / (twists.size or 1.0)
         if not shares.size or shares[-1] >= _SLOW:
             return np.zeros(0)
         shares = np.where(shares < _SLOW, shares, 1.0)
-        fastest = np.abs(whole.null_space @ twists.right[: twists.rank].T) / shares
+        fastest = np.abs(motions @ twists.right[: twists.rank].T) / shares
         rates: Array = np.maximum(fastest.max(axis=1), 1.0)
         return rates
+
+    def _commanded(self, whole: Factorisation, motions: Array, gap: float) -> Factorisation:
+        """Factorise what motions do to the judged rows, down to what is rounding."""
+        twists = self.scaled[self.rows.linear + self.rows.angular] @ motions
+        values = whole.singular_values[: whole.rank] / (whole.size or 1.0)
+        rounding = max(_FAINT, _POSE_ERRORS * gap / float(values.min(initial=1.0)) ** 2)
+        return factorise(twists, self._judged_size, min(self.tolerance, rounding))
+
+
+def _commanded(whole: Factorisation, motors: Index) -> Array:
+    """Return the motions (nv, k) that [K K*] allows, less those at which the motors rest."""
+    allowed = whole.null_space
+    by_motors = factorise(allowed[motors], 1.0, _FAINT)
+    commanded: Array = allowed @ by_motors.right[: by_motors.rank].T
+    return commanded
