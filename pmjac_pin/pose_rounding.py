@@ -60,14 +60,19 @@ class PoseRounding:
         )
 
     def _rounded_places(self, frames: Sequence[str]) -> float:
-        """Return what rounding of places moves frames by, m: theirs, and of joints on the way."""
+        """Return what rounding of places moves frames by, m: theirs, and of joints on the way.
+
+        It is no less than that of where the machine stands, as its model was given.
+        """
         parts = self.configuration.mechanism._parts
+        partition, given = parts.problem.partition, parts.problem.rounding
+        given *= min(partition.loop_sizes, default=partition.length) / partition.length
         found = [find_frame(parts.model, name) for name in frames]
         data = parts.kinematics.placed(self.configuration.q)
         joints = {k for frame in found for k in parts.model.supports[frame.joint]}
         far = [norm(data.oMi[k].translation) for k in joints]
         ends = [norm(data.oMf[frame.index].translation) for frame in found]
-        return EPS * (_PLACES * max(far + ends) + _JOINTS * sum(far))
+        return max(given, EPS * (_PLACES * max(far + ends) + _JOINTS * sum(far)))
 
     def moving(self) -> tuple[Mask, Mask]:
         """Return which columns are not always 0, in each row, (p, nv), and of the tool, (nv,)."""
