@@ -182,7 +182,9 @@ def include(place):
 
 
 def test_a_robot_on_the_ground_is_read(write):
-    scenery = include("model://sun") + include("https://fuel/models/ground_plane/")
+    scenery = include("model://sun") + include(
+        "https://fuel.gazebosim.org/1.0/OpenRobotics/models/Ground%20Plane"
+    )
     found = read_sdf(write(world(GROUND, ARM, scenery)))
     assert (found.name, found.unread) == ("arm", ())
     assert "model 'ground_plane' is static, and left out" in found.notes
