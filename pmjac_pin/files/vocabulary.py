@@ -41,8 +41,8 @@ class Word:
     Attributes
     ----------
     attributes, children : frozenset of str
-    unread : frozenset of str
-        Further attributes and children, which have no bearing on the machine.
+    unread, harmless : frozenset of str
+        Further attributes and further children, which have no bearing on the machine.
     told : frozenset of str
         Children that have one, and that nobody reads.
     """
@@ -50,6 +50,7 @@ class Word:
     attributes: frozenset[str] = frozenset()
     children: frozenset[str] = frozenset()
     unread: frozenset[str] = frozenset()
+    harmless: frozenset[str] = frozenset()
     told: frozenset[str] = frozenset()
 
 
@@ -139,7 +140,7 @@ class Vocabulary:
         for attribute in element.attrib:
             if attribute in word.attributes or attribute.startswith(_OF_XML):
                 continue
-            if not _is_told(spelt(attribute), word.unread):
+            if not _is_known(spelt(attribute), word.unread):
                 self._refuse_near(element, spelt(attribute), word.attributes, "attribute")
                 yield f"attribute {quoted(spelt(attribute))} of {_called(element)}", ""
         for child in element:
@@ -147,7 +148,8 @@ class Vocabulary:
             if id(child) in passed:
                 continue
             within = f"{spelt(element.tag)}/{tag}"
-            if tag in word.unread or (_is_told(tag, word.unread) and not could_tie(child)):
+            of_space = _is_known(tag, word.harmless) and not could_tie(child)
+            if tag in word.harmless or of_space:
                 yield from self._ties_within(child, within, passed)
                 continue
             if tag in word.children:
@@ -161,7 +163,7 @@ class Vocabulary:
         self, element: Element, path: str, passed: set[int]
     ) -> Iterator[tuple[str, str]]:
         """Yield what could tie bodies together in an element that has no bearing itself."""
-        harmless = self._word(path).unread
+        harmless = self._word(path).harmless
         for child in element:
             tag = spelt(child.tag)
             if id(child) in passed:
@@ -253,17 +255,17 @@ _NO_NAMES = ("http", "https", "www", "uri", "com", "org", "edu", "net", "html", 
 
 
 def _word(attributes: list[str], children: list[str]) -> Word:
-    unread = [name[:-1] for name in (*attributes, *children) if name.endswith("*")]
     return Word(
         frozenset(name for name in attributes if not name.endswith("*")),
         frozenset(name for name in children if name[-1] not in "*!"),
-        frozenset(unread),
+        frozenset(name[:-1] for name in attributes if name.endswith("*")),
+        frozenset(name[:-1] for name in children if name.endswith("*")),
         frozenset(name[:-1] for name in children if name.endswith("!")),
     )
 
 
-def _is_told(name: str, unread: frozenset[str]) -> bool:
-    return name in unread or (name.partition(":")[0] + ":") in unread
+def _is_known(name: str, words: frozenset[str]) -> bool:
+    return name in words or (name.partition(":")[0] + ":") in words
 
 
 def _kind_and_name(element: Element, within: Element) -> tuple[str, str]:

@@ -8,6 +8,7 @@ from xml.etree.ElementTree import Element
 from pmjac_pin.errors import ModelFileError, quoted
 from pmjac_pin.files.sdf.frames import MODEL, WORLD, truth
 from pmjac_pin.files.sdf.joints import ENDS, text_of
+from pmjac_pin.files.sdf.plugins import NOT_READ
 from pmjac_pin.files.vocabulary import spelt
 from pmjac_pin.files.xml_text import label
 
@@ -71,9 +72,12 @@ def _ties_to_others(model: Element) -> list[str]:
     for element in model.iter():
         ends = [inside for inside in element if spelt(inside.tag) in _ENDS]
         named = [(end.text or "").strip() or end.get("name", "") for end in ends]
-        if others := [name for name in named if "".join(name.partition("::")[:2]) not in own]:
+        others = [name for name in named if "".join(name.partition("::")[:2]) not in own]
+        if others:
             what = f"{label(element)} in {label(model)}"
             found.append(f"not read: {what}, which joins {', '.join(map(quoted, others))}")
+        elif not ends and spelt(element.tag) in NOT_READ:
+            found.append(f"not read: <{spelt(element.tag)}> in {label(model)}")
     return found
 
 
