@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 import re
 
 import msgspec
@@ -148,3 +149,21 @@ def test_catalogue_machines_keep_their_limits():
                 assert not machine.close(theta).limits_violated, name
             except pj.PmjacError:
                 continue
+
+
+@pytest.mark.parametrize("lower", [2.0, -np.inf])
+def test_many_poses_know(lower):
+    """As the configuration of each does; one-sided limits, too."""
+    mechanism = limited("four_bar", "phi1", max(lower, -1e20), 2.05)
+    many, values = pj.batch(mechanism), mechanism.home.actuated + np.linspace(-0.5, 0.5, 9)[:, None]
+    poses, over = many.close(values), many.grid({"theta1": values[:, 0]})
+    alone = [bool(mechanism.close(one).limits_violated) for one in values]
+    assert True in alone
+    assert False in alone
+    for found in (poses, over, pickle.loads(pickle.dumps(poses))):
+        assert not found.status.any()
+        assert found.beyond_limits.tolist() == alone
+    strict = many.close(values, enforce_limits="all")
+    assert (strict.status == pj.Status.LIMITS).tolist() == alone
+    with pytest.raises(pj.ArgumentError, match="limits are known"):
+        _ = type(poses)(poses.q, poses.share, poses.status).beyond_limits

@@ -7,6 +7,7 @@ from collections import namedtuple
 from types import MappingProxyType
 
 import numpy as np
+import pandas
 import pytest
 
 import pmjac_pin as pj
@@ -192,3 +193,14 @@ def test_on_the_command_line(capsys):
         assert main(["report", "three_rps", "--at", given]) == 2
         assert capsys.readouterr().err.count("\n") == 1
     assert main(["modes", "four_bar", "--at", "theta1=0.9"]) == 0
+
+
+@pytest.mark.parametrize("rows", [1, 2])
+def test_of_a_table_one_row_is_wanted(rows):
+    mechanism = pj.load("five_bar")
+    frame = pandas.DataFrame([mechanism.home.actuated] * rows, columns=mechanism.actuated)
+    with pytest.raises(
+        pj.ArgumentError, match=r"a table; give one row of it, e.g. frame.iloc\[0\]"
+    ):
+        mechanism.close(frame)
+    np.testing.assert_array_equal(mechanism.close(frame.iloc[0]).q, mechanism.home.q)

@@ -182,7 +182,9 @@ def include(place):
 
 
 def test_a_robot_on_the_ground_is_read(write):
-    scenery = include("model://sun") + include("https://fuel/models/ground_plane/")
+    scenery = include("model://sun") + include(
+        "https://fuel.gazebosim.org/1.0/OpenRobotics/models/Ground%20Plane"
+    )
     found = read_sdf(write(world(GROUND, ARM, scenery)))
     assert (found.name, found.unread) == ("arm", ())
     assert "model 'ground_plane' is static, and left out" in found.notes
@@ -231,3 +233,49 @@ def test_a_gearbox_that_holds_a_joint(write):
     text = link("a") + link("b") + link("c") + joint("i", "a", "b") + joint("j", "a", "c") + box
     with pytest.raises(pj.ModelFileError, match="<gearbox_ratio> is 0, which holds a joint"):
         read_sdf(write(sdf(text)))
+
+
+@pytest.mark.parametrize(
+    "place",
+    [
+        "https://x/y/ground_plane",
+        "model://mine/ground_plane",
+        "ground_plane",
+        "model://sun2",
+        "https://fuel.gazebosim.org.evil.org/1.0/openrobotics/models/sun",
+    ],
+)
+def test_what_is_only_called_like_the_ground_is_told(write, place):
+    found = read_sdf(write(world(GROUND, ARM, include(place))))
+    assert found.unread == (f"not read: <include> of {place!r}",)
+
+
+def test_what_holds_something_to_the_ground_is_told(write):
+    hold = '<plugin filename="gz-sim-detachable-joint-system" name="h"/></include>'
+    held = include("model://ground_plane").replace("</include>", hold)
+    told = "not read: <plugin> 'gz-sim-detachable-joint-system' in <include>"
+    assert read_sdf(write(world(GROUND, ARM, held))).unread == (told,)
+
+
+def wall(inside):
+    return f'<model name="wall"><static>1</static><link name="w"/><link name="v"/>{inside}</model>'
+
+
+@pytest.mark.parametrize("kind", ["fixed", "revolute"])
+def test_a_static_model_that_holds_another_is_told(write, kind):
+    """The joint ties a link of the machine to the world."""
+    found = read_sdf(write(world(wall(joint("j", "w", "arm::a", kind=kind)), ARM)))
+    assert found.unread == ("not read: joint 'j' in model 'wall', which joins 'arm::a'",)
+    assert "model 'wall' is static, and left out" in found.notes
+    assert read_sdf(write(world(wall(joint("j", "w", "v", kind=kind)), ARM))).unread == ()
+
+
+@pytest.mark.parametrize(
+    ("kind", "tag"), [("revolute", "axis2"), ("fixed", "axis"), ("ball", "axis"), ("ball", "axis2")]
+)
+def test_an_axis_that_a_joint_does_not_have_follows_nothing(write, kind, tag):
+    ends = '<joint name="e" type="{}"><parent>rocker</parent><child>z</child>{}{}</joint>'
+    axis = AXIS.format("") if kind == "revolute" else ""
+    extra = f'<{tag}><xyz>0 0 1</xyz><mimic joint="a"/></{tag}>'
+    with pytest.raises(pj.ModelFileError, match=f"<{tag}> holds a <mimic>, and a joint of type"):
+        read_sdf(write(sdf(RHOMBUS + link("z") + ends.format(kind, axis, extra))))

@@ -299,3 +299,63 @@ def test_a_follower_without_a_leader_is_told(write):
     assert other.unread == (f'{said}"false", and follows another all the same',)
     near = read_looped_urdf(write(follower(control('<param name="mimic_joint">theta1</param>'))))
     assert near.unread == ("not read: <param> 'mimic_joint' in joint 'phi1' of <ros2_control>",)
+
+
+@pytest.mark.parametrize("tie", ['<mimic joint="a"/></axis>', '</axis><drake:mimic joint="a"/>'])
+def test_a_joint_of_gazebo_that_follows_another_is_refused(refusal, tie):
+    text = RHOMBUS.format(PIN.replace("</axis>", tie))
+    message = refusal(text.replace("<robot ", '<robot xmlns:drake="http://drake.mit.edu" ', 1))
+    assert message.startswith("joint 'c' of <gazebo> closes a loop, and its <mimic> is not read")
+
+
+@pytest.mark.parametrize(("number", "other"), [(1, 2), (2, 1)])
+def test_a_closing_frame_without_its_other_is_told(write, number, other):
+    lone = f'<link name="closing_x_{number}"/><joint name="f" type="fixed">'
+    lone += f'<parent link="coupler"/><child link="closing_x_{number}"/></joint>'
+    path = write(RHOMBUS.format(lone))
+    told = f"link 'closing_x_{number}' has no 'closing_x_{other}' to close a loop with"
+    assert told in read_looped_urdf(path).notes
+    ours = path.with_suffix(".toml")
+    ours.write_text(
+        'urdf = "machine.urdf"\nactuated = ["a"]\ntool.frame = "coupler"\nposes.home.a = 0.0\n'
+    )
+    assert pj.load(ours).unread == (f"not read: {told}",)
+
+
+def test_a_third_closing_frame_is_told(write):
+    frames = "".join(
+        f'<link name="closing_x_{k}"/><joint name="f{k}" type="fixed"><parent link="{link}"/>'
+        f'<child link="closing_x_{k}"/><origin xyz="{xyz}"/></joint>'
+        for k, link, xyz in (
+            (1, "coupler", "3 1 0"),
+            (2, "rocker", "-1 2 0"),
+            (3, "crank", "0 0 0"),
+        )
+    )
+    found = read_looped_urdf(write(RHOMBUS.format(frames)))
+    told = "link 'closing_x_3' closes no loop: those of 'closing_x_1' and 'closing_x_2' do"
+    assert (len(found.loops), told in found.notes) == (1, True)
+
+
+def test_a_harmless_name_hides_no_tie(write):
+    hold = DETACHABLE.format("box").replace(
+        "gz-sim-detachable-joint-system", "libgazebo_ros_p3d.so"
+    )
+    found = read_looped_urdf(write(RHOMBUS.format(hold)))
+    assert found.unread == ("not read: <plugin> 'libgazebo_ros_p3d.so' in <gazebo>",)
+    names = '<gazebo><plugin filename="libgazebo_ros_p3d.so"><joint>a</joint></plugin></gazebo>'
+    assert read_looped_urdf(write(RHOMBUS.format(names))).unread == ()
+
+
+def test_of_motors_that_are_given_nothing_is_assumed(write):
+    path = write(RHOMBUS.format(""))
+    assert any("counts as a motor" in note for note in pj.load(path, tool="coupler").notes)
+    given = pj.load(path, actuated=["a", "b", "d"], tool="coupler")
+    assert not any("counts as a motor" in note for note in given.notes)
+
+
+def test_only_joints_of_one_degree_of_freedom_are_offered_as_motors(write):
+    floats = '<link name="z"/><joint name="float" type="floating"><parent link="coupler"/>'
+    text = RHOMBUS.format(f'{PIN}{floats}<child link="z"/></joint>')
+    with pytest.raises(pj.ModelFileError, match=r"of: a, b, d$"):
+        pj.load(write(text), tool="coupler")

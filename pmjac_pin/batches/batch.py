@@ -42,7 +42,7 @@ from pmjac_pin.errors import (
 from pmjac_pin.kinematics.many import ManyPoses
 from pmjac_pin.kinematics.recorded import Recorder
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.model.limits import enforced
+from pmjac_pin.model.limits import beyond_limits, enforced
 from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.values.arrays import Array, Index, Mask
 from pmjac_pin.values.checks import as_numbers
@@ -129,7 +129,7 @@ class Batch:
         start = self._start(guess, len(values))
         found = (np.empty(start.shape), np.empty(len(start)), np.empty(len(start), dtype=np.int8))
         fill(found, lambda at: self._closed(start[at], values[at], whose), threads, progress)
-        return ManyClosed(*found)
+        return ManyClosed(*found, coordinates=self._coordinates)
 
     def grid(
         self,
@@ -183,6 +183,7 @@ class Batch:
             status=found.status.reshape(shape),
             actuated=values,
             source=found.source.reshape(shape),
+            coordinates=self._coordinates,
         )
 
     def _closed(self, start: Array, values: Array, whose: str) -> tuple[Array, Array, Statuses]:
@@ -195,15 +196,12 @@ class Batch:
             q[index], share[index] = self._alone(start[index], values[index])
         status = np.where(share == 1.0, Status.CLOSED, Status.STOPPED).astype(np.int8)
         if whose != "none":
-            status[self._beyond(values, self._rates.partition.actuated)] = Status.LIMITS
+            motors = self._rates.partition.actuated
+            status[self._coordinates.beyond(values, motors).any(axis=1)] = Status.LIMITS
         if whose == "all":
-            limited = np.flatnonzero(np.isfinite(self._coordinates.lower))
-            reached = self._coordinates.values_of(q, limited)
-            status[self._beyond(reached, limited) & (status == Status.CLOSED)] = Status.LIMITS
+            beyond = beyond_limits(self._coordinates, q)
+            status[beyond & (status == Status.CLOSED)] = Status.LIMITS
         return q, share, status
-
-    def _beyond(self, values: Array, columns: Index) -> Mask:
-        return np.asarray(self._coordinates.beyond(values, columns).any(axis=1))
 
     def _together(self, start: Array, values: Array) -> tuple[Array, Array, Mask]:
         """Walk all paths by the program; return q, share, and of which this is certain."""

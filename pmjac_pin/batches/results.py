@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import InitVar, dataclass, field
 from enum import IntEnum
+from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.values.arrays import Array, Index, ReadOnlyArrays
+from pmjac_pin.errors import ArgumentError
+from pmjac_pin.model.coordinates import JointCoordinates
+from pmjac_pin.model.limits import beyond_limits
+from pmjac_pin.values.arrays import Array, Index, Mask, ReadOnlyArrays, read_only
 
 Statuses: TypeAlias = NDArray[np.int8]
 
@@ -39,11 +43,27 @@ class ManyClosed(ReadOnlyArrays):
     status : ndarray of int, shape (N,)
         `Status`: CLOSED; STOPPED where `close` raises ClosureError; LIMITS where it raises
         LimitError.
+    beyond_limits : ndarray of bool, shape (N,)
+        Where a joint is beyond its limits at `q`, motors or others: what `limits_violated` of the
+        `Configuration` names. With ``enforce_limits="all"`` none is both CLOSED and beyond.
     """
 
     q: Array
     share: Array
     status: Statuses
+    coordinates: InitVar[JointCoordinates | None] = field(default=None, kw_only=True)
+
+    def __post_init__(self, coordinates: JointCoordinates | None = None) -> None:  # noqa: RUF033
+        super().__post_init__()
+        self.__dict__["_coordinates"] = coordinates
+
+    @cached_property
+    def beyond_limits(self) -> Mask:
+        """Where a joint is beyond its limits; False where there is no pose."""
+        coordinates: JointCoordinates | None = self.__dict__["_coordinates"]
+        if coordinates is None:
+            raise ArgumentError("limits are known to the poses that `pmjac_pin.batch` closes")
+        return read_only(beyond_limits(coordinates, self.q))
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +72,7 @@ class ManyInGrid(ManyClosed):
 
     Attributes
     ----------
-    q, share, status : ndarray, shapes (*grid, nq), (*grid,) and (*grid,)
+    q, share, status, beyond_limits : ndarray, shapes (*grid, nq), and (*grid,) of the others
         As of `ManyClosed`, of the path that reached a cell or was the last to be tried.
     actuated : ndarray, shape (*grid, n)
         The motor values of each cell.

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from pmjac_pin.errors import ArgumentError, ModelFileError, enumerated, quoted, unknown_name
+from pmjac_pin.files.urdf.checks import VELOCITIES
 from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.files.user_path import readable
 from pmjac_pin.model.loop_spec import MAXIMAL_LOOPS, Loop
@@ -77,7 +78,7 @@ class ForeignModel:
         motors = self.actuated if actuated is None else tuple(actuated)
         frame = self.tool if tool is None else tool
         if not motors:
-            raise _missing(path, "which joints are motors", "actuated", _movable(self.urdf))
+            raise _missing(path, "which joints are motors", "actuated", self._possible_motors())
         if not frame:
             raise _missing(path, "which frame is the tool", "tool", self.urdf.links)
         checked_motors(self.urdf, motors)
@@ -91,6 +92,13 @@ class ForeignModel:
             helical=dict(self.helical),
             tolerance=self.tolerance,
             poses={"home": dict(self.home)},
+        )
+
+    def _possible_motors(self) -> tuple[str, ...]:
+        return tuple(
+            joint.name
+            for joint in self.urdf.joints
+            if VELOCITIES[joint.type] == 1 and joint.name not in self.spherical
         )
 
 

@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterator
 from xml.etree.ElementTree import Element
 
-from pmjac_pin.files.vocabulary import Vocabulary
+from pmjac_pin.files.vocabulary import Vocabulary, could_tie
 
 # Sensors, controllers, publishers and forces, by their whole names as `_bare` gives them: what a
 # name merely contains says nothing.
@@ -66,9 +66,13 @@ plugin name filename : joint mimicJoint multiplier offset sensitiveness* maxEffo
 
 
 def unread_harmless(root: Element) -> Iterator[Element]:
-    """Yield the plugins of a file that have no bearing on the machine."""
+    """Yield the plugins of a file that have no bearing on the machine.
+
+    One whose name is harmless is not among them if it holds what could tie bodies together.
+    """
     for plugin in root.iter("plugin"):
-        if is_harmless(plugin.get("filename", "")) and not is_mimic_plugin(plugin):
+        tied = any(could_tie(inside) for inside in plugin.iter() if inside is not plugin)
+        if is_harmless(plugin.get("filename", "")) and not tied:
             yield plugin
 
 

@@ -91,11 +91,14 @@ def _other_format(path: Path) -> str:
 
 
 def _open_frames(urdf: Urdf, spec: MechanismSpec) -> list[str]:
-    """Return a sentence for each pair of frames that is made to close a loop, and is in none."""
+    """Return a sentence for each frame or pair that is made to close a loop, and is in none."""
     joined = [name for loop in spec.loops for name in loop.ends]
-    loops, _ = closing_frames(urdf.links, (), joined)
+    loops, lone = closing_frames(urdf.links, (), joined)
     pairs = (" and ".join(repr(end.get("link")) for end in loop) for loop in loops)
-    return [f"not read: the frames {pair} are in no [[loop]]" for pair in pairs]
+    return [
+        *(f"not read: the frames {pair} are in no [[loop]]" for pair in pairs),
+        *(f"not read: {one}" for one in lone if one.startswith("link ")),
+    ]
 
 
 # What reads another format is imported when a file of it is read.

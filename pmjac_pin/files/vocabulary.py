@@ -3,8 +3,8 @@
 What a reader does not look for it would pass over in silence, a misspelt `<orgin>` like an element
 that ties two bodies together. So every file is first held against the words of its format: what
 looks like a misspelt one is an error, and what is not known at all is told. Words with a star are
-known to have no bearing on the machine, and nobody looks into them; those with an exclamation mark
-are known to have one, and are told though nobody reads them.
+known to have no bearing on the machine, and only what could tie bodies together is looked for in
+them; those with an exclamation mark are known to have one, and are told though nobody reads them.
 """
 
 from __future__ import annotations
@@ -25,6 +25,13 @@ _MOST_TOLD = 10
 _MOST_WORDS = 4
 _NAMES_PLACE = "\0"  # where the names of a kind of thing go
 _OF_XML = "{http://www.w3.org/"  # attributes of XML itself and of its schemas
+_TIES = re.compile(
+    r"joint|loop|loop_joint|closed_loop|constraint|coupling|equality|connect|weld|tendon|gripper"
+    r"|plugin|model|include|drake:\w*(joint|mimic|constraint|bushing|spring|damper)\w*"
+)
+_TIES_BY_NAME = re.compile(
+    r"mimic\w*|(parent|child)_(link|model|joint)|(passive|gap)_joint|(follower|leader)(_joint)?"
+)
 
 
 @dataclass(frozen=True)
@@ -34,8 +41,8 @@ class Word:
     Attributes
     ----------
     attributes, children : frozenset of str
-    unread : frozenset of str
-        Further attributes and children, which have no bearing on the machine.
+    unread, harmless : frozenset of str
+        Further attributes and further children, which have no bearing on the machine.
     told : frozenset of str
         Children that have one, and that nobody reads.
     """
@@ -43,6 +50,7 @@ class Word:
     attributes: frozenset[str] = frozenset()
     children: frozenset[str] = frozenset()
     unread: frozenset[str] = frozenset()
+    harmless: frozenset[str] = frozenset()
     told: frozenset[str] = frozenset()
 
 
@@ -132,20 +140,38 @@ class Vocabulary:
         for attribute in element.attrib:
             if attribute in word.attributes or attribute.startswith(_OF_XML):
                 continue
-            if not _is_told(spelt(attribute), word.unread):
+            if not _is_known(spelt(attribute), word.unread):
                 self._refuse_near(element, spelt(attribute), word.attributes, "attribute")
                 yield f"attribute {quoted(spelt(attribute))} of {_called(element)}", ""
         for child in element:
             tag = spelt(child.tag)
-            if id(child) in passed or _is_told(tag, word.unread):
+            if id(child) in passed:
+                continue
+            within = f"{spelt(element.tag)}/{tag}"
+            of_space = _is_known(tag, word.harmless) and not could_tie(child)
+            if tag in word.harmless or of_space:
+                yield from self._ties_within(child, within, passed)
                 continue
             if tag in word.children:
-                yield from self._strange(child, f"{spelt(element.tag)}/{tag}", passed)
+                yield from self._strange(child, within, passed)
                 continue
             if tag not in word.told:
                 self._refuse_near(element, tag, word.children | word.told, "element")
-            name = child.get("filename") or child.get("name") or ""
-            yield f"<{quoted(tag)[1:-1]}>{_NAMES_PLACE} in {_called(element)}", name
+            yield _kind_and_name(child, element)
+
+    def _ties_within(
+        self, element: Element, path: str, passed: set[int]
+    ) -> Iterator[tuple[str, str]]:
+        """Yield what could tie bodies together in an element that has no bearing itself."""
+        harmless = self._word(path).harmless
+        for child in element:
+            tag = spelt(child.tag)
+            if id(child) in passed:
+                continue
+            if tag not in harmless and could_tie(child):
+                yield _kind_and_name(child, element)
+            else:
+                yield from self._ties_within(child, f"{spelt(element.tag)}/{tag}", passed)
 
     def _word(self, path: str) -> Word:
         return self.words.get(path) or self.words.get(path.rpartition("/")[2], Word())
@@ -158,6 +184,26 @@ class Vocabulary:
         else:
             got = f"{_called(element)} has the unknown attribute {quoted(name)}"
         raise ModelFileError(f"{got}; did you mean {meant!r}?")
+
+
+def could_tie(element: Element) -> bool:
+    """Whether an element could tie bodies together, wherever it stands: by its tag.
+
+    Most tie nothing where they hold a name or a value alone.
+
+    Examples
+    --------
+    >>> from xml.etree.ElementTree import fromstring
+    >>> could_tie(fromstring("<joint><parent>a</parent></joint>"))
+    True
+    >>> could_tie(fromstring("<joint>elbow</joint>"))
+    False
+    """
+    tag = spelt(element.tag)
+    if _TIES_BY_NAME.fullmatch(tag):
+        return True
+    name_alone = not len(element) and not element.attrib and (element.text or "").strip()
+    return not name_alone and _TIES.fullmatch(tag) is not None
 
 
 @lru_cache(maxsize=10_000)
@@ -209,17 +255,23 @@ _NO_NAMES = ("http", "https", "www", "uri", "com", "org", "edu", "net", "html", 
 
 
 def _word(attributes: list[str], children: list[str]) -> Word:
-    unread = [name[:-1] for name in (*attributes, *children) if name.endswith("*")]
     return Word(
         frozenset(name for name in attributes if not name.endswith("*")),
         frozenset(name for name in children if name[-1] not in "*!"),
-        frozenset(unread),
+        frozenset(name[:-1] for name in attributes if name.endswith("*")),
+        frozenset(name[:-1] for name in children if name.endswith("*")),
         frozenset(name[:-1] for name in children if name.endswith("!")),
     )
 
 
-def _is_told(name: str, unread: frozenset[str]) -> bool:
-    return name in unread or (name.partition(":")[0] + ":") in unread
+def _is_known(name: str, words: frozenset[str]) -> bool:
+    return name in words or (name.partition(":")[0] + ":") in words
+
+
+def _kind_and_name(element: Element, within: Element) -> tuple[str, str]:
+    """Return how a kind of element is called, and which of them it is."""
+    what = f"<{quoted(spelt(element.tag))[1:-1]}>{_NAMES_PLACE} in {_called(within)}"
+    return what, element.get("filename") or element.get("name") or ""
 
 
 def _said(what: str, names: Iterable[str]) -> str:

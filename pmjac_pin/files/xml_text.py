@@ -8,19 +8,36 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from xml.etree.ElementTree import Element, ParseError
+from xml.parsers.expat.errors import XML_ERROR_UNBOUND_PREFIX, codes
 
 from defusedxml.common import DefusedXmlException
 
 from pmjac_pin.errors import ModelFileError, quoted, shortened
 from pmjac_pin.files.bounded_xml import bounded_tree
+from pmjac_pin.files.lenient_xml import (
+    why_not_well_formed,
+    with_prefixes_bound,
+    without_late_declaration,
+)
 from pmjac_pin.values.checks import LARGEST
+
+_UNBOUND_PREFIX = codes[XML_ERROR_UNBOUND_PREFIX]
 
 
 def parse_xml(text: str) -> Element:
     """Parse XML without document types, entities, deep nesting or very many elements."""
+    text = without_late_declaration(text)
     try:
-        return bounded_tree(text)
-    except (ParseError, UnicodeError) as error:
+        try:
+            return bounded_tree(text)
+        except ParseError as error:
+            if error.code != _UNBOUND_PREFIX:
+                raise
+            return bounded_tree(with_prefixes_bound(text))
+    except ParseError as error:
+        got = f"not well-formed XML: {shortened(str(error))}"
+        raise ModelFileError(got + why_not_well_formed(text, error)) from None
+    except UnicodeError as error:
         raise ModelFileError(f"not well-formed XML: {shortened(str(error))}") from None
     except DefusedXmlException:
         why = "it could open other files or grow without bound"

@@ -10,7 +10,7 @@ import numpy as np
 
 from pmjac_pin.errors import ArgumentError, LimitError
 from pmjac_pin.model.coordinates import JointCoordinates
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import Array, Mask
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +55,13 @@ def violations(
             value = float(values[coordinates.columns([name])[0]])
             found[name] = Violation(value, *coordinates.limits(name))
     return MappingProxyType(found)
+
+
+def beyond_limits(coordinates: JointCoordinates, q: Array) -> Mask:
+    """Tell which of many q, (..., nq), have joints beyond their limits: any of `violations`."""
+    limited = np.flatnonzero(np.isfinite(coordinates.lower) | np.isfinite(coordinates.upper))
+    beyond = coordinates.beyond(coordinates.values_of(q, limited), limited)
+    return np.asarray(beyond.any(axis=-1))
 
 
 def limit_error(what: str, found: Mapping[str, Violation], advice: str = "") -> LimitError:

@@ -20,7 +20,7 @@ def named_values(given: Any, what: str) -> dict[Any, Any] | None:
     Raises
     ------
     ArgumentError
-        A name twice, or labels that are neither names nor 0, 1, 2, ... in this order.
+        A name twice, or labels that are neither names nor 0, 1, 2, ... in this order; a table.
 
     Examples
     --------
@@ -32,7 +32,7 @@ def named_values(given: Any, what: str) -> dict[Any, Any] | None:
         return None
     if isinstance(given, Mapping):
         return dict(given)
-    pairs = _pairs(given)
+    pairs = _pairs(given, what)
     if pairs is None:
         return None
     labels = [label for label, _ in pairs]
@@ -44,12 +44,15 @@ def named_values(given: Any, what: str) -> dict[Any, Any] | None:
     return dict(pairs)
 
 
-def _pairs(given: Any) -> list[tuple[Any, Any]] | None:
+def _pairs(given: Any, what: str) -> list[tuple[Any, Any]] | None:
     """Return labels and values, each by the way that its kind has for it."""
     if callable(getattr(given, "_asdict", None)):  # a named tuple
         return list(given._asdict().items())
     if names := getattr(getattr(given, "dtype", None), "names", None):
         return [(name, np.squeeze(given[name])) for name in names]
+    if callable(getattr(given, "iterrows", None)):
+        todo = "give one row of it, e.g. frame.iloc[0]"
+        raise ArgumentError(f"{what} are given as a table; {todo}")
     if callable(getattr(given, "keys", None)):  # a Series, a row of a database
         return _zipped(given.keys(), given)
     dimensions: Any = getattr(given, "dims", ())

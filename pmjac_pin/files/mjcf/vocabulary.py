@@ -22,6 +22,7 @@ MJCF_WORDS = Vocabulary(
     """
 mujoco model : compiler option default worldbody equality actuator keyframe asset tendon contact*
   custom* deformable! extension! sensor* size* statistic* visual*
+sensor : plugin*
 asset : model mesh* hfield* skin* texture* material*
 model name file content_type*
 worldbody : body frame geom site joint freejoint inertial camera* light* plugin! attach composite

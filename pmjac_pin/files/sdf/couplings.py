@@ -92,6 +92,7 @@ def _of_axes(
     joints: Sequence[SdfJoint], freedoms: Mapping[str, tuple[str, ...]]
 ) -> Iterator[tuple[str, JointLoop]]:
     for joint in joints:
+        refuse_idle_mimics(joint)
         where = f"{label(joint.element)}, <mimic>"
         for number, follower in enumerate(freedoms[joint.name]):
             axis = only(label(joint.element), joint.element, AXIS_TAGS[number])
@@ -110,6 +111,15 @@ def _of_axes(
                 (ratio,) = numbers(where, mimic, "multiplier", default="1")
                 (offset,) = numbers(where, mimic, "offset", default="0")
                 yield where, _gear(where, (leader, follower), ratio, offset)
+
+
+def refuse_idle_mimics(joint: SdfJoint) -> None:
+    """Refuse a joint that is to follow another about an axis that it does not have."""
+    count = 0 if joint.kind == "gearbox" else len(joint.axes)
+    for tag in AXIS_TAGS[count:]:
+        if joint.element.find(f"{tag}/mimic") is not None:
+            got = f"{label(joint.element)}, <{tag}> holds a <mimic>"
+            raise ModelFileError(f"{got}, and a joint of type {joint.kind} has no such axis")
 
 
 def _of_plugins(

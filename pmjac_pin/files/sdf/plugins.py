@@ -18,7 +18,7 @@ from pmjac_pin.files.vocabulary import spelt
 from pmjac_pin.files.xml_text import label, numbers_in
 
 BALL = "drake:ball_constraint"
-_PLUGINS_NOT_READ = {
+NOT_READ = {
     "drake:coupler_constraint": "gear the joints by <mimic> in an <axis>",
     "drake:weld_constraint": 'write it as a <joint type="fixed">',
 }
@@ -98,7 +98,7 @@ def point_ties(model: Element, links: Collection[str]) -> tuple[PointTie, ...]:
     """
     ties = []
     for element in model:
-        if (todo := _PLUGINS_NOT_READ.get(tag := spelt(element.tag))) is not None:
+        if (todo := NOT_READ.get(tag := spelt(element.tag))) is not None:
             raise ModelFileError(f"<{tag}> is not read; {todo}")
         if tag == BALL:
             ties.append(_point_tie(element, links))

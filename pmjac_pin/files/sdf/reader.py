@@ -12,7 +12,7 @@ from pathlib import Path
 
 from pmjac_pin.errors import ModelFileError
 from pmjac_pin.files.foreign_model import ForeignModel
-from pmjac_pin.files.sdf.couplings import coupled_links, coupling, read_mimics
+from pmjac_pin.files.sdf.couplings import coupled_links, coupling, read_mimics, refuse_idle_mimics
 from pmjac_pin.files.sdf.frames import WORLD
 from pmjac_pin.files.sdf.joints import SdfJoint, freedom_names
 from pmjac_pin.files.sdf.model import SdfModel, read_model
@@ -54,6 +54,8 @@ def read_sdf(path: Path, motors: Collection[str] = ()) -> ForeignModel:
 def _foreign_model(model: SdfModel, path: Path, motors: Collection[str]) -> ForeignModel:
     gearboxes = [joint for joint in model.joints if joint.kind == "gearbox"]
     joints = [joint for joint in model.joints if joint.kind != "gearbox"]
+    for gearbox in gearboxes:
+        refuse_idle_mimics(gearbox)
     mimics = read_mimics(joints, model.element)
     coupled = {name for loop in mimics for name in loop.joints}
     graph = _graph(model, joints, gearboxes, {*motors, *coupled})

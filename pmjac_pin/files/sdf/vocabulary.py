@@ -8,7 +8,10 @@ SDF_WORDS = Vocabulary("""
 sdf version : model world actor* light*
 world name : model include frame* light* gravity* magnetic_field* atmosphere* audio* wind*
   gui* physics* scene* road* spherical_coordinates* state* population* actor* plugin! joint!
-include : uri name* pose* static* placement_frame* plugin*
+include : uri name* pose* static* placement_frame* plugin!
+state : model*
+state/model : joint*
+gui : plugin*
 model name canonical_link placement_frame : static pose frame link joint include model gripper!
   self_collide* allow_auto_disable* enable_wind* drake:ball_constraint drake:weld_constraint
   drake:coupler_constraint
@@ -20,7 +23,7 @@ link name : pose inertial visual collision* sensor* must_be_base_link* gravity* 
   self_collide* kinematic* velocity_decay* projector* audio_sink* audio_source* battery* light*
   particle_emitter*
 visual name : pose geometry material cast_shadows* laser_retro* transparency* visibility_flags*
-  meta* plugin* drake:*
+  meta* plugin! drake:*
 geometry : box capsule cylinder sphere mesh empty* cone* ellipsoid* heightmap* image* plane*
   polyline* drake:*
 box : size

@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
+import re
 from xml.etree.ElementTree import Element
 
 from pmjac_pin.errors import ModelFileError, quoted
-from pmjac_pin.files.sdf.frames import truth
-from pmjac_pin.files.sdf.joints import text_of
+from pmjac_pin.files.sdf.frames import MODEL, WORLD, truth
+from pmjac_pin.files.sdf.joints import ENDS, text_of
+from pmjac_pin.files.sdf.plugins import NOT_READ
+from pmjac_pin.files.vocabulary import spelt
 from pmjac_pin.files.xml_text import label
 
-_SCENERY = ("ground_plane", "sun")  # what every world includes
+_FUEL = r"https://fuel\.(?:gazebosim|ignitionrobotics)\.org/1\.0/openrobotics/models/"
+_SCENERY = re.compile(  # what every world includes
+    rf"model://(?:ground_plane|sun)|(?i:{_FUEL}(?:ground( |%20)plane|sun)(/\d+)?)"
+)
+_NAMED = ("link", "frame", "joint", "model")
+_ENDS = (
+    *ENDS,
+    *(f"drake:{kind}_constraint_body_{end}" for kind in ("ball", "weld") for end in "AB"),
+)
 
 
 def the_model(sdf: Element) -> tuple[Element, list[str], list[str]]:
@@ -30,7 +41,8 @@ def the_model(sdf: Element) -> tuple[Element, list[str], list[str]]:
     unread = [f"not read: <include> of {quoted(place)}" for place in elsewhere]
     if len(models) > 1 and len(moving) == 1:
         notes = [f"{label(model)} is static, and left out" for model in static]
-        return _flat(moving[0]), notes, unread
+        tied = [note for model in static for note in _ties_to_others(model)]
+        return _flat(moving[0]), notes, [*unread, *tied]
     if len(models) != 1:
         got = f"there are {len(models)} models" + (f", {len(static)} of them static" * bool(static))
         raise ModelFileError(f"{got}; a file with one <model> is read")
@@ -45,11 +57,28 @@ def is_static(model: Element) -> bool:
 
 
 def _included(sdf: Element) -> list[str]:
-    """Return what a world includes, but for the ground and the sun."""
-    places = [
-        text_of("<include>", include, "uri") or "" for include in sdf.iterfind("world/include")
-    ]
-    return [place for place in places if place.rstrip("/").rpartition("/")[2] not in _SCENERY]
+    """Return what worlds and their models include, but for the ground and the sun."""
+    places = [text_of("<include>", include, "uri") or "" for include in sdf.iter("include")]
+    return [place for place in places if not _SCENERY.fullmatch(place)]
+
+
+def _ties_to_others(model: Element) -> list[str]:
+    """Return what joins a model to links that are not its own."""
+    own = {WORLD, MODEL}
+    for tag in _NAMED:
+        scope = "::" * (tag == "model")
+        own |= {inside.get("name", "") + scope for inside in model.iterfind(f".//{tag}")}
+    found = []
+    for element in model.iter():
+        ends = [inside for inside in element if spelt(inside.tag) in _ENDS]
+        named = [(end.text or "").strip() or end.get("name", "") for end in ends]
+        others = [name for name in named if "".join(name.partition("::")[:2]) not in own]
+        if others:
+            what = f"{label(element)} in {label(model)}"
+            found.append(f"not read: {what}, which joins {', '.join(map(quoted, others))}")
+        elif not ends and spelt(element.tag) in NOT_READ:
+            found.append(f"not read: <{spelt(element.tag)}> in {label(model)}")
+    return found
 
 
 def _flat(model: Element) -> Element:

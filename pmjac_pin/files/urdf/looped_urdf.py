@@ -57,7 +57,8 @@ def read_looped_urdf(path: Path, motors: Collection[str] = ()) -> ForeignModel:
     -------
     ForeignModel
         With `actuated` where joints say whether they are ``independent``, or where there is no
-        loop: then every joint of one degree of freedom that follows no other.
+        loop and no motors are given: then every joint of one degree of freedom that follows no
+        other.
 
     Raises
     ------
@@ -66,7 +67,8 @@ def read_looped_urdf(path: Path, motors: Collection[str] = ()) -> ForeignModel:
     """
     with at_file(str(path)):
         model = read_robot(parse_xml(read_text(path, MAXIMAL_URDF)), path, motors)
-        if model.actuated or any(not isinstance(loop, JointLoop) for loop in model.loops):
+        closed = any(not isinstance(loop, JointLoop) for loop in model.loops)
+        if motors or model.actuated or closed:
             return model
         followers = {loop.joints[1] for loop in model.loops if isinstance(loop, JointLoop)}
         single = [joint.name for joint in model.urdf.joints if VELOCITIES[joint.type] == 1]

@@ -24,6 +24,7 @@ from pmjac_pin.files.urdf.checks import (
     checked_origin,
     checked_robot,
 )
+from pmjac_pin.files.urdf.control_mimics import doubtful
 from pmjac_pin.files.urdf.joint_tree import UrdfJoint, joints_of
 from pmjac_pin.files.urdf.vocabulary import URDF_WORDS
 from pmjac_pin.files.xml_text import label, numbers, only, parse_xml, written
@@ -235,7 +236,7 @@ def parse_urdf(text: str, path: str) -> Urdf:
     """
     with at_file(path):
         robot = parse_xml(text)
-        unread = URDF_WORDS.unread(robot, *unread_harmless(robot))
+        unread = (*URDF_WORDS.unread(robot, *unread_harmless(robot)), *doubtful(robot, ()))
     return Urdf.of(robot, path, unread)
 
 

@@ -10,6 +10,7 @@ of onshape-to-robot, "Handling kinematic loops".
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from xml.etree.ElementTree import Element, SubElement
 
@@ -29,6 +30,7 @@ from pmjac_pin.files.xml_text import label, numbers_in, only, written
 PLUGINS = "gazebo/plugin"
 _AXES_OF_THE_JOINT = (1, 12)  # the version of SDFormat, whose axes are in the joint's frame
 _LOOP_KINDS = {"ball": "spherical"}
+_CLOSING_FRAME = re.compile(r"(closing_.+)_(\d+)")
 _NOT_READ = {
     "coupling": "gear the joints by <mimic>",
     "drake:coupler_constraint": "gear the joints by <mimic>",
@@ -133,6 +135,10 @@ def take_gazebo_joints(
 def _closing_joint(joint: SdfJoint, placements: Mapping[str, pin.SE3], base: str) -> Element:
     """Return a joint as an element: the base stands where the file has the world."""
     where, kind = label(joint.element), _LOOP_KINDS.get(joint.kind, joint.kind)
+    if any(spelt(inside.tag) in ("mimic", "drake:mimic") for inside in joint.element.iter()):
+        got = f"{where} of <gazebo> closes a loop, and its <mimic> is not read there"
+        todo = "make it a <joint> of the robot itself, and cut another one instead"
+        raise ModelFileError(f"{got}; {todo}")
     if kind in ("gearbox", "revolute2"):
         raise ModelFileError(f"{where} of <gazebo> is of type {kind}, which is not read there")
     parent = base if joint.parent == WORLD else joint.parent
@@ -163,14 +169,17 @@ def closing_frames(
     """
     joined = {*taken, *(end.get("link", "") for loop in loops for end in loop)}
     found, notes = [], []
-    for first in links:
-        if not (first.startswith("closing_") and first.endswith("_1")) or first in joined:
+    for link in links:
+        if (parts := _CLOSING_FRAME.fullmatch(link)) is None or link in joined:
             continue
-        second = f"{first.removesuffix('_1')}_2"
-        if second not in links:
-            notes.append(f"link {first!r} has no {second!r} to close a loop with")
-        elif second not in joined:
-            loop = Element("loop", name=first.removesuffix("_1"), type="spherical")
+        first, second = f"{parts[1]}_1", f"{parts[1]}_2"
+        other = second if link == first else first
+        if link not in (first, second):
+            notes.append(f"link {link!r} closes no loop: those of {first!r} and {second!r} do")
+        elif other not in links:
+            notes.append(f"link {link!r} has no {other!r} to close a loop with")
+        elif link == first and second not in joined:
+            loop = Element("loop", name=parts[1], type="spherical")
             SubElement(loop, "predecessor", link=first)
             SubElement(loop, "successor", link=second)
             found.append(loop)

@@ -63,6 +63,8 @@ drake:ball_constraint_p_BQ value
 transmission name type* : type* actuator* joint* mechanicalReduction* leftActuator* rightActuator*
   flexJoint* rollJoint* use_simulated_gripper_joint* plugin* compensator* gap_joint! passive_joint!
 ros2_control name type* rw_rate* is_async* : hardware* joint sensor* gpio* transmission*
+hardware : plugin*
+group : joint*
 ros2_control/joint name mimic : param command_interface* state_interface* plugin*
 param name*
 gazebo reference : joint plugin! collision* visual* material* sensor* light* self_collide*
