@@ -1,6 +1,6 @@
-"""Builds the kernel that runs tapes: with the C compiler that there is, or not at all.
+"""Builds the kernels, which run tapes: with the C compiler that there is, or not at all.
 
-Without it the package computes the same with NumPy, slower.
+Without them the package computes the same with NumPy and Pinocchio, slower.
 """
 
 from __future__ import annotations
@@ -15,15 +15,18 @@ from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-FOLDER = Path("pmjac_pin", "algebra")
-SOURCE, BUILT = "tape_kernel.c", "_tape_kernel.so"
+PACKAGE = Path("pmjac_pin")
+TAPES, PATHS = Path("algebra", "tape_kernel.c"), Path("closing", "path_kernel.c")
+#: What is compiled, and what it includes, by what is built of it.
+KERNELS = {"algebra/_tape_kernel.so": (TAPES,), "closing/_path_kernel.so": (PATHS, TAPES)}
 # No function's error number is asked for, and no exception is trapped: else roots stay scalar.
 OPTIONS = ("-std=c99", "-O3", "-fno-math-errno", "-fno-trapping-math", "-fPIC", "-shared")
 
 
-def build(source: Path, target: Path) -> str:
-    """Compile the kernel; return what went wrong, "" where nothing did."""
-    digest = hashlib.sha256(source.read_bytes()).hexdigest()
+def build(target: Path, source: Path, *included: Path) -> str:
+    """Compile a kernel; return what went wrong, "" where nothing did."""
+    text = b"".join(path.read_bytes() for path in (source, *included))
+    digest = hashlib.sha256(text).hexdigest()
     compiler = shlex.split(os.environ.get("CC", "cc"))
     draft = target.with_suffix(f".{os.getpid()}")
     command = [*compiler, *OPTIONS, f'-DSOURCE="{digest}"', str(source), "-o", str(draft), "-lm"]
@@ -42,16 +45,17 @@ def build(source: Path, target: Path) -> str:
 
 
 class CustomBuildHook(BuildHookInterface):  # type: ignore[type-arg]
-    """Puts the kernel beside its source, into the wheel or into the folder of an editable one."""
+    """Puts the kernels beside their sources, into the wheel or the folder of an editable one."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Build it; a wheel that has it is for this platform."""
-        folder = Path(self.root) / FOLDER
-        if failed := build(folder / SOURCE, folder / BUILT):
-            self.app.display_warning(f"no kernel is built, NumPy does its work: {failed}")
-            return
+        """Build them; a wheel that has them is for this platform."""
+        package = Path(self.root) / PACKAGE
+        for built, sources in KERNELS.items():
+            if failed := build(package / built, *(package / source for source in sources)):
+                self.app.display_warning(f"no kernel is built, NumPy does its work: {failed}")
+                return
         if version != "editable":
-            build_data["artifacts"].append(str(FOLDER / BUILT))
+            build_data["artifacts"] += [str(PACKAGE / built) for built in KERNELS]
             platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
             build_data["pure_python"] = False
             build_data["tag"] = f"py3-none-{platform}"

@@ -17,6 +17,7 @@ from pmjac_pin.closing.closed import Closed, closed_point
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.generic_ranks import on_branch_of
 from pmjac_pin.closing.idle_motions import gained_and_idle
+from pmjac_pin.closing.one_pose import KnownPose
 from pmjac_pin.closing.parts import Parts
 from pmjac_pin.errors import ArgumentError, ClosureError, quoted
 from pmjac_pin.kinematics.pinocchio import Snapshot
@@ -24,6 +25,7 @@ from pmjac_pin.model.limits import Violation, violations
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.pose_rounding import PoseRounding
 from pmjac_pin.rates.jacobian import EquivalentJacobian, equivalent_jacobian
+from pmjac_pin.rates.known_jacobian import KnownJacobian
 from pmjac_pin.rates.partition import LoopRates
 from pmjac_pin.rates.singularity import Singularity, analyse_singularity
 from pmjac_pin.rates.split import SplitJacobian
@@ -92,6 +94,8 @@ class Configuration:
     def _of_q(cls, mechanism: Mechanism, q: Array, iterations: int = 0) -> Configuration:
         """Make the configuration of a given q, or raise ClosureError when its loops are open."""
         parts = mechanism._parts
+        if (known := mechanism._recorded.pose(q)) is not None:
+            return cls._certified(mechanism, q, iterations, known.gap, _known=known)
         snapshot = parts.kinematics.snapshot(q)
         gap, tolerance = parts.problem.gap(snapshot.residual), parts.problem.tolerance
         if not gap <= tolerance:
@@ -100,7 +104,7 @@ class Configuration:
                 f"{tolerance:g} m); use close() to close them"
             )
             raise ClosureError(message, residual_norm=gap, q=q)
-        return cls._certified(mechanism, q, iterations, gap, _snapshot=snapshot)
+        return cls._certified(mechanism, q, iterations, gap, _known=None, _snapshot=snapshot)
 
     @property
     def actuated(self) -> Array:
@@ -180,6 +184,20 @@ class Configuration:
         >>> pj.load("serial_2r").home.jacobian().Jw_eq[2].tolist()
         [1.0, 1.0]
         """
+        name, known = frame_name(frame), self._known
+        problem = self._problem
+        if known is None or problem is not self._parts.problem:
+            return self._equivalent(name)
+        return KnownJacobian.of(
+            known.J_eq(name),
+            name,
+            problem.partition,
+            PoseRounding(self, name),
+            functools.partial(self._equivalent, name),
+        )
+
+    def _equivalent(self, frame: FrameName) -> EquivalentJacobian:
+        """Return J_eq by singular values, or say why there is none."""
         return equivalent_jacobian(
             self.split_jacobian(frame), self.singularity, loops=self._loop_rates
         )
@@ -230,6 +248,10 @@ class Configuration:
         return snapshot.constraint_jacobian, tool
 
     @cached_property
+    def _known(self) -> KnownPose | None:
+        return self.mechanism._recorded.pose(self.q)
+
+    @cached_property
     def _point(self) -> Closed:
         return closed_point(self._problem, self.q)
 
@@ -242,6 +264,8 @@ class Configuration:
     def _problem(self) -> ClosureProblem:
         """The closure problem, with the generic ranks of the branch that this pose lies on."""
         parts = self._parts
+        if self._known is not None:  # with home's ranks
+            return parts.problem
         return on_branch_of(parts.problem, parts.kinematics, self.q, self._by_home)
 
     @cached_property

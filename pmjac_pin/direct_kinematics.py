@@ -49,18 +49,40 @@ def close(
         check_limits(mechanism, values)
     start = _start(mechanism, guess, values)
 
-    displacement = _displacement(parts, start, values)
-    problem = start._problem
-    if problem is not parts.problem:
-        parts = replace(parts, problem=problem)
-    path = walk(parts, mechanism._step_guard, start._point, displacement, values)
-    if path.share < 1.0:
-        raise _stopped(mechanism, values, start, path)
-    closed = Configuration._of_point(mechanism, path.point, path.iterations, problem)
+    closed = _closed(mechanism, start, values)
     if whose == "all" and (beyond := closed.limits_violated):
         what = f"{mechanism.name}: at these motor values, on this assembly mode, "
         raise limit_error(what, beyond, "; enforce_limits=True asks for the motors' alone")
     return closed
+
+
+def _closed(mechanism: Mechanism, start: Configuration, values: Array) -> Configuration:
+    """Return where the path from a closed pose to motor values ends, or say why it does not."""
+    problem, ahead = start._problem, None
+    if problem is mechanism._parts.problem:
+        ahead = mechanism._recorded.path(start.q, values)
+    if ahead is None:
+        path = _walked(mechanism, start, values)
+    else:
+        known = {"_problem": problem}
+        reached = Configuration._certified(mechanism, ahead.q, ahead.iterations, ahead.gap, **known)
+        if ahead.share == 1.0:
+            return reached
+        rest = _walked(mechanism, reached, values)
+        share = rest.share if rest.share == 1.0 else ahead.share + (1.0 - ahead.share) * rest.share
+        path = replace(rest, share=share, iterations=ahead.iterations + rest.iterations)
+    if path.share < 1.0:
+        raise _stopped(mechanism, values, start, path)
+    return Configuration._of_point(mechanism, path.point, path.iterations, problem)
+
+
+def _walked(mechanism: Mechanism, start: Configuration, values: Array) -> Followed:
+    """Walk from a closed pose to motor values by singular values."""
+    parts = mechanism._parts
+    displacement, problem = _displacement(parts, start, values), start._problem
+    if problem is not parts.problem:
+        parts = replace(parts, problem=problem)
+    return walk(parts, mechanism._step_guard, start._point, displacement, values)
 
 
 def check_limits(mechanism: Mechanism, values: Array) -> None:

@@ -15,6 +15,7 @@ from pmjac_pin.closing.arms import arms_of, without_arms
 from pmjac_pin.closing.assembly import build_parts
 from pmjac_pin.closing.motor_values import MotorValues
 from pmjac_pin.closing.pose_assembly import assemble_pose
+from pmjac_pin.closing.recorded_mechanism import RecordedMechanism
 from pmjac_pin.closing.step_guard import StepGuard
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.direct_kinematics import Guess, close
@@ -289,6 +290,10 @@ class Mechanism(MechanismValue):
             Not nq finite numbers, or a quaternion or (cos, sin) that is not of unit length.
         """
         return Configuration._of_q(self, self._checked(q))
+
+    @cached_property
+    def _recorded(self) -> RecordedMechanism:
+        return RecordedMechanism(self._parts)
 
     @cached_property
     def _step_guard(self) -> StepGuard:

@@ -12,6 +12,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from recording import recorded, unrecorded
 
 import pmjac_pin as pj
 from pmjac_pin.closing import assembly
@@ -19,7 +20,7 @@ from pmjac_pin.closing import assembly
 
 @pytest.fixture(scope="module")
 def three_rps():
-    return pj.load("three_rps")
+    return unrecorded(pj.load("three_rps"))
 
 
 TARGETS = np.random.default_rng(11).uniform(0.85, 1.15, (200, 3))
@@ -40,7 +41,10 @@ def same(results, expected):
         np.testing.assert_array_equal(J_eq, J_expected)
 
 
-def test_eight_threads_give_the_numbers_of_one(three_rps):
+@pytest.mark.parametrize("programs", [recorded, unrecorded])
+def test_eight_threads_give_the_numbers_of_one(programs):
+    three_rps = programs(pj.load("three_rps"))
+    three_rps.configuration(three_rps.home.q)
     expected = solve_many(three_rps, TARGETS)
     with concurrent.futures.ThreadPoolExecutor(8) as pool:
         futures = [pool.submit(solve_many, three_rps, TARGETS) for _ in range(8)]

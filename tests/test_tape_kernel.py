@@ -33,7 +33,7 @@ def kernel(build, tmp_path_factory):
     if shutil.which("cc") is None:
         pytest.skip("no C compiler")
     built = tmp_path_factory.mktemp("kernel") / "kernel.so"
-    assert build(SOURCE, built) == ""
+    assert build(built, SOURCE) == ""
     library = loaded(built, SOURCE)
     assert library is not None
     return library
@@ -93,7 +93,7 @@ def test_what_was_built_from_another_source_is_not_loaded(kernel, build, tmp_pat
     other = tmp_path / "other.c"
     other.write_text(SOURCE.read_text() + "\n/* changed */\n")
     built = tmp_path / "kernel.so"
-    assert build(SOURCE, built) == ""
+    assert build(built, SOURCE) == ""
     assert loaded(built, other) is None
     assert loaded(tmp_path / "none.so", SOURCE) is None
     (tmp_path / "broken.so").write_bytes(built.read_bytes()[:500])
@@ -102,5 +102,5 @@ def test_what_was_built_from_another_source_is_not_loaded(kernel, build, tmp_pat
 
 def test_without_a_compiler_it_is_said(build, tmp_path, monkeypatch):
     monkeypatch.setenv("CC", str(tmp_path / "nothing"))
-    assert "nothing" in build(SOURCE, tmp_path / "kernel.so")
+    assert "nothing" in build(tmp_path / "kernel.so", SOURCE)
     assert not list(tmp_path.iterdir())

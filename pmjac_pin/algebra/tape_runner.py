@@ -31,10 +31,11 @@ def kernel() -> ctypes.CDLL | None:
     return loaded(_FOLDER / "_tape_kernel.so", _FOLDER / "tape_kernel.c")
 
 
-def loaded(built: Path, source: Path) -> ctypes.CDLL | None:
-    """Return a kernel that was built from a source, None where there is none."""
+def loaded(built: Path, *sources: Path) -> ctypes.CDLL | None:
+    """Return a kernel that was built from some sources, None where there is none."""
     try:
-        library, digest = ctypes.CDLL(str(built)), hashlib.sha256(source.read_bytes()).hexdigest()
+        text = b"".join(source.read_bytes() for source in sources)
+        library, digest = ctypes.CDLL(str(built)), hashlib.sha256(text).hexdigest()
         library.pmjac_tape_source.restype = ctypes.c_char_p
         return library if library.pmjac_tape_source() == digest.encode() else None
     except (OSError, AttributeError):

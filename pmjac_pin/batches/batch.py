@@ -6,14 +6,12 @@ What a program certifies is what the single call says; where it cannot, the sing
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import kernel, run
 from pmjac_pin.batches.chunks import Progress, fill
 from pmjac_pin.batches.grid import spread, walk_grid
@@ -26,11 +24,8 @@ from pmjac_pin.batches.results import (
     Status,
     Statuses,
 )
-from pmjac_pin.closing.arms import arms_of
 from pmjac_pin.closing.many_paths import Walker
 from pmjac_pin.closing.motor_values import motor_table
-from pmjac_pin.closing.recorded_rates import RecordedRates
-from pmjac_pin.closing.recorded_step import step_tape
 from pmjac_pin.configuration import Configuration, frame_name
 from pmjac_pin.errors import (
     ArgumentError,
@@ -40,7 +35,6 @@ from pmjac_pin.errors import (
     quoted,
 )
 from pmjac_pin.kinematics.many import ManyPoses
-from pmjac_pin.kinematics.recorded import Recorder
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import beyond_limits, enforced
 from pmjac_pin.model.twist_frame import FrameName
@@ -77,17 +71,11 @@ class Batch:
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
         self.runs_on = "NumPy" if kernel() is None else "kernel"
-        parts = mechanism._parts
-        recorder = Recorder(parts.model, parts.spec, parts.values, parts.place)
-        self._rates = RecordedRates.at(recorder, parts.problem, parts.home_q)
+        parts, recorded = mechanism._parts, mechanism._recorded
+        self._recorded, self._rates = recorded, recorded.rates
         self._walker = Walker(
-            parts.problem,
-            ManyPoses(parts.model),
-            self._rates.point_tape(),
-            step_tape(self._rates, arms_of(parts.model, parts.spec.loops, parts.values)),
-            run,
+            parts.problem, ManyPoses(parts.model), recorded.point, recorded.step, run
         )
-        self._tapes: dict[str, Tape] = {}
         self._coordinates = parts.coordinates
         partition = parts.problem.partition
         self._tied = partition.constraint_rank > partition.passive_rank
@@ -243,9 +231,7 @@ class Batch:
             As for `close`.
         """
         poses, name = self._poses(q), frame_name(frame)
-        if name not in self._tapes:
-            self._tapes[name] = self._rates.jacobian_tape(name)
-        tape, count, n = self._tapes[name], len(poses), len(self.mechanism.actuated)
+        tape, count, n = self._recorded.jacobian(name), len(poses), len(self.mechanism.actuated)
         found = (np.empty((count, 6, n)), np.empty(count, dtype=np.int8))
 
         def work(at: slice) -> tuple[Array, Statuses]:
@@ -273,7 +259,7 @@ class Batch:
         >>> bool(abs(found.smallest[0] - home.singularity().smallest) < 1e-12)
         True
         """
-        poses, tape, n = self._poses(q), self._measures_tape, len(self.mechanism.actuated)
+        poses, tape, n = self._poses(q), self._recorded.measures, len(self.mechanism.actuated)
         shapes = ((6, n), (), (3,), (3,), (), (), (3,), (3, 3))  # in the order of ManyMeasures
         found: list[Any] = [np.empty((len(poses), *shape)) for shape in shapes]
         found[1] = np.empty(len(poses), dtype=np.int8)
@@ -287,10 +273,6 @@ class Batch:
 
         fill(found, work, threads, progress)
         return ManyMeasures(*found)
-
-    @cached_property
-    def _measures_tape(self) -> Tape:
-        return self._rates.measures_tape()
 
     def _judged(self, poses: Array, found: Array, frame: FrameName) -> tuple[Array, Statuses]:
         """Return J_eq of what a tape found, where that is certain, else of the single call."""

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import Recording, zeros
+from pmjac_pin.algebra.programs import Recording, largest, zeros
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
@@ -55,8 +55,11 @@ class RecordedEquivalent:
 
     def judged(self) -> list[Any]:
         """Return J_eq's entries after what says whether they hold."""
-        known = [self.gap, self.inverse, self.size, self.forbidden, self.felt, self.tool]
-        return [*known, *self.J_eq.ravel()]
+        return [*self.doubts(), *self.J_eq.ravel()]
+
+    def doubts(self) -> list[Any]:
+        """Return what says whether J_eq holds."""
+        return [self.gap, self.inverse, self.size, self.forbidden, self.felt, self.tool]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,6 +92,16 @@ class RecordedRates:
         scaled: Numbers = rates * scale
         return scaled
 
+    def gap(self, kinematics: RecordedKinematics) -> Any:
+        """Return how far the loops are open, m.
+
+        Where tilts or turns vanish at half a turn, by mistake, that is a length.
+        """
+        gap = norm(kinematics.residual * self.partition.row_scale)
+        for cosine in kinematics.cosines:
+            gap = largest(gap, -self.partition.length * cosine)
+        return gap
+
     def point_tape(self) -> Tape:
         """Return (q, θ̇) ↦ (gap, ‖K*⁻¹‖, ‖[K K*]‖, Newton step, path velocity).
 
@@ -100,6 +113,7 @@ class RecordedRates:
         kinematics = self.recorder.at(recording.inputs[:nq])
         matrix, scale = self.scaled(kinematics.rates), self.partition.column_scale
         error = kinematics.residual * self.partition.row_scale
+        gap = self.gap(kinematics)
         driven = matrix[:, motors] @ (rates / scale[motors])
         count = self.kept.size
         triangle = Triangle.of(np.column_stack([matrix[:, self.kept], error, driven]), count)
@@ -107,7 +121,7 @@ class RecordedRates:
         steps = triangle.solve([count, count + 1])
         newton[self.kept], velocity[self.kept] = -(steps * scale[self.kept, None]).T
         velocity[motors] = rates
-        known = [norm(error), triangle.inverse_norm(), norm(matrix)]
+        known = [gap, triangle.inverse_norm(), norm(matrix)]
         return Tape.of(recording, [*known, *newton, *velocity])
 
     def jacobian_tape(self, frame: FrameName) -> Tape:
@@ -119,6 +133,18 @@ class RecordedRates:
         recording = Recording(self.recorder.nq)
         found = self.equivalent(self.recorder.at(recording.inputs), frame)
         return Tape.of(recording, found.judged())
+
+    def pose_tape(self) -> Tape:
+        """Return q ↦ (those of `jacobian_tape` but J_eq, spread, J_eq, tool (12,)).
+
+        Of the tool the position and the rotation (3, 3), as `measures_tape` has them.
+        """
+        recording = Recording(self.recorder.nq)
+        kinematics = self.recorder.at(recording.inputs)
+        found = self.equivalent(kinematics, "LOCAL_WORLD_ALIGNED")
+        tool = [*kinematics.position, *kinematics.rotation.ravel()]
+        known = [*found.doubts(), kinematics.spread, *found.J_eq.ravel(), *tool]
+        return Tape.of(recording, known)
 
     def measures_tape(self) -> Tape:
         """Return q ↦ (those of `jacobian_tape`, sizes (3,), tool (12,), K*).
@@ -151,7 +177,7 @@ class RecordedRates:
             np.ix_(triangle.left_over, range(count + idle.size, count + followed.size))
         ]
         return RecordedEquivalent(
-            gap=norm(kinematics.residual * partition.row_scale),
+            gap=self.gap(kinematics),
             inverse=triangle.inverse_norm(),
             size=norm(matrix),
             forbidden=norm(forbidden),

@@ -40,6 +40,8 @@ class RecordedKinematics:
         The tool's Jacobian in LOCAL_WORLD_ALIGNED.
     rotation, position : ndarray, shapes (3, 3) and (3,)
         Of the tool.
+    spread : number
+        The sine of the angle at the first of the three points that span a tool; 1 for a frame.
     turned : tuple of (slice, ndarray of shape (3, 3))
         The rows that are the components of a vector in a moving body's axes, and these axes.
     """
@@ -50,6 +52,7 @@ class RecordedKinematics:
     tool: Numbers
     rotation: Numbers
     position: Numbers
+    spread: Any
     turned: tuple[tuple[slice, Numbers], ...]
 
     def in_world(self) -> tuple[Numbers, Numbers]:
@@ -98,9 +101,19 @@ class Recorder:
         poses = Poses(self._loops.tree, _PROGRAMS, motion)
         residual, rates, cosines = _rows(self._loops, poses, entries[:, 0, 0], self.nv)
         points = [_frame(self._model, poses, name) for name in self._names]
-        rotation, position, jacobian = _spanned(points) if len(points) > 1 else points[0]
-        stands, turned = position + self._place, tuple(_turned(self._loops, poses))
-        return RecordedKinematics(residual, rates, cosines, jacobian, rotation, stands, turned)
+        (rotation, position, jacobian), spread = (
+            _spanned(points) if len(points) > 1 else (points[0], 1.0)
+        )
+        return RecordedKinematics(
+            residual=residual,
+            rates=rates,
+            cosines=cosines,
+            tool=jacobian,
+            rotation=rotation,
+            position=position + self._place,
+            spread=spread,
+            turned=tuple(_turned(self._loops, poses)),
+        )
 
 
 def _rows(loops: Loops, poses: Poses, q: Numbers, nv: int) -> tuple[Numbers, Numbers, Numbers]:
@@ -162,13 +175,16 @@ def _frame(model: pin.Model, poses: Poses, name: str) -> tuple[Numbers, Numbers,
     return rotation, origin.value[:, 0, 0], jacobian
 
 
-def _spanned(points: list[tuple[Numbers, Numbers, Numbers]]) -> tuple[Numbers, Numbers, Numbers]:
-    """Return the same of the frame that three points span, as `PointsTool` does."""
+def _spanned(
+    points: list[tuple[Numbers, Numbers, Numbers]],
+) -> tuple[tuple[Numbers, Numbers, Numbers], Any]:
+    """Return the same of the frame that three points span, as `PointsTool` does, and the sine."""
     one, two, three = (position for _, position, _ in points)
     rate, second, third = (jacobian[:3] for _, _, jacobian in points)
     side, apex = two - one, three - one
     normal = _cross(side, apex)
-    x, z = side / root(side @ side), normal / root(normal @ normal)
+    longest, area = root(side @ side), root(normal @ normal)
+    x, z = side / longest, normal / area
     y = _cross(z, x)
     side_rate, apex_rate = second - rate, third - rate
     length, sinking = x @ side, z @ side_rate
@@ -176,7 +192,8 @@ def _spanned(points: list[tuple[Numbers, Numbers, Numbers]]) -> tuple[Numbers, N
     turn = np.array([roll, -sinking / length, (y @ side_rate) / length], dtype=object)
     rotation = np.array([x, y, z], dtype=object).T
     linear = (rate + second + third) / 3.0
-    return rotation, (one + two + three) / 3.0, np.vstack([linear, rotation @ turn])
+    frame = (rotation, (one + two + three) / 3.0, np.vstack([linear, rotation @ turn]))
+    return frame, area / (longest * root(apex @ apex))
 
 
 def _cross(u: Numbers, v: Numbers) -> Numbers:

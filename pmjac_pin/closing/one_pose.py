@@ -1,0 +1,94 @@
+"""One pose by a recorded program: J_eq, where that is certain.
+
+What is not certain is for others to say, by singular values.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import struct
+import threading
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.closing.closure_problem import ClosureProblem
+from pmjac_pin.closing.path_kernel import Memory
+from pmjac_pin.model.twist_frame import FrameName, change_frame
+from pmjac_pin.values.arrays import Array, read_only
+
+SURELY = 1.0 - 1e-3  # of a bound: what is nearer, singular values decide
+_UNIT = 1e-14  # how far quaternions and (cos, sin) may be from unit length: rounding
+_SPREAD = 1e-6  # sine of the angle between points that span a tool
+_DOUBTS = struct.Struct("7d")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class KnownPose:
+    """A closed pose where J_eq exists.
+
+    Attributes
+    ----------
+    gap : float
+        How far the loops are open, m.
+    """
+
+    gap: float
+    _told: bytes
+    _motors: int
+
+    def J_eq(self, frame: FrameName) -> Array:
+        """Return J_eq in a frame, shape (6, n), read-only."""
+        count = 6 * self._motors
+        numbers = np.frombuffer(self._told, offset=_DOUBTS.size)
+        J_eq = numbers[:count].reshape(6, -1)
+        if frame == "LOCAL_WORLD_ALIGNED":
+            return J_eq
+        position, rotation = numbers[count : count + 3], numbers[count + 3 :].reshape(3, 3)
+        return read_only(change_frame(J_eq, frame, rotation, position))
+
+
+class OnePose:
+    """Knows closed poses of a mechanism.
+
+    Parameters
+    ----------
+    library : ctypes.PyDLL
+        The kernel.
+    tape : Tape
+        `RecordedRates.pose_tape`.
+    problem : ClosureProblem
+    model : pin.Model
+    """
+
+    __slots__ = ("_least_size", "_model", "_motors", "_run", "_tape", "_threads", "_tolerances")
+
+    def __init__(
+        self, library: ctypes.PyDLL, tape: Tape, problem: ClosureProblem, model: pin.Model
+    ) -> None:
+        partition = problem.partition
+        self._run, self._tape, self._threads = library.pmjac_run_once, tape, threading.local()
+        self._model = model if model.nq > model.nv else None  # else nothing has unit length
+        self._motors, self._least_size = partition.actuated.size, partition.least_size
+        self._tolerances = SURELY * problem.tolerance, partition.rank_tolerance
+
+    def at(self, q: Array) -> KnownPose | None:
+        """Return what is known at a q, None where that is not certain."""
+        if self._model is not None and not pin.isNormalized(self._model, q, _UNIT):
+            return None
+        try:
+            memory, argument = self._threads.memory
+        except AttributeError:
+            memory = Memory(self._tape)
+            argument = ctypes.byref(memory.struct)
+            self._threads.memory = memory, argument
+        memory.inputs[:] = q
+        self._run(argument)
+        told = memory.outputs.tobytes()
+        gap, inverse, size, forbidden, _, _, spread = _DOUBTS.unpack_from(told)
+        closed, tolerance = self._tolerances
+        least = tolerance * max(size, self._least_size)
+        certain = gap <= closed and inverse * least < SURELY and forbidden <= SURELY * least
+        return KnownPose(gap, told, self._motors) if certain and spread > _SPREAD else None

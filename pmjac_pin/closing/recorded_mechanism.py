@@ -1,0 +1,155 @@
+"""What is recorded of a mechanism: once, when it is needed, for many poses and for single ones.
+
+To record programs takes as long as some hundreds of calls without them. Many poses have them at
+once, and single ones of the same mechanism with them; otherwise only when so many calls have been
+made that recording would have been paid for, so that nobody who asks for a few waits for it. How
+many is counted, not timed: the same calls give the same bits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import Generic, TypeVar
+
+from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.closing.arms import arms_of
+from pmjac_pin.closing.one_path import Ahead, OnePath, known_to_kernel
+from pmjac_pin.closing.one_pose import KnownPose, OnePose
+from pmjac_pin.closing.parts import Parts
+from pmjac_pin.closing.path_kernel import path_kernel
+from pmjac_pin.closing.recorded_rates import RecordedRates
+from pmjac_pin.closing.recorded_step import step_tape
+from pmjac_pin.errors import ArgumentError
+from pmjac_pin.kinematics.recorded import Recorder
+from pmjac_pin.kinematics.tree import Tree
+from pmjac_pin.model.twist_frame import FrameName
+from pmjac_pin.values.arrays import Array
+
+Made = TypeVar("Made")
+
+_CALLS = 3  # for each entry of the Jacobians of loops and tool: what it takes to record
+
+
+class Earned(Generic[Made]):
+    """Something that is made when it has been asked for often enough, or is wanted anyway."""
+
+    __slots__ = ("_left", "_made", "_make", "_wanted")
+
+    def __init__(
+        self, calls: int, make: Callable[[], Made | None], wanted: Callable[[], bool]
+    ) -> None:
+        self._left, self._make, self._wanted = calls, make, wanted
+        self._made: Made | None = None
+
+    def __call__(self) -> Made | None:
+        """Return it, None before it is made, or where it cannot be made."""
+        if self._left > 0:
+            self._left = 0 if self._wanted() else self._left - 1
+            if not self._left:
+                self._made = self._make()
+        return self._made
+
+
+class RecordedMechanism:
+    """Programs of one mechanism.
+
+    Parameters
+    ----------
+    parts : Parts
+
+    Raises
+    ------
+    ArgumentError
+        By what records: a joint that is not in the table of joints.
+    """
+
+    def __init__(self, parts: Parts) -> None:
+        self._parts, self._jacobians = parts, dict[FrameName, Tape]()
+        partition = parts.problem.partition
+        calls = _CALLS * (partition.row_scale.size + 6) * partition.column_scale.size
+        self._pose = Earned(calls, self._one_pose, self._serves_many)
+        self._path = Earned(calls, self._one_path, self._serves_many)
+
+    def pose(self, q: Array) -> KnownPose | None:
+        """Return what is certain of a pose without singular values, None where nothing is."""
+        one_pose = self._pose()
+        return None if one_pose is None else one_pose.at(q)
+
+    def path(self, q: Array, values: Array) -> Ahead | None:
+        """Return how far a straight path from a closed q is certain, None where it is not at all.
+
+        Parameters
+        ----------
+        q : ndarray, shape (nq,)
+            On a branch with home's ranks.
+        values : ndarray, shape (n,)
+            Of the motors, at its end.
+        """
+        one_path = self._path()
+        ahead = None if one_path is None else one_path.follow(q, values)
+        return ahead if ahead is None or ahead.share else None
+
+    @cached_property
+    def rates(self) -> RecordedRates:
+        """What programs are recorded of, the columns kept that are best at home."""
+        parts = self._parts
+        recorder = Recorder(parts.model, parts.spec, parts.values, parts.place)
+        return RecordedRates.at(recorder, parts.problem, parts.home_q)
+
+    @cached_property
+    def point(self) -> Tape:
+        """`RecordedRates.point_tape`."""
+        return self.rates.point_tape()
+
+    @cached_property
+    def step(self) -> Tape:
+        """`step_tape`."""
+        parts = self._parts
+        return step_tape(self.rates, arms_of(parts.model, parts.spec.loops, parts.values))
+
+    @cached_property
+    def measures(self) -> Tape:
+        """`RecordedRates.measures_tape`."""
+        return self.rates.measures_tape()
+
+    def jacobian(self, frame: FrameName) -> Tape:
+        """Return `RecordedRates.jacobian_tape`."""
+        if frame not in self._jacobians:
+            self._jacobians[frame] = self.rates.jacobian_tape(frame)
+        return self._jacobians[frame]
+
+    def _serves_many(self) -> bool:
+        return "step" in self.__dict__
+
+    def _one_pose(self) -> OnePose | None:
+        if (library := path_kernel()) is None or not self._determined:
+            return None
+        try:
+            tape = self.rates.pose_tape()
+        except ArgumentError:
+            return None
+        return OnePose(library, tape, self._parts.problem, self._parts.model)
+
+    def _one_path(self) -> OnePath | None:
+        if (library := path_kernel()) is None or not self._determined:
+            return None
+        try:
+            links = Tree(self._parts.model).links.values()
+            if not all(known_to_kernel(link.kind) for link in links):
+                return None
+            tapes = self.point, self.step
+        except ArgumentError:
+            return None
+        parts = self._parts
+        return OnePath(library, tapes, parts.problem, parts.coordinates, links)
+
+    @property
+    def _determined(self) -> bool:
+        """Whether motors move as they like, and all passive joints with them.
+
+        Elsewhere ranks decide which motors lead and which motions idle.
+        """
+        partition = self._parts.problem.partition
+        ranks = {partition.passive.size, partition.passive_rank, partition.constraint_rank}
+        return len(ranks) == 1 and not partition.isolated

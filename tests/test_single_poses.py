@@ -1,0 +1,222 @@
+"""A single pose by a recorded program is what singular values say, and so is what is said of it."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+import re
+import threading
+
+import numpy as np
+import pytest
+from mechanisms import CATALOGUE
+from random_machines import random_machine
+from recording import recorded, unrecorded
+
+import pmjac_pin as pj
+from pmjac_pin.closing.path_kernel import path_kernel
+
+pytestmark = pytest.mark.skipif(path_kernel() is None, reason="no kernel was built")
+QUICK = ("four_bar", "five_bar", "bennett", "three_rps_ss", "delta_rods", "random 1", "random 4")
+LONG = ("four_bar", "five_bar", "random 1")
+MACHINES = [*CATALOGUE, *(f"random {seed}" for seed in range(10))]
+
+
+def machine(name):
+    return random_machine(int(name.split()[1])) if name.startswith("random ") else pj.load(name)
+
+
+def cases():
+    """Few targets at once, or many."""
+    for name in MACHINES:
+        yield pytest.param(name, 12, 0.3, marks=[] if name in QUICK else [pytest.mark.slow])
+        yield pytest.param(name, 500, 0.1, marks=pytest.mark.slow)
+    for name in LONG:
+        yield pytest.param(name, 12, 2.0)
+
+
+def targets(mechanism, count, share, rng):
+    partition = mechanism.problem.partition
+    size = share * partition.length * partition.column_scale[partition.actuated]
+    return mechanism.home.actuated + size * rng.uniform(-1, 1, (count, size.size))
+
+
+def answer(call):
+    try:
+        return call()
+    except pj.PmjacError as error:
+        return error
+
+
+def words(error):
+    """What an error says, but for its numbers, which may differ by rounding."""
+    return re.sub(r"[-+]?[\d.]+(e[-+]?\d+)?", "#", str(error))
+
+
+@pytest.mark.parametrize(("name", "count", "share"), list(cases()))
+def test_paths_end_where_and_as_they_do_by_singular_values(name, count, share, rng):
+    mechanism, by_values = recorded(machine(name)), unrecorded(machine(name))
+    length = mechanism.characteristic_length
+    for values in targets(mechanism, count, share, rng):
+        found, expected = (
+            answer(lambda one=one, values=values: one.close(values, enforce_limits=False))
+            for one in (mechanism, by_values)
+        )
+        assert type(found) is type(expected)
+        if isinstance(expected, pj.Configuration):
+            near = by_values.configuration(expected.q).singularity().smallest
+            np.testing.assert_allclose(
+                found.q, expected.q, atol=1e-13 * max(1.0, length) / max(near, 1e-8)
+            )
+            assert found.residual_norm <= mechanism.tolerance
+            assert (found.iterations > 0) == (expected.iterations > 0)
+            continue
+        assert words(found) == words(expected)
+        assert found.share == pytest.approx(expected.share, abs=1e-6)
+        np.testing.assert_allclose(found.reached.q, expected.reached.q, atol=1e-3 * length)
+        assert found.singular_value == pytest.approx(expected.singular_value, abs=1e-5)
+
+
+def near_and_at_folds(mechanism, rng):
+    """Poses along paths, and beside where these end."""
+    poses = []
+    for values in targets(mechanism, 8, 0.6, rng):
+        found = answer(lambda values=values: mechanism.close(values, enforce_limits=False))
+        if isinstance(found, pj.Configuration):
+            poses.append(found)
+            continue
+        poses.append(found.reached)
+        motors = mechanism.home.actuated
+        for left in (1e-12, 1e-8, 1e-4):
+            on_the_way = motors + (1.0 - left) * found.share * (values - motors)
+            one = answer(lambda on_the_way=on_the_way: mechanism.close(on_the_way))
+            poses += [one] if isinstance(one, pj.Configuration) else []
+    return poses
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_jacobians_are_those_by_singular_values(name, rng):
+    mechanism, by_values = recorded(machine(name)), unrecorded(machine(name))
+    values = targets(by_values, 12, 0.03, rng)
+    poses = [answer(lambda v=v: by_values.close(v, enforce_limits=False)) for v in values]
+    if name in QUICK:
+        poses += near_and_at_folds(by_values, rng)
+    poses = [pose for pose in poses if isinstance(pose, pj.Configuration)]
+    known = 0
+    for pose in poses:
+        one, other = mechanism.configuration(pose.q), by_values.configuration(pose.q)
+        known += one._known is not None
+        assert one.residual_norm == pytest.approx(other.residual_norm, abs=1e-13)
+        for frame in ("LOCAL", "WORLD", "LOCAL_WORLD_ALIGNED"):
+            found, expected = (answer(lambda c=c: c.jacobian(frame)) for c in (one, other))  # noqa: B023
+            if isinstance(expected, pj.PmjacError):
+                assert (type(found), str(found)) == (type(expected), str(expected))
+                continue
+            condition = other.singularity().condition
+            np.testing.assert_allclose(
+                found.J_eq, expected.J_eq, atol=1e-14 * condition * expected.sizes.max()
+            )
+            np.testing.assert_allclose(
+                found.passive_rates, expected.passive_rates, rtol=1e-9, atol=1e-12
+            )
+            assert (np.abs(found.J_eq - expected.J_eq) <= expected.error_estimate).all()
+    assert known >= 0.5 * len(poses)
+
+
+def test_what_is_not_certain_is_said_by_singular_values():
+    mechanism = pj.load("four_bar", {"l0": 2.0, "l1": 1.0, "l2": 2.0, "l3": 1.0})
+    flat = mechanism.close([0.0], enforce_limits=False)
+    recorded(mechanism)
+    with pytest.raises(pj.SingularError, match="no J_eq exists"):
+        mechanism.configuration(flat.q).jacobian()
+    with pytest.raises(pj.ClosureError, match="are open by"):
+        mechanism.configuration(flat.q + 0.1)
+    assert mechanism._recorded._pose() is not None
+
+
+def test_half_a_turn_away_is_open():
+    """Where tilts and turns vanish by mistake."""
+    mechanism = recorded(pj.load("delta"))
+    home = mechanism.home.q
+    mechanism.configuration(home)
+    assert mechanism.configuration(home)._known is not None
+    rows = [k for k, unit in enumerate(mechanism.row_units) if unit == "rad"]
+    assert rows
+    for joint in range(mechanism.nv):
+        v = np.zeros(mechanism.nv)
+        v[joint] = np.pi
+        assert mechanism._recorded.pose(mechanism.problem.integrate(home, v)) is None
+
+
+def test_the_other_matrices_are_found_when_asked_for():
+    mechanism = recorded(pj.load("three_rps"))
+    jacobian = mechanism.configuration(mechanism.home.q).jacobian()
+    assert not {"tool_jacobian", "constraint_jacobian"} & set(vars(jacobian))
+    expected = unrecorded(pj.load("three_rps")).home.jacobian()
+    assert repr(jacobian) == repr(expected)
+    for name in ("K", "K_star", "Jv_star", "motion_map", "sizes"):
+        np.testing.assert_allclose(getattr(jacobian, name), getattr(expected, name), rtol=1e-9)
+    # Of the gap there is only rounding.
+    np.testing.assert_allclose(jacobian.error_estimate, expected.error_estimate, rtol=0.5)
+    for other in (pickle.loads(pickle.dumps(jacobian)), copy.copy(jacobian)):
+        np.testing.assert_array_equal(other.J_eq, jacobian.J_eq)
+        np.testing.assert_array_equal(other.passive_rates, jacobian.passive_rates)
+    with pytest.raises(AttributeError, match="no attribute 'J_q'"):
+        jacobian.J_q  # noqa: B018
+    with pytest.raises(ValueError, match="read-only"):
+        jacobian.J_eq[0, 0] = 1.0
+
+
+def test_few_calls_record_nothing():
+    mechanism = pj.load("stewart_gough")
+    for _ in range(20):
+        mechanism.close(mechanism.home.actuated).jacobian()
+    assert not {"rates", "point", "step"} & set(vars(mechanism._recorded))
+
+
+def test_many_calls_record_once_and_pickles_record_anew():
+    mechanism = pj.load("four_bar")
+    for _ in range(200):
+        mechanism.configuration(mechanism.home.q)
+        mechanism.close([1.0])
+    assert mechanism._recorded._pose() is not None
+    assert mechanism._recorded._path() is not None
+    again = pickle.loads(pickle.dumps(mechanism))
+    assert again._recorded._path() is None
+    np.testing.assert_allclose(again.close([1.0]).q, mechanism.close([1.0]).q, atol=1e-14)
+
+
+def test_threads_do_not_share_memory():
+    mechanism = recorded(pj.load("three_rps"))
+    mechanism.close(mechanism.home.actuated)
+    values = [mechanism.home.actuated + 0.002 * k for k in range(40)]
+    expected = [mechanism.close(one) for one in values]
+    J_eqs = [one.jacobian().J_eq for one in expected]
+    wrong = []
+
+    def work():
+        for _ in range(20):
+            for one, pose, J_eq in zip(values, expected, J_eqs, strict=True):
+                found = mechanism.close(one)
+                if (found.q != pose.q).any() or (found.jacobian().J_eq != J_eq).any():
+                    wrong.append(one)
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not wrong
+
+
+def test_loose_joints_of_any_kind_move_as_pinocchio_moves_them(rng):
+    """Endless motors, planar and free bodies: the same poses a full turn on."""
+    for name in ("planar_3rrr", "three_rps", "delta"):
+        mechanism, by_values = recorded(pj.load(name)), unrecorded(pj.load(name))
+        for values in targets(mechanism, 3, 0.05, rng):
+            found, expected = (
+                m.close(values, enforce_limits=False) for m in (mechanism, by_values)
+            )
+            np.testing.assert_allclose(found.q, expected.q, atol=1e-12)
+            back = mechanism.close(mechanism.home.actuated, found)
+            np.testing.assert_allclose(back.q, mechanism.home.q, atol=1e-11)
