@@ -17,7 +17,6 @@ from pmjac_pin.closing.closed import Closed, closed_point
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.generic_ranks import on_branch_of
 from pmjac_pin.closing.idle_motions import gained_and_idle
-from pmjac_pin.closing.one_pose import KnownPose
 from pmjac_pin.closing.parts import Parts
 from pmjac_pin.errors import ArgumentError, ClosureError, quoted
 from pmjac_pin.kinematics.pinocchio import Snapshot
@@ -32,6 +31,7 @@ from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.values.arrays import Array, read_only
 
 if TYPE_CHECKING:
+    from pmjac_pin.closing.one_pose import KnownPose
     from pmjac_pin.mechanism import Mechanism
 
 

@@ -10,21 +10,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
-from pmjac_pin.algebra.tape import Tape
-from pmjac_pin.closing.arms import arms_of
-from pmjac_pin.closing.one_path import Ahead, OnePath, known_to_kernel
-from pmjac_pin.closing.one_pose import KnownPose, OnePose
 from pmjac_pin.closing.parts import Parts
-from pmjac_pin.closing.path_kernel import path_kernel
-from pmjac_pin.closing.recorded_rates import RecordedRates
-from pmjac_pin.closing.recorded_step import step_tape
 from pmjac_pin.errors import ArgumentError
-from pmjac_pin.kinematics.recorded import Recorder
-from pmjac_pin.kinematics.tree import Tree
 from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.values.arrays import Array
+
+if TYPE_CHECKING:
+    from pmjac_pin.algebra.tape import Tape
+    from pmjac_pin.closing.one_path import Ahead, OnePath
+    from pmjac_pin.closing.one_pose import KnownPose, OnePose
+    from pmjac_pin.closing.recorded_rates import RecordedRates
 
 Made = TypeVar("Made")
 
@@ -65,7 +62,8 @@ class RecordedMechanism:
     """
 
     def __init__(self, parts: Parts) -> None:
-        self._parts, self._jacobians = parts, dict[FrameName, Tape]()
+        self._parts = parts
+        self._jacobians: dict[FrameName, Tape] = {}
         partition = parts.problem.partition
         calls = _CALLS * (partition.row_scale.size + 6) * partition.column_scale.size
         self._pose = Earned(calls, self._one_pose, self._serves_many)
@@ -93,6 +91,10 @@ class RecordedMechanism:
     @cached_property
     def rates(self) -> RecordedRates:
         """What programs are recorded of, the columns kept that are best at home."""
+        # What records is imported with the first program: a load and a few calls need none of it.
+        from pmjac_pin.closing.recorded_rates import RecordedRates  # noqa: PLC0415
+        from pmjac_pin.kinematics.recorded import Recorder  # noqa: PLC0415
+
         parts = self._parts
         recorder = Recorder(parts.model, parts.spec, parts.values, parts.place)
         return RecordedRates.at(recorder, parts.problem, parts.home_q)
@@ -105,6 +107,9 @@ class RecordedMechanism:
     @cached_property
     def step(self) -> Tape:
         """`step_tape`."""
+        from pmjac_pin.closing.arms import arms_of  # noqa: PLC0415
+        from pmjac_pin.closing.recorded_step import step_tape  # noqa: PLC0415
+
         parts = self._parts
         return step_tape(self.rates, arms_of(parts.model, parts.spec.loops, parts.values))
 
@@ -123,6 +128,9 @@ class RecordedMechanism:
         return "step" in self.__dict__
 
     def _one_pose(self) -> OnePose | None:
+        from pmjac_pin.closing.one_pose import OnePose  # noqa: PLC0415
+        from pmjac_pin.closing.path_kernel import path_kernel  # noqa: PLC0415
+
         if (library := path_kernel()) is None or not self._determined:
             return None
         try:
@@ -132,6 +140,10 @@ class RecordedMechanism:
         return OnePose(library, tape, self._parts.problem, self._parts.model)
 
     def _one_path(self) -> OnePath | None:
+        from pmjac_pin.closing.one_path import OnePath, known_to_kernel  # noqa: PLC0415
+        from pmjac_pin.closing.path_kernel import path_kernel  # noqa: PLC0415
+        from pmjac_pin.kinematics.tree import Tree  # noqa: PLC0415
+
         if (library := path_kernel()) is None or not self._determined:
             return None
         try:
