@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -23,12 +22,13 @@ from pmjac_pin.kinematics.pinocchio import Snapshot
 from pmjac_pin.model.limits import Violation, violations
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.pose_rounding import PoseRounding
-from pmjac_pin.rates.jacobian import EquivalentJacobian, equivalent_jacobian
+from pmjac_pin.rates.jacobian import EquivalentJacobian, eliminated
 from pmjac_pin.rates.known_jacobian import KnownJacobian
 from pmjac_pin.rates.partition import LoopRates
 from pmjac_pin.rates.singularity import Singularity, analyse_singularity
 from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.values.arrays import Array, read_only
+from pmjac_pin.values.found_once import found_once
 
 if TYPE_CHECKING:
     from pmjac_pin.closing.one_pose import KnownPose
@@ -184,23 +184,26 @@ class Configuration:
         >>> pj.load("serial_2r").home.jacobian().Jw_eq[2].tolist()
         [1.0, 1.0]
         """
-        name, known = frame_name(frame), self._known
-        problem = self._problem
-        if known is None or problem is not self._parts.problem:
-            return self._equivalent(name)
-        return KnownJacobian.of(
-            known.J_eq(name),
-            name,
-            problem.partition,
-            PoseRounding(self, name),
-            functools.partial(self._equivalent, name),
-        )
+        name, known, partition = frame_name(frame), self._known, self._problem.partition
+        find: Callable[[], EquivalentJacobian]
+        if known is not None and partition is self._parts.problem.partition:
+            J_eq, find = known.J_eq(name), functools.partial(self._whole, name)
+        else:
+            J_eq, find = self._eliminated(name)
+        return KnownJacobian.of(J_eq, name, partition, PoseRounding(self, name), find)
 
-    def _equivalent(self, frame: FrameName) -> EquivalentJacobian:
-        """Return J_eq by singular values, or say why there is none."""
-        return equivalent_jacobian(
-            self.split_jacobian(frame), self.singularity, loops=self._loop_rates
+    def _eliminated(self, frame: FrameName) -> tuple[Array, Callable[[], EquivalentJacobian]]:
+        """Return J_eq by singular values, and what has all matrices; or say why there is none."""
+        constraint, tool = self._jacobians(self._snapshot, frame)
+        partition = self._problem.partition
+        rates, J_eq = eliminated(tool, partition, self._loop_rates, self.singularity)
+        whole = functools.partial(
+            EquivalentJacobian, constraint, tool, frame, partition, rates, J_eq
         )
+        return read_only(J_eq), functools.partial(whole, pose=PoseRounding(self, frame))
+
+    def _whole(self, frame: FrameName) -> EquivalentJacobian:
+        return self._eliminated(frame)[1]()
 
     def split_jacobian(
         self, frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED"
@@ -247,20 +250,20 @@ class Configuration:
         tool = change_frame(snapshot.tool_jacobian, frame, snapshot.rotation, position)
         return snapshot.constraint_jacobian, tool
 
-    @cached_property
+    @found_once
     def _known(self) -> KnownPose | None:
         return self.mechanism._recorded.pose(self.q)
 
-    @cached_property
+    @found_once
     def _point(self) -> Closed:
         return closed_point(self._problem, self.q)
 
-    @cached_property
+    @found_once
     def _loop_rates(self) -> LoopRates:
         home, here = self._parts.problem, self._problem
         return self._by_home if here is home else self._rates_by(here)
 
-    @cached_property
+    @found_once
     def _problem(self) -> ClosureProblem:
         """The closure problem, with the generic ranks of the branch that this pose lies on."""
         parts = self._parts
@@ -268,14 +271,14 @@ class Configuration:
             return parts.problem
         return on_branch_of(parts.problem, parts.kinematics, self.q, self._by_home)
 
-    @cached_property
+    @found_once
     def _by_home(self) -> LoopRates:
         return self._rates_by(self._parts.problem)
 
     def _rates_by(self, problem: ClosureProblem) -> LoopRates:
         return problem.partition.loop_rates(self._snapshot.constraint_jacobian)
 
-    @cached_property
+    @found_once
     def _snapshot(self) -> Snapshot:
         return self._parts.kinematics.snapshot(self.q)
 

@@ -61,8 +61,7 @@ def test_rows_are_pinocchios_in_the_order_of_the_loops(gear_first, rng):
     data, scratch = model.createData(), system.create_data()
     for row in range(len(q)):
         pin.computeJointJacobians(model, data, q[row])
-        residual, jacobian = system.evaluate(model, data, scratch, q[row])
-        system.to_world(scratch, residual, jacobian)
+        residual, jacobian = system.in_world(model, data, scratch, q[row])
         np.testing.assert_allclose(residuals[row], residual, atol=1e-12)
         system.add_turning(model, data, residual, jacobian)
         turns = [k for k, name in enumerate(system.row_names) if " turn " in name]

@@ -83,12 +83,12 @@ class Bends:
 
     def speeds(self, rates: Array) -> Array:
         """Return the norms of rates (..., nv) in each group, shape (..., groups)."""
-        norms: Array = self._root((rates * rates) @ self._members)
+        norms: Array = self._root((rates * rates).dot(self._members))
         return norms
 
     def block_norms(self, residual: Array) -> Array:
         """Return for each row the norm of its block's residual, shape (p,)."""
-        norms: Array = np.sqrt(self._blocks @ residual**2)[self._of_row]
+        norms: Array = np.sqrt(self._blocks.dot(residual * residual))[self._of_row]
         return norms
 
     def motion(self, q: Array, speeds: Array) -> MotionSeries:
@@ -100,13 +100,13 @@ class Bends:
         speeds : ndarray, shape (3, groups)
             The largest first, second and third derivative of each group.
         """
-        a1, a2, a3 = speeds @ self._above.T
-        d1, d2, d3 = speeds @ self._inside.T
+        a1, a2, a3 = speeds.dot(self._above.T)
+        d1, d2, d3 = speeds.dot(self._inside.T)
         a2, a3, d2, d3 = a2 / 2.0, a3 / 6.0, d2 / 2.0, d3 / 6.0
         square = a1 * a1
         e2, e3 = square / 2.0 + a2, square * a1 / 6.0 + a1 * a2 + a3
         e4 = square * square / 24.0 + square * a2 / 2.0 + a2 * a2 / 2.0 + a1 * a3
-        length = self._lengths + self._root((q * q) @ self._values) @ self._lies.T + d1
+        length = self._lengths + self._root((q * q).dot(self._values)).dot(self._lies.T) + d1
         arms = [
             length,
             a1 * length + d1,
@@ -118,7 +118,7 @@ class Bends:
 
     def residual(self, motion: MotionSeries) -> Array:
         """Return a bound on the fourth derivative of η, shape (p,)."""
-        bound = 24.0 * (self._sums @ motion.arms[4])
+        bound = 24.0 * self._sums.dot(motion.arms[4])
         if self._rods.size:
             g1, g2, g3, g4 = (self._gaps(arm) for arm in motion.arms[1:])
             square = 2.0 * (self._rods + g1) * g4 + 2.0 * g1 * g3 + g2 * g2
@@ -127,7 +127,7 @@ class Bends:
 
     def rounding(self, motion: MotionSeries) -> Array:
         """Return how far η as evaluated may be off, shape (p,): a few units in the last place."""
-        bound = _LENGTH_ROUNDING * (self._sums @ motion.arms[0])
+        bound = _LENGTH_ROUNDING * self._sums.dot(motion.arms[0])
         bound[self._distances] *= 2.0 * self._rods
         return self._by_row(bound)
 
@@ -145,10 +145,10 @@ class Bends:
     def within(self, motion: MotionSeries, reach: Array) -> Array:
         """Return a bound on how ∂η/∂v changes up to `reach` (nv,) from the motion, (p, nv)."""
         speeds = self.speeds(reach)
-        turn, slide = speeds @ self._above.T, speeds @ self._inside.T
+        turn, slide = speeds.dot(self._above.T), speeds.dot(self._inside.T)
         length = motion.arms[0] + slide
         arm = length * turn + slide
-        bound = self._sums @ (arm[:, None] * self._turned + turn[:, None] * self._slid)
+        bound = self._sums.dot(arm[:, None] * self._turned + turn[:, None] * self._slid)
         if self._rods.size:
             gap = self._rods + self._gaps(motion.arms[1] + arm)
             moved = length[:, None] * self._turned + self._slid
@@ -159,13 +159,13 @@ class Bends:
 
     def _gaps(self, arms: Array) -> Array:
         """Return the sums over the segments of each distance."""
-        gaps: Array = self._sums[self._distances] @ arms
+        gaps: Array = self._sums[self._distances].dot(arms)
         return gaps
 
     def _rates(self, motion: MotionSeries, order: int, block: Index | slice = slice(None)) -> Array:
         turned = motion.arms[order][:, None] * self._turned
         moved = turned + motion.turns[order][:, None] * self._slid
-        rates: Array = self._sums[block] @ moved
+        rates: Array = self._sums[block].dot(moved)
         return rates
 
     def _by_row(self, bound: Array) -> Array:

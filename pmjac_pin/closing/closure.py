@@ -154,7 +154,7 @@ def _path_velocity(point: Closed, displacement: Array, partition: Partition) -> 
     velocity = np.zeros(partition.column_scale.size)
     velocity[actuated] = displacement / partition.column_scale[actuated]
     velocity[passive] = -point.factors.solve(
-        point.scaled.take(actuated, axis=1) @ velocity[actuated], partition.passive_rank
+        point.scaled.take(actuated, axis=1).dot(velocity[actuated]), partition.passive_rank
     )
     velocity *= partition.column_scale
     return velocity

@@ -22,7 +22,7 @@ from pmjac_pin.closing.idle_motions import rank_changes
 from pmjac_pin.closing.nearby_poses import FARTHEST, nearby, reach_of_joints
 from pmjac_pin.kinematics.pinocchio import Kinematics
 from pmjac_pin.rates.partition import LoopRates
-from pmjac_pin.values.arrays import Array, norm
+from pmjac_pin.values.arrays import Array
 
 _BESIDE = 1e-3  # of the length or rad: where the tool may move that rests at a pose
 _ENOUGH = 3  # poses of the generic rank from which it is tried whether all joints can move
@@ -86,8 +86,8 @@ def _exceeds(problem: ClosureProblem, rates: LoopRates) -> bool:
     if passive.rank == len(scaled):
         return False
     if partition.constraint_rank == passive.rank:  # [K K*] has more where K* cannot follow K
-        left_over = passive.left_null_space.T @ scaled.take(partition.actuated, axis=1)
-        if norm(left_over) <= partition.rank_tolerance * size:
+        left_over = passive.left_over(scaled.take(partition.actuated, axis=1))
+        if left_over <= partition.rank_tolerance * size:
             return False
     return _exceeds_in_all(problem, rates)
 

@@ -93,8 +93,8 @@ class StepGuard:
         inverse = start.factors.inverse(partition.passive_rank)
         half, motion = self._curve(start.q, end.q, leaving, arriving)
         residual, jacobian = problem.evaluate(problem.integrate(start.q, half))
-        straight = inverse @ (end.scaled - start.scaled).take(passive, axis=1)
-        middle = inverse @ (partition.scaled(jacobian) - start.scaled).take(passive, axis=1)
+        straight = inverse.dot((end.scaled - start.scaled).take(passive, axis=1))
+        middle = inverse.dot((partition.scaled(jacobian) - start.scaled).take(passive, axis=1))
         off = self._bends.off_closure * self._bends.block_norms(residual)[:, None]
         left_out = partition.scaled(QUADRATIC * self._bends.rates(motion) + off)
         open_by = CUBIC * self._bends.residual(motion) + self._bends.rounding(motion)
@@ -122,7 +122,7 @@ class StepGuard:
         way = pin.difference(self._model, first, last)
         if self._curved:
             slope = pin.dDifference(self._model, first, last, pin.ArgumentPosition.ARG1)
-            arriving = slope @ arriving
+            arriving = slope.dot(arriving)
         third = 6.0 * (leaving + arriving - 2.0 * way)
         second = 6.0 * way - 4.0 * leaving - 2.0 * arriving
         rates = np.array([leaving, arriving, third, second, second + third])
@@ -136,25 +136,25 @@ class StepGuard:
         inverse, straight, bent = step.inverse, step.straight, step.bent
         mixed = None
         if basis is not None:
-            mixed, inverse = np.abs(basis), basis.T @ inverse
+            mixed, inverse = np.abs(basis), basis.T.dot(inverse)
             straight, bent = basis.T @ straight @ basis, basis.T @ bent @ basis
         sizes = np.abs(inverse)
-        left_out = step.left_out if mixed is None else step.left_out @ mixed
-        change = np.abs(straight) + np.abs(bent) + sizes @ left_out
+        left_out = step.left_out if mixed is None else step.left_out.dot(mixed)
+        change = np.abs(straight) + np.abs(bent) + sizes.dot(left_out)
         identity = np.eye(len(change))
         if (gains := solved(identity - change, sizes)) is None:
             return False
         open_by = step.open_by
         for _ in range(2):
-            tube = 2.0 * (gains @ open_by)
+            tube = 2.0 * gains.dot(open_by)
             within = self._within(step, tube, mixed)
-            beyond = 0.5 * (within @ tube)
+            beyond = 0.5 * within.dot(tube)
             if (beyond <= open_by).all():
                 break
             open_by = np.maximum(open_by, 2.0 * beyond)
         else:
             return False
-        change += sizes @ within
+        change += sizes.dot(within)
         weights = solved(identity - MARGIN * change, np.ones(len(change)))
         return weights is not None and bool((weights >= 1.0).all())
 
@@ -162,8 +162,8 @@ class StepGuard:
         """Return a bound on how K* changes in the tube, scaled, (p, m_p)."""
         partition = step.partition
         reach = np.zeros(partition.column_scale.size)
-        joints = tube if mixed is None else mixed @ tube
+        joints = tube if mixed is None else mixed.dot(tube)
         reach[partition.passive] = joints * partition.column_scale[partition.passive]
         bound = partition.scaled(self._bends.within(step.motion, reach))
         bound = bound.take(partition.passive, axis=1)
-        return bound if mixed is None else bound @ mixed
+        return bound if mixed is None else bound.dot(mixed)

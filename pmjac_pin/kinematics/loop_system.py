@@ -2,16 +2,16 @@
 
 Pinocchio's anchor constraints give the pose of one anchor seen from the other, and its rates;
 `loop_rows` makes a kind's equations of it. `LoopSystem.evaluate` stays in the anchors' own axes,
-where no rotation is needed and Newton converges just as well; `LoopSystem.to_world` turns the
-rows into the lecture's: world axes, first minus second.
+where no rotation is needed and Newton converges just as well; `LoopSystem.in_world` has the rows
+as the lecture does: world axes, first minus second.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import pinocchio as pin
@@ -26,8 +26,7 @@ from pmjac_pin.model.rows import Distance, Gap, Rows
 from pmjac_pin.values.arrays import Array
 
 
-@dataclass(frozen=True, slots=True)
-class Relative:
+class Relative(NamedTuple):
     """The first frame seen from the second, (R, p), with ṗ = P v and Ṙ = [W v]ₓ R.
 
     Attributes
@@ -45,8 +44,8 @@ class Relative:
 
     def axis(self, given: Array) -> tuple[Array, Array]:
         """Return R·given (3,), and its derivative (3, nv)."""
-        axis = np.asarray(self.rotation) @ given
-        return axis, -pin.skew(axis) @ np.asarray(self.turning)
+        axis = np.asarray(self.rotation).dot(given)
+        return axis, -pin.skew(axis).dot(np.asarray(self.turning))
 
     def turn(self) -> tuple[Array, Array]:
         """Return log R and J_log(R) Rᵀ W: Pinocchio's J_log takes the rate in R's own axes."""
@@ -72,7 +71,7 @@ class _Closure:
         if rates.shape[0] == 3:
             return Relative(scratch.constraint_position_error, rates)
         gap, turning = scratch.c1Mc2.translation, rates[3:]
-        gap_rates = rates[:3] - pin.skew(gap) @ turning  # ṗ = v + ω × p
+        gap_rates = rates[:3] - pin.skew(gap).dot(turning)  # ṗ = v + ω × p
         return Relative(gap, gap_rates, scratch.c1Mc2.rotation, turning)
 
 
@@ -169,12 +168,39 @@ class LoopSystem:
         After ``pin.computeJointJacobians`` filled `data` at `q`; ``forwardKinematics`` would
         leave the joint Jacobians stale.
         """
+        return self._filled(model, data, scratch, q, _in_anchors)
+
+    def in_world(
+        self, model: pin.Model, data: pin.Data, scratch: list[Any], q: Array
+    ) -> tuple[Array, Array]:
+        """Return what `evaluate` does in world axes.
+
+        On closure the derivative is exact; off it, `add_turning` adds what is missing.
+        """
+        return self._filled(model, data, scratch, q, _in_world)
+
+    def from_base(
+        self, model: pin.Model, data: pin.Data, scratch: list[Any], q: Array
+    ) -> tuple[Array, Array]:
+        """Return what `evaluate` does, seen from the body that carries both ends of a loop.
+
+        What happens above a loop does not turn its rows, and neither do its own joints.
+        """
+        return self._filled(model, data, scratch, q, _from_base)
+
+    def _filled(
+        self, model: pin.Model, data: pin.Data, scratch: list[Any], q: Array, axes: _Axes
+    ) -> tuple[Array, Array]:
         residual = np.empty(len(self.row_names))
         jacobian = np.empty((len(self.row_names), self._nv))
         for closure, loop_data in zip(self._closures, scratch, strict=True):
             pose = closure.relative(model, data, loop_data)
+            turn = axes(closure, data, loop_data) if closure.vectors else None
             for rows, block in closure.blocks:
-                residual[rows], jacobian[rows] = block(pose)
+                gap, rates = block(pose)
+                if turn is not None and block.vector:
+                    gap, rates = turn.dot(gap), turn.dot(rates)
+                residual[rows], jacobian[rows] = gap, rates
         for row, coupling in self.couplings.items():
             residual[row], jacobian[row] = coupling.residual(q), coupling.gradient
         return residual, jacobian
@@ -201,32 +227,6 @@ class LoopSystem:
         seen = Relative(pose.gap, linear, pose.rotation, turning)
         return np.vstack([block(seen)[1] for _, block in closure.blocks])
 
-    def to_world(self, scratch: list[Any], residual: Array, jacobian: Array) -> None:
-        """Turn what `evaluate` just returned into world axes, in place.
-
-        On closure this is exact; off it, `add_turning` adds what is missing.
-        """
-        for closure, loop_data in zip(self._closures, scratch, strict=True):
-            for rows in closure.vectors:
-                rotation = loop_data.oMc1.rotation
-                residual[rows] = rotation @ residual[rows]
-                jacobian[rows] = rotation @ jacobian[rows]
-
-    def to_base(self, data: pin.Data, scratch: list[Any], residual: Array, jacobian: Array) -> None:
-        """Turn what `evaluate` just returned, in place: seen from the body that carries both ends.
-
-        What happens above a loop does not turn its rows, and neither do its own joints.
-        """
-        for closure, loop_data in zip(self._closures, scratch, strict=True):
-            if closure.base == closure.body:
-                continue
-            for rows in closure.vectors:
-                rotation = loop_data.oMc1.rotation
-                if closure.base:
-                    rotation = data.oMi[closure.base].rotation.T @ rotation
-                residual[rows] = rotation @ residual[rows]
-                jacobian[rows] = rotation @ jacobian[rows]
-
     def add_turning(
         self, model: pin.Model, data: pin.Data, residual: Array, jacobian: Array
     ) -> None:
@@ -236,6 +236,26 @@ class LoopSystem:
             turning = turning.reshape(6, -1)[3:]
             for rows in closure.vectors:
                 jacobian[rows] -= pin.skew(residual[rows]) @ turning
+
+
+_Axes: TypeAlias = Callable[[_Closure, pin.Data, Any], Array | None]
+
+
+def _in_anchors(closure: _Closure, data: pin.Data, loop_data: Any) -> Array | None:
+    """Return None: the rows stay as they are."""
+    return None
+
+
+def _in_world(closure: _Closure, data: pin.Data, loop_data: Any) -> Array | None:
+    rotation: Array = loop_data.oMc1.rotation
+    return rotation
+
+
+def _from_base(closure: _Closure, data: pin.Data, loop_data: Any) -> Array | None:
+    if closure.base == closure.body:
+        return None
+    rotation: Array = loop_data.oMc1.rotation
+    return data.oMi[closure.base].rotation.T.dot(rotation) if closure.base else rotation
 
 
 def _closure(

@@ -81,8 +81,7 @@ class Kinematics:
 
     def evaluate(self, q: Array) -> tuple[Array, Array]:
         """Return the residual η (p,) and its Jacobian ∂η/∂v (p, nv), in the anchors' axes."""
-        scratch = self._thread_scratch()
-        pin.computeJointJacobians(self.model, scratch.data, q)
+        scratch = self._at(q)
         return self.loops.evaluate(self.model, scratch.data, scratch.loops, q)
 
     def closure(self, q: Array) -> tuple[Array, Array]:
@@ -91,24 +90,21 @@ class Kinematics:
         The derivative is that of rows which turn with their second frame: off closure, exact for
         Newton's method, where both are turned alike.
         """
-        residual, jacobian = self.evaluate(q)
-        scratch = self._scratch
-        self.loops.to_base(scratch.data, scratch.loops, residual, jacobian)
-        return residual, jacobian
+        scratch = self._at(q)
+        return self.loops.from_base(self.model, scratch.data, scratch.loops, q)
 
     def loop_equations(self, q: Array) -> tuple[Array, Array]:
         """Return η (p,) and ∂η/∂v (p, nv) in world axes, exact on and off closure."""
-        residual, jacobian = self.evaluate(q)
-        scratch = self._thread_scratch()
-        self.loops.to_world(scratch.loops, residual, jacobian)
+        scratch = self._at(q)
+        residual, jacobian = self.loops.in_world(self.model, scratch.data, scratch.loops, q)
         self.loops.add_turning(self.model, scratch.data, residual, jacobian)
         return residual, jacobian
 
     def snapshot(self, q: Array) -> Snapshot:
         """Return loops and tool at q."""
-        residual, constraint_jacobian = self.evaluate(q)
-        self.loops.to_world(self._scratch.loops, residual, constraint_jacobian)
-        data = self._scratch.data
+        scratch = self._at(q)
+        data = scratch.data
+        residual, constraint_jacobian = self.loops.in_world(self.model, data, scratch.loops, q)
         rotation, position = self.tool.pose(self.model, data)
         jacobian = self.tool.jacobian(self.model, data)
         return Snapshot(residual, constraint_jacobian, jacobian, rotation, position)
@@ -118,10 +114,15 @@ class Kinematics:
 
         What is read off it has to be read before the next call.
         """
-        data = self._thread_scratch().data
-        pin.computeJointJacobians(self.model, data, q)
+        data = self._at(q).data
         pin.updateFramePlacements(self.model, data)
         return data
+
+    def _at(self, q: Array) -> _Scratch:
+        """Return this thread's scratch, the joints' motions computed at q."""
+        scratch = self._thread_scratch()
+        pin.computeJointJacobians(self.model, scratch.data, q)
+        return scratch
 
     def _thread_scratch(self) -> _Scratch:
         scratch = self._scratch

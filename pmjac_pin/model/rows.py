@@ -141,7 +141,7 @@ class Along:
 
     def __call__(self, pose: RelativePose) -> tuple[Array, Array]:
         """Return D p and D P."""
-        return self.directions @ pose.gap, self.directions @ pose.gap_rates
+        return self.directions.dot(pose.gap), self.directions.dot(pose.gap_rates)
 
     def equations(self, jets: Jets, one: Seen, other: Seen) -> Equations:
         """Return (R₂ d)·(p₁ − p₂) for each direction d."""
@@ -161,8 +161,8 @@ class Distance:
 
     def __call__(self, pose: RelativePose) -> tuple[Array, Array]:
         """Return |p|² − length² and 2 pᵀ P."""
-        square = pose.gap @ pose.gap - self.length * self.length
-        return np.array([square]), (2.0 * pose.gap @ pose.gap_rates)[None]
+        square = pose.gap.dot(pose.gap) - self.length * self.length
+        return np.array([square]), (2.0 * pose.gap).dot(pose.gap_rates)[None]
 
     def equations(self, jets: Jets, one: Seen, other: Seen) -> Equations:
         """Return |p₁ − p₂|² − length²."""
@@ -211,13 +211,13 @@ class Tilt:
     def __call__(self, pose: RelativePose) -> tuple[Array, Array]:
         """Return η and its derivative."""
         turned, rates = pose.axis(self.axis)
-        aside, above = self.across @ turned, 1.0 + self.axis @ turned
+        aside, above = self.across.dot(turned), 1.0 + self.axis.dot(turned)
         if above < HALF_A_TURN:
-            return np.array([2.0, 0.0]), self.across @ rates
+            return np.array([2.0, 0.0]), self.across.dot(rates)
         factor = math.sqrt(2.0 / above)
         slope = -0.5 * factor / above
-        along = np.outer(aside, self.axis @ rates)
-        return factor * aside, factor * (self.across @ rates) + slope * along
+        along = aside[:, None] * self.axis.dot(rates)
+        return factor * aside, factor * self.across.dot(rates) + slope * along
 
     def equations(self, jets: Jets, one: Seen, other: Seen) -> Equations:
         """Return tₖ·a / cos(α/2), or tₖ·a of length sin α."""
@@ -261,7 +261,7 @@ class RightAngle:
     def __call__(self, pose: RelativePose) -> tuple[Array, Array]:
         """Return b·R a and its derivative."""
         turned, rates = pose.axis(self.first)
-        return np.array([self.second @ turned]), (self.second @ rates)[None]
+        return np.array([self.second.dot(turned)]), self.second.dot(rates)[None]
 
     def equations(self, jets: Jets, one: Seen, other: Seen) -> Equations:
         """Return R₁a·R₂b."""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from pmjac_pin.values.arrays import Array, norm
+from pmjac_pin.values.found_once import found_once
 
 #: A singular value below this times the size of [K K*] counts as zero. Loops closed to 1e-12
 #: of the length cannot tell a pose from a singular one nearer than √1e-12: at a fold the residual
@@ -19,15 +19,17 @@ REFINED = 1e-2
 
 _SURELY = 1.0 - 1e-3  # of a bound that rounding may have moved
 _RESOLVED = 1e-9  # of the matrix: above, rounding moves an inverse by less than that
+_WORTH_IT = 6  # columns of a matrix with more rows: with fewer, singular values take no longer
+_SQUARED = 1e-3  # of the matrix: above, its normal equations are solved to rounding
 
 
 @dataclass(frozen=True, eq=False)
 class Factorisation:
     """A = U diag(σ) Vᵀ with the rank that the tolerance gives.
 
-    Of a square matrix that is regular beyond doubt, its inverse tells all that is asked at a
-    regular pose: σ_min ≥ 1/‖A⁻¹‖. It takes a fifth of the time; U, σ and V are found when they
-    are asked for.
+    Of a matrix whose columns are independent beyond doubt, its inverse, or pseudoinverse where it
+    has more rows, tells all that is asked at a regular pose: σ_min ≥ 1/‖A⁺‖. It takes a fraction
+    of the time; U, σ and V are found when they are asked for.
 
     Attributes
     ----------
@@ -42,7 +44,7 @@ class Factorisation:
     size: float
     tolerance: float
 
-    @cached_property
+    @found_once
     def _svd(self) -> tuple[Array, Array, Array]:
         rows, columns = self.matrix.shape
         if not (rows and columns):
@@ -50,19 +52,19 @@ class Factorisation:
         left, values, right = np.linalg.svd(self.matrix)
         return left, values, right
 
-    @cached_property
+    @found_once
     def _inverted(self) -> tuple[Array | None, float]:
-        """The inverse of a square matrix, where σ_min is above the tolerance, and a bound on it."""
+        """A⁺ and a bound on σ_min, where that is above the tolerance for certain."""
         rows, columns = self.matrix.shape
-        if rows != columns or not rows:
+        if rows < columns or not columns or (rows > columns and columns < _WORTH_IT):
             return None, 0.0
         try:
-            inverse = np.asarray(np.linalg.inv(self.matrix), dtype=np.float64)
+            inverse, largest = _inverse(self.matrix) if rows == columns else _left(self.matrix)
         except np.linalg.LinAlgError:
             return None, 0.0
-        # By the largest entry: squares may overflow.
-        bound = _SURELY / (rows * float(np.abs(inverse).max()) or math.inf)
-        least = max(self.tolerance, _RESOLVED) * max(self.size, norm(self.matrix))
+        bound = _SURELY / (columns * largest or math.inf)
+        resolved = _RESOLVED if rows == columns else _SQUARED
+        least = max(self.tolerance, resolved) * max(self.size, norm(self.matrix))
         return (inverse, bound) if bound > least else (None, 0.0)
 
     @property
@@ -80,11 +82,11 @@ class Factorisation:
         """Vᵀ, shape (k, k)."""
         return self._svd[2]
 
-    @cached_property
+    @found_once
     def rank(self) -> int:
         """How many singular values are above the tolerance."""
         if self._inverted[0] is not None:
-            return len(self.matrix)
+            return len(self._inverted[0])
         return int(np.count_nonzero(self.singular_values > self.tolerance * self.size))
 
     def exceeds(self, rank: int, least: float) -> bool:
@@ -115,20 +117,46 @@ class Factorisation:
         below = max(float(values[rank]), float(np.finfo(float).eps))
         return below < float(values[rank - 1]) ** 2
 
+    def left_over(self, b: Array) -> float:
+        """Return the norm of what of b no A x reaches, with A of its rank here."""
+        if (inverse := self._inverted[0]) is not None:
+            return norm(b - self.matrix.dot(inverse.dot(b)))
+        return norm(self.left_null_space.T.dot(b))
+
     def solve(self, b: Array, rank: int | None = None) -> Array:
         """Return the smallest least-squares solution x of A x = b, by the first `rank` values."""
         r = self.rank if rank is None else rank
         if (inverse := self._inverted[0]) is not None and r == len(inverse):
-            return inverse @ b
-        projected = (self.left[:, :r].T @ b).T / self.singular_values[:r]
-        return self.right[:r].T @ projected.T
+            return np.asarray(inverse.dot(b))
+        left, values, right = self._svd
+        projected = left[:, :r].T.dot(b).T / values[:r]
+        return np.asarray(right[:r].T.dot(projected.T))
 
     def inverse(self, rank: int) -> Array:
         """Return the pseudoinverse by the first `rank` singular values, shape (k, p)."""
         if (known := self._inverted[0]) is not None and rank == len(known):
             return known
-        inverse: Array = (self.right[:rank].T / self.singular_values[:rank]) @ self.left[:, :rank].T
+        left, values, right = self._svd
+        inverse: Array = (right[:rank].T / values[:rank]).dot(left[:, :rank].T)
         return inverse
+
+
+def _inverse(matrix: Array) -> tuple[Array, float]:
+    """Return A⁻¹ and its largest entry: times its size a bound on its norm.
+
+    The squares of a norm may overflow.
+    """
+    inverse = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
+    return inverse, float(np.abs(inverse).max())
+
+
+def _left(matrix: Array) -> tuple[Array, float]:
+    """Return A⁺ = (AᵀA)⁻¹Aᵀ, improved by one step, and the same bound, from that of (AᵀA)⁻¹."""
+    squared = np.linalg.inv(matrix.T.dot(matrix))
+    inverse = squared.dot(matrix.T)
+    columns, largest = len(squared), float(np.abs(squared).max())
+    improved: Array = 2.0 * inverse - inverse.dot(matrix.dot(inverse))
+    return improved, math.sqrt(columns * largest) / columns
 
 
 def factorise(matrix: Array, size: float, tolerance: float = RANK_TOLERANCE) -> Factorisation:

@@ -189,32 +189,31 @@ def equivalent_jacobian(
     """
     if not isinstance(split, SplitJacobian):
         raise ArgumentError(f"a SplitJacobian is needed, got {quoted(split)}")
-    partition, J = split.partition, split.tool_jacobian
+    partition, constraint, J = split.partition, split.constraint_jacobian, split.tool_jacobian
+    here = singularity or partial(analyse_singularity, constraint, J, partition)
+    rates, J_eq = eliminated(J, partition, loops or partition.loop_rates(constraint), here)
+    return EquivalentJacobian(constraint, J, split.frame, partition, rates, J_eq, pose=split.pose)
+
+
+def eliminated(
+    J: Array, partition: Partition, loops: LoopRates, singularity: Callable[[], Singularity]
+) -> tuple[Array, Array]:
+    """Return Φ and J_eq of a tool Jacobian (6, nv), or raise as `equivalent_jacobian`."""
     actuated, passive = partition.actuated, partition.passive
-    scaled, size, factors = loops or partition.loop_rates(split.constraint_jacobian)
+    scaled, size, factors = loops
     if factors.rank < partition.passive_rank or partition.isolated:
-        here = singularity or partial(analyse_singularity, split.constraint_jacobian, J, partition)
-        raise _singular(here())
-    if factors.rank < scaled.shape[0]:
+        raise _singular(singularity())
+    driving = scaled.take(actuated, axis=1)
+    if factors.rank < len(scaled) and factors.left_over(driving) > partition.rank_tolerance * size:
         _refuse_forbidden(factors, scaled, partition)
     if factors.rank < passive.size:
         refuse_felt_idle_motion(factors, J, partition)
-    driven = scaled.take(actuated, axis=1)
-    rates = factors.solve(driven)
+    rates = factors.solve(driving)
     if not factors.exceeds(factors.rank, REFINED * size):
         # Once again for what is left over: rounding of a weak row then stays in its own loop.
-        rates += factors.solve(driven - scaled.take(passive, axis=1) @ rates)
+        rates += factors.solve(driving - scaled.take(passive, axis=1) @ rates)
     rates *= partition.rate_scale
-    J_eq = J.take(actuated, axis=1) + J.take(passive, axis=1) @ rates
-    return EquivalentJacobian(
-        split.constraint_jacobian,
-        J,
-        split.frame,
-        partition,
-        rates,
-        J_eq,
-        pose=split.pose,
-    )
+    return rates, J.take(actuated, axis=1) + J.take(passive, axis=1).dot(rates)
 
 
 def _singular(singularity: Singularity) -> SingularError:

@@ -19,7 +19,7 @@ AnyArray = TypeVar("AnyArray", bound=NDArray[Any])
 def norm(array: Array) -> float:
     """Return the Frobenius norm: NumPy's own costs three times as much on small arrays."""
     flat = array.ravel()
-    return math.sqrt(flat @ flat)
+    return math.sqrt(flat.dot(flat))
 
 
 @dataclass(frozen=True, eq=False)

@@ -39,12 +39,12 @@ def as_numbers(given: object, what: str, largest: float = LARGEST) -> Array:
     if hasattr(given, "mask") and np.ma.is_masked(given):
         raise ArgumentError(f"{what} must have no masked entries, got {quoted(given)}")
     array = raw.astype(np.float64)
+    if np.abs(array).max(initial=0.0) <= largest:  # false of NaN
+        return array
     if not np.isfinite(array).all():
         raise ArgumentError(f"{what} must be finite, got {quoted(given)}")
-    if np.abs(array).max(initial=0.0) > largest:
-        got = f"{array.flat[np.abs(array).argmax()]:g}"
-        raise ArgumentError(f"{what} must be of magnitude {largest:g} or less, got {got}")
-    return array
+    got = f"{array.flat[np.abs(array).argmax()]:g}"
+    raise ArgumentError(f"{what} must be of magnitude {largest:g} or less, got {got}")
 
 
 def as_number(given: object, what: str, largest: float = LARGEST) -> float:
