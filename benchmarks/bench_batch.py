@@ -1,5 +1,7 @@
 """Many poses at once, beside a loop over single calls, in the same run: closed, and with J_eq.
 
+The single calls are those by Pinocchio and singular values, as before a program is recorded.
+
 Targets are drawn around home; both sides take the same ones in turn, the loop a part of them.
 Ratios are what counts.
 """
@@ -11,6 +13,7 @@ import time
 from collections.abc import Callable
 
 import numpy as np
+from recording import unrecorded
 
 import pmjac_pin as pj
 
@@ -45,11 +48,11 @@ def seconds(of: Callable[[], object]) -> float:
 def compare(mechanism: pj.Mechanism) -> tuple[float, float]:
     """Seconds a pose, one by one and at once."""
     many, values = pj.batch(mechanism), targets(mechanism, MANY)
-    few = values[:20]
-    np.testing.assert_allclose(at_once(many, few), one_by_one(mechanism, few), atol=1e-9)
+    alone, few = unrecorded(pj.load(mechanism.name)), values[:20]
+    np.testing.assert_allclose(at_once(many, few), one_by_one(alone, few), atol=1e-9)
     single, batched = [], []
     for _ in range(ROUNDS):
-        single.append(seconds(lambda: one_by_one(mechanism, values[:SINGLE])) / SINGLE)
+        single.append(seconds(lambda: one_by_one(alone, values[:SINGLE])) / SINGLE)
         batched.append(seconds(lambda: at_once(many, values)) / MANY)
     return statistics.median(single), statistics.median(batched)
 

@@ -1,129 +1,79 @@
 """One J_eq and one direct kinematics, beside the same written out by hand, in the same run.
 
-The hand-written side is what a user of Pinocchio would write for this one mechanism: the bare
-Pinocchio calls, one ``np.linalg.solve`` and one ``np.linalg.svd``; no names, no checks, no
-guard against changing the assembly mode. Ratios are what counts: both sides are timed in turn.
+Once by the recorded program that the kernel runs, and once without it, as before it is recorded
+and where no kernel was built. Ratios of medians are what counts: all are timed in turn.
 """
 
 from __future__ import annotations
 
+import statistics
 import sys
-import timeit
+import time
 from collections.abc import Callable
 
 import numpy as np
-import pinocchio as pin
+from hand_written import Hand
+from recording import recorded, unrecorded
 
 import pmjac_pin as pj
+from pmjac_pin.closing.path_kernel import path_kernel
 
-BUDGET = 2.5  # largest ratio to the hand-written equivalent
-DISTANCE = 0.03  # m for the 3-RPS, rad for the four-bar
-
-
-class Hand:
-    """A mechanism with point loops, by hand."""
-
-    def __init__(self, mechanism: pj.Mechanism) -> None:
-        model = self.model = mechanism.model
-        self.data = model.createData()
-        self.models, self.datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
-        for loop in mechanism.spec.loops:
-            first, second = (model.frames[model.getFrameId(name)] for name in loop.frames)
-            anchor = pin.PointAnchorConstraintModel(
-                model, second.parentJoint, second.placement, first.parentJoint, first.placement
-            )
-            self.models.append(pin.ConstraintModel(anchor))
-            self.datas.append(pin.ConstraintData(anchor.createData()))
-        self.pairs = list(zip(self.models, self.datas, strict=True))
-        self.anchors = [(m.extract(), d.extract()) for m, d in self.pairs]
-        self.tool = model.getFrameId(mechanism.spec.tool.frame)
-        columns = {name: model.joints[model.getJointId(name)].idx_v for name in mechanism.actuated}
-        self.actuated = np.array(list(columns.values()))
-        self.passive = np.array([c for c in range(model.nv) if c not in columns.values()])
-        self.rows = np.arange(self.passive.size)
-
-    def constraint_jacobian(self, q: np.ndarray) -> np.ndarray:
-        pin.computeJointJacobians(self.model, self.data, q)
-        for model, data in self.anchors:
-            model.calc(self.model, self.data, data)
-        return pin.getConstraintsJacobian(self.model, self.data, self.models, self.datas)
-
-    def jacobian(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        constraint = self.constraint_jacobian(q)[self.rows]
-        tool = pin.getFrameJacobian(self.model, self.data, self.tool, pin.LOCAL_WORLD_ALIGNED)
-        K_star = constraint[:, self.passive]
-        singular_values = np.linalg.svd(K_star)[1]
-        rates = np.linalg.solve(K_star, constraint[:, self.actuated])
-        return tool[:, self.actuated] - tool[:, self.passive] @ rates, singular_values
-
-    def close(self, q: np.ndarray, target: np.ndarray) -> np.ndarray:
-        q = q.copy()
-        joints = self.actuated_q
-        q[joints] = target
-        step = np.zeros(self.model.nv)
-        for _ in range(20):
-            constraint = self.constraint_jacobian(q)
-            gap = np.concatenate([data.constraint_position_error for _, data in self.anchors])
-            if np.abs(gap).max() < 1e-12:
-                return q
-            K_star = constraint[np.ix_(self.rows, self.passive)]
-            step[self.passive] = np.linalg.solve(K_star, -gap[self.rows])
-            q = pin.integrate(self.model, q, step)
-        raise RuntimeError("open")
-
-    @property
-    def actuated_q(self) -> np.ndarray:
-        by_column = {joint.idx_v: joint.idx_q for joint in list(self.model.joints)[1:]}
-        return np.array([by_column[column] for column in self.actuated])
+NAMES = ("four_bar", "five_bar", "three_rps", "stewart_gough")
+DISTANCE = 0.03  # m or rad, of all motors
+BUDGET = 0.8, 2.0, 6.0  # largest ratios: with the kernel; of jacobian() and of close() without
+ROUNDS, SECONDS = 60, 0.002  # how often each is timed, and for how long
 
 
-def microseconds(
-    *functions: Callable[[], object], rounds: int = 40, number: int = 50
-) -> list[float]:
-    """Return the best time of each, taken in turn so that a slow machine is slow for all."""
-    best = [np.inf] * len(functions)
-    for _ in range(rounds):
-        for k, function in enumerate(functions):
-            best[k] = min(best[k], timeit.timeit(function, number=number) / number)
-    return [1e6 * seconds for seconds in best]
-
-
-def compare(name: str) -> list[tuple[str, float, float]]:
-    mechanism = pj.load(name)
-    hand = Hand(mechanism)
-    start = mechanism.home
-    target = start.actuated + DISTANCE
-    q = start.q
-    J_eq = hand.jacobian(q)[0]
-    if np.abs(J_eq - start.jacobian().J_eq).max() > 1e-12:
-        raise RuntimeError("the two sides do not compute the same J_eq")
-    if np.abs(hand.close(q, target) - mechanism.close(target, start).q).max() > 1e-11:
-        raise RuntimeError("the two sides do not close on the same pose")
-    by_hand, given, fresh = microseconds(
-        lambda: hand.jacobian(q),
-        start.jacobian,
-        lambda: mechanism.configuration(q).jacobian(),
-    )
-    hand_close, close, close_fresh = microseconds(
-        lambda: hand.close(q, target),
-        lambda: mechanism.close(target, start),
-        lambda: mechanism.close(target, mechanism.configuration(q)),
-    )
-    return [
-        (f"{name}: configuration.jacobian(), kinematics known", given, by_hand),
-        (f"{name}: configuration(q).jacobian(), from q on", fresh, by_hand),
-        (f"{name}: close(), {DISTANCE} away", close, hand_close),
-        (f"{name}: configuration(q), then close()", close_fresh, hand_close),
+def microseconds(*functions: Callable[[], object]) -> list[float]:
+    """Return the median time of each, taken in turn so that a slow machine is slow for all."""
+    numbers = [max(1, round(SECONDS / seconds(function, 3))) for function in functions]
+    rounds = [
+        [seconds(function, n) for function, n in zip(functions, numbers, strict=True)]
+        for _ in range(ROUNDS)
     ]
+    return [1e6 * statistics.median(times) for times in zip(*rounds, strict=True)]
+
+
+def seconds(function: Callable[[], object], number: int) -> float:
+    start = time.perf_counter()
+    for _ in range(number):
+        function()
+    return (time.perf_counter() - start) / number
+
+
+def compare(name: str) -> list[tuple[str, list[float]]]:
+    fast, slow = recorded(pj.load(name)), unrecorded(pj.load(name))
+    hand, q = Hand(fast), fast.home.q
+    starts = [mechanism.configuration(q) for mechanism in (fast, slow)]
+    target = starts[0].actuated + DISTANCE
+    by_hand, closed = hand.jacobian(q)[0], hand.close(q, target)
+    for mechanism, start in zip((fast, slow), starts, strict=True):
+        np.testing.assert_allclose(mechanism.configuration(q).jacobian().J_eq, by_hand, atol=1e-11)
+        np.testing.assert_allclose(mechanism.close(target, start).q, closed, atol=1e-10)
+    jacobians = microseconds(
+        lambda: hand.jacobian(q),
+        lambda: fast.configuration(q).jacobian(),
+        lambda: slow.configuration(q).jacobian(),
+    )
+    closes = microseconds(
+        lambda: hand.close(q, target),
+        lambda: fast.close(target, starts[0]),
+        lambda: slow.close(target, starts[1]),
+    )
+    return [("configuration(q).jacobian()", jacobians), (f"close(), {DISTANCE} away", closes)]
 
 
 def main() -> int:
-    print(f"{'':52}{'library':>10}{'by hand':>10}{'ratio':>8}")
-    for name in ("three_rps", "four_bar"):
-        for what, library, by_hand in compare(name):
-            print(f"{what:52}{library:8.1f}us{by_hand:8.1f}us{library / by_hand:8.2f}")
-    print(f"The budget for jacobian() and for close() is {BUDGET}. By hand, the kinematics are")
-    print("in every figure, and close() has no configuration to certify before.")
+    if path_kernel() is None:
+        print("No kernel was built: both columns are without it.")
+    print(f"{'µs, and times by hand':44}{'by hand':>9}{'kernel':>9}{'':8}{'without':>9}")
+    for name in NAMES:
+        for what, (hand, kernel, without) in compare(name):
+            print(
+                f"{name + ': ' + what:44}{hand:9.1f}{kernel:9.1f}{kernel / hand:8.2f}"
+                f"{without:9.1f}{without / hand:8.2f}"
+            )
+    print("The budget is {} with the kernel; {} and {} without.".format(*BUDGET))
     return 0
 
 

@@ -167,6 +167,30 @@ def test_the_other_matrices_are_found_when_asked_for():
         jacobian.J_eq[0, 0] = 1.0
 
 
+def test_without_a_kernel_nothing_is_recorded(monkeypatch):
+    monkeypatch.setattr("pmjac_pin.closing.path_kernel.path_kernel", lambda: None)
+    mechanism = recorded(pj.load("four_bar"))
+    pose = mechanism.close([1.0])
+    assert pose._known is None
+    assert not {"rates", "point", "step"} & set(vars(mechanism._recorded))
+    np.testing.assert_allclose(pose.q, pj.load("four_bar").close([1.0]).q, atol=0.0)
+
+
+def test_after_a_batch_the_first_call_goes_by_the_program():
+    mechanism = pj.load("four_bar")
+    pj.batch(mechanism)
+    assert mechanism.configuration(mechanism.home.q)._known is not None
+    assert "_point" not in vars(mechanism.close([1.0]))
+
+
+def test_joints_that_pinocchio_alone_knows_are_closed_without():
+    """And motors that loops tie, and motions that idle."""
+    tied = pj.load("five_bar", actuated=["theta1", "theta2", "phi1"])
+    for mechanism in map(recorded, (tied, pj.load("five_bar", actuated=["theta1"]))):
+        assert mechanism.configuration(mechanism.home.q)._known is None
+        assert mechanism._recorded._path() is None
+
+
 def test_few_calls_record_nothing():
     mechanism = pj.load("stewart_gough")
     for _ in range(20):
