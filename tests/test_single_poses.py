@@ -8,6 +8,7 @@ import re
 import threading
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from mechanisms import CATALOGUE
 from random_machines import random_machine
@@ -18,6 +19,7 @@ from pmjac_pin.closing.path_kernel import path_kernel
 
 pytestmark = pytest.mark.skipif(path_kernel() is None, reason="no kernel was built")
 QUICK = ("four_bar", "five_bar", "bennett", "three_rps_ss", "delta_rods", "random 1", "random 4")
+PROGRAMS = (recorded, unrecorded)
 LONG = ("four_bar", "five_bar", "random 1")
 MACHINES = [*CATALOGUE, *(f"random {seed}" for seed in range(10))]
 
@@ -244,3 +246,49 @@ def test_loose_joints_of_any_kind_move_as_pinocchio_moves_them(rng):
             np.testing.assert_allclose(found.q, expected.q, atol=1e-12)
             back = mechanism.close(mechanism.home.actuated, found)
             np.testing.assert_allclose(back.q, mechanism.home.q, atol=1e-11)
+
+
+def crank(joint):
+    """A four-bar of endless joints, its coupler carried by another kind of joint."""
+    model, still = pin.Model(), pin.SE3.Identity()
+
+    def along(x):
+        return pin.SE3(np.eye(3), np.array([x, 0.0, 0.0]))
+
+    first = model.addJoint(0, pin.JointModelRUBZ(), still, "motor")
+    second = model.addJoint(first, joint, along(1.0), "coupler")
+    rocker = model.addJoint(0, pin.JointModelRUBZ(), along(4.0), "rocker")
+    model.addFrame(pin.Frame("tip", second, along(3.0), pin.FrameType.OP_FRAME))
+    model.addFrame(pin.Frame("end", rocker, along(3.5), pin.FrameType.OP_FRAME))
+    ends = {"frames": ("tip", "end")}
+    loop = pj.PointLoop(**ends) if joint.nv == 1 else pj.RevoluteLoop(axis=(0, 0, 1), **ends)
+    home = {"motor": 0.9, "rocker": 1.8}
+    return pj.Mechanism.from_pinocchio(model, [loop], ["motor"], "tip", home=home, name="crank")
+
+
+@pytest.mark.parametrize("joint", [pin.JointModelRUBZ(), pin.JointModelRZ()])
+def test_endless_motors_go_the_shorter_way(joint, rng):
+    mechanism, by_values = recorded(crank(joint)), unrecorded(crank(joint))
+    for value in (3.0, 3.3, -3.0, 12.0, *rng.uniform(-7, 7, 10)):
+        found, expected = (
+            one.close([value], enforce_limits=False) for one in (mechanism, by_values)
+        )
+        assert mechanism._recorded._path() is not None
+        np.testing.assert_allclose(found.q, expected.q, atol=1e-11)
+        again = mechanism.close([value + 0.3], found)
+        np.testing.assert_allclose(again.q, by_values.close([value + 0.3], expected).q, atol=1e-11)
+    inexact = found.q.copy()
+    inexact[:2] *= 1.0 + 1e-9  # Pinocchio takes it as it is
+    assert mechanism._recorded.pose(inexact) is None
+
+
+def test_balls_turn_as_pinocchio_turns_them(rng):
+    mechanism, by_values = (programs(crank(pin.JointModelSpherical())) for programs in PROGRAMS)
+    for value in rng.uniform(0.2, 2.5, 10):
+        found, expected = (
+            one.close([value], enforce_limits=False) for one in (mechanism, by_values)
+        )
+        assert mechanism._recorded._path() is not None
+        np.testing.assert_allclose(found.q, expected.q, atol=1e-11)
+        J_eqs = [one.configuration(found.q).jacobian().J_eq for one in (mechanism, by_values)]
+        np.testing.assert_allclose(*J_eqs, atol=1e-11)

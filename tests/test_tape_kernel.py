@@ -20,12 +20,17 @@ SOURCE = ROOT / "pmjac_pin" / "algebra" / "tape_kernel.c"
 
 
 @pytest.fixture(scope="module")
-def build():
+def hatch_build():
     pytest.importorskip("hatchling")
     spec = importlib.util.spec_from_file_location("hatch_build", ROOT / "hatch_build.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    return module.build
+    return module
+
+
+@pytest.fixture(scope="module")
+def build(hatch_build):
+    return hatch_build.build
 
 
 @pytest.fixture(scope="module")
@@ -104,3 +109,14 @@ def test_without_a_compiler_it_is_said(build, tmp_path, monkeypatch):
     monkeypatch.setenv("CC", str(tmp_path / "nothing"))
     assert "nothing" in build(tmp_path / "kernel.so", SOURCE)
     assert not list(tmp_path.iterdir())
+
+
+def test_kernels_compile_without_warnings(hatch_build, tmp_path, monkeypatch):
+    if shutil.which("cc") is None:
+        pytest.skip("no C compiler")
+    monkeypatch.setenv("CC", "cc -Wall -Wextra -Werror -O0")
+    for built, sources in hatch_build.KERNELS.items():
+        target = tmp_path / Path(built).name
+        paths = [ROOT / "pmjac_pin" / source for source in sources]
+        assert hatch_build.build(target, *paths) == ""
+        assert loaded(target, *paths) is not None

@@ -1,8 +1,9 @@
 /* One pose at a time: runs a tape, and walks one path of the motors. Plain C99.
  *
- * `closing/closure.py` says how a path is walked, `closing/recorded_step.py` when a step is covered,
- * `model/joint_kind.py` how joints move. A path is walked here for as long as all of it is certain:
- * K* regular at both ends of each step, and the step covered by norms. What is not, others decide.
+ * `closing/closure.py` says how a path is walked, `closing/recorded_step.py` when a step is
+ * covered, `model/joint_kind.py` how joints move. A path is walked here for as long as all of it
+ * is certain: K* regular at both ends of each step, and the step covered by norms. What is not,
+ * others decide.
  */
 #define LANES 1
 #define FOR_EACH_PROCESSOR
@@ -39,7 +40,7 @@ typedef struct {
     int64_t most_corrections;
 } Machine;
 
-/* Of point: (q, motors) -> (gap, inverse, size, newton, velocity). */
+/* A path at q, where the point's program knows (gap, inverse, size, Newton's step, velocity). */
 typedef struct {
     const Machine *machine;
     Program point, step;
@@ -92,7 +93,8 @@ static void logarithm(const double *quaternion, double *vector)
 }
 
 /* Slides in the moved axes as slides in those before; with way -1 the other way round. */
-static void turn_slides(const Joint *joint, const double *turn, double way, const double *v, double *turned)
+static void turn_slides(
+    const Joint *joint, const double *turn, double way, const double *v, double *turned)
 {
     if (!joint->turned)
         for (int k = 0; k < joint->slides; k++) turned[k] = v[k];
@@ -134,7 +136,8 @@ static void between(
     double *arriving)
 {
     for (const Joint *joint = machine->joint; joint != machine->joint + machine->joints; joint++) {
-        const double *from = q + joint->entry, *to = other + joint->entry, *rate = v + joint->column;
+        const double *from = q + joint->entry, *to = other + joint->entry;
+        const double *rate = v + joint->column;
         double *along = way + joint->column, *rates = arriving + joint->column, slid[3];
         const int s = joint->slides;
         const double *turn = from + s, *end = to + s;
@@ -143,7 +146,8 @@ static void between(
         if (joint->turn == ANGLE)
             along[s] = end[0] - turn[0];
         else if (joint->turn == CIRCLE)
-            along[s] = atan2(turn[0] * end[1] - turn[1] * end[0], turn[0] * end[0] + turn[1] * end[1]);
+            along[s] = atan2(
+                turn[0] * end[1] - turn[1] * end[0], turn[0] * end[0] + turn[1] * end[1]);
         double turned[4] = {0};
         if (joint->turn == QUATERNION) {
             double back[4] = {-turn[0], -turn[1], -turn[2], turn[3]}, once[3], twice[3];
@@ -151,11 +155,13 @@ static void between(
             logarithm(turned, along + s);
             const double *x = along + s, *omega = rate + s;
             double square = x[0] * x[0] + x[1] * x[1] + x[2] * x[2], angle = sqrt(square);
-            double factor = angle < 1e-3 ? 1.0 / 12.0 + square / 720.0
+            double factor = angle < 1e-3
+                ? 1.0 / 12.0 + square / 720.0
                 : 1.0 / square - (1.0 + cos(angle)) / (2.0 * angle * sin(angle));
             cross(x, omega, once);
             cross(x, once, twice);
-            for (int k = 0; k < 3; k++) rates[s + k] = omega[k] + 0.5 * once[k] + factor * twice[k];
+            for (int k = 0; k < 3; k++)
+                rates[s + k] = omega[k] + 0.5 * once[k] + factor * twice[k];
         } else if (joint->turn != STILL) {
             if (joint->turned) turned[0] = cos(along[s]), turned[1] = sin(along[s]);
             rates[s] = rate[s];
@@ -216,12 +222,14 @@ static int covered(Path *path, double stride)
     memcpy(leaving, path->tangent, sizeof(double) * nv);
     for (size_t k = 0; k < nv; k++) velocity[k] = path->point.outputs[3 + nv + k] * stride;
     between(machine, first, first + nq, velocity, way, arriving);
-    for (size_t k = 0; k < nv; k++) velocity[k] = 0.5 * way[k] + 0.125 * (leaving[k] - arriving[k]);
+    for (size_t k = 0; k < nv; k++)
+        velocity[k] = 0.5 * way[k] + 0.125 * (leaving[k] - arriving[k]);
     move(machine, first, velocity, first + 2 * nq);
     pmjac_run_once(&path->step);
     const double *known = path->step.outputs;
     double change = known[0], rho = known[1], tau = known[2], within = known[3];
-    return machine->margin * (change + known[4] * within) < 1.0 && change < 1.0 && within * tau <= rho;
+    return machine->margin * (change + known[4] * within) < 1.0 && change < 1.0
+        && within * tau <= rho;
 }
 
 static void set_motors(const Machine *machine, const double *target, double *q)
@@ -247,7 +255,8 @@ void pmjac_begin(Path *path)
 {
     const size_t nq = (size_t)path->machine->nq;
     memcpy(path->point.inputs, path->q, sizeof(double) * nq);
-    memcpy(path->point.inputs + nq, path->displacement, sizeof(double) * (size_t)path->machine->motors);
+    for (int64_t k = 0; k < path->machine->motors; k++)
+        path->point.inputs[nq + (size_t)k] = path->displacement[k];
     pmjac_run_once(&path->point);
     arrive(path);
     path->share = 0.0, path->next = 1.0, path->iterations = 0, path->tries = 0;
