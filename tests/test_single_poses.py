@@ -104,10 +104,11 @@ def test_jacobians_are_those_by_singular_values(name, rng):
     if name in QUICK:
         poses += near_and_at_folds(by_values, rng)
     poses = [pose for pose in poses if isinstance(pose, pj.Configuration)]
-    known = 0
+    known, regular = 0, 0
     for pose in poses:
         one, other = mechanism.configuration(pose.q), by_values.configuration(pose.q)
         known += one._known is not None
+        regular += other.singularity().smallest > 0.03
         assert one.residual_norm == pytest.approx(other.residual_norm, abs=1e-13)
         for frame in ("LOCAL", "WORLD", "LOCAL_WORLD_ALIGNED"):
             found, expected = (answer(lambda c=c: c.jacobian(frame)) for c in (one, other))  # noqa: B023
@@ -122,7 +123,7 @@ def test_jacobians_are_those_by_singular_values(name, rng):
                 found.passive_rates, expected.passive_rates, rtol=1e-9, atol=1e-12
             )
             assert (np.abs(found.J_eq - expected.J_eq) <= expected.error_estimate).all()
-    assert known >= 0.5 * len(poses)
+    assert known >= 0.5 * regular
 
 
 def test_what_is_not_certain_is_said_by_singular_values():

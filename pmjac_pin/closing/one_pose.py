@@ -17,6 +17,7 @@ from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.path_kernel import Memory
 from pmjac_pin.model.twist_frame import FrameName, change_frame
+from pmjac_pin.rates.factorisation import REFINED
 from pmjac_pin.values.arrays import Array, read_only
 
 SURELY = 1.0 - 1e-3  # of a bound: what is nearer, singular values decide
@@ -90,5 +91,7 @@ class OnePose:
         gap, inverse, size, forbidden, _, _, spread = _DOUBTS.unpack_from(told)
         closed, tolerance = self._tolerances
         least = tolerance * max(size, self._least_size)
-        certain = gap <= closed and inverse * least < SURELY and forbidden <= SURELY * least
+        # Nearer to singular, rates are refined, which the program does not do.
+        weakest = max(least, REFINED * size)
+        certain = gap <= closed and inverse * weakest < SURELY and forbidden <= SURELY * least
         return KnownPose(gap, told, self._motors) if certain and spread > _SPREAD else None
