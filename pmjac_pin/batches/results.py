@@ -24,6 +24,7 @@ class Status(IntEnum):
     SINGULAR = 4
     NO_JACOBIAN = 5
     NOT_ASSEMBLED = 6
+    NOT_DONE = 7
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +39,7 @@ class ManyClosed(ReadOnlyArrays):
         Of the way from the guess to the target; 1 where it was reached.
     status : ndarray of int, shape (N,)
         `Status`: CLOSED; STOPPED where `close` raises ClosureError; LIMITS where it raises
-        LimitError.
+        LimitError; NOT_DONE where somebody interrupted (`Interrupted`).
     """
 
     q: Array
