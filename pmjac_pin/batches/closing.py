@@ -14,7 +14,6 @@ from pmjac_pin.closing.arms import arms_of
 from pmjac_pin.closing.many_paths import Run, Walker
 from pmjac_pin.closing.recorded_rates import RecordedRates
 from pmjac_pin.closing.recorded_step import step_tape
-from pmjac_pin.kinematics.many import ManyPoses
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.values.arrays import Array, Index, Mask
 
@@ -37,13 +36,13 @@ class Closing:
         """Record what is needed."""
         parts = mechanism._parts
         arms = arms_of(parts.model, parts.spec.loops, parts.values)
-        poses, point, step = ManyPoses(parts.model), rates.point_tape(), step_tape(rates, arms)
-        return cls(mechanism, Walker(parts.problem, poses, point, step, run))
+        move, point, step = rates.move_tape(), rates.point_tape(), step_tape(rates, arms)
+        return cls(mechanism, Walker(parts.problem, move, point, step, run))
 
     def check(self, start: Array) -> None:
         """Raise ClosureError where the loops of one of some poses are open."""
-        at_rest = np.zeros((len(start), len(self.mechanism.actuated)))
-        gap = self.walker.at(start, at_rest).gap
+        at_rest = np.zeros((len(self.mechanism.actuated), len(start)))
+        gap = self.walker.at(start.T, at_rest).gap
         for index in np.flatnonzero(gap > self.mechanism.problem.tolerance)[:1].tolist():
             self.mechanism.configuration(start[index])  # says how far the loops are open
 
@@ -82,7 +81,7 @@ class Closing:
             displacement - 2.0 * np.pi * turns,
             lambda q, which: coordinates.with_values(q, motors, values[which]),
         )
-        return paths.points.q, paths.share, paths.settled
+        return paths.q, paths.share, paths.settled
 
     def _beyond(self, values: Array, columns: Index) -> Mask:
         return np.asarray(self.mechanism.coordinates.beyond(values, columns).any(axis=1))

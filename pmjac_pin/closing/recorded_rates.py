@@ -17,6 +17,7 @@ from pmjac_pin.algebra.programs import Recording, zeros
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
+from pmjac_pin.kinematics.recorded_motions import moved
 from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.rates.sparse_qr import Triangle, norm
@@ -89,26 +90,34 @@ class RecordedRates:
         scaled: Numbers = rates * scale
         return scaled
 
-    def point_tape(self) -> Tape:
-        """Return (q, θ̇) ↦ (gap, ‖K*⁻¹‖, ‖[K K*]‖, Newton step, path velocity).
+    def move_tape(self) -> Tape:
+        """Return (q, v) ↦ q ⊕ v."""
+        nq, nv = self.recorder.nq, self.recorder.nv
+        recording = Recording(nq + nv)
+        inputs = np.array(recording.inputs, dtype=object)
+        return Tape.of(recording, moved(self.recorder.tree, inputs[:nq], inputs[nq:]).tolist())
 
-        The gap is in m; both motions are (nv,) in the units of v, the latter −K*⁻¹ K θ̇ beside θ̇.
+    def point_tape(self) -> Tape:
+        """Return (q, v, θ̇) ↦ what `Points` holds of q ⊕ v.
+
+        That is q, the gap in m, ‖K*⁻¹‖, ‖[K K*]‖, the sizes of the Newton step and of the path's
+        velocity, and both of these, (nv,) in the units of v: the latter is −K*⁻¹ K θ̇ beside θ̇.
         """
         nq, nv, motors = self.recorder.nq, self.recorder.nv, self.partition.actuated
-        recording = Recording(nq + motors.size)
-        rates = np.array(recording.inputs[nq:], dtype=object)
-        kinematics = self.recorder.at(recording.inputs[:nq])
+        recording = Recording(nq + nv + motors.size)
+        inputs = np.array(recording.inputs, dtype=object)
+        q, rates = moved(self.recorder.tree, inputs[:nq], inputs[nq : nq + nv]), inputs[nq + nv :]
+        kinematics = self.recorder.at(q.tolist())
         matrix, scale = self.scaled(kinematics.rates), self.partition.column_scale
         error = kinematics.residual * self.partition.row_scale
         driven = matrix[:, motors] @ (rates / scale[motors])
         count = self.kept.size
         triangle = Triangle.of(np.column_stack([matrix[:, self.kept], error, driven]), count)
         newton, velocity = zeros(nv), zeros(nv)
-        steps = triangle.solve([count, count + 1])
-        newton[self.kept], velocity[self.kept] = -(steps * scale[self.kept, None]).T
-        velocity[motors] = rates
-        known = [norm(error), triangle.inverse_norm(), norm(matrix)]
-        return Tape.of(recording, [*known, *newton, *velocity])
+        newton[self.kept], velocity[self.kept] = -triangle.solve([count, count + 1]).T
+        velocity[motors] = rates / scale[motors]
+        known = [norm(error), triangle.inverse_norm(), norm(matrix), norm(newton), norm(velocity)]
+        return Tape.of(recording, [*q, *known, *(newton * scale), *(velocity * scale)])
 
     def jacobian_tape(self, frame: FrameName) -> Tape:
         """Return q ↦ (gap, ‖K*⁻¹‖, ‖[K K*]‖, forbidden, felt, ‖J‖, J_eq).
@@ -143,10 +152,10 @@ class RecordedRates:
         triangle = Triangle.of(np.hstack([matrix[:, self.kept], matrix[:, followed]]), count)
         rates = triangle.solve(range(count, count + followed.size))
         tool = in_frame(kinematics, frame) * partition.column_scale
-        moved = tool[:, followed] - tool[:, self.kept] @ rates
+        carried = tool[:, followed] - tool[:, self.kept] @ rates
         scale = partition.column_scale[motors]
         judged = np.vstack([tool[:3], partition.length * tool[3:]])
-        felt = np.vstack([moved[:3], partition.length * moved[3:]])[:, : idle.size]
+        felt = np.vstack([carried[:3], partition.length * carried[3:]])[:, : idle.size]
         forbidden = triangle.matrix[
             np.ix_(triangle.left_over, range(count + idle.size, count + followed.size))
         ]
@@ -159,7 +168,7 @@ class RecordedRates:
             tool=norm(judged),
             turning=norm(tool[3:]),
             motions=norm(np.vstack([np.eye(motors.size), rates[:, idle.size :]]) / scale),
-            J_eq=moved[:, idle.size :] / scale,
+            J_eq=carried[:, idle.size :] / scale,
         )
 
 

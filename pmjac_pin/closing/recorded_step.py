@@ -20,21 +20,29 @@ from pmjac_pin.closing.arms import Arms
 from pmjac_pin.closing.bends import Bends, MotionSeries
 from pmjac_pin.closing.recorded_rates import RecordedRates
 from pmjac_pin.closing.step_guard import CUBIC, QUADRATIC, SLOPES
+from pmjac_pin.kinematics.recorded_motions import arriving, between, moved
 from pmjac_pin.rates.sparse_qr import Triangle, norm
 
 
 def step_tape(loops: RecordedRates, arms: Arms) -> Tape:
-    """Return (q₀, q₁, p(½), leaving, arriving, way) ↦ (N, ρ, τ, W, ‖A⁺‖)."""
-    nq, nv, kept = loops.recorder.nq, loops.recorder.nv, loops.kept
-    recording = Recording(3 * nq + 3 * nv)
+    """Return (q₀, q₁, leaving, arriving) ↦ (N, ρ, τ, W, ‖A⁺‖).
+
+    What arrives moves on from q₁.
+    """
+    nq, nv, kept, tree = loops.recorder.nq, loops.recorder.nv, loops.kept, loops.recorder.tree
+    recording = Recording(2 * nq + 2 * nv)
     inputs = np.array(recording.inputs, dtype=object)
-    poses = [loops.recorder.at(inputs[k * nq : (k + 1) * nq].tolist()) for k in range(3)]
+    start, end, leaving, onward = np.split(inputs, [nq, 2 * nq, 2 * nq + nv])
+    way = between(tree, start, end)
+    at_end = arriving(tree, way, onward)
+    half = moved(tree, start, 0.5 * way + 0.125 * (leaving - at_end))
+    poses = [loops.recorder.at(q.tolist()) for q in (start, end, half)]
     first, last, middle = (loops.scaled(pose.rates)[:, kept] for pose in poses)
     triangle = Triangle.of(np.hstack([first, last - first, middle - first]), kept.size)
     changes = triangle.solve(range(kept.size, 3 * kept.size))
     straight, bent = changes[:, : kept.size], changes[:, kept.size :]
     inverse, bends = triangle.inverse_norm(), Bends(arms, roots)
-    motion = _motion(bends, inputs[:nq], *inputs[3 * nq :].reshape(3, nv))
+    motion = _motion(bends, start, leaving, at_end, way)
     row_scale = loops.partition.row_scale
     open_by = (CUBIC * bends.residual(motion) + bends.rounding(motion)) * row_scale
     slopes = (poses[1].residual - poses[0].residual) * row_scale
@@ -49,12 +57,12 @@ def step_tape(loops: RecordedRates, arms: Arms) -> Tape:
 
 
 def _motion(
-    bends: Bends, q: Numbers, leaving: Numbers, arriving: Numbers, way: Numbers
+    bends: Bends, q: Numbers, leaving: Numbers, at_end: Numbers, way: Numbers
 ) -> MotionSeries:
     """Return the series along the cubic curve that `StepGuard` takes."""
-    third = 6.0 * (leaving + arriving - 2.0 * way)
-    second = 6.0 * way - 4.0 * leaving - 2.0 * arriving
-    rates = np.array([leaving, arriving, third, second, second + third])
+    third = 6.0 * (leaving + at_end - 2.0 * way)
+    second = 6.0 * way - 4.0 * leaving - 2.0 * at_end
+    rates = np.array([leaving, at_end, third, second, second + third])
     u0, u1, c, b0, b1 = bends.speeds(rates)
     most = np.frompyfunc(largest, 2, 1)
     return bends.motion(q, np.array([most(u0, u1) + c / 8.0, most(b0, b1), c]))
