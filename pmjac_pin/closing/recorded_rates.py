@@ -42,6 +42,8 @@ class RecordedEquivalent:
     motions : number
         ‖G‖ on scaled rates, idle motions at rest.
     J_eq : ndarray, shape (6, n)
+    likeness : ndarray, shape (k, m_p)
+        Has the singular values of K*.
     """
 
     gap: Any
@@ -53,6 +55,7 @@ class RecordedEquivalent:
     turning: Any
     motions: Any
     J_eq: Numbers
+    likeness: Numbers
 
     def judged(self) -> list[Any]:
         """Return J_eq's entries after what says whether they hold."""
@@ -130,18 +133,19 @@ class RecordedRates:
         return Tape.of(recording, found.judged())
 
     def measures_tape(self) -> Tape:
-        """Return q ↦ (those of `jacobian_tape`, sizes (3,), tool (12,), K*).
+        """Return q ↦ (those of `jacobian_tape`, sizes (3,), tool (12,), (k, m_p) entries).
 
         Sizes are ‖[K K*]‖, and what the entries of J_eq are compared with, linear and angular;
-        of the tool the position and the rotation (3, 3); K* is (p, m_p), dimensionless.
+        of the tool the position and the rotation (3, 3); the last are of a matrix that has the
+        singular values of the dimensionless K*.
         """
-        recording, passive = Recording(self.recorder.nq), self.partition.passive
+        recording = Recording(self.recorder.nq)
         kinematics = self.recorder.at(recording.inputs)
         found = self.equivalent(kinematics, "LOCAL_WORLD_ALIGNED")
         sizes = [found.size, found.tool * found.motions, found.turning * found.motions]
         tool = [*kinematics.position, *kinematics.rotation.ravel()]
-        K_star = self.scaled(kinematics.rates)[:, passive]
-        return Tape.of(recording, [*found.judged(), *sizes, *tool, *K_star.ravel()])
+        entries = found.likeness.ravel()
+        return Tape.of(recording, [*found.judged(), *sizes, *tool, *entries])
 
     def equivalent(self, kinematics: RecordedKinematics, frame: FrameName) -> RecordedEquivalent:
         """Return J_eq in a frame, and what says whether it exists."""
@@ -169,6 +173,7 @@ class RecordedRates:
             turning=norm(tool[3:]),
             motions=norm(np.vstack([np.eye(motors.size), rates[:, idle.size :]]) / scale),
             J_eq=carried[:, idle.size :] / scale,
+            likeness=matrix[:, partition.passive] if idle.size else triangle.triangle(),
         )
 
 
