@@ -81,12 +81,12 @@ def test_what_is_no_number_stays_none(kernel):
 def test_of_mechanisms(kernel, name, rng):
     many = pj.batch(pj.load(name))
     walker, nq = many._closing.walker, many.mechanism.nq
-    others = walker.point.inputs - nq
+    others = walker.arrival.inputs - nq
     values = np.concatenate([many.mechanism.home.q, np.linspace(0.0, 0.1, others)])[:, None]
     values = np.repeat(values, 100, axis=1)
     values[:nq] += 1e-6 * rng.normal(size=(nq, 100))
-    expected = numpy_tape.run(walker.point, values)
-    found = run_in(kernel, walker.point, values)
+    expected = numpy_tape.run(walker.arrival, values)
+    found = run_in(kernel, walker.arrival, values)
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12)
 
 

@@ -11,7 +11,9 @@ enum {
     COPYSIGN, ARCTANGENT, ROUND, MULTIPLY_ADD, MULTIPLY_SUBTRACT, SUBTRACT_PRODUCT
 };
 
-#define LANES 32
+#ifndef LANES
+#define LANES 64
+#endif
 /* A target is one of the operands or apart from them: no lane depends on another. */
 #if defined(__GNUC__) && !defined(__clang__)
 #define EACH _Pragma("GCC ivdep") for (int i = 0; i < LANES; i++)

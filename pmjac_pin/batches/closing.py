@@ -13,7 +13,7 @@ from pmjac_pin.batches.results import Status, Statuses
 from pmjac_pin.closing.arms import arms_of
 from pmjac_pin.closing.many_paths import Run, Walker
 from pmjac_pin.closing.recorded_rates import RecordedRates
-from pmjac_pin.closing.recorded_step import step_tape
+from pmjac_pin.closing.recorded_step import leg_tape
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.values.arrays import Array, Index, Mask
 
@@ -36,8 +36,8 @@ class Closing:
         """Record what is needed."""
         parts = mechanism._parts
         arms = arms_of(parts.model, parts.spec.loops, parts.values)
-        move, point, step = rates.move_tape(), rates.point_tape(), step_tape(rates, arms)
-        return cls(mechanism, Walker(parts.problem, move, point, step, run))
+        move, arrival, leg = rates.move_tape(), rates.arrival_tape(), leg_tape(rates, arms)
+        return cls(mechanism, Walker(parts.problem, move, arrival, leg, run))
 
     def check(self, start: Array) -> None:
         """Raise ClosureError where the loops of one of some poses are open."""

@@ -29,7 +29,7 @@ class Points:
     Attributes
     ----------
     numbers : ndarray, shape (nq + 5 + 2 nv, b)
-        As `RecordedRates.point_tape` returns them.
+        As `RecordedRates.arrival_tape` gives them.
     nq : int
     """
 
@@ -120,16 +120,16 @@ class Walker:
     Attributes
     ----------
     problem : ClosureProblem
-    move, point, step : Tape
-        `RecordedRates.move_tape` and `point_tape`, and `step_tape`.
+    move, arrival, leg : Tape
+        `RecordedRates.move_tape` and `arrival_tape`, and `leg_tape`.
     run : callable
         (tape, inputs (k, b)) ↦ outputs.
     """
 
     problem: ClosureProblem
     move: Tape
-    point: Tape
-    step: Tape
+    arrival: Tape
+    leg: Tape
     run: Run
 
     def walk(
@@ -182,7 +182,7 @@ class Walker:
         """Return what is known at q ⊕ v, shapes (nq, b), (n, b) and (nv, b), closed or not."""
         nv = self.problem.partition.column_scale.size
         motion = np.zeros((nv, q.shape[1])) if v is None else v
-        return Points(self.run(self.point, np.vstack([q, motion, displacement])), len(q))
+        return Points(self.run(self.arrival, np.vstack([q, motion, displacement])), len(q))
 
     def regular(self, points: Points) -> Mask:
         """Tell where K* has its generic rank for certain."""
@@ -225,7 +225,7 @@ class Walker:
 
     def _covers(self, steps: Array) -> Mask:
         """Tell which steps are proven regular, as `StepGuard.covers` does."""
-        change, rho, tau, within, inverse = self.run(self.step, steps)
+        change, rho, tau, within, inverse = self.run(self.leg, steps)
         contracts = MARGIN * (change + inverse * within) < 1.0
         return np.asarray(contracts & (change < 1.0) & (within * tau <= rho))
 

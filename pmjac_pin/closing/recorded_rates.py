@@ -7,13 +7,14 @@ smallest singular value, is above the rank tolerance; where it is not, nothing i
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import Recording, zeros
+from pmjac_pin.algebra.programs import Recording, objects, zeros
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
@@ -101,26 +102,44 @@ class RecordedRates:
         return Tape.of(recording, moved(self.recorder.tree, inputs[:nq], inputs[nq:]).tolist())
 
     def point_tape(self) -> Tape:
+        """Return (q, θ̇) ↦ (gap, ‖K*⁻¹‖, ‖[K K*]‖, Newton step, path velocity).
+
+        The gap is in m; both motions are (nv,) in the units of v, the latter −K*⁻¹ K θ̇ beside θ̇.
+        """
+        nq, motors = self.recorder.nq, self.partition.actuated
+        recording = Recording(nq + motors.size)
+        known, motions = self._point(recording.inputs[:nq], objects(recording.inputs[nq:]))
+        scale = self.partition.column_scale
+        return Tape.of(recording, [*known, *(motions * scale).ravel()])
+
+    def arrival_tape(self) -> Tape:
         """Return (q, v, θ̇) ↦ what `Points` holds of q ⊕ v.
 
-        That is q, the gap in m, ‖K*⁻¹‖, ‖[K K*]‖, the sizes of the Newton step and of the path's
-        velocity, and both of these, (nv,) in the units of v: the latter is −K*⁻¹ K θ̇ beside θ̇.
+        That is q ⊕ v, what `point_tape` gives there, and between its norms and its motions the
+        sizes of these, a rad counted as one length.
         """
         nq, nv, motors = self.recorder.nq, self.recorder.nv, self.partition.actuated
         recording = Recording(nq + nv + motors.size)
-        inputs = np.array(recording.inputs, dtype=object)
-        q, rates = moved(self.recorder.tree, inputs[:nq], inputs[nq : nq + nv]), inputs[nq + nv :]
-        kinematics = self.recorder.at(q.tolist())
-        matrix, scale = self.scaled(kinematics.rates), self.partition.column_scale
+        start, v, rates = np.split(objects(recording.inputs), [nq, nq + nv])
+        q = moved(self.recorder.tree, start, v)
+        known, motions = self._point(q.tolist(), rates)
+        sizes = [norm(motion) for motion in motions]
+        moves = (motions * self.partition.column_scale).ravel()
+        return Tape.of(recording, [*q, *known, *sizes, *moves])
+
+    def _point(self, q: Sequence[Any], rates: Numbers) -> tuple[list[Any], Numbers]:
+        """Return gap and norms, and the dimensionless Newton step and path velocity, (2, nv)."""
+        motors, scale = self.partition.actuated, self.partition.column_scale
+        kinematics = self.recorder.at(q)
+        matrix = self.scaled(kinematics.rates)
         error = kinematics.residual * self.partition.row_scale
         driven = matrix[:, motors] @ (rates / scale[motors])
         count = self.kept.size
         triangle = Triangle.of(np.column_stack([matrix[:, self.kept], error, driven]), count)
-        newton, velocity = zeros(nv), zeros(nv)
-        newton[self.kept], velocity[self.kept] = -triangle.solve([count, count + 1]).T
-        velocity[motors] = rates / scale[motors]
-        known = [norm(error), triangle.inverse_norm(), norm(matrix), norm(newton), norm(velocity)]
-        return Tape.of(recording, [*q, *known, *(newton * scale), *(velocity * scale)])
+        motions = zeros(2, scale.size)
+        motions[:, self.kept] = -triangle.solve([count, count + 1]).T
+        motions[1, motors] = rates / scale[motors]
+        return [norm(error), triangle.inverse_norm(), norm(matrix)], motions
 
     def jacobian_tape(self, frame: FrameName) -> Tape:
         """Return q ↦ (gap, ‖K*⁻¹‖, ‖[K K*]‖, forbidden, felt, ‖J‖, J_eq).
