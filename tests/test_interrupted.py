@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
+from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.pieces import gathered
 
 COUNT = 40_000
@@ -82,14 +83,15 @@ def test_other_errors_are_raised_as_they_are(many, poses):
 
 def test_a_grid_keeps_its_cells(many, monkeypatch):
     axes = {"theta1": np.linspace(0.5, 2.5, 12), "theta2": np.linspace(0.5, 1.5, 12)}
-    whole, close, calls = many.grid(axes), many.close, []
+    whole, close, calls = many.grid(axes), Closing.close, []
 
     def interrupted(*arguments, **options):
         calls.append(0)
-        stop = stop_after(1) if len(calls) == 3 else None
-        return close(*arguments, **options, progress=stop)
+        if len(calls) == 3:
+            raise KeyboardInterrupt
+        return close(*arguments, **options)
 
-    monkeypatch.setattr(many, "close", interrupted)
+    monkeypatch.setattr(Closing, "close", interrupted)
     with pytest.raises(pj.Interrupted, match="of 144 cells are done") as raised:
         many.grid(axes)
     known = raised.value.done.status != pj.Status.NOT_DONE

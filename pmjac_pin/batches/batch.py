@@ -19,7 +19,7 @@ from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.grid import Grid
 from pmjac_pin.batches.judge import Judge
 from pmjac_pin.batches.measures import measured
-from pmjac_pin.batches.pieces import Piece, Progress, gathered
+from pmjac_pin.batches.pieces import Piece, Progress, Work, gathered
 from pmjac_pin.batches.results import (
     ManyClosed,
     ManyInGrid,
@@ -105,15 +105,14 @@ class Batch:
             A guess that is not closed.
         """
         values = motor_table(self.mechanism.spec, self.mechanism.coordinates, actuated)
-        whose, count = enforced(enforce_limits), len(values)
-        start, known = self._start(guess, count)
+        whose, (start, known) = enforced(enforce_limits), self._start(guess, len(values))
 
         def work(piece: Piece) -> tuple[Array, Array, Statuses]:
             if not known:
                 self._closing.check(start[piece.at])
             return self._closing.close(piece, start[piece.at], values[piece.at], whose)
 
-        return gathered(ManyClosed, (start.shape, (count,), (count,)), work, threads, progress)
+        return self._closed(start, work, threads, progress)
 
     def grid(
         self,
@@ -151,12 +150,25 @@ class Batch:
         if not isinstance(begin, Configuration):
             raise ArgumentError(f"`guess` is a pose's name or a Configuration, got {quoted(guess)}")
         grid = Grid.over(over, self.mechanism.problem.partition, begin.actuated)
+        whose, home = enforced(enforce_limits), self.mechanism.configuration(begin.q).q
 
-        def close(which: Index, start: Array | None) -> ManyClosed:
-            where, targets = (begin if start is None else start), grid.cells[which]
-            return self.close(targets, where, enforce_limits=enforce_limits, threads=threads)
+        def close(which: Index, start: Array | None, most_steps: int | None) -> ManyClosed:
+            targets = grid.cells[which]
+            begin = np.broadcast_to(home, (which.size, home.size)) if start is None else start
+
+            def work(piece: Piece) -> tuple[Array, Array, Statuses]:
+                at = piece.at
+                return self._closing.close(piece, begin[at], targets[at], whose, most_steps)
+
+            return self._closed(begin, work, threads)
 
         return grid.walk(self.mechanism.nq, close)
+
+    def _closed(
+        self, start: Array, work: Work, threads: int | None, progress: Progress | None = None
+    ) -> ManyClosed:
+        count = len(start)
+        return gathered(ManyClosed, (start.shape, (count,), (count,)), work, threads, progress)
 
     def jacobian(
         self,

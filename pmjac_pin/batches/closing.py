@@ -11,6 +11,7 @@ from pmjac_pin.batches.one_by_one import close_one
 from pmjac_pin.batches.pieces import Piece
 from pmjac_pin.batches.results import Status, Statuses
 from pmjac_pin.closing.arms import arms_of
+from pmjac_pin.closing.closure import MOST_STEPS
 from pmjac_pin.closing.many_paths import Run, Walker
 from pmjac_pin.closing.recorded_rates import RecordedRates
 from pmjac_pin.closing.recorded_step import leg_tape
@@ -47,16 +48,21 @@ class Closing:
             self.mechanism.configuration(start[index])  # says how far the loops are open
 
     def close(
-        self, piece: Piece, start: Array, values: Array, whose: str
+        self, piece: Piece, start: Array, values: Array, whose: str, most_steps: int | None = None
     ) -> tuple[Array, Array, Statuses]:
-        """Return q, share and status of one piece."""
-        q, share, settled = self.together(start, values, piece.run)
+        """Return q, share and status of one piece.
+
+        With so few steps, what is not certain by them has the status NOT_DONE.
+        """
+        q, share, settled = self.together(start, values, piece.run, most_steps)
         # Another branch may have more rank than home's, of which the program knows nothing.
         full = self.mechanism.problem.partition.full
         settled &= (share == 1.0) | (full & (share > 0.0))
-        for index in piece.each(~settled):
+        for index in piece.each(~settled) if most_steps is None else ():
             q[index], share[index] = close_one(self.mechanism, start[index], values[index])
         status = np.where(share == 1.0, Status.CLOSED, Status.STOPPED).astype(np.int8)
+        if most_steps is not None:
+            status[~settled] = Status.NOT_DONE
         coordinates = self.mechanism.coordinates
         if whose != "none":
             motors = self.walker.problem.partition.actuated
@@ -67,7 +73,9 @@ class Closing:
             status[beyond & (status == Status.CLOSED)] = Status.LIMITS
         return q, share, status
 
-    def together(self, start: Array, values: Array, by: Run = run) -> tuple[Array, Array, Mask]:
+    def together(
+        self, start: Array, values: Array, by: Run = run, most_steps: int | None = None
+    ) -> tuple[Array, Array, Mask]:
         """Walk all paths by the program; return q, share, and of which this is certain."""
         coordinates, partition = self.mechanism.coordinates, self.walker.problem.partition
         if partition.constraint_rank > partition.passive_rank:
@@ -80,6 +88,7 @@ class Closing:
             start,
             displacement - 2.0 * np.pi * turns,
             lambda q, which: coordinates.with_values(q, motors, values[which]),
+            most_steps or MOST_STEPS,
         )
         return paths.q, paths.share, paths.settled
 

@@ -2,7 +2,8 @@
 
 Each pose starts from a closed one beside it: paths are short, and one assembly mode is kept. Cells
 are walked to in waves. A cell that a path from one neighbour does not reach is tried from the
-others as these are closed, once each.
+others as these are closed, once each. Paths that end take many steps: a wave does not wait for
+them, and they are walked together when nothing else is left.
 """
 
 from __future__ import annotations
@@ -23,8 +24,11 @@ from pmjac_pin.values.columns import named_columns
 FROM_GUESS = -1  # in place of a neighbour's number
 _SEEDS = 64  # cells tried from the guess at a time until one is reached
 
-#: (cells, where their paths begin (k, nq), or None for the guess) ↦ what became of them.
-CloseCells: TypeAlias = Callable[[Index, Array | None], ManyClosed]
+_FEW_STEPS = 4  # a path to the cell beside takes one or two, but where it ends
+
+#: (cells, where their paths begin (k, nq), or None for the guess, steps or None for all that it
+#: takes) ↦ what became of them, NOT_DONE where it takes more.
+CloseCells: TypeAlias = Callable[[Index, Array | None, int | None], ManyClosed]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,19 +100,19 @@ class Grid:
         reached = self.nearest[:0]
         for start in range(0, self.nearest.size, _SEEDS):
             cells = self.nearest[start : start + _SEEDS]
-            reached = walked.wave(close, cells, np.full(cells.size, FROM_GUESS))
+            edges = _Edges(np.full(cells.size, FROM_GUESS), cells)
+            reached, _ = walked.wave(close, edges, None)
             if reached.size:
                 break
-        sources, cells = self._edges(reached)
-        while (waiting := walked.status[cells] == Status.STOPPED).any():
-            sources, cells = sources[waiting], cells[waiting]
-            _, now = np.unique(cells, return_index=True)  # each cell once in a wave
-            reached = walked.wave(close, cells[now], sources[now])
-            more = self._edges(reached)
-            sources = np.concatenate([np.delete(sources, now), more[0]])
-            cells = np.concatenate([np.delete(cells, now), more[1]])
+        quick, slow = self._edges(reached), self._edges(reached[:0])
+        while (quick := walked.waiting(quick)).size or (slow := walked.waiting(slow)).size:
+            few = bool(quick.size)
+            now, later = (quick if few else slow).once()
+            reached, unfinished = walked.wave(close, now, _FEW_STEPS if few else None)
+            quick = (later if few else quick).and_(self._edges(reached))
+            slow = slow.and_(unfinished) if few else later
 
-    def _edges(self, cells: Index) -> tuple[Index, Index]:
+    def _edges(self, cells: Index) -> _Edges:
         """Return cells and their neighbours along each axis, one beside the other."""
         sources, neighbours = [cells[:0]], [cells[:0]]
         shape = self.values.shape[:-1]
@@ -121,7 +125,7 @@ class Grid:
                 beside[axis] = moved[inside]
                 sources.append(cells[inside])
                 neighbours.append(np.ravel_multi_index(beside, shape))
-        return np.concatenate(sources), np.concatenate(neighbours)
+        return _Edges(np.concatenate(sources), np.concatenate(neighbours))
 
     def _found(self, walked: _Walked) -> ManyInGrid:
         shape = self.values.shape[:-1]
@@ -134,6 +138,29 @@ class Grid:
         )
 
 
+class _Edges(NamedTuple):
+    """Cells, and from where each is to be walked to."""
+
+    sources: Index
+    cells: Index
+
+    @property
+    def size(self) -> int:
+        return self.cells.size
+
+    def those(self, which: Mask) -> _Edges:
+        return _Edges(self.sources[which], self.cells[which])
+
+    def and_(self, other: _Edges) -> _Edges:
+        return _Edges(*map(np.concatenate, zip(self, other, strict=True)))
+
+    def once(self) -> tuple[_Edges, _Edges]:
+        """Return each cell once, and the rest."""
+        now = np.zeros(self.size, dtype=bool)
+        now[np.unique(self.cells, return_index=True)[1]] = True
+        return self.those(now), self.those(~now)
+
+
 class _Walked(NamedTuple):
     """Rows of q, shares, statuses, and from which cell each was reached or tried last."""
 
@@ -142,21 +169,27 @@ class _Walked(NamedTuple):
     status: Statuses
     source: Index
 
-    def wave(self, close: CloseCells, cells: Index, sources: Index) -> Index:
-        """Walk to cells from others; return those that are closed now."""
-        start = None if (sources == FROM_GUESS).all() else self.q[sources]
-        try:
-            poses = close(cells, start)
-        except Interrupted as stopped:
-            known = stopped.done.status != Status.NOT_DONE
-            self._take(stopped.done, known, cells, sources)
-            raise
-        return self._take(poses, np.ones(cells.size, dtype=bool), cells, sources)
+    def waiting(self, edges: _Edges) -> _Edges:
+        """Return those that lead to cells which no path has reached."""
+        return edges.those(self.status[edges.cells] == Status.STOPPED)
 
-    def _take(self, poses: ManyClosed, known: Mask, cells: Index, sources: Index) -> Index:
+    def wave(
+        self, close: CloseCells, edges: _Edges, most_steps: int | None
+    ) -> tuple[Index, _Edges]:
+        """Walk along edges; return cells that are closed now, and edges that take more steps."""
+        start = None if (edges.sources == FROM_GUESS).all() else self.q[edges.sources]
+        try:
+            poses = close(edges.cells, start, most_steps)
+        except Interrupted as stopped:
+            self._take(stopped.done, edges)
+            raise
+        self._take(poses, edges)
+        unfinished = edges.those(poses.status == Status.NOT_DONE)
+        return edges.cells[poses.status == Status.CLOSED], unfinished
+
+    def _take(self, poses: ManyClosed, edges: _Edges) -> None:
         """Note what became of cells."""
-        at = cells[known]
+        known = poses.status != Status.NOT_DONE
+        at = edges.cells[known]
         self.q[at], self.share[at] = poses.q[known], poses.share[known]
-        self.status[at], self.source[at] = poses.status[known], sources[known]
-        closed: Index = cells[poses.status == Status.CLOSED]
-        return closed
+        self.status[at], self.source[at] = poses.status[known], edges.sources[known]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
+from concurrent.futures import Executor, ThreadPoolExecutor, wait
 from dataclasses import fields
 from threading import Event, Lock
 from typing import Any, TypeAlias, TypeVar
@@ -108,10 +108,9 @@ def gathered(
             return left.pop(at).stop
 
     try:
-        for task in [pool.submit(one, at) for at in list(left)]:
-            while not task.done():  # in their order, so that the first error is always the same
-                wait([task], _HEARING)
-            done = task.result()
+        # One alone needs no other thread.
+        ends = map(one, list(left)) if len(left) < 2 else _in_order(pool, one, list(left))
+        for done in ends:
             if progress is not None:
                 progress(done, count)
         pool.shutdown()
@@ -125,6 +124,14 @@ def gathered(
         done = count - sum(piece.stop - piece.start for piece in left.values())
         raise interrupted(f"{done} of {count} poses", kind(*map(sealed, found))) from None
     return kind(*map(sealed, found))
+
+
+def _in_order(pool: Executor, one: Callable[[int], int], starts: list[int]) -> Iterator[int]:
+    """Yield results in their order, so that the first error is always the same."""
+    for task in [pool.submit(one, at) for at in starts]:
+        while not task.done():
+            wait([task], _HEARING)
+        yield task.result()
 
 
 def _blank(found: Sequence[NDArray[Any]], pieces: Iterable[slice]) -> None:

@@ -19,6 +19,8 @@ from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
 from pmjac_pin.closing.step_guard import MARGIN
 from pmjac_pin.values.arrays import Array, Index, Mask
 
+_LONG, _FEW = 400, 2  # so few paths with so many steps behind them are walked one by one sooner
+
 Run = Callable[[Tape, Array], Array]
 
 
@@ -133,7 +135,11 @@ class Walker:
     run: Run
 
     def walk(
-        self, q: Array, displacement: Array, at_target: Callable[[Array, Index], Array]
+        self,
+        q: Array,
+        displacement: Array,
+        at_target: Callable[[Array, Index], Array],
+        most_steps: int = closure.MOST_STEPS,
     ) -> Paths:
         """Walk from closed poses.
 
@@ -144,14 +150,16 @@ class Walker:
             Of the motors, over the whole path.
         at_target : callable
             (q, which paths) ↦ q with the motors at their targets, exactly.
+        most_steps : int
+            Tried in each path; what runs out of them is not settled.
         """
         displacement = displacement.T.copy()
         here = self.at(q.T, displacement)
         share, step = np.zeros(len(q)), np.ones(len(q))
         going = np.flatnonzero(self.regular(here))
-        for _ in range(closure.MOST_STEPS):
+        for tried in range(most_steps):
             going, stride = self._strides(here, going, step, 1.0 - share)
-            if not going.size:
+            if going.size <= (_FEW if tried >= _LONG else 0):
                 break
             last = stride >= 1.0 - share[going]
             start = here[going]
