@@ -1,6 +1,6 @@
 """q ⊕ v, what leads from one q to another, and its rates, over recorded numbers.
 
-As `JointKind.moved`, `between` and `arriving`, without a case that is decided at a pose.
+As `JointKind.moved`: slides, then a turn, without a case that is decided at a pose.
 """
 
 from __future__ import annotations
