@@ -7,7 +7,7 @@ interrupts is not lost.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor, wait
 from dataclasses import fields
 from threading import Event, Lock
@@ -93,53 +93,64 @@ def gathered(
         np.empty(shape, dtype=np.int8 if name == "status" else np.float64)
         for name, shape in zip(names, shapes, strict=True)
     ]
-    count = shapes[0][0]
-    left = {at: slice(at, min(at + PIECE, count)) for at in range(0, count, PIECE)}
-    pool, given_up, writing = ThreadPoolExecutor(thread_count(threads)), Event(), Lock()
-
-    def one(at: int) -> int:
-        piece = Piece(left[at], given_up)
-        piece.go_on()
-        parts = work(piece)
-        with writing:
-            piece.go_on()
-            for whole, part in zip(found, parts, strict=True):
-                whole[piece.at] = part
-            return left.pop(at).stop
-
+    filling, pool = _Filling(found, work), ThreadPoolExecutor(thread_count(threads))
     try:
-        # One alone needs no other thread.
-        ends = map(one, list(left)) if len(left) < 2 else _in_order(pool, one, list(left))
-        for done in ends:
+        for done in filling.ends(pool):
             if progress is not None:
-                progress(done, count)
+                progress(done, filling.count)
         pool.shutdown()
     except BaseException as stopped:
-        with writing:
-            given_up.set()  # nothing is written any more: threads are not waited for
+        filling.give_up()  # nothing is written any more: threads are not waited for
         pool.shutdown(wait=False, cancel_futures=True)
         if not isinstance(stopped, KeyboardInterrupt):
             raise
-        _blank(found, left.values())
-        done = count - sum(piece.stop - piece.start for piece in left.values())
-        raise interrupted(f"{done} of {count} poses", kind(*map(sealed, found))) from None
+        told = f"{filling.blank()} of {filling.count} poses"
+        raise interrupted(told, kind(*map(sealed, found))) from None
     return kind(*map(sealed, found))
 
 
-def _in_order(pool: Executor, one: Callable[[int], int], starts: list[int]) -> Iterator[int]:
-    """Yield results in their order, so that the first error is always the same."""
-    for task in [pool.submit(one, at) for at in starts]:
-        while not task.done():
-            wait([task], _HEARING)
-        yield task.result()
+class _Filling:
+    """Arrays of many poses, filled piece by piece, and the pieces that are left."""
 
+    def __init__(self, found: Sequence[NDArray[Any]], work: Work) -> None:
+        self.count, self._found, self._work = len(found[0]), found, work
+        starts = range(0, self.count, PIECE)
+        self._left = {at: slice(at, min(at + PIECE, self.count)) for at in starts}
+        self._given_up, self._writing = Event(), Lock()
 
-def _blank(found: Sequence[NDArray[Any]], pieces: Iterable[slice]) -> None:
-    """Say of some pieces that they are not done."""
-    for array in found:
-        nothing = np.nan if array.dtype == np.float64 else Status.NOT_DONE
-        for piece in pieces:
-            array[piece] = nothing
+    def ends(self, pool: Executor) -> Iterator[int]:
+        """Fill the arrays; yield where pieces end, in their order: so the same error is first."""
+        starts = list(self._left)
+        if len(starts) < 2:  # one alone needs no other thread
+            yield from map(self._fill, starts)
+            return
+        for task in [pool.submit(self._fill, at) for at in starts]:
+            while not task.done():
+                wait([task], _HEARING)
+            yield task.result()
+
+    def give_up(self) -> None:
+        """Let nothing be written any more."""
+        with self._writing:
+            self._given_up.set()
+
+    def blank(self) -> int:
+        """Say of the pieces that are left that they are not done; return how many poses are."""
+        for array in self._found:
+            nothing = np.nan if array.dtype == np.float64 else Status.NOT_DONE
+            for piece in self._left.values():
+                array[piece] = nothing
+        return self.count - sum(piece.stop - piece.start for piece in self._left.values())
+
+    def _fill(self, at: int) -> int:
+        piece = Piece(self._left[at], self._given_up)
+        piece.go_on()
+        parts = self._work(piece)
+        with self._writing:
+            piece.go_on()
+            for whole, part in zip(self._found, parts, strict=True):
+                whole[piece.at] = part
+            return self._left.pop(at).stop
 
 
 def interrupted(what: str, done: object) -> Interrupted:
