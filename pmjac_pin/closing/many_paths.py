@@ -19,7 +19,7 @@ from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
 from pmjac_pin.closing.step_guard import MARGIN
 from pmjac_pin.values.arrays import Array, Index, Mask
 
-_LONG, _FEW = 200, 2  # so few paths with so many steps behind them are walked one by one sooner
+_LONG, _FEW = 300, 2  # so few paths with so many steps behind them are walked one by one sooner
 
 Run = Callable[[Tape, Array], Array]
 
