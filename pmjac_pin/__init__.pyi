@@ -21,6 +21,9 @@ from .errors import (
     IdleMotionError as IdleMotionError,
 )
 from .errors import (
+    Interrupted as Interrupted,
+)
+from .errors import (
     LimitError as LimitError,
 )
 from .errors import (

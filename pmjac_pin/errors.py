@@ -190,6 +190,22 @@ class MissingDependencyError(PmjacError, ImportError):
     """An optional package is needed and not installed."""
 
 
+class Interrupted(KeyboardInterrupt):
+    """Somebody interrupts what computes many poses, by Ctrl-C for one; what is done is kept.
+
+    No `PmjacError`: ``except KeyboardInterrupt`` catches it, and nothing that means errors does.
+
+    Attributes
+    ----------
+    done : ManyClosed, ManyJacobians, ManyMeasures, ManyInGrid or xarray.Dataset
+        What would have been returned; what is not done has the status NOT_DONE, and NaN.
+    """
+
+    def __init__(self, message: str, done: Any = None) -> None:
+        super().__init__(message)
+        self.done = done
+
+
 def shortened(text: str, most: int = _LONGEST_QUOTE) -> str:
     """Return text on one line: as it is, or where it is long its beginning and its end.
 

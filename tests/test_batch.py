@@ -51,7 +51,7 @@ def test_the_same_as_one_by_one(name, share, rng):
     jacobians = many.jacobian(poses.q)
     length = mechanism.characteristic_length
     # The single call is made where the program does not know: hardly ever.
-    *_, settled = many._together(many._start("home", count), values)
+    *_, settled = many._closing.together(np.tile(mechanism.home.q, (count, 1)), values)
     assert settled.mean() > 0.9
     for k, (end, q) in enumerate(single(mechanism, one) for one in values):
         assert poses.share[k] == pytest.approx(end, abs=1e-6)

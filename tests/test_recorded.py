@@ -8,9 +8,11 @@ import pytest
 
 import pmjac_pin as pj
 from pmjac_pin.algebra.numpy_tape import run
-from pmjac_pin.algebra.programs import Recording
+from pmjac_pin.algebra.programs import Recording, objects
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.kinematics.recorded import Recorder
+from pmjac_pin.kinematics.recorded_motions import arriving, between, moved
+from pmjac_pin.kinematics.tree import Tree
 from pmjac_pin.model.joint_kinds import JOINT_KINDS
 from pmjac_pin.rates.sparse_qr import Triangle, norm
 
@@ -97,22 +99,32 @@ def test_a_program_folds_what_is_known(rng):
     np.testing.assert_allclose(run(Tape.of(recording, outputs), values), expected, rtol=1e-15)
 
 
-@pytest.mark.parametrize("kind", JOINT_KINDS)
-def test_motions_between_poses(kind, rng):
-    """`between` undoes `moved`, and `arriving` is the rate of `between` at its end."""
-    entry = JOINT_KINDS[kind]
-    start = entry.moved(_somewhere(entry, 6), rng.normal(size=(6, entry.nv)))
-    way, v = 0.7 * rng.normal(size=(2, 6, entry.nv))
-    end = entry.moved(start, way)
-    np.testing.assert_allclose(entry.between(start, end), way, atol=1e-12)
-    step = 1e-6
-    after, before = (entry.between(start, entry.moved(end, s * v)) for s in (step, -step))
-    rates = (after - before) / (2.0 * step)
-    np.testing.assert_allclose(entry.arriving(way, v), rates, atol=1e-8)
+BUILT = [name for name, kind in JOINT_KINDS.items() if kind.model is not None]
 
 
-def _somewhere(entry, count):
-    if entry.angle:
-        return np.zeros((count, entry.nq))
-    turn = {0: [], 1: [1.0, 0.0], 3: [0.0, 0.0, 0.0, 1.0]}[entry.turns]
-    return np.tile([0.0] * entry.slides + turn, (count, 1))
+@pytest.mark.parametrize("size", [0.0, 1e-200, 1e-9, 1e-4, 0.7])
+@pytest.mark.parametrize("name", BUILT)
+def test_motions(name, size, rng):
+    """`between` undoes `moved`, and `arriving` is its rate at the end; of turns of any size."""
+    kind, model = JOINT_KINDS[name], pin.Model()
+    model.addJoint(0, kind.built(0.3), pin.SE3.Random(), "joint")
+    nq, nv, tree = model.nq, model.nv, Tree(model)
+    recording = Recording(nq + 2 * nv)
+    q, v, rates = np.split(objects(recording.inputs), [nq, nq + nv])
+    end = moved(tree, q, v)
+    on = between(tree, q, moved(tree, end, rates))
+    tape = Tape.of(recording, [*end, *between(tree, q, end), *on, *arriving(tree, v, rates)])
+    for _ in range(5):
+        start = pin.integrate(model, pin.neutral(model), rng.normal(size=nv))
+        step, onward = size * rng.normal(size=nv), rng.normal(size=nv)
+        found = [
+            run(tape, np.concatenate([start, step, h * onward])[:, None])[:, 0]
+            for h in (1e-6, -1e-6, 1.0)
+        ]
+        (_, _, after, _), (_, _, before, _), (ours, back, _, rate) = (
+            np.split(one, [nq, nq + nv, nq + 2 * nv]) for one in found
+        )
+        np.testing.assert_allclose(ours, kind.moved(start[None], step[None])[0], atol=1e-15)
+        np.testing.assert_allclose(back, step, atol=1e-15)
+        np.testing.assert_allclose(rate, (after - before) / 2e-6, atol=1e-9)
+        assert pin.isNormalized(model, ours, 1e-15)

@@ -12,6 +12,7 @@ import pytest
 import pmjac_pin as pj
 from pmjac_pin.algebra import numpy_tape
 from pmjac_pin.algebra.programs import Recording, largest, root, with_sign
+from pmjac_pin.algebra.singular_values import singular_values, singular_values_in
 from pmjac_pin.algebra.tape import INSTRUCTIONS, Tape
 from pmjac_pin.algebra.tape_runner import loaded, run_in
 
@@ -84,14 +85,51 @@ def test_what_is_no_number_stays_none(kernel):
 @pytest.mark.parametrize("name", ["five_bar", "three_rps", "agile_eye", "stewart_gough"])
 def test_of_mechanisms(kernel, name, rng):
     many = pj.batch(pj.load(name))
-    walker, nq = many._walker, many.mechanism.nq
-    motors = len(many.mechanism.actuated)
-    values = np.concatenate([many.mechanism.home.q, np.full(motors, 0.1)])[:, None]
+    walker, nq = many._closing.walker, many.mechanism.nq
+    others = walker.arrival.inputs - nq
+    values = np.concatenate([many.mechanism.home.q, np.linspace(0.0, 0.1, others)])[:, None]
     values = np.repeat(values, 100, axis=1)
     values[:nq] += 1e-6 * rng.normal(size=(nq, 100))
-    expected = numpy_tape.run(walker.point, values)
-    found = run_in(kernel, walker.point, values)
+    expected = numpy_tape.run(walker.arrival, values)
+    found = run_in(kernel, walker.arrival, values)
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12)
+
+
+SHAPES = [(1, 1), (3, 1), (3, 2), (3, 3), (3, 6), (9, 9), (18, 18), (10, 4)]
+
+
+@pytest.mark.parametrize("count", [0, 1, 15, 16, 17, 300])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_singular_values(kernel, shape, count, rng):
+    """Nearly dependent, alike, tiny and vanishing rows and columns among them."""
+    matrices = rng.normal(size=(*shape, count))
+    matrices[:, :, ::7] *= 1e-12
+    matrices[0, :, 1::5] = matrices[-1, :, 1::5]
+    matrices[:, -1, ::5] = matrices[:, 0, ::5]
+    matrices[0, :, ::11] = matrices[-1, :, ::11] + 1e-9 * matrices[0, :, ::11]
+    matrices[:, 0, ::13] = 0.0
+    matrices[:, :, 3:4] = 0.0
+    expected = np.linalg.svd(matrices.transpose(2, 0, 1), compute_uv=False).T
+    found = singular_values_in(kernel, matrices)
+    assert found.shape == expected.shape
+    off = np.abs(found - expected)
+    assert (off <= 3e-15 * max(shape) * expected[:1]).all()
+
+
+def test_small_singular_values_are_exact_beside_their_columns(kernel, rng):
+    """Which those of LAPACK are not: columns of unlike size, otherwise well apart."""
+    scale = 10.0 ** -np.arange(0.0, 20.0, 5.0)
+    turned = np.linalg.qr(rng.normal(size=(4, 4)))[0]
+    found = singular_values_in(kernel, (scale[:, None] * turned)[:, :, None])
+    np.testing.assert_allclose(found[:, 0], scale, rtol=1e-14)
+
+
+def test_singular_values_of_what_is_no_number():
+    matrices = np.ones((2, 3, 3))
+    matrices[0, 0, 1], matrices[1, 2, 2] = np.nan, np.inf
+    found = singular_values(matrices)
+    np.testing.assert_allclose(found[:, 0], [6.0**0.5, 0.0], atol=1e-15)
+    assert np.isnan(found[:, 1:]).all()
 
 
 def test_what_was_built_from_another_source_is_not_loaded(kernel, build, tmp_path):

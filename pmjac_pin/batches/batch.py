@@ -13,35 +13,25 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from pmjac_pin.algebra.tape_runner import kernel, run
-from pmjac_pin.batches.chunks import Progress, fill
-from pmjac_pin.batches.grid import spread, walk_grid
+from pmjac_pin.batches.closing import Closing
+from pmjac_pin.batches.grid import Grid
+from pmjac_pin.batches.judge import Judge
 from pmjac_pin.batches.measures import measured
+from pmjac_pin.batches.pieces import Piece, Progress, Work, gathered
 from pmjac_pin.batches.results import (
     ManyClosed,
     ManyInGrid,
     ManyJacobians,
     ManyMeasures,
-    Status,
     Statuses,
 )
-from pmjac_pin.closing.many_paths import Walker
 from pmjac_pin.closing.motor_values import motor_table
 from pmjac_pin.configuration import Configuration, frame_name
-from pmjac_pin.errors import (
-    ArgumentError,
-    ClosureError,
-    NoJacobianError,
-    SingularError,
-    quoted,
-)
-from pmjac_pin.kinematics.many import ManyPoses
+from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.model.limits import beyond_limits, enforced
-from pmjac_pin.model.twist_frame import FrameName
-from pmjac_pin.values.arrays import Array, Index, Mask
+from pmjac_pin.model.limits import enforced
+from pmjac_pin.values.arrays import Array, Index
 from pmjac_pin.values.checks import as_numbers
-
-_FELT = 1e-13  # of the tool's motion: what idle motions may do to it by rounding
 
 
 def batch(mechanism: Mechanism) -> Batch:
@@ -71,14 +61,9 @@ class Batch:
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
         self.runs_on = "NumPy" if kernel() is None else "kernel"
-        parts, recorded = mechanism._parts, mechanism._recorded
-        self._recorded, self._rates = recorded, recorded.rates
-        self._walker = Walker(
-            parts.problem, ManyPoses(parts.model), recorded.point, recorded.step, run
-        )
-        self._coordinates = parts.coordinates
-        partition = parts.problem.partition
-        self._tied = partition.constraint_rank > partition.passive_rank
+        self._recorded = mechanism._recorded
+        self._closing = Closing.of(mechanism)
+        self._judge = Judge(mechanism, self._recorded.rates.partition)
 
     def close(
         self,
@@ -112,12 +97,15 @@ class Batch:
         ClosureError
             A guess that is not closed.
         """
-        values = motor_table(self.mechanism.spec, self._coordinates, actuated)
-        whose = enforced(enforce_limits)
-        start = self._start(guess, len(values))
-        found = (np.empty(start.shape), np.empty(len(start)), np.empty(len(start), dtype=np.int8))
-        fill(found, lambda at: self._closed(start[at], values[at], whose), threads, progress)
-        return ManyClosed(*found, coordinates=self._coordinates)
+        values = motor_table(self.mechanism.spec, self.mechanism.coordinates, actuated)
+        whose, (start, known) = enforced(enforce_limits), self._start(guess, len(values))
+
+        def work(piece: Piece) -> tuple[Array, Array, Statuses]:
+            if not known:
+                self._closing.check(start[piece.at])
+            return self._closing.close(piece, start[piece.at], values[piece.at], whose)
+
+        return self._closed(start, work, threads, progress)
 
     def grid(
         self,
@@ -154,64 +142,30 @@ class Batch:
         begin = self.mechanism.pose(guess) if isinstance(guess, str) else guess
         if not isinstance(begin, Configuration):
             raise ArgumentError(f"`guess` is a pose's name or a Configuration, got {quoted(guess)}")
-        values = spread(over, self.mechanism.actuated, begin.actuated)
-        cells = values.reshape(-1, begin.actuated.size)
-
-        def close(which: Index, start: Array | None) -> ManyClosed:
-            where = begin if start is None else start
-            return self.close(cells[which], where, enforce_limits=enforce_limits, threads=threads)
-
-        scale = self._rates.partition.column_scale[self._rates.partition.actuated]
-        away = np.linalg.norm((cells - begin.actuated) / scale, axis=1)
-        shape = values.shape[:-1]
-        found = walk_grid(shape, np.argsort(away, kind="stable"), self.mechanism.nq, close)
-        return ManyInGrid(
-            q=found.q.reshape(*shape, -1),
-            share=found.share.reshape(shape),
-            status=found.status.reshape(shape),
-            actuated=values,
-            source=found.source.reshape(shape),
-            coordinates=self._coordinates,
+        grid = Grid.over(
+            over, self.mechanism.problem.partition, self.mechanism.coordinates, begin.actuated
         )
+        whose, home = enforced(enforce_limits), self.mechanism.configuration(begin.q).q
 
-    def _closed(self, start: Array, values: Array, whose: str) -> tuple[Array, Array, Statuses]:
-        """Return q, share and status of one piece."""
-        q, share, settled = self._together(start, values)
-        # Another branch may have more rank than home's, of which the program knows nothing.
-        full = self.mechanism.problem.partition.full
-        settled &= (share == 1.0) | (full & (share > 0.0))
-        for index in np.flatnonzero(~settled).tolist():
-            q[index], share[index] = self._alone(start[index], values[index])
-        status = np.where(share == 1.0, Status.CLOSED, Status.STOPPED).astype(np.int8)
-        if whose != "none":
-            motors = self._rates.partition.actuated
-            status[self._coordinates.beyond(values, motors).any(axis=1)] = Status.LIMITS
-        if whose == "all":
-            beyond = beyond_limits(self._coordinates, q)
-            status[beyond & (status == Status.CLOSED)] = Status.LIMITS
-        return q, share, status
+        def close(which: Index, start: Array | None, most_steps: int | None) -> ManyClosed:
+            targets = grid.cells[which]
+            begin = np.broadcast_to(home, (which.size, home.size)) if start is None else start
 
-    def _together(self, start: Array, values: Array) -> tuple[Array, Array, Mask]:
-        """Walk all paths by the program; return q, share, and of which this is certain."""
-        if self._tied:  # some motors lead and others are led: the single call knows which
-            return start.copy(), np.zeros(len(values)), np.zeros(len(values), dtype=bool)
-        coordinates, motors = self._coordinates, self._rates.partition.actuated
-        displacement = values - coordinates.values_of(start, motors)
-        turns = np.round(displacement / (2.0 * np.pi)) * coordinates.wraps[motors]
-        paths = self._walker.walk(
-            start,
-            displacement - 2.0 * np.pi * turns,
-            lambda q, which: coordinates.with_values(q, motors, values[which]),
-        )
-        return paths.points.q, paths.share, paths.settled
+            def work(piece: Piece) -> tuple[Array, Array, Statuses]:
+                at = piece.at
+                return self._closing.close(piece, begin[at], targets[at], whose, most_steps)
 
-    def _alone(self, start: Array, values: Array) -> tuple[Array, float]:
-        """Walk a path by the single call; return its end, and the share of the way."""
-        guess = self.mechanism.configuration(start)
-        try:
-            return self.mechanism.close(values, guess, enforce_limits=False).q, 1.0
-        except ClosureError as error:
-            return (start if error.reached is None else error.reached.q), error.share
+            return self._closed(begin, work, threads)
+
+        return grid.walk(self.mechanism.nq, close)
+
+    def _closed(
+        self, start: Array, work: Work, threads: int | None, progress: Progress | None = None
+    ) -> ManyClosed:
+        count = len(start)
+        shapes = (start.shape, (count,), (count,))
+        coordinates = self.mechanism.coordinates
+        return gathered(ManyClosed, shapes, work, threads, progress, coordinates=coordinates)
 
     def jacobian(
         self,
@@ -232,13 +186,12 @@ class Batch:
         """
         poses, name = self._poses(q), frame_name(frame)
         tape, count, n = self._recorded.jacobian(name), len(poses), len(self.mechanism.actuated)
-        found = (np.empty((count, 6, n)), np.empty(count, dtype=np.int8))
 
-        def work(at: slice) -> tuple[Array, Statuses]:
-            return self._judged(poses[at], run(tape, poses[at].T), name)
+        def work(piece: Piece) -> tuple[Array, Statuses]:
+            part = poses[piece.at]
+            return self._judge.judged(piece, part, run(tape, part.T), name)
 
-        fill(found, work, threads, progress)
-        return ManyJacobians(*found)
+        return gathered(ManyJacobians, ((count, 6, n), (count,)), work, threads, progress)
 
     def measures(
         self, q: ArrayLike, *, threads: int | None = None, progress: Progress | None = None
@@ -261,55 +214,28 @@ class Batch:
         """
         poses, tape, n = self._poses(q), self._recorded.measures, len(self.mechanism.actuated)
         shapes = ((6, n), (), (3,), (3,), (), (), (3,), (3, 3))  # in the order of ManyMeasures
-        found: list[Any] = [np.empty((len(poses), *shape)) for shape in shapes]
-        found[1] = np.empty(len(poses), dtype=np.int8)
 
-        def work(at: slice) -> list[Array]:
-            told = run(tape, poses[at].T)
-            J_eq, status = self._judged(poses[at], told, "LOCAL_WORLD_ALIGNED")
+        def work(piece: Piece) -> list[Array]:
+            told = run(tape, poses[piece.at].T)
+            judged = self._judge.judged(piece, poses[piece.at], told, "LOCAL_WORLD_ALIGNED")
             return [
-                *vars(measured(J_eq, status, told[6 + 6 * n :], self._rates.partition)).values()
+                *vars(measured(*judged, told[6 + 6 * n :], self._recorded.rates.partition)).values()
             ]
 
-        fill(found, work, threads, progress)
-        return ManyMeasures(*found)
+        whole = [(len(poses), *shape) for shape in shapes]
+        return gathered(ManyMeasures, whole, work, threads, progress)
 
-    def _judged(self, poses: Array, found: Array, frame: FrameName) -> tuple[Array, Statuses]:
-        """Return J_eq of what a tape found, where that is certain, else of the single call."""
-        partition, n = self._rates.partition, len(self.mechanism.actuated)
-        gap, inverse, size, forbidden, felt, tool = found[:6]
-        least = partition.rank_tolerance * np.maximum(size, partition.least_size)
-        certain = (gap <= self.mechanism.problem.tolerance) & (inverse * least < 1.0)
-        certain &= (forbidden <= least) & (felt <= _FELT * tool) & (not partition.isolated)
-        J_eq = found[6 : 6 + 6 * n].T.reshape(-1, 6, n).copy()
-        status = np.zeros(len(poses), dtype=np.int8)
-        for index in np.flatnonzero(~certain).tolist():
-            J_eq[index], status[index] = self._single(poses[index], frame)
-        return J_eq, status
-
-    def _single(self, q: Array, frame: str) -> tuple[Any, Status]:
-        """Return what the single call says at a pose."""
-        try:
-            return self.mechanism.configuration(q).jacobian(frame).J_eq, Status.CLOSED
-        except ClosureError:
-            return np.nan, Status.OPEN
-        except SingularError:
-            return np.nan, Status.SINGULAR
-        except NoJacobianError:
-            return np.nan, Status.NO_JACOBIAN
-
-    def _start(self, guess: Any, count: int) -> Array:
+    def _start(self, guess: Any, count: int) -> tuple[Array, bool]:
+        """Return where the paths begin, and whether it is known that the loops are closed there."""
         if isinstance(guess, str):
             guess = self.mechanism.pose(guess)
         if isinstance(guess, Configuration):
-            return np.tile(self.mechanism.configuration(guess.q).q, (count, 1))
+            q = self.mechanism.configuration(guess.q).q
+            return np.broadcast_to(q, (count, q.size)), True
         start = self._poses(guess)
         if len(start) != count:
             raise ArgumentError(f"{count} guesses expected, one for each target; got {len(start)}")
-        gap = self._walker.at(start, np.zeros((count, len(self.mechanism.actuated)))).gap
-        for index in np.flatnonzero(gap > self.mechanism.problem.tolerance)[:1].tolist():
-            self.mechanism.configuration(start[index])  # says how far the loops are open
-        return start
+        return start, False
 
     def _poses(self, q: Any) -> Array:
         poses = as_numbers(q, "q")

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from pmjac_pin.algebra.singular_values import singular_values
 from pmjac_pin.batches.results import ManyMeasures, Status, Statuses
 from pmjac_pin.rates.ellipse import flattened
 from pmjac_pin.rates.jacobian import RADIUS_ROUNDING
 from pmjac_pin.rates.partition import Partition
-from pmjac_pin.values.arrays import Array, Mask
+from pmjac_pin.values.arrays import Array
 
 
 def measured(J_eq: Array, status: Statuses, found: Array, partition: Partition) -> ManyMeasures:
@@ -17,13 +18,13 @@ def measured(J_eq: Array, status: Statuses, found: Array, partition: Partition) 
     Parameters
     ----------
     J_eq, status : ndarray, shapes (N, 6, n) and (N,)
-    found : ndarray, shape (15 + p m_p, N)
+    found : ndarray, shape (15 + k m_p, N)
         What `RecordedRates.measures_tape` gives after J_eq.
     partition : Partition
     """
     size, linear, angular = found[:3]
     tool = np.where(status == Status.OPEN, np.nan, found[3:15]).T
-    smallest, condition = _nearness(found[15:].T, size, partition)
+    smallest, condition = _nearness(found[15:], size, partition)
     smallest[status == Status.OPEN] = condition[status == Status.OPEN] = np.nan
     return ManyMeasures(
         J_eq=J_eq,
@@ -39,7 +40,7 @@ def measured(J_eq: Array, status: Statuses, found: Array, partition: Partition) 
 
 def _radii(block: Array, size: Array) -> Array:
     """Return singular values of (N, 3, n) blocks, (N, 3), zero where they are rounding."""
-    values = singular_values(block)
+    values = singular_values(block.transpose(1, 2, 0)).T
     radii = np.zeros((len(block), 3))
     radii[:, : values.shape[1]] = values
     flat = flattened(radii, radii[:, :1])
@@ -48,22 +49,14 @@ def _radii(block: Array, size: Array) -> Array:
     return flat
 
 
-def _nearness(K_star: Array, size: Array, partition: Partition) -> tuple[Array, Array]:
-    """Return `Singularity.smallest` and `condition` of dimensionless K* (N, p m_p)."""
-    rank, count = partition.passive_rank, len(K_star)
+def _nearness(entries: Array, size: Array, partition: Partition) -> tuple[Array, Array]:
+    """Return `Singularity.smallest` and `condition` of (k m_p, N) entries like K*."""
+    rank, count = partition.passive_rank, entries.shape[1]
     if not rank:
         return np.full(count, np.inf), np.ones(count)
-    blocks = K_star.reshape(count, partition.row_scale.size, partition.passive.size)
-    values = singular_values(blocks) / np.maximum(size, partition.least_size)[:, None]
-    smallest, largest = values[:, rank - 1], values[:, 0]
-    condition = np.full(len(values), np.inf)
+    blocks = entries.reshape(-1, partition.passive.size, count)
+    values = singular_values(blocks) / np.maximum(size, partition.least_size)
+    smallest, largest = values[rank - 1], values[0]
+    condition = np.full(count, np.inf)
     np.divide(largest, smallest, out=condition, where=smallest > 0.0)
     return smallest.copy(), condition
-
-
-def singular_values(matrices: Array) -> Array:
-    """Return those of each of (N, p, k) matrices, descending; NaN where an entry is no number."""
-    known: Mask = np.asarray(np.isfinite(matrices).all(axis=(1, 2)))
-    values = np.linalg.svd(np.where(known[:, None, None], matrices, 0.0), compute_uv=False)
-    found: Array = np.where(known[:, None], values, np.nan)
-    return found

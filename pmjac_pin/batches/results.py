@@ -28,6 +28,7 @@ class Status(IntEnum):
     SINGULAR = 4
     NO_JACOBIAN = 5
     NOT_ASSEMBLED = 6
+    NOT_DONE = 7
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +43,7 @@ class ManyClosed(ReadOnlyArrays):
         Of the way from the guess to the target; 1 where it was reached.
     status : ndarray of int, shape (N,)
         `Status`: CLOSED; STOPPED where `close` raises ClosureError; LIMITS where it raises
-        LimitError.
+        LimitError; NOT_DONE where somebody interrupted (`Interrupted`).
     beyond_limits : ndarray of bool, shape (N,)
         Where a joint is beyond its limits at `q`, motors or others: what `limits_violated` of the
         `Configuration` names. With ``enforce_limits="all"`` none is both CLOSED and beyond.

@@ -8,7 +8,7 @@ correction counts as small; what the paths lead to does not depend on either.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,41 +17,81 @@ from pmjac_pin.closing import closure
 from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
 from pmjac_pin.closing.step_guard import MARGIN
-from pmjac_pin.kinematics.many import ManyPoses
 from pmjac_pin.values.arrays import Array, Index, Mask
+
+_LONG, _FEW = 300, 2  # so few paths with so many steps behind them are walked one by one sooner
 
 Run = Callable[[Tape, Array], Array]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Points:
-    """Poses and what is known there, one row each.
+    """Poses and what is known there, one column each.
 
     Attributes
     ----------
-    q : ndarray, shape (b, nq)
-    gap : ndarray, shape (b,)
-        How far the loops are open, m.
-    inverse, size : ndarray, shape (b,)
-        ‖K*⁻¹‖ and ‖[K K*]‖, dimensionless.
-    newton, velocity : ndarray, shape (b, nv)
-        What closes the loops, and how all joints follow the motors.
+    numbers : ndarray, shape (nq + 5 + 2 nv, b)
+        As `RecordedRates.arrival_tape` gives them.
+    nq : int
     """
 
-    q: Array
-    gap: Array
-    inverse: Array
-    size: Array
-    newton: Array
-    velocity: Array
+    numbers: Array
+    nq: int
 
     def __getitem__(self, which: Index | Mask) -> Points:
-        return Points(*(getattr(self, one.name)[which] for one in fields(self)))
+        return Points(self.numbers[:, which], self.nq)
 
     def put(self, which: Index, others: Points) -> None:
-        """Take others' rows in place of some of these."""
-        for one in fields(self):
-            getattr(self, one.name)[which] = getattr(others, one.name)
+        """Take others' columns in place of some of these."""
+        self.numbers[:, which] = others.numbers
+
+    @property
+    def q(self) -> Array:
+        """Shape (nq, b)."""
+        return self.numbers[: self.nq]
+
+    @property
+    def gap(self) -> Array:
+        """How far the loops are open, m."""
+        return self._known(0)
+
+    @property
+    def inverse(self) -> Array:
+        """‖K*⁻¹‖, dimensionless."""
+        return self._known(1)
+
+    @property
+    def size(self) -> Array:
+        """‖[K K*]‖, dimensionless."""
+        return self._known(2)
+
+    @property
+    def correction(self) -> Array:
+        """The size of `newton`, a rad counted as one length."""
+        return self._known(3)
+
+    @property
+    def pace(self) -> Array:
+        """The size of `velocity`."""
+        return self._known(4)
+
+    @property
+    def newton(self) -> Array:
+        """What closes the loops, (nv, b)."""
+        return self.numbers[self.nq + 5 :][: self._nv]
+
+    @property
+    def velocity(self) -> Array:
+        """How all joints follow the motors, (nv, b)."""
+        return self.numbers[self.nq + 5 + self._nv :]
+
+    @property
+    def _nv(self) -> int:
+        return (len(self.numbers) - self.nq - 5) // 2
+
+    def _known(self, place: int) -> Array:
+        known: Array = self.numbers[self.nq + place]
+        return known
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,7 +100,7 @@ class Paths:
 
     Attributes
     ----------
-    points : Points
+    q : ndarray, shape (b, nq)
         A closed pose each.
     share : ndarray, shape (b,)
         Of the way; 1 at the target.
@@ -70,7 +110,7 @@ class Paths:
         beside a target that may be: what `close` says of them is not known here.
     """
 
-    points: Points
+    q: Array
     share: Array
     settled: Mask
 
@@ -82,21 +122,24 @@ class Walker:
     Attributes
     ----------
     problem : ClosureProblem
-    poses : ManyPoses
-    point, step : Tape
-        `RecordedRates.point_tape` and `step_tape`.
+    move, arrival, leg : Tape
+        `RecordedRates.move_tape` and `arrival_tape`, and `leg_tape`.
     run : callable
         (tape, inputs (k, b)) ↦ outputs.
     """
 
     problem: ClosureProblem
-    poses: ManyPoses
-    point: Tape
-    step: Tape
+    move: Tape
+    arrival: Tape
+    leg: Tape
     run: Run
 
     def walk(
-        self, q: Array, displacement: Array, at_target: Callable[[Array, Index], Array]
+        self,
+        q: Array,
+        displacement: Array,
+        at_target: Callable[[Array, Index], Array],
+        most_steps: int = closure.MOST_STEPS,
     ) -> Paths:
         """Walk from closed poses.
 
@@ -107,21 +150,27 @@ class Walker:
             Of the motors, over the whole path.
         at_target : callable
             (q, which paths) ↦ q with the motors at their targets, exactly.
+        most_steps : int
+            Tried in each path; what runs out of them is not settled.
         """
-        here, share, step = self.at(q.copy(), displacement), np.zeros(len(q)), np.ones(len(q))
+        displacement = displacement.T.copy()
+        here = self.at(q.T, displacement)
+        share, step = np.zeros(len(q)), np.ones(len(q))
         going = np.flatnonzero(self.regular(here))
-        for _ in range(closure.MOST_STEPS):
+        for tried in range(most_steps):
             going, stride = self._strides(here, going, step, 1.0 - share)
-            if not going.size:
+            if going.size <= (_FEW if tried >= _LONG else 0):
                 break
             last = stride >= 1.0 - share[going]
-            tangent = here.velocity[going] * stride[:, None]
-            ahead = self.poses.moved(here.q[going], tangent)
-            ahead[last] = at_target(ahead[last], going[last])
+            start = here[going]
+            tangent = start.velocity * stride
+            ahead = self.run(self.move, np.vstack([start.q, tangent]))
+            ahead[:, last] = at_target(ahead[:, last].T, going[last]).T
             step[going] = 0.5 * stride
-            found, good = self._correct(ahead, tangent, displacement[going], last)
-            arriving = found.velocity * stride[good, None]
-            covered = self._covers(here.q[going[good]], found.q, tangent[good], arriving)
+            allowed = closure.LARGEST_CORRECTION * stride * start.pace
+            found, good = self._correct(ahead, allowed, displacement[:, going], last)
+            steps = [start.q[:, good], found.q, tangent[:, good], found.velocity * stride[good]]
+            covered = self._covers(np.vstack(steps))
             good = good[covered]
             done, found = going[good], found[covered]
             here.put(done, found)
@@ -133,15 +182,15 @@ class Walker:
         settled = left > closure.HARDLY_ANYTHING * self.problem.partition.length
         settled[going] = False
         for index in np.flatnonzero(settled & ~self.regular(here)).tolist():
-            factors = closed_point(self.problem, here.q[index]).factors
+            factors = closed_point(self.problem, here.q[:, index].copy()).factors
             settled[index] = factors.rank < self.problem.partition.passive_rank
-        return Paths(here, share, settled | (share == 1.0))
+        return Paths(here.q.T.copy(), share, settled | (share == 1.0))
 
-    def at(self, q: Array, displacement: Array) -> Points:
-        """Return what is known at poses, closed or not."""
-        gap, inverse, size, *motions = self.run(self.point, np.vstack([q.T, displacement.T]))
-        newton, velocity = np.reshape(motions, (2, len(motions) // 2, len(q))).transpose(0, 2, 1)
-        return Points(q, gap, inverse, size, newton, velocity)
+    def at(self, q: Array, displacement: Array, v: Array | None = None) -> Points:
+        """Return what is known at q ⊕ v, shapes (nq, b), (n, b) and (nv, b), closed or not."""
+        nv = self.problem.partition.column_scale.size
+        motion = np.zeros((nv, q.shape[1])) if v is None else v
+        return Points(self.run(self.arrival, np.vstack([q, motion, displacement])), len(q))
 
     def regular(self, points: Points) -> Mask:
         """Tell where K* has its generic rank for certain."""
@@ -151,55 +200,44 @@ class Walker:
 
     def _strides(self, here: Points, going: Index, step: Array, left: Array) -> tuple[Index, Array]:
         """Return the paths that go on, and how far in one step, as a share of the whole way."""
-        length = self.problem.partition.length
-        pace = self._size(here.velocity[going])
+        length, pace = self.problem.partition.length, here.pace[going]
         most = np.where(pace > 0.0, closure.LARGEST_STEP * length / np.maximum(pace, 1e-300), 1.0)
         stride = np.minimum(np.minimum(step[going], most), left[going])
         on = (stride == left[going]) | (stride * pace >= closure.SMALLEST_STEP * length)
         return going[on], stride[on]
 
     def _correct(
-        self, q: Array, tangent: Array, displacement: Array, last: Mask
+        self, q: Array, allowed: Array, displacement: Array, last: Mask
     ) -> tuple[Points, Index]:
         """Newton on the passive joints, as `closure` does; return what it closed, and which."""
         enough = np.where(last, ROUNDING, closure.WALKING) * self.problem.partition.length
-        allowed = closure.LARGEST_CORRECTION * self._size(tangent)
-        before = np.full(len(q), np.inf)
         found = self.at(q, displacement)
-        left, at, good = np.arange(len(q)), found, np.zeros(len(q), dtype=bool)
+        left, at, good = np.arange(len(last)), found, np.zeros(len(last), dtype=bool)
+        before = np.full(len(last), np.inf)
         for _ in range(closure.MOST_CORRECTIONS):
-            size, closed = self._size(at.newton), at.gap <= self.problem.tolerance
+            size, closed = at.correction, at.gap <= self.problem.tolerance
             done = closed & ~np.isfinite(size) | (at.gap <= enough[left])
-            done |= closed & (at.gap > 0.5 * before[left])
-            found.put(left[done], at[done])
+            done |= closed & (at.gap > 0.5 * before)
+            if at is not found:
+                found.put(left[done], at[done])
             good[left[done]] = True
-            on = ~done & (closed | (size <= allowed[left]))
-            left, at = left[on], at[on]
+            on = ~done & (closed | (size <= allowed))
+            left = left[on]
             if not left.size:
                 break
-            allowed[left], before[left] = closure.SLOWEST_CONTRACTION * size[on], at.gap
-            at = self.at(self.poses.moved(at.q, at.newton), displacement[left])
+            at = at[on]
+            allowed, before = closure.SLOWEST_CONTRACTION * size[on], at.gap
+            at = self.at(at.q, displacement[:, left], at.newton)
         good &= found.inverse * found.size * closure.NO_INVERSE < 1.0
         return found[good], np.flatnonzero(good)
 
-    def _covers(self, start: Array, end: Array, leaving: Array, arriving: Array) -> Mask:
+    def _covers(self, steps: Array) -> Mask:
         """Tell which steps are proven regular, as `StepGuard.covers` does."""
-        if not len(start):  # not every SciPy turns nothing
-            return np.zeros(0, dtype=bool)
-        way = self.poses.between(start, end)
-        arriving = self.poses.arriving(way, arriving)
-        half = self.poses.moved(start, 0.5 * way + 0.125 * (leaving - arriving))
-        inputs = np.vstack([x.T for x in (start, end, half, leaving, arriving, way)])
-        change, rho, tau, within, inverse = self.run(self.step, inputs)
+        change, rho, tau, within, inverse = self.run(self.leg, steps)
         contracts = MARGIN * (change + inverse * within) < 1.0
         return np.asarray(contracts & (change < 1.0) & (within * tau <= rho))
 
     def _size_of_motors(self, displacement: Array) -> Array:
         partition = self.problem.partition
-        scaled = displacement / partition.column_scale[partition.actuated]
-        return np.asarray(np.linalg.norm(scaled, axis=1))
-
-    def _size(self, motion: Array) -> Array:
-        """Return the norms of motions (b, nv), a rad counted as one length."""
-        norms: Array = np.linalg.norm(motion / self.problem.partition.column_scale, axis=1)
-        return norms
+        scaled = displacement / partition.column_scale[partition.actuated, None]
+        return np.asarray(np.linalg.norm(scaled, axis=0))

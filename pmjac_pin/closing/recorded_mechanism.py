@@ -114,6 +114,16 @@ class RecordedMechanism:
         return step_tape(self.rates, arms_of(parts.model, parts.spec.loops, parts.values))
 
     @cached_property
+    def walking(self) -> tuple[Tape, Tape, Tape]:
+        """What a `Walker` of many paths takes: moves, arrivals and legs."""
+        from pmjac_pin.closing.arms import arms_of  # noqa: PLC0415
+        from pmjac_pin.closing.recorded_step import leg_tape  # noqa: PLC0415
+
+        parts, rates = self._parts, self.rates
+        arms = arms_of(parts.model, parts.spec.loops, parts.values)
+        return rates.move_tape(), rates.arrival_tape(), leg_tape(rates, arms)
+
+    @cached_property
     def measures(self) -> Tape:
         """`RecordedRates.measures_tape`."""
         return self.rates.measures_tape()
@@ -125,7 +135,7 @@ class RecordedMechanism:
         return self._jacobians[frame]
 
     def _serves_many(self) -> bool:
-        return "step" in self.__dict__
+        return "walking" in self.__dict__
 
     def _one_pose(self) -> OnePose | None:
         from pmjac_pin.closing.one_pose import OnePose  # noqa: PLC0415

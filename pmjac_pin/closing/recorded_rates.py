@@ -7,16 +7,18 @@ smallest singular value, is above the rank tolerance; where it is not, nothing i
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import Recording, largest, zeros
+from pmjac_pin.algebra.programs import Recording, largest, objects, zeros
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
+from pmjac_pin.kinematics.recorded_motions import moved
 from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.rates.sparse_qr import Triangle, norm
@@ -41,6 +43,8 @@ class RecordedEquivalent:
     motions : number
         ‖G‖ on scaled rates, idle motions at rest.
     J_eq : ndarray, shape (6, n)
+    likeness : ndarray, shape (k, m_p)
+        Has the singular values of K*.
     """
 
     gap: Any
@@ -52,6 +56,7 @@ class RecordedEquivalent:
     turning: Any
     motions: Any
     J_eq: Numbers
+    likeness: Numbers
 
     def judged(self) -> list[Any]:
         """Return J_eq's entries after what says whether they hold."""
@@ -102,27 +107,53 @@ class RecordedRates:
             gap = largest(gap, -self.partition.length * cosine)
         return gap
 
+    def move_tape(self) -> Tape:
+        """Return (q, v) ↦ q ⊕ v."""
+        nq, nv = self.recorder.nq, self.recorder.nv
+        recording = Recording(nq + nv)
+        inputs = np.array(recording.inputs, dtype=object)
+        return Tape.of(recording, moved(self.recorder.tree, inputs[:nq], inputs[nq:]).tolist())
+
     def point_tape(self) -> Tape:
         """Return (q, θ̇) ↦ (gap, ‖K*⁻¹‖, ‖[K K*]‖, Newton step, path velocity).
 
         The gap is in m; both motions are (nv,) in the units of v, the latter −K*⁻¹ K θ̇ beside θ̇.
         """
-        nq, nv, motors = self.recorder.nq, self.recorder.nv, self.partition.actuated
+        nq, motors = self.recorder.nq, self.partition.actuated
         recording = Recording(nq + motors.size)
-        rates = np.array(recording.inputs[nq:], dtype=object)
-        kinematics = self.recorder.at(recording.inputs[:nq])
-        matrix, scale = self.scaled(kinematics.rates), self.partition.column_scale
+        known, motions = self._point(recording.inputs[:nq], objects(recording.inputs[nq:]))
+        scale = self.partition.column_scale
+        return Tape.of(recording, [*known, *(motions * scale).ravel()])
+
+    def arrival_tape(self) -> Tape:
+        """Return (q, v, θ̇) ↦ what `Points` holds of q ⊕ v.
+
+        That is q ⊕ v, what `point_tape` gives there, and between its norms and its motions the
+        sizes of these, a rad counted as one length.
+        """
+        nq, nv, motors = self.recorder.nq, self.recorder.nv, self.partition.actuated
+        recording = Recording(nq + nv + motors.size)
+        start, v, rates = np.split(objects(recording.inputs), [nq, nq + nv])
+        q = moved(self.recorder.tree, start, v)
+        known, motions = self._point(q.tolist(), rates)
+        sizes = [norm(motion) for motion in motions]
+        moves = (motions * self.partition.column_scale).ravel()
+        return Tape.of(recording, [*q, *known, *sizes, *moves])
+
+    def _point(self, q: Sequence[Any], rates: Numbers) -> tuple[list[Any], Numbers]:
+        """Return gap and norms, and the dimensionless Newton step and path velocity, (2, nv)."""
+        motors, scale = self.partition.actuated, self.partition.column_scale
+        kinematics = self.recorder.at(q)
+        matrix = self.scaled(kinematics.rates)
         error = kinematics.residual * self.partition.row_scale
         gap = self.gap(kinematics)
         driven = matrix[:, motors] @ (rates / scale[motors])
         count = self.kept.size
         triangle = Triangle.of(np.column_stack([matrix[:, self.kept], error, driven]), count)
-        newton, velocity = zeros(nv), zeros(nv)
-        steps = triangle.solve([count, count + 1])
-        newton[self.kept], velocity[self.kept] = -(steps * scale[self.kept, None]).T
-        velocity[motors] = rates
-        known = [gap, triangle.inverse_norm(), norm(matrix)]
-        return Tape.of(recording, [*known, *newton, *velocity])
+        motions = zeros(2, scale.size)
+        motions[:, self.kept] = -triangle.solve([count, count + 1]).T
+        motions[1, motors] = rates / scale[motors]
+        return [gap, triangle.inverse_norm(), norm(matrix)], motions
 
     def jacobian_tape(self, frame: FrameName) -> Tape:
         """Return q ↦ (gap, ‖K*⁻¹‖, ‖[K K*]‖, forbidden, felt, ‖J‖, J_eq).
@@ -147,18 +178,19 @@ class RecordedRates:
         return Tape.of(recording, known)
 
     def measures_tape(self) -> Tape:
-        """Return q ↦ (those of `jacobian_tape`, sizes (3,), tool (12,), K*).
+        """Return q ↦ (those of `jacobian_tape`, sizes (3,), tool (12,), (k, m_p) entries).
 
         Sizes are ‖[K K*]‖, and what the entries of J_eq are compared with, linear and angular;
-        of the tool the position and the rotation (3, 3); K* is (p, m_p), dimensionless.
+        of the tool the position and the rotation (3, 3); the last are of a matrix that has the
+        singular values of the dimensionless K*.
         """
-        recording, passive = Recording(self.recorder.nq), self.partition.passive
+        recording = Recording(self.recorder.nq)
         kinematics = self.recorder.at(recording.inputs)
         found = self.equivalent(kinematics, "LOCAL_WORLD_ALIGNED")
         sizes = [found.size, found.tool * found.motions, found.turning * found.motions]
         tool = [*kinematics.position, *kinematics.rotation.ravel()]
-        K_star = self.scaled(kinematics.rates)[:, passive]
-        return Tape.of(recording, [*found.judged(), *sizes, *tool, *K_star.ravel()])
+        entries = found.likeness.ravel()
+        return Tape.of(recording, [*found.judged(), *sizes, *tool, *entries])
 
     def equivalent(self, kinematics: RecordedKinematics, frame: FrameName) -> RecordedEquivalent:
         """Return J_eq in a frame, and what says whether it exists."""
@@ -169,10 +201,10 @@ class RecordedRates:
         triangle = Triangle.of(np.hstack([matrix[:, self.kept], matrix[:, followed]]), count)
         rates = triangle.solve(range(count, count + followed.size))
         tool = in_frame(kinematics, frame) * partition.column_scale
-        moved = tool[:, followed] - tool[:, self.kept] @ rates
+        carried = tool[:, followed] - tool[:, self.kept] @ rates
         scale = partition.column_scale[motors]
         judged = np.vstack([tool[:3], partition.length * tool[3:]])
-        felt = np.vstack([moved[:3], partition.length * moved[3:]])[:, : idle.size]
+        felt = np.vstack([carried[:3], partition.length * carried[3:]])[:, : idle.size]
         forbidden = triangle.matrix[
             np.ix_(triangle.left_over, range(count + idle.size, count + followed.size))
         ]
@@ -185,7 +217,8 @@ class RecordedRates:
             tool=norm(judged),
             turning=norm(tool[3:]),
             motions=norm(np.vstack([np.eye(motors.size), rates[:, idle.size :]]) / scale),
-            J_eq=moved[:, idle.size :] / scale,
+            J_eq=carried[:, idle.size :] / scale,
+            likeness=matrix[:, partition.passive] if idle.size else triangle.triangle(),
         )
 
 

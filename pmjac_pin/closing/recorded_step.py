@@ -11,50 +11,73 @@ a step is covered where W τ ≤ ρ and N + ‖A⁺‖ W < 1.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import Recording, largest, roots, zeros
+from pmjac_pin.algebra.programs import Recording, largest, objects, roots, zeros
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.arms import Arms
 from pmjac_pin.closing.bends import Bends, MotionSeries
 from pmjac_pin.closing.recorded_rates import RecordedRates
 from pmjac_pin.closing.step_guard import CUBIC, QUADRATIC, SLOPES
+from pmjac_pin.kinematics.recorded_motions import arriving, between, moved
 from pmjac_pin.rates.sparse_qr import Triangle, norm
 
 
 def step_tape(loops: RecordedRates, arms: Arms) -> Tape:
     """Return (q₀, q₁, p(½), leaving, arriving, way) ↦ (N, ρ, τ, W, ‖A⁺‖)."""
-    nq, nv, kept = loops.recorder.nq, loops.recorder.nv, loops.kept
+    nq, nv = loops.recorder.nq, loops.recorder.nv
     recording = Recording(3 * nq + 3 * nv)
-    inputs = np.array(recording.inputs, dtype=object)
-    poses = [loops.recorder.at(inputs[k * nq : (k + 1) * nq].tolist()) for k in range(3)]
-    first, last, middle = (loops.scaled(pose.rates)[:, kept] for pose in poses)
+    poses, rates = np.split(objects(recording.inputs), [3 * nq])
+    return Tape.of(recording, _covered(loops, arms, poses.reshape(3, nq), rates.reshape(3, nv)))
+
+
+def leg_tape(loops: RecordedRates, arms: Arms) -> Tape:
+    """Return (q₀, q₁, leaving, arriving) ↦ those of `step_tape`.
+
+    What arrives moves on from q₁ here, and is not yet a rate of the way.
+    """
+    nq, nv, tree = loops.recorder.nq, loops.recorder.nv, loops.recorder.tree
+    recording = Recording(2 * nq + 2 * nv)
+    start, end, leaving, onward = np.split(objects(recording.inputs), [nq, 2 * nq, 2 * nq + nv])
+    way = between(tree, start, end)
+    at_end = arriving(tree, way, onward)
+    half = moved(tree, start, 0.5 * way + 0.125 * (leaving - at_end))
+    poses, rates = np.array([start, end, half]), np.array([leaving, at_end, way])
+    return Tape.of(recording, _covered(loops, arms, poses, rates))
+
+
+def _covered(loops: RecordedRates, arms: Arms, poses: Numbers, rates: Numbers) -> list[Any]:
+    """Return (N, ρ, τ, W, ‖A⁺‖) of q₀, q₁ and p(½), and of leaving, arriving and way."""
+    kept, at = loops.kept, [loops.recorder.at(q.tolist()) for q in poses]
+    first, last, middle = (loops.scaled(pose.rates)[:, kept] for pose in at)
     triangle = Triangle.of(np.hstack([first, last - first, middle - first]), kept.size)
     changes = triangle.solve(range(kept.size, 3 * kept.size))
     straight, bent = changes[:, : kept.size], changes[:, kept.size :]
     inverse, bends = triangle.inverse_norm(), Bends(arms, roots)
-    motion = _motion(bends, inputs[:nq], *inputs[3 * nq :].reshape(3, nv))
+    motion = _motion(bends, poses[0], *rates)
     row_scale = loops.partition.row_scale
     open_by = (CUBIC * bends.residual(motion) + bends.rounding(motion)) * row_scale
-    slopes = (poses[1].residual - poses[0].residual) * row_scale
+    slopes = (at[1].residual - at[0].residual) * row_scale
     rho = norm(open_by) + SLOPES * norm(slopes)
     left_out = loops.scaled(QUADRATIC * bends.rates(motion))[:, kept]
     change = norm(straight) + norm(bent - 0.5 * straight) + inverse * norm(left_out)
     tau = inverse * rho / (1.0 - change)
-    reach = zeros(nv)
+    reach = zeros(loops.recorder.nv)
     reach[kept] = [2.0 * tau * scale for scale in loops.partition.column_scale[kept].tolist()]
     within = norm(loops.scaled(bends.within(motion, reach))[:, kept])
-    return Tape.of(recording, [change, rho, tau, within, inverse])
+    return [change, rho, tau, within, inverse]
 
 
 def _motion(
-    bends: Bends, q: Numbers, leaving: Numbers, arriving: Numbers, way: Numbers
+    bends: Bends, q: Numbers, leaving: Numbers, at_end: Numbers, way: Numbers
 ) -> MotionSeries:
     """Return the series along the cubic curve that `StepGuard` takes."""
-    third = 6.0 * (leaving + arriving - 2.0 * way)
-    second = 6.0 * way - 4.0 * leaving - 2.0 * arriving
-    rates = np.array([leaving, arriving, third, second, second + third])
+    third = 6.0 * (leaving + at_end - 2.0 * way)
+    second = 6.0 * way - 4.0 * leaving - 2.0 * at_end
+    rates = np.array([leaving, at_end, third, second, second + third])
     u0, u1, c, b0, b1 = bends.speeds(rates)
     most = np.frompyfunc(largest, 2, 1)
     return bends.motion(q, np.array([most(u0, u1) + c / 8.0, most(b0, b1), c]))

@@ -115,23 +115,6 @@ class ManyPoses:
             result[:, link.entries] = link.kind.moved(q[:, link.entries], rates)
         return result
 
-    def between(self, q: Array, other: Array) -> Array:
-        """Return v with q ⊕ v = other for each row, shapes (b, nq), (b, nq) and (b, nv)."""
-        result = np.empty((len(q), self.moved_by.shape[1]))
-        for link in self.tree.links.values():
-            columns = slice(link.column, link.column + link.kind.nv)
-            result[:, columns] = link.kind.between(q[:, link.entries], other[:, link.entries])
-        return result
-
-    def arriving(self, way: Array, v: Array) -> Array:
-        """Return the rates of `between` where the second pose moves by v, each (b, nv)."""
-        result = v.copy()
-        for link in self.tree.links.values():
-            columns = slice(link.column, link.column + link.kind.nv)
-            if link.kind.curved:
-                result[:, columns] = link.kind.arriving(way[:, columns], v[:, columns])
-        return result
-
 
 class ManyLoops:
     """All loops of a mechanism over rows of q: η (b, p) and ∂η/∂v (b, p, nv).

@@ -79,15 +79,17 @@ class Recorder:
     ----------
     nq, nv : int
         Of the model.
+    tree : Tree
     """
 
-    __slots__ = ("_loops", "_model", "_names", "_place", "nq", "nv")
+    __slots__ = ("_loops", "_model", "_names", "_place", "nq", "nv", "tree")
 
     def __init__(
         self, model: pin.Model, spec: MechanismSpec, values: Mapping[str, float], place: Array
     ) -> None:
         self._model, self._place = model, place
-        self._loops = Loops(model, Tree(model), spec.loops, values)
+        self.tree = Tree(model)
+        self._loops = Loops(model, self.tree, spec.loops, values)
         self._names = spec.tool.names
         self.nq, self.nv = model.nq, model.nv
 

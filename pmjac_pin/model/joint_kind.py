@@ -242,41 +242,6 @@ class JointKind:
         slid = entries[:, :s] + self._turned_slides(entries[:, s:], v[:, :s])
         return np.hstack([slid, self._turned(entries[:, s:], v[:, s:])])
 
-    def between(self, entries: Array, other: Array) -> Array:
-        """Return v with entries ⊕ v = other for each row."""
-        s = self.slides
-        back = self._turned_back(entries[:, s:], other[:, :s] - entries[:, :s])
-        return np.hstack([back, self._turn_between(entries[:, s:], other[:, s:])])
-
-    def arriving(self, way: Array, v: Array) -> Array:
-        """Return the rates of `between` at its end: x' where entries ⊕ x moves on by v."""
-        if not self.curved:
-            return v
-        s, turn = self.slides, way[:, self.slides :]
-        turned = (
-            _rotation().from_rotvec(turn).as_quat() if self.turns == 3 else _on_circle(turn[:, 0])
-        )
-        rates = _log_rates(turn, v[:, s:]) if self.turns == 3 else v[:, s:]
-        return np.hstack([self._turned_slides(np.asarray(turned), v[:, :s]), rates])
-
-    def _turned_back(self, turn: Array, slid: Array) -> Array:
-        """Return slides in the axes before as slides in the moved ones."""
-        if self.axial or not (self.slides and self.turns):
-            return slid
-        if self.turns == 3:
-            return np.asarray(_rotation().from_quat(turn).inv().apply(slid))
-        return self._turned_slides(turn * np.array([1.0, -1.0]), slid)
-
-    def _turn_between(self, turn: Array, other: Array) -> Array:
-        if self.angle or not self.turns:
-            return other - turn
-        if self.turns == 3:
-            rotation = _rotation()
-            way = rotation.from_quat(turn).inv() * rotation.from_quat(other)
-            return np.asarray(way.as_rotvec())
-        (a, b), (c, s) = turn.T, other.T
-        return np.asarray(np.arctan2(a * s - b * c, a * c + b * s)[:, None])
-
     def _turned_slides(self, turn: Array, v: Array) -> Array:
         """Return slides in the moved axes as slides in those before."""
         if self.axial or not (self.slides and self.turns):
@@ -305,20 +270,6 @@ def rotation_of(algebra: Algebra, quaternion: Sequence[Number]) -> list[list[Num
         [(xy + wz) + (xy + wz), ww - xx + yy - zz, (yz - wx) + (yz - wx)],
         [(xz - wy) + (xz - wy), (yz + wx) + (yz + wx), ww - xx - yy + zz],
     ]
-
-
-def _log_rates(vector: Array, omega: Array) -> Array:
-    """Return the rates of a rotation vector x for an angular velocity in the moved frame.
-
-    x' = ω + ½ x × ω + (1/α² − (1 + cos α) / (2 α sin α)) x × (x × ω), with α = |x|.
-    """
-    angle = np.linalg.norm(vector, axis=1)
-    small = angle < 1e-3
-    safe = np.where(small, 1.0, angle)
-    factor = 1.0 / safe**2 - (1.0 + np.cos(safe)) / (2.0 * safe * np.sin(safe))
-    factor = np.where(small, 1.0 / 12.0 + angle**2 / 720.0, factor)
-    once = np.cross(vector, omega)
-    return np.asarray(omega + 0.5 * once + factor[:, None] * np.cross(vector, once))
 
 
 def _on_circle(angles: Array) -> Array:

@@ -62,6 +62,11 @@ class Triangle:
         """The rows in which none of the columns ends: what they hold cannot be solved for."""
         return [row for row in range(len(self.matrix)) if row not in self.rows]
 
+    def triangle(self) -> Numbers:
+        """Return R, square: its singular values are those of A."""
+        triangle: Numbers = self.matrix[np.ix_(self.rows, self.columns)]
+        return triangle
+
     def solve(self, right: Sequence[int]) -> Numbers:
         """Return X with R X = B, for columns B of the matrix; rows in the columns' own order."""
         count = len(self.columns)

@@ -46,3 +46,11 @@ def read_only(array: AnyArray) -> AnyArray:
         array.setflags(write=False)
         return array
     return np.frombuffer(array.tobytes(), array.dtype).reshape(array.shape)  # type: ignore[return-value]
+
+
+def sealed(array: AnyArray) -> AnyArray:
+    """Return an array that stays read-only, without a copy: for what nobody else holds."""
+    if not array.size:
+        return read_only(array)
+    flat = np.frombuffer(array.reshape(-1).data.toreadonly(), array.dtype)
+    return flat.reshape(array.shape)  # type: ignore[return-value]

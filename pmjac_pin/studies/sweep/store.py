@@ -108,7 +108,7 @@ class Store:
                 shape=(*points.shape, *part.shape[len(chunk) :]),
                 chunks=part.shape,
                 dtype=part.dtype,
-                fill_value=variable.nothing,
+                fill_value=variable.not_done,
                 dimension_names=(*points.dims, *variable.dims),
             )
         group.create_array(

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
 
+from pmjac_pin.batches.pieces import interrupted
 from pmjac_pin.batches.results import Status
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
@@ -91,6 +93,8 @@ def sweep(
         `out` exists and is not to be resumed, or cannot be made.
     MissingDependencyError
         xarray or zarr is not installed.
+    Interrupted
+        By Ctrl-C; its `done` is the dataset as far as it is known.
 
     Examples
     --------
@@ -110,15 +114,36 @@ def sweep(
     hands = Hands(client, min(processes, len(regions)), progress)
     what = identity(work, machine, shape)
     if out is None:
-        found = _dataset(work, _in_memory(work, regions, hands), {MARK: what})
+        arrays = {
+            name: VARIABLES[name].empty(points.shape, work.labels, not_done=True)
+            for name in work.measures
+        }
+        with _kept(lambda: _labelled(work, _dataset(work, arrays, {MARK: what}))) as found:
+            _in_memory(arrays, work, regions, hands)
+        return found()
+    store = Store.at(out)
+    if resume and store.path.exists():
+        store.check(what)
     else:
-        store = Store.at(out)
-        if resume and store.path.exists():
-            store.check(what)
-        else:
-            store.create(work, shape, what)
+        store.create(work, shape, what)
+    with _kept(lambda: _labelled(work, store.open())) as found:
         _fill(store, work, regions, hands)
-        found = store.open()
+    return found()
+
+
+@contextlib.contextmanager
+def _kept(found: Callable[[], Dataset]) -> Iterator[Callable[[], Dataset]]:
+    """Hand what is done to whoever interrupts."""
+    try:
+        yield found
+    except KeyboardInterrupt:
+        done = found()
+        known = int((done.status != Status.NOT_DONE).sum())
+        raise interrupted(f"{known} of {done.status.size} poses", done) from None
+
+
+def _labelled(work: Work, found: Dataset) -> Dataset:
+    """Say what the numbers of statuses and the places along the axes mean."""
     found.status.attrs["flag_values"] = [one.value for one in Status]
     found.status.attrs["flag_meanings"] = " ".join(one.name for one in Status)
     return found.assign_coords(
@@ -138,13 +163,13 @@ def _at_least_one(given: object, what: str) -> int:
     return given
 
 
-def _in_memory(work: Work, regions: list[Region], hands: Hands) -> dict[str, NDArray[Any]]:
-    arrays = {name: VARIABLES[name].empty(work.points.shape, work.labels) for name in work.measures}
+def _in_memory(
+    arrays: Mapping[str, NDArray[Any]], work: Work, regions: list[Region], hands: Hands
+) -> None:
     jobs = [(work, region) for region in regions]
     for region, found in zip(regions, hands.results(_compute, jobs), strict=True):
         for name, values in found.items():
             arrays[name][region] = values
-    return arrays
 
 
 def _fill(store: Store, work: Work, regions: list[Region], hands: Hands) -> None:

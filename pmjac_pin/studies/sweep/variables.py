@@ -67,17 +67,21 @@ class Variable:
     ----------
     dims : tuple of str
         Behind those of the points.
-    nothing : number
-        What stands where there is no value; it tells the type of the others.
+    nothing, not_done : number
+        What stands where there is no value, and where nothing was computed; they tell the type of
+        the others.
     of : callable
         What computes it for many poses, shape (points, ...).
     """
 
     dims: tuple[str, ...]
     nothing: np.float64 | np.int8
+    not_done: np.float64 | np.int8
     of: Callable[[Seen], NDArray[Any]]
 
-    def empty(self, points: Sequence[int], labels: Mapping[str, Sequence[str]]) -> NDArray[Any]:
+    def empty(
+        self, points: Sequence[int], labels: Mapping[str, Sequence[str]], *, not_done: bool = False
+    ) -> NDArray[Any]:
         """Return an array without values.
 
         Parameters
@@ -86,9 +90,12 @@ class Variable:
             Its shape along the axes of the points.
         labels : mapping
             Those of the other axes.
+        not_done : bool
+            Whether nothing was computed yet.
         """
+        filler = self.not_done if not_done else self.nothing
         shape = (*points, *(len(labels[dim]) for dim in self.dims))
-        return np.full(shape, self.nothing, dtype=self.nothing.dtype)
+        return np.full(shape, filler, dtype=filler.dtype)
 
 
 def labels_of(mechanism: Mechanism) -> dict[str, Sequence[str]]:
@@ -104,7 +111,7 @@ def labels_of(mechanism: Mechanism) -> dict[str, Sequence[str]]:
 
 
 def _number(of: Callable[[Seen], Array], *dims: str) -> Variable:
-    return Variable(dims, np.float64(np.nan), of)
+    return Variable(dims, np.float64(np.nan), np.float64(np.nan), of)
 
 
 def _measure(name: str, *dims: str) -> Variable:
@@ -113,7 +120,9 @@ def _measure(name: str, *dims: str) -> Variable:
 
 VARIABLES: Mapping[str, Variable] = MappingProxyType(
     {
-        "status": Variable((), np.int8(Status.NOT_ASSEMBLED), Seen.status),
+        "status": Variable(
+            (), np.int8(Status.NOT_ASSEMBLED), np.int8(Status.NOT_DONE), Seen.status
+        ),
         "share": _number(lambda seen: seen.poses.share),
         "q": _number(lambda seen: seen.poses.q, "entry"),
         "J_eq": _number(lambda seen: seen.spread(seen.jacobians.J_eq), "row", "motor"),

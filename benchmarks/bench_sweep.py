@@ -1,0 +1,97 @@
+"""What a pose costs however many there are: at once in memory, and in a sweep into a store.
+
+    python benchmarks/bench_sweep.py [N]
+
+N is a million unless told; ten million take some minutes. The cost of a pose beside that of the
+largest N is what counts, in seconds of the processor, on one thread; and that the sweep stays
+within its memory.
+"""
+
+from __future__ import annotations
+
+import resource
+import statistics
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+import pmjac_pin as pj
+
+NAME, MEASURES = "five_bar", ("J_eq", "smallest")
+SPREAD = 0.03  # rad
+CHUNK = 100_000
+CAP = 2e9  # bytes
+PAPER = 10**8
+
+
+def peak() -> float:
+    """Bytes that this process, or the largest of those it started, had at most."""
+    whose = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+    return 1024.0 * max(resource.getrusage(one).ru_maxrss for one in whose)
+
+
+def seconds(of: Callable[[], object], clock: Callable[[], float] = time.process_time) -> float:
+    start = clock()
+    of()
+    return clock() - start
+
+
+def swept(count: int, out: Path) -> float:
+    """Seconds that a sweep of a grid takes in one process."""
+    mechanism = pj.load(NAME)
+    near = np.linspace(-SPREAD, SPREAD, round(count**0.5))
+    first, second = mechanism.home.actuated
+    over = {"theta1": first + near, "theta2": second + near}
+    return seconds(
+        lambda: pj.sweep(mechanism, over, measures=MEASURES, out=out, chunk=CHUNK, workers=1),
+        time.perf_counter,
+    )
+
+
+def at_once(many: pj.Batch, count: int) -> None:
+    way = np.random.default_rng(0).uniform(-SPREAD, SPREAD, (count, 2))
+    poses = many.close(many.mechanism.home.actuated + way, threads=1)
+    many.measures(poses.q, threads=1)
+
+
+def sizes(most: int) -> list[int]:
+    return [10**k for k in range(3, 9) if 10**k <= most]
+
+
+def main() -> None:
+    most = int(float(sys.argv[1])) if len(sys.argv) > 1 else 10**6
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder, "map.zarr")
+        taken, count = swept(most, out), round(most**0.5) ** 2
+        stored = sum(file.stat().st_size for file in out.rglob("*") if file.is_file())
+    cost, share = taken / count, stored / count
+    within = "within" if peak() <= CAP else "BEYOND"
+    print(
+        f"sweep of {count} poses of {NAME}, {', '.join(MEASURES)}: {taken:.0f} s, "
+        f"{1e6 * cost:.1f} µs and {share:.0f} bytes a pose, "
+        f"{peak() / 1e9:.2f} GB of memory, {within} {CAP / 1e9:.0f} GB"
+    )
+    print(
+        f"on paper {PAPER:.0e}: {PAPER * cost / 60:.0f} min in one process, "
+        f"{PAPER * share / 1e9:.1f} GB in the store, the same memory: chunks of {CHUNK} poses are "
+        "written and forgotten\n"
+    )
+    many = pj.batch(pj.load(NAME))
+    at_once(many, 1000)  # records its programs
+    cost_of = {}
+    for count in sizes(most):
+        rounds = max(1, min(15, 10**5 // count))
+        taken_of = [seconds(lambda n=count: at_once(many, n)) for _ in range(rounds)]
+        cost_of[count] = statistics.median(taken_of) / count
+    for count, cost in cost_of.items():
+        beside = cost / cost_of[sizes(most)[-1]]
+        print(f"{count:>9d} poses closed and measured: {1e6 * cost:6.2f} µs each, × {beside:.2f}")
+    print(f"{peak() / 1e9:.2f} GB of memory with all results in it")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,88 @@
+"""Closing: the paths of many poses, by a program and, where it is not certain, one by one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pmjac_pin.algebra.tape_runner import run
+from pmjac_pin.batches.one_by_one import close_one
+from pmjac_pin.batches.pieces import Piece
+from pmjac_pin.batches.results import Status, Statuses
+from pmjac_pin.closing.closure import MOST_STEPS
+from pmjac_pin.closing.many_paths import Run, Walker
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.model.limits import beyond_limits
+from pmjac_pin.values.arrays import Array, Mask
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Closing:
+    """Closes poses of one mechanism.
+
+    Attributes
+    ----------
+    mechanism : Mechanism
+    walker : Walker
+    """
+
+    mechanism: Mechanism
+    walker: Walker
+
+    @classmethod
+    def of(cls, mechanism: Mechanism) -> Closing:
+        """Record what is needed."""
+        move, arrival, leg = mechanism._recorded.walking
+        return cls(mechanism, Walker(mechanism._parts.problem, move, arrival, leg, run))
+
+    def check(self, start: Array) -> None:
+        """Raise ClosureError where the loops of one of some poses are open."""
+        at_rest = np.zeros((len(self.mechanism.actuated), len(start)))
+        gap = self.walker.at(start.T, at_rest).gap
+        for index in np.flatnonzero(gap > self.mechanism.problem.tolerance)[:1].tolist():
+            self.mechanism.configuration(start[index])  # says how far the loops are open
+
+    def close(
+        self, piece: Piece, start: Array, values: Array, whose: str, most_steps: int | None = None
+    ) -> tuple[Array, Array, Statuses]:
+        """Return q, share and status of one piece.
+
+        With so few steps, what is not certain by them has the status NOT_DONE.
+        """
+        q, share, settled = self.together(start, values, piece.run, most_steps)
+        # Another branch may have more rank than home's, of which the program knows nothing.
+        full = self.mechanism.problem.partition.full
+        settled &= (share == 1.0) | (full & (share > 0.0))
+        for index in piece.each(~settled) if most_steps is None else ():
+            q[index], share[index] = close_one(self.mechanism, start[index], values[index])
+        status = np.where(share == 1.0, Status.CLOSED, Status.STOPPED).astype(np.int8)
+        if most_steps is not None:
+            status[~settled] = Status.NOT_DONE
+        coordinates = self.mechanism.coordinates
+        if whose != "none":
+            motors = self.walker.problem.partition.actuated
+            status[coordinates.beyond(values, motors).any(axis=1)] = Status.LIMITS
+        if whose == "all":
+            beyond = beyond_limits(coordinates, q)
+            status[beyond & (status == Status.CLOSED)] = Status.LIMITS
+        return q, share, status
+
+    def together(
+        self, start: Array, values: Array, by: Run = run, most_steps: int | None = None
+    ) -> tuple[Array, Array, Mask]:
+        """Walk all paths by the program; return q, share, and of which this is certain."""
+        coordinates, partition = self.mechanism.coordinates, self.walker.problem.partition
+        if partition.constraint_rank > partition.passive_rank:
+            # Some motors lead and others are led: the single call knows which.
+            return start.copy(), np.zeros(len(values)), np.zeros(len(values), dtype=bool)
+        motors = partition.actuated
+        displacement = values - coordinates.values_of(start, motors)
+        turns = np.round(displacement / (2.0 * np.pi)) * coordinates.wraps[motors]
+        paths = replace(self.walker, run=by).walk(
+            start,
+            displacement - 2.0 * np.pi * turns,
+            lambda q, which: coordinates.with_values(q, motors, values[which]),
+            most_steps or MOST_STEPS,
+        )
+        return paths.q, paths.share, paths.settled

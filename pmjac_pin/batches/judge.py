@@ -1,0 +1,46 @@
+"""Judge: whether J_eq of a program holds at a pose."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pmjac_pin.batches.one_by_one import jacobian_of_one
+from pmjac_pin.batches.pieces import Piece
+from pmjac_pin.batches.results import Statuses
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.model.twist_frame import FrameName
+from pmjac_pin.rates.partition import Partition
+from pmjac_pin.values.arrays import Array
+
+_FELT = 1e-13  # of the tool's motion: what idle motions may do to it by rounding
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Judge:
+    """Judges poses of one mechanism.
+
+    Attributes
+    ----------
+    mechanism : Mechanism
+    partition : Partition
+    """
+
+    mechanism: Mechanism
+    partition: Partition
+
+    def judged(
+        self, piece: Piece, poses: Array, found: Array, frame: FrameName
+    ) -> tuple[Array, Statuses]:
+        """Return J_eq of what a tape found, where that is certain, else of the single call."""
+        partition, n = self.partition, len(self.mechanism.actuated)
+        gap, inverse, size, forbidden, felt, tool = found[:6]
+        least = partition.rank_tolerance * np.maximum(size, partition.least_size)
+        certain = (gap <= self.mechanism.problem.tolerance) & (inverse * least < 1.0)
+        certain &= (forbidden <= least) & (felt <= _FELT * tool) & (not partition.isolated)
+        J_eq = found[6 : 6 + 6 * n].T.reshape(-1, 6, n).copy()
+        status = np.zeros(len(poses), dtype=np.int8)
+        for index in piece.each(~certain):
+            J_eq[index], status[index] = jacobian_of_one(self.mechanism, poses[index], frame)
+        return J_eq, status

@@ -1,0 +1,188 @@
+"""Interrupting what computes many poses loses nothing that is done."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+
+import pmjac_pin as pj
+from pmjac_pin.batches.closing import Closing
+from pmjac_pin.batches.pieces import gathered
+
+COUNT = 40_000
+VALUES = np.array([2.187, 0.954]) + np.random.default_rng(0).uniform(-0.1, 0.1, (COUNT, 2))
+
+
+def stop_after(pieces):
+    """Return a progress that interrupts."""
+    told = []
+
+    def progress(done, count):
+        told.append(done)
+        if len(told) == pieces:
+            raise KeyboardInterrupt
+
+    return progress
+
+
+@pytest.fixture(scope="module")
+def many():
+    return pj.batch(pj.load("five_bar"))
+
+
+@pytest.fixture(scope="module")
+def poses(many):
+    return many.close(VALUES, threads=1)
+
+
+def parts_equal(done, whole):
+    """Check that what is done is what would have been returned, and the rest says it is not."""
+    known = done.status != pj.Status.NOT_DONE
+    for name in (one.name for one in fields(whole)):
+            array = getattr(whole, name)
+        found = getattr(done, name)
+        np.testing.assert_array_equal(found[known], array[known])
+        assert not found.flags.writeable
+        if name != "status":
+            assert np.isnan(found[~known]).all()
+    return known
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("asked", ["close", "jacobian", "measures"])
+def test_what_is_done_is_kept(many, poses, asked, threads):
+    """A KeyboardInterrupt comes anywhere; here, from where progress is told."""
+    given = VALUES if asked == "close" else poses.q
+    of = getattr(many, asked)
+    whole = of(given, threads=threads)
+    with pytest.raises(KeyboardInterrupt, match=f"of {COUNT} poses are done") as raised:
+        of(given, threads=threads, progress=stop_after(2))
+    assert isinstance(raised.value, pj.Interrupted)
+    assert not isinstance(raised.value, pj.PmjacError)
+    known = parts_equal(raised.value.done, whole)
+    assert known[:8192].all()
+    if asked == "close":  # the others may be done at once
+        assert not known.all()
+    again = pickle.loads(pickle.dumps(raised.value))
+    np.testing.assert_array_equal(again.done.status, raised.value.done.status)
+    assert str(again) == str(raised.value)
+
+
+def test_other_errors_are_raised_as_they_are(many, poses):
+    def progress(done, count):
+        raise ValueError("no")
+
+    with pytest.raises(ValueError, match="no"):
+        many.jacobian(poses.q, progress=progress)
+
+
+def test_a_grid_keeps_its_cells(many, monkeypatch):
+    axes = {"theta1": np.linspace(0.5, 2.5, 12), "theta2": np.linspace(0.5, 1.5, 12)}
+    whole, close, calls = many.grid(axes), Closing.close, []
+
+    def interrupted(*arguments, **options):
+        calls.append(0)
+        if len(calls) == 3:
+            raise KeyboardInterrupt
+        return close(*arguments, **options)
+
+    monkeypatch.setattr(Closing, "close", interrupted)
+    with pytest.raises(pj.Interrupted, match="of 144 cells are done") as raised:
+        many.grid(axes)
+    known = raised.value.done.status != pj.Status.NOT_DONE
+    assert 0 < known.sum() < known.size
+    np.testing.assert_array_equal(raised.value.done.q[known], whole.q[known])
+    np.testing.assert_array_equal(raised.value.done.actuated, whole.actuated)
+
+
+SCRIPT = """
+import os, signal, sys, threading, time
+import numpy as np
+import pmjac_pin as pj
+
+many = pj.batch(pj.load("five_bar"))
+values = many.mechanism.home.actuated + np.zeros((4_000_000, 1))
+seen = []
+
+def progress(done, count):
+    if not seen:
+        seen.append(time.monotonic())
+        print("begun", flush=True)
+
+try:
+    many.close(values, threads=int(sys.argv[1]), progress=progress)
+except KeyboardInterrupt as stopped:
+    known = stopped.done.status != pj.Status.NOT_DONE
+    print(int(known.sum()), bool(np.isfinite(stopped.done.q[known]).all()))
+    for one in threading.enumerate():
+        if one is not threading.current_thread():
+            one.join(5.0)  # a piece would take much longer
+            print(one.is_alive())
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to a child")
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_signal(threads):
+    command = [sys.executable, "-c", SCRIPT, str(threads)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
+        assert child.stdout.readline() == "begun\n"
+        child.send_signal(signal.SIGINT)
+        told, _ = child.communicate(timeout=60)
+    assert child.returncode == 0
+    first, *alive = told.splitlines()
+    done, finite = first.split()
+    assert 4096 <= int(done) < 4_000_000
+    assert finite == "True"
+    assert set(alive) <= {"False"}
+
+
+def test_nobody_waits_for_a_piece_that_takes_long():
+    begun, stop = threading.Event(), threading.Event()
+
+    def work(piece):
+        begun.set()
+        while not stop.wait(0.01):
+            piece.go_on()
+        return np.zeros((4096, 6, 1)), np.zeros(4096)
+
+    def interrupt():
+        begun.wait()
+        signal.raise_signal(signal.SIGINT)
+
+    threading.Thread(target=interrupt).start()
+    with pytest.raises(pj.Interrupted, match="0 of 5000 poses") as raised:
+        gathered(pj.ManyJacobians, ((5000, 6, 1), (5000,)), work, 1)
+    assert (raised.value.done.status == pj.Status.NOT_DONE).all()
+    stop.set()
+
+
+@pytest.mark.parametrize("stored", [False, True])
+def test_a_sweep_keeps_its_chunks(stored, tmp_path):
+    pytest.importorskip("zarr")
+    asked = {
+        "over": {"theta1": np.linspace(2.0, 2.2, 4), "theta2": np.linspace(0.9, 1.0, 5)},
+        "measures": ["J_eq", "q"],
+        "chunk": 5,
+        "workers": 1,
+    }
+    five_bar, out = pj.load("five_bar"), tmp_path / "out.zarr"
+    whole = pj.sweep(five_bar, **asked)
+    where = {"out": out} if stored else {}
+    with pytest.raises(pj.Interrupted, match="10 of 20 poses are done") as raised:
+        pj.sweep(five_bar, **asked, **where, progress=stop_after(2))
+    done = raised.value.done
+    assert (done.status[2:] == pj.Status.NOT_DONE).all()
+    np.testing.assert_array_equal(done.J_eq[:2], whole.J_eq[:2])
+    assert np.isnan(done.q[2:]).all()
+    if stored:
+        resumed = pj.sweep(five_bar, **asked, out=out, resume=True)
+        np.testing.assert_array_equal(resumed.J_eq, whole.J_eq)
+        np.testing.assert_array_equal(resumed.status, whole.status)
