@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
 import pickle
 import signal
 import subprocess
 import sys
 import threading
+from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -46,7 +46,7 @@ def parts_equal(done, whole):
     """Check that what is done is what would have been returned, and the rest says it is not."""
     known = done.status != pj.Status.NOT_DONE
     for name in (one.name for one in fields(whole)):
-            array = getattr(whole, name)
+        array = getattr(whole, name)
         found = getattr(done, name)
         np.testing.assert_array_equal(found[known], array[known])
         assert not found.flags.writeable
