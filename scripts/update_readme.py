@@ -6,11 +6,12 @@ import re
 from pathlib import Path
 
 import pmjac_pin as pj
-from pmjac_pin.files.catalogue_numbers import Catalogue, keep_numbers
+from pmjac_pin.files.catalogue_numbers import Catalogue, kept_text
 from pmjac_pin.words.catalogue_table import catalogue_table, numbers_of
 from pmjac_pin.words.markdown import markdown_table
 
 README = Path(__file__).parent.parent / "README.md"
+KEPT = README.parent / "models" / "catalogue.json"
 BLOCK = re.compile(r"(<!-- mechanisms -->\n).*(<!-- end of mechanisms -->)", re.DOTALL)
 
 
@@ -25,6 +26,6 @@ def with_table(page: str, catalogue: Catalogue) -> str:
 
 if __name__ == "__main__":
     mechanisms = {name: numbers_of(pj.load(name)) for name in pj.list_mechanisms()}
-    keep_numbers(mechanisms)
+    KEPT.write_text(kept_text(mechanisms), encoding="utf-8")
     page = README.read_text(encoding="utf-8")
     README.write_text(with_table(page, mechanisms), encoding="utf-8")

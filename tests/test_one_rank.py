@@ -18,7 +18,8 @@ OTHERWISE = {
     "rates/singularity.py": {"qr"},  # the same
     "rates/ellipse.py": {"svd"},  # the axes of an ellipsoid; flat by a tolerance of its own
     "rates/ellipsoid.py": {"svd"},  # what is across one vector
-    "batches/measures.py": {"svd"},  # the singular values that are shown, of many poses
+    "rates/tool_motion.py": {"qr"},  # unit vectors along motions that are independent
+    "algebra/singular_values.py": {"svd"},  # those that are shown, of many poses
     "closing/damped_closure.py": {"svd"},  # a step that damping holds back
     "studies/modes/marks.py": {"qr"},  # the space of a joint's own motions, for many poses
     "studies/modes/krawczyk.py": {"lstsq", "pinv"},  # guesses: what they are worth is proven

@@ -59,11 +59,10 @@ def kept_numbers() -> Catalogue:
     return {name: one.numbers for name, one in kept.items() if one.digest == _digest(name)}
 
 
-def keep_numbers(catalogue: Catalogue) -> None:
-    """Write the numbers of the catalogue's mechanisms beside them."""
+def kept_text(catalogue: Catalogue) -> str:
+    """Return ``models/catalogue.json`` with the numbers of the catalogue's mechanisms."""
     kept = {name: _Kept(_digest(name), numbers) for name, numbers in catalogue.items()}
-    text = msgspec.json.format(msgspec.json.encode(kept), indent=1)
-    (data_folder() / "models" / "catalogue.json").write_bytes(text + b"\n")
+    return msgspec.json.format(msgspec.json.encode(kept), indent=1).decode() + "\n"
 
 
 def _digest(name: str) -> str:
