@@ -50,9 +50,10 @@ def test_the_same_as_one_by_one(name, share, rng):
     poses = many.close(values, enforce_limits=False)
     jacobians = many.jacobian(poses.q)
     length = mechanism.characteristic_length
-    # The single call is made where the program does not know: hardly ever.
+    # The single call is made where the program does not know: hardly ever, but for the last two
+    # paths that are long.
     *_, settled = many._closing.together(np.tile(mechanism.home.q, (count, 1)), values)
-    assert settled.mean() > 0.9
+    assert np.count_nonzero(~settled) <= max(2, 0.1 * count)
     for k, (end, q) in enumerate(single(mechanism, one) for one in values):
         assert poses.share[k] == pytest.approx(end, abs=1e-6)
         assert (poses.status[k] == pj.Status.CLOSED) == (end == 1.0)
