@@ -32,7 +32,7 @@ def cases():
     """Few targets at once, or many."""
     for name in MACHINES:
         yield pytest.param(name, 12, 0.3, marks=[] if name in QUICK else [pytest.mark.slow])
-        yield pytest.param(name, 500, 0.1, marks=pytest.mark.slow)
+        yield pytest.param(name, 200, 0.1, marks=pytest.mark.slow)
     for name in LONG:
         yield pytest.param(name, 12, 2.0)
 
