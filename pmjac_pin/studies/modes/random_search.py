@@ -15,6 +15,7 @@ from pmjac_pin.values.arrays import Array
 
 _STARTS_AT_ONCE = 2048
 _MOST_MODES = 2000  # more is a motion, not a set of poses
+_ENOUGH_NEAR = 32  # poses that are nearly closed: that there are any is what counts
 _ENOUGH_END = 0.25  # of the starts: where fewer end, what is known of these says little
 
 
@@ -64,7 +65,7 @@ class RandomSearch:
         """Try that many further starts."""
         ends = self._closures.ends(self._space.draw(self._rng, count))
         self._unfinished.append(ends)
-        self.near.add(self._closures.nearly(ends.open))
+        self._meet_near(ends.open)
         new = self._meet(ends.closed)
         self.starts += count
         if new or not self._question:
@@ -81,7 +82,7 @@ class RandomSearch:
         self.undecided += undecided
         self._in_a_row = max(0, self._in_a_row - undecided)
         for one in ends:
-            self.near.add(self._closures.nearly(one.open))
+            self._meet_near(one.open)
             if self._meet(one.closed):
                 self._in_a_row, self._question = 0, self._question + 1
 
@@ -102,6 +103,11 @@ class RandomSearch:
         if new and self._problem.idle:  # each mode shows what idles
             self.met = self.met.by(Signatures.of(self._problem, np.array(self.met.q)))
         return new
+
+    def _meet_near(self, left: Array) -> None:
+        """Keep some of the starts that were given up where the loops are nearly closed."""
+        if len(self.near.q) < _ENOUGH_NEAR:
+            self.near.add(self._closures.nearly(left)[:_ENOUGH_NEAR])
 
     @property
     def _few_end(self) -> bool:
