@@ -11,12 +11,13 @@ from pmjac_pin.closing.held_motors import is_rounding
 from pmjac_pin.closing.pose_assembly import motor_weights
 from pmjac_pin.model.rounded_numbers import wider_tolerance
 from pmjac_pin.studies.evidence import Evidence
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import Array, norm
 
 if TYPE_CHECKING:
     from pmjac_pin.mechanism import Mechanism
 
 _MOST = 16  # poses that are looked at
+_LEAST = 1e-2  # of a gap: what K* could take off it to first order, where it is least
 
 
 def rounded_gaps(mechanism: Mechanism, rows: Iterable[Array]) -> list[float]:
@@ -30,7 +31,10 @@ def rounded_gaps(mechanism: Mechanism, rows: Iterable[Array]) -> list[float]:
         found = assemble(problem, q, motor_weights(problem, 0.0))
         if found.gap <= problem.tolerance or not is_rounding(problem, found.gap):
             continue
-        if closed_point(problem, found.q).factors.rank >= problem.partition.passive_rank:
+        factors = closed_point(problem, found.q).factors
+        error = problem.evaluate(found.q)[0] * problem.partition.row_scale
+        falls = norm(factors.left[:, : factors.rank].T @ error) > _LEAST * found.gap
+        if factors.rank >= problem.partition.passive_rank and not falls:
             gaps.append(found.gap)
             if len(gaps) == _MOST:
                 break
