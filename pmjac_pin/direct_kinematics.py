@@ -135,10 +135,12 @@ def _assembled_at_guess(
 
 def _held(problem: ClosureProblem, q: Array) -> Assembled:
     """Close the loops at q with the motors held; beside where rounding alone keeps them open."""
-    first, best = assemble(problem, q, motor_weights(problem, 0.0)), assemble_held(problem, q)
-    if first.gap <= problem.tolerance or first.gap > _ROUNDING * problem.partition.length:
+    first = assemble(problem, q, motor_weights(problem, 0.0))
+    if first.gap <= problem.tolerance:
+        return first
+    best, factors = assemble_held(problem, q), closed_point(problem, first.q).factors
+    if first.gap > _ROUNDING * problem.partition.length:
         return best
-    factors = closed_point(problem, first.q).factors
     apart = problem.difference(first.q, best.q) / problem.partition.column_scale
     near = norm(apart) <= _SAME * problem.partition.length
     # From a regular pose whose gap is rounding, starts around it lead to other modes.

@@ -7,6 +7,7 @@ import pickle
 import numpy as np
 import pytest
 from random_machines import Tree, at
+from recording import recorded
 
 import pmjac_pin as pj
 
@@ -150,9 +151,10 @@ def test_a_singular_pose_of_another_branch_is_singular(way):
 
 @pytest.mark.parametrize("motor", ["coupler0", "rocker0"])
 @pytest.mark.parametrize("home", [folded(), opened(1.1)])
-def test_what_a_tool_loses_is_what_it_has_on_its_branch(motor, home):
+@pytest.mark.parametrize("use", [lambda mechanism: mechanism, recorded])
+def test_what_a_tool_loses_is_what_it_has_on_its_branch(motor, home, use):
     """Folded, the crank rests; opened, it does only where coupler and rocker are in line."""
-    mechanism = kites(home, [motor], tool="middle")
+    mechanism = use(kites(home, [motor], tool="middle"))
     kinds = []
     for pose in (opened(1.1), opened(0.5), opened(STRETCHED), opened(STRETCHED - 1e-3)):
         there = mechanism.configuration(mechanism.coordinates.q(pose, mechanism.home.q))

@@ -107,14 +107,13 @@ def _tool_may_exceed(
 ) -> bool:
     """Tell whether the tool moves in more ways than at home, at a pose of home's ranks or beside.
 
-    Only loops have branches, and more is possible only where the tool rests in some motions that
-    are not idle. Where [K K*] drops, branches meet, and what the tool seems to do is of none.
+    Where [K K*] drops, branches meet, and what the tool seems to do is of none.
     """
-    partition, (scaled, size, passive) = problem.partition, rates
-    whole = partition.factorise(scaled, size)
-    idle = partition.passive.size - passive.rank
-    ways = min(len(partition.tool_rows.names), len(partition.column_scale) - whole.rank - idle)
-    if partition.tool_rank >= ways or not len(scaled) or whole.rank < partition.constraint_rank:
+    partition = problem.partition
+    if partition.tool_full:
+        return False
+    whole = partition.factorise(rates.scaled, rates.size)
+    if whole.rank < partition.constraint_rank:
         return False
     strides = _BESIDE * partition.length * partition.column_scale[:, None] * whole.null_space
     displaced = (problem.integrate(q, way * v) for v in strides.T for way in (1.0, -1.0))

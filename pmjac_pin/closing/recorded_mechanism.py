@@ -174,4 +174,5 @@ class RecordedMechanism:
         """
         partition = self._parts.problem.partition
         ranks = {partition.passive.size, partition.passive_rank, partition.constraint_rank}
-        return len(ranks) == 1 and not partition.isolated
+        # Another branch may have more rank, of the tool too: then each pose is looked at.
+        return len(ranks) == 1 and partition.tool_full and not partition.isolated

@@ -119,6 +119,17 @@ class Partition(ReadOnlyArrays):
         return self.passive_rank == min(self.passive.size, self.row_scale.size)
 
     @property
+    def tool_full(self) -> bool:
+        """Whether the tool moves in all ways that its rows and the motors allow: in more nowhere.
+
+        Without loops there are no branches on which it could.
+        """
+        idle = self.passive.size - self.passive_rank
+        motions = self.column_scale.size - self.constraint_rank - idle
+        ways = min(len(self.tool_rows.names), motions)
+        return not self.row_scale.size or self.tool_rank >= ways
+
+    @property
     def columns(self) -> dict[str, int]:
         """The column of each degree of freedom by its name, in the order of K and K*."""
         names = self.actuated_names + self.passive_names

@@ -114,8 +114,8 @@ class ToolMotion:
         motors : ndarray of int, shape (n,)
             Their columns.
         """
-        commanded = self._commanded(whole, _commanded(whole, motors), gap)
-        return max(commanded.rank, self.judged_rank(whole.null_space))
+        twists = self._told_apart(whole, _commanded(whole, motors), gap)
+        return max(twists.rank, self.judged_rank(whole.null_space))
 
     def generic_rates(self, whole: Factorisation, gap: float, motors: Index) -> Array:
         """Return `rates` by a regular pose: max |v| / σ over its motions v, of twists σ.
@@ -124,7 +124,7 @@ class ToolMotion:
         are those of `seen_rank`.
         """
         motions = _commanded(whole, motors)
-        twists = self._commanded(whole, motions, gap)
+        twists = self._told_apart(whole, motions, gap)
         shares = twists.singular_values[: twists.rank] / (twists.size or 1.0)
         if not shares.size or shares[-1] >= _SLOW:
             return np.zeros(0)
@@ -133,7 +133,7 @@ class ToolMotion:
         rates: Array = np.maximum(fastest.max(axis=1), 1.0)
         return rates
 
-    def _commanded(self, whole: Factorisation, motions: Array, gap: float) -> Factorisation:
+    def _told_apart(self, whole: Factorisation, motions: Array, gap: float) -> Factorisation:
         """Factorise what motions do to the judged rows, down to what is rounding."""
         twists = self.scaled[self.rows.linear + self.rows.angular] @ motions
         values = whole.singular_values[: whole.rank] / (whole.size or 1.0)
