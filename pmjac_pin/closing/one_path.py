@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import ctypes
 import threading
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,21 +16,12 @@ from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing import closure
 from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
 from pmjac_pin.closing.one_pose import SURELY
-from pmjac_pin.closing.path_kernel import (
-    JointStruct,
-    MachineStruct,
-    Memory,
-    PathStruct,
-    address,
-)
+from pmjac_pin.closing.path_kernel import MachineStruct, Memory, PathStruct, address
 from pmjac_pin.closing.step_guard import MARGIN
-from pmjac_pin.kinematics.tree import Link
 from pmjac_pin.model.coordinates import JointCoordinates
-from pmjac_pin.model.joint_kind import JointKind
 from pmjac_pin.values.arrays import Array
 
 _AT_ONCE = 256  # steps in one call: a few milliseconds, in which nothing can interrupt
-_STILL, _ANGLE, _CIRCLE, _QUATERNION = range(4)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,21 +41,18 @@ class OnePath:
     ----------
     library : ctypes.PyDLL
         The kernel.
-    tapes : (Tape, Tape)
-        `RecordedRates.point_tape` and `step_tape`.
+    tapes : (Tape, Tape, Tape)
+        Those of a `Walker`: move, arrival and leg.
     problem : ClosureProblem
     coordinates : JointCoordinates
-    links : iterable of Link
-        The joints.
     """
 
     def __init__(
         self,
         library: ctypes.PyDLL,
-        tapes: tuple[Tape, Tape],
+        tapes: tuple[Tape, Tape, Tape],
         problem: ClosureProblem,
         coordinates: JointCoordinates,
-        links: Iterable[Link],
     ) -> None:
         partition = problem.partition
         self._begin, self._walk = library.pmjac_begin, library.pmjac_walk
@@ -76,7 +63,7 @@ class OnePath:
         self._entries = np.array([coordinates.entry(k) for k in self._motors.tolist()], dtype=int)
         self._scale = 1.0 / partition.column_scale[self._motors]
         self._farthest = closure.MOST_STEPS * closure.LARGEST_STEP * partition.length
-        self._machine = _Machine(problem, coordinates, list(links))
+        self._machine = _Machine(problem, coordinates, tapes[0].outputs)
         self._threads = threading.local()
 
     def follow(self, q: Array, values: Array) -> Ahead | None:
@@ -101,7 +88,7 @@ class OnePath:
             left = closure.MOST_STEPS - path.tries
             if not left:
                 return None
-        return Ahead(work.q.copy(), float(work.known[0]), path.share, path.iterations)
+        return Ahead(work.q.copy(), float(work.gap[0]), path.share, path.iterations)
 
     def _values(self, q: Array) -> Array:
         if self._circles is None:
@@ -110,29 +97,20 @@ class OnePath:
 
 
 class _Machine:
-    """The mechanism as the kernel has it."""
+    """What the kernel knows of a mechanism besides its programs."""
 
-    def __init__(
-        self, problem: ClosureProblem, coordinates: JointCoordinates, links: list[Link]
-    ) -> None:
+    def __init__(self, problem: ClosureProblem, coordinates: JointCoordinates, nq: int) -> None:
         partition = problem.partition
         length, motors = partition.length, partition.actuated
         entries = [coordinates.entry(column) for column in motors.tolist()]
-        self.nq = sum(link.kind.nq for link in links)
-        self.nv = partition.column_scale.size
-        self._joints = (JointStruct * len(links))(*map(_joint, links))
         self._entries = np.array(entries, dtype=np.int32)
         self._circles = coordinates.wraps[motors].astype(np.int32)
-        self._lengths = 1.0 / partition.column_scale
         self.struct = MachineStruct(
-            nq=self.nq,
-            nv=self.nv,
+            nq=nq,
+            nv=partition.column_scale.size,
             motors=motors.size,
-            joints=len(links),
-            joint=ctypes.addressof(self._joints),
             motor_entries=address(self._entries),
             motor_circles=address(self._circles),
-            lengths=address(self._lengths),
             tolerance=SURELY * problem.tolerance,
             enough=ROUNDING * length,
             walking=closure.WALKING * length,
@@ -148,45 +126,20 @@ class _Machine:
         )
 
 
-def known_to_kernel(kind: JointKind) -> bool:
-    """Tell whether the kernel moves joints of a kind."""
-    slides = {_STILL: None, _ANGLE: None, _CIRCLE: 2, _QUATERNION: 3}[_turn(kind)]
-    return not kind.in_turn and (not _turned(kind) or kind.slides == slides)
-
-
-def _joint(link: Link) -> JointStruct:
-    kind = link.kind
-    return JointStruct(link.entries.start, link.column, kind.slides, _turn(kind), _turned(kind))
-
-
-def _turn(kind: JointKind) -> int:
-    if not kind.turns:
-        return _STILL
-    return _ANGLE if kind.angle else _CIRCLE if kind.turns == 1 else _QUATERNION
-
-
-def _turned(kind: JointKind) -> bool:
-    """Tell whether what it slides along turns with it."""
-    return bool(kind.slides and kind.turns and not kind.axial)
-
-
 class _Work:
     """A path with what it works on, of one thread."""
 
-    def __init__(self, machine: _Machine, point: Tape, step: Tape) -> None:
-        self._point, self._step, self._kept = Memory(point), Memory(step), machine
-        self.q, self.known = np.zeros(machine.nq), np.zeros(point.outputs)
+    def __init__(self, machine: _Machine, move: Tape, arrival: Tape, leg: Tape) -> None:
+        programs = [Memory(tape) for tape in (move, arrival, leg)]
+        self._kept = machine, programs
+        self.point = np.zeros(arrival.outputs)
+        self.q, self.gap = self.point[: machine.struct.nq], self.point[machine.struct.nq :][:1]
         self.displacement, self.target = np.zeros((2, machine.struct.motors))
-        self._tangent, self._spare = np.zeros(machine.nv), np.zeros(max(machine.nq, machine.nv))
         self.path = PathStruct(
-            machine=ctypes.addressof(machine.struct),
-            point=self._point.struct,
-            step=self._step.struct,
-            q=address(self.q),
-            known=address(self.known),
-            tangent=address(self._tangent),
-            displacement=address(self.displacement),
-            target=address(self.target),
-            spare=address(self._spare),
+            ctypes.addressof(machine.struct),
+            *(memory.struct for memory in programs),
+            address(self.point),
+            address(self.displacement),
+            address(self.target),
         )
         self.argument = ctypes.byref(self.path)

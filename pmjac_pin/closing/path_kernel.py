@@ -15,7 +15,7 @@ from pmjac_pin.algebra.tape import Tape
 _FOLDER = Path(__file__).parent
 _SOURCES = (_FOLDER / "path_kernel.c", _FOLDER.parent / "algebra" / "tape_kernel.c")
 
-_Number, _Count, _Small = ctypes.c_double, ctypes.c_int64, ctypes.c_int32
+_Number, _Count = ctypes.c_double, ctypes.c_int64
 _Pointer = ctypes.c_void_p
 
 
@@ -41,18 +41,12 @@ class ProgramStruct(ctypes.Structure):
     )
 
 
-class JointStruct(ctypes.Structure):
-    """`Joint`."""
-
-    _fields_ = tuple((name, _Small) for name in ("entry", "column", "slides", "turn", "turned"))
-
-
 class MachineStruct(ctypes.Structure):
     """`Machine`."""
 
     _fields_ = (
-        *((name, _Count) for name in ("nq", "nv", "motors", "joints")),
-        *((name, _Pointer) for name in ("joint", "motor_entries", "motor_circles", "lengths")),
+        *((name, _Count) for name in ("nq", "nv", "motors")),
+        *((name, _Pointer) for name in ("motor_entries", "motor_circles")),
         *((name, _Number) for name in ("tolerance", "enough", "walking", "rank_tolerance")),
         *((name, _Number) for name in ("least_size", "largest_step", "smallest_step")),
         *((name, _Number) for name in ("largest_correction", "slowest_contraction")),
@@ -66,10 +60,8 @@ class PathStruct(ctypes.Structure):
 
     _fields_ = (
         ("machine", _Pointer),
-        ("point", ProgramStruct),
-        ("step", ProgramStruct),
-        *((name, _Pointer) for name in ("q", "known", "tangent", "displacement")),
-        *((name, _Pointer) for name in ("target", "spare")),
+        *((name, ProgramStruct) for name in ("move", "arrival", "leg")),
+        *((name, _Pointer) for name in ("point", "displacement", "target")),
         ("share", _Number),
         ("next", _Number),
         ("iterations", _Count),

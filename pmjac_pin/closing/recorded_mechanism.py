@@ -100,20 +100,6 @@ class RecordedMechanism:
         return RecordedRates.at(recorder, parts.problem, parts.home_q)
 
     @cached_property
-    def point(self) -> Tape:
-        """`RecordedRates.point_tape`."""
-        return self.rates.point_tape()
-
-    @cached_property
-    def step(self) -> Tape:
-        """`step_tape`."""
-        from pmjac_pin.closing.arms import arms_of  # noqa: PLC0415
-        from pmjac_pin.closing.recorded_step import step_tape  # noqa: PLC0415
-
-        parts = self._parts
-        return step_tape(self.rates, arms_of(parts.model, parts.spec.loops, parts.values))
-
-    @cached_property
     def walking(self) -> tuple[Tape, Tape, Tape]:
         """What a `Walker` of many paths takes: moves, arrivals and legs."""
         from pmjac_pin.closing.arms import arms_of  # noqa: PLC0415
@@ -150,21 +136,17 @@ class RecordedMechanism:
         return OnePose(library, tape, self._parts.problem, self._parts.model)
 
     def _one_path(self) -> OnePath | None:
-        from pmjac_pin.closing.one_path import OnePath, known_to_kernel  # noqa: PLC0415
+        from pmjac_pin.closing.one_path import OnePath  # noqa: PLC0415
         from pmjac_pin.closing.path_kernel import path_kernel  # noqa: PLC0415
-        from pmjac_pin.kinematics.tree import Tree  # noqa: PLC0415
 
         if (library := path_kernel()) is None or not self._determined:
             return None
         try:
-            links = Tree(self._parts.model).links.values()
-            if not all(known_to_kernel(link.kind) for link in links):
-                return None
-            tapes = self.point, self.step
+            tapes = self.walking
         except ArgumentError:
             return None
         parts = self._parts
-        return OnePath(library, tapes, parts.problem, parts.coordinates, links)
+        return OnePath(library, tapes, parts.problem, parts.coordinates)
 
     @property
     def _determined(self) -> bool:

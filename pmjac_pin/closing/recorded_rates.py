@@ -114,22 +114,11 @@ class RecordedRates:
         inputs = np.array(recording.inputs, dtype=object)
         return Tape.of(recording, moved(self.recorder.tree, inputs[:nq], inputs[nq:]).tolist())
 
-    def point_tape(self) -> Tape:
-        """Return (q, θ̇) ↦ (gap, ‖K*⁻¹‖, ‖[K K*]‖, Newton step, path velocity).
-
-        The gap is in m; both motions are (nv,) in the units of v, the latter −K*⁻¹ K θ̇ beside θ̇.
-        """
-        nq, motors = self.recorder.nq, self.partition.actuated
-        recording = Recording(nq + motors.size)
-        known, motions = self._point(recording.inputs[:nq], objects(recording.inputs[nq:]))
-        scale = self.partition.column_scale
-        return Tape.of(recording, [*known, *(motions * scale).ravel()])
-
     def arrival_tape(self) -> Tape:
         """Return (q, v, θ̇) ↦ what `Points` holds of q ⊕ v.
 
-        That is q ⊕ v, what `point_tape` gives there, and between its norms and its motions the
-        sizes of these, a rad counted as one length.
+        That is q ⊕ v, the gap in m, ‖K*⁻¹‖, ‖[K K*]‖, the sizes of two motions, a rad counted as
+        one length, and these, (nv,) in the units of v: Newton's step, and −K*⁻¹ K θ̇ beside θ̇.
         """
         nq, nv, motors = self.recorder.nq, self.recorder.nv, self.partition.actuated
         recording = Recording(nq + nv + motors.size)

@@ -26,18 +26,11 @@ from pmjac_pin.kinematics.recorded_motions import arriving, between, moved
 from pmjac_pin.rates.sparse_qr import Triangle, norm
 
 
-def step_tape(loops: RecordedRates, arms: Arms) -> Tape:
-    """Return (q₀, q₁, p(½), leaving, arriving, way) ↦ (N, ρ, τ, W, ‖A⁺‖)."""
-    nq, nv = loops.recorder.nq, loops.recorder.nv
-    recording = Recording(3 * nq + 3 * nv)
-    poses, rates = np.split(objects(recording.inputs), [3 * nq])
-    return Tape.of(recording, _covered(loops, arms, poses.reshape(3, nq), rates.reshape(3, nv)))
-
-
 def leg_tape(loops: RecordedRates, arms: Arms) -> Tape:
-    """Return (q₀, q₁, leaving, arriving) ↦ those of `step_tape`.
+    """Return (q₀, q₁, leaving, onward) ↦ (N, ρ, τ, W, ‖A⁺‖).
 
-    What arrives moves on from q₁ here, and is not yet a rate of the way.
+    Rates of the path at both ends: what leaves q₀ is one of the way, what moves on from q₁ is made
+    one.
     """
     nq, nv, tree = loops.recorder.nq, loops.recorder.nv, loops.recorder.tree
     recording = Recording(2 * nq + 2 * nv)
