@@ -215,18 +215,7 @@ def _partition(
     size: Size,
     rounding: float,
 ) -> Partition:
-    for name in spec.actuated:
-        if (count := coordinates.degrees_of_freedom(name)) != 1:
-            message = f"a motor moves one degree of freedom; joint {name!r} has {count}"
-            raise ArgumentError(message)
-    others = tuple(name for name in coordinates.names if name not in spec.actuated)
-    passive = others if spec.passive is None else spec.passive
-    for name in passive:
-        if name not in coordinates.names:
-            raise unknown_name("joint", name, coordinates.names)
-    if forgotten := [name for name in others if name not in passive]:
-        message = f"joint {forgotten[0]!r} moves and is neither actuated nor passive"
-        raise ArgumentError(message)
+    passive = _passive_names(spec, coordinates)
     opened, length = max(spec.tolerance or 0.0, rounding), size.length
     if opened > LARGEST_SHARE * length:
         raise ArgumentError(
@@ -250,3 +239,20 @@ def _partition(
         strokes=size.strokes,
         gap=max(CLOSURE_TOLERANCE, opened / length),
     )
+
+
+def _passive_names(spec: MechanismSpec, coordinates: JointCoordinates) -> tuple[str, ...]:
+    """Return the passive joints, or say why these motors and joints do not make up the tree."""
+    for name in spec.actuated:
+        if (count := coordinates.degrees_of_freedom(name)) != 1:
+            message = f"a motor moves one degree of freedom; joint {name!r} has {count}"
+            raise ArgumentError(message)
+    others = tuple(name for name in coordinates.names if name not in spec.actuated)
+    passive = others if spec.passive is None else tuple(spec.passive)
+    for name in passive:
+        if name not in coordinates.names:
+            raise unknown_name("joint", name, coordinates.names)
+    if forgotten := [name for name in others if name not in passive]:
+        message = f"joint {forgotten[0]!r} moves and is neither actuated nor passive"
+        raise ArgumentError(message)
+    return passive

@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.pinocchio import Kinematics
 from pmjac_pin.kinematics.tool import frame_jacobian
 from pmjac_pin.model.frames import Frame, find_frame, moving_columns
@@ -75,17 +76,10 @@ class Size:
         points = [data.oMf[frame.index].translation for frames in ends for frame in frames]
         points.append(tool.pose(model, data)[1])
         opened = ROUNDING_OF_PLACES * float(np.abs(points).max())
-        rods = [
-            [loops.rods[row] for row in loops.rods if rows.start <= row < rows.stop]
-            for rows in loops.slices
-        ]
-        arms = [
-            # Where nothing turns, how long a rod is does not matter to any rate.
-            [*rod, *own] if own else []
-            for rod, own in zip(
-                rods, (_arms(model, data, turns, frames) for frames in ends), strict=True
-            )
-        ]
+        rods = _rods(loops)
+        turned = (_arms(model, data, turns, frames) for frames in ends)
+        # Where nothing turns, how long a rod is does not matter to any rate.
+        arms = [[*rod, *own] if own else [] for rod, own in zip(rods, turned, strict=True)]
         turning = tool.jacobian(model, data)[:, turns]
         rounding = max(NO_LENGTH, _TOLERANCES * max(spec.tolerance or 0.0, opened))
         means = [_mean(np.array(own)) for own in arms]
@@ -93,11 +87,8 @@ class Size:
         if not any(arms):  # slides alone
             every = _mean(np.array([one for rod in rods for one in rod]))
         self.length = _length(every, _mean(_distances(turning)), rounding)
-        self.strokes = np.ones(model.nv)
-        for rod, own, columns in zip(rods, arms, loops.moving, strict=True):
-            if rod and not own:
-                shorter = np.minimum(self.strokes[columns], min(rod) / self.length)
-                self.strokes[columns] = shorter
+        held = [[] if own else rod for rod, own in zip(rods, arms, strict=True)]
+        self.strokes = _shortest(held, loops, model.nv, self.length) / self.length
         self.arms = tuple(mean if mean > rounding else 0.0 for mean in means)
         self.loop_sizes = tuple(
             mean if SPHERICAL * self.length < mean < SMALL * self.length else self.length
@@ -136,6 +127,22 @@ def _arms(
         motions = frame_jacobian(model, data, frame.index)[:, columns[turns[columns]]]
         arms += _distances(motions).tolist()
     return arms
+
+
+def _rods(loops: LoopSystem) -> list[list[float]]:
+    """Return the lengths of the rods of each loop, m."""
+    return [
+        [loops.rods[row] for row in loops.rods if rows.start <= row < rows.stop]
+        for rows in loops.slices
+    ]
+
+
+def _shortest(held: list[list[float]], loops: LoopSystem, count: int, length: float) -> Array:
+    """Return for each column the shortest of these rods of its loops, at most `length`."""
+    shortest = np.full(count, length)
+    for rods, columns in zip(held, loops.moving, strict=True):
+        shortest[columns] = np.minimum(shortest[columns], min(rods, default=length))
+    return shortest
 
 
 def _length(loops: float, tool: float, rounding: float) -> float:
