@@ -16,9 +16,14 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 PACKAGE = Path("pmjac_pin")
-TAPES, PATHS = Path("algebra", "tape_kernel.c"), Path("closing", "path_kernel.c")
+LANES, TAPES = Path("algebra", "lanes.h"), Path("algebra", "tape_kernel.c")
+VALUES, PATHS = Path("algebra", "singular_values.c"), Path("closing", "path_kernel.c")
 #: What is compiled, and what it includes, by what is built of it.
-KERNELS = {"algebra/_tape_kernel.so": (TAPES,), "closing/_path_kernel.so": (PATHS, TAPES)}
+KERNELS = {
+    "algebra/_tape_kernel.so": (TAPES, LANES),
+    "algebra/_singular_values.so": (VALUES, LANES),
+    "closing/_path_kernel.so": (PATHS, TAPES, LANES),
+}
 # No function's error number is asked for, and no exception is trapped: else roots stay scalar.
 OPTIONS = ("-std=c99", "-O3", "-fno-math-errno", "-fno-trapping-math", "-fPIC", "-shared")
 

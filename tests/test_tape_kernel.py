@@ -12,12 +12,13 @@ import pytest
 import pmjac_pin as pj
 from pmjac_pin.algebra import numpy_tape
 from pmjac_pin.algebra.programs import Recording, largest, root, with_sign
-from pmjac_pin.algebra.singular_values import singular_values, singular_values_in
+from pmjac_pin.algebra.singular_values import singular_values, values_in
 from pmjac_pin.algebra.tape import INSTRUCTIONS, Tape
 from pmjac_pin.algebra.tape_runner import loaded, run_in
 
 ROOT = Path(__file__).resolve().parent.parent
-SOURCE = ROOT / "pmjac_pin" / "algebra" / "tape_kernel.c"
+ALGEBRA = ROOT / "pmjac_pin" / "algebra"
+SOURCES = (ALGEBRA / "tape_kernel.c", ALGEBRA / "lanes.h")
 
 
 @pytest.fixture(scope="module")
@@ -39,10 +40,20 @@ def kernel(build, tmp_path_factory):
     if shutil.which("cc") is None:
         pytest.skip("no C compiler")
     built = tmp_path_factory.mktemp("kernel") / "kernel.so"
-    assert build(built, SOURCE) == ""
-    library = loaded(built, SOURCE)
+    assert build(built, *SOURCES) == ""
+    library = loaded(built, *SOURCES)
     assert library is not None
     return library
+
+
+@pytest.fixture(scope="module")
+def values_kernel(build, tmp_path_factory):
+    if shutil.which("cc") is None:
+        pytest.skip("no C compiler")
+    sources = (ALGEBRA / "singular_values.c", ALGEBRA / "lanes.h")
+    built = tmp_path_factory.mktemp("values") / "kernel.so"
+    assert build(built, *sources) == ""
+    return loaded(built, *sources)
 
 
 def everything():
@@ -95,12 +106,12 @@ def test_of_mechanisms(kernel, name, rng):
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12)
 
 
-SHAPES = [(1, 1), (3, 1), (3, 2), (3, 3), (3, 6), (9, 9), (18, 18), (10, 4)]
+SHAPES = [(1, 1), (3, 1), (3, 2), (3, 3), (3, 6), (9, 9), (18, 18), (10, 4), (5, 9), (40, 37)]
 
 
 @pytest.mark.parametrize("count", [0, 1, 15, 16, 17, 300])
 @pytest.mark.parametrize("shape", SHAPES)
-def test_singular_values(kernel, shape, count, rng):
+def test_singular_values(values_kernel, shape, count, rng):
     """Nearly dependent, alike, tiny and vanishing rows and columns among them."""
     matrices = rng.normal(size=(*shape, count))
     matrices[:, :, ::7] *= 1e-12
@@ -110,17 +121,35 @@ def test_singular_values(kernel, shape, count, rng):
     matrices[:, 0, ::13] = 0.0
     matrices[:, :, 3:4] = 0.0
     expected = np.linalg.svd(matrices.transpose(2, 0, 1), compute_uv=False).T
-    found = singular_values_in(kernel, matrices)
+    found = values_in(values_kernel, matrices, range(min(shape)))
     assert found.shape == expected.shape
     off = np.abs(found - expected)
     assert (off <= 3e-15 * max(shape) * expected[:1]).all()
 
 
-def test_small_singular_values_are_exact_beside_their_columns(kernel, rng):
+@pytest.mark.parametrize("shape", [(3, 4), (18, 18)])
+def test_singular_values_at_some_places(values_kernel, shape, rng):
+    matrices = rng.normal(size=(*shape, 20))
+    every = values_in(values_kernel, matrices, range(min(shape)))
+    some = values_in(values_kernel, matrices, (2, 0))
+    np.testing.assert_array_equal(some, every[[2, 0]])
+    np.testing.assert_allclose(singular_values(matrices, (2, 0)), some, rtol=1e-12)
+
+
+@pytest.mark.parametrize("size", [1e-200, 1e-100, 1e-30, 1e30, 1e100])
+@pytest.mark.parametrize("vectors", [3, 9])
+def test_singular_values_of_any_size(values_kernel, vectors, size, rng):
+    matrices = size * rng.normal(size=(vectors, 9, 20))
+    expected = np.linalg.svd(matrices.transpose(2, 0, 1), compute_uv=False).T
+    found = values_in(values_kernel, matrices, range(vectors))
+    np.testing.assert_allclose(found, expected, atol=3e-14 * expected[0].max(), rtol=0.0)
+
+
+def test_small_singular_values_of_few_are_exact_beside_their_columns(values_kernel, rng):
     """Which those of LAPACK are not: columns of unlike size, otherwise well apart."""
     scale = 10.0 ** -np.arange(0.0, 20.0, 5.0)
     turned = np.linalg.qr(rng.normal(size=(4, 4)))[0]
-    found = singular_values_in(kernel, (scale[:, None] * turned)[:, :, None])
+    found = values_in(values_kernel, (scale[:, None] * turned)[:, :, None], range(4))
     np.testing.assert_allclose(found[:, 0], scale, rtol=1e-14)
 
 
@@ -134,18 +163,18 @@ def test_singular_values_of_what_is_no_number():
 
 def test_what_was_built_from_another_source_is_not_loaded(kernel, build, tmp_path):
     other = tmp_path / "other.c"
-    other.write_text(SOURCE.read_text() + "\n/* changed */\n")
+    other.write_text(SOURCES[0].read_text() + "\n/* changed */\n")
     built = tmp_path / "kernel.so"
-    assert build(built, SOURCE) == ""
-    assert loaded(built, other) is None
-    assert loaded(tmp_path / "none.so", SOURCE) is None
+    assert build(built, *SOURCES) == ""
+    assert loaded(built, other, SOURCES[1]) is None
+    assert loaded(tmp_path / "none.so", *SOURCES) is None
     (tmp_path / "broken.so").write_bytes(built.read_bytes()[:500])
-    assert loaded(tmp_path / "broken.so", SOURCE) is None
+    assert loaded(tmp_path / "broken.so", *SOURCES) is None
 
 
 def test_without_a_compiler_it_is_said(build, tmp_path, monkeypatch):
     monkeypatch.setenv("CC", str(tmp_path / "nothing"))
-    assert "nothing" in build(tmp_path / "kernel.so", SOURCE)
+    assert "nothing" in build(tmp_path / "kernel.so", *SOURCES)
     assert not list(tmp_path.iterdir())
 
 

@@ -3,37 +3,57 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
 
 import numpy as np
 
-from pmjac_pin.algebra.tape_runner import kernel
+from pmjac_pin.algebra.tape_runner import address, loaded
 from pmjac_pin.values.arrays import Array, Mask
 
+_FOLDER = Path(__file__).parent
 
-def singular_values(matrices: Array) -> Array:
-    """Return those of matrices (p, k, N), shape (min(p, k), N).
+
+def singular_values(matrices: Array, places: Sequence[int] | None = None) -> Array:
+    """Return those of matrices (p, k, N), shape (min(p, k), N), to rounding of the largest.
 
     They are descending, and NaN where an entry is no number.
+
+    Parameters
+    ----------
+    matrices : ndarray, shape (p, k, N)
+    places : sequence of int, optional
+        Which of them: 0 is the largest. All by default.
 
     Examples
     --------
     >>> singular_values(np.diag([3.0, -4.0])[:, :, None]).ravel().tolist()
     [4.0, 3.0]
     """
+    wanted = range(min(matrices.shape[:2])) if places is None else places
     known: Mask = np.asarray(np.isfinite(matrices).all(axis=(0, 1)))
     finite = matrices if known.all() else np.where(known, matrices, 0.0)
     built = kernel()
-    values = _of_stack(finite) if built is None else singular_values_in(built, finite)
+    values = _of_stack(finite, wanted) if built is None else values_in(built, finite, wanted)
     found: Array = np.where(known, values, np.nan)
     return found
 
 
-def _of_stack(matrices: Array) -> Array:
-    return np.asarray(np.linalg.svd(matrices.transpose(2, 0, 1), compute_uv=False).T)
+@cache
+def kernel() -> ctypes.CDLL | None:
+    """Return the kernel that was built from the source beside it, None where there is none."""
+    sources = (_FOLDER / "singular_values.c", _FOLDER / "lanes.h")
+    return loaded(_FOLDER / "_singular_values.so", *sources)
 
 
-def singular_values_in(library: ctypes.CDLL, matrices: Array) -> Array:
-    """Return what the kernel finds for finite matrices.
+def _of_stack(matrices: Array, places: Sequence[int]) -> Array:
+    values = np.linalg.svd(matrices.transpose(2, 0, 1), compute_uv=False)
+    return np.asarray(values[:, list(places)].T)
+
+
+def values_in(library: ctypes.CDLL, matrices: Array, places: Sequence[int]) -> Array:
+    """Return what the kernel finds for finite matrices, at some places.
 
     Raises
     ------
@@ -43,13 +63,15 @@ def singular_values_in(library: ctypes.CDLL, matrices: Array) -> Array:
         matrices = matrices.swapaxes(0, 1)
     given = np.ascontiguousarray(matrices, dtype=float)
     vectors, length, count = given.shape
-    found = np.empty((vectors, count))
+    which, found = np.array(places, dtype=np.int64), np.empty((len(places), count))
     failed = library.pmjac_singular_values(
-        given.ctypes.data_as(ctypes.c_void_p),
+        address(given),
         ctypes.c_int64(vectors),
         ctypes.c_int64(length),
         ctypes.c_int64(count),
-        found.ctypes.data_as(ctypes.c_void_p),
+        address(which),
+        ctypes.c_int64(which.size),
+        address(found),
     )
     if failed:
         raise MemoryError("no memory for singular values")

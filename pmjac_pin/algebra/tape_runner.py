@@ -6,8 +6,10 @@ import ctypes
 import hashlib
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmjac_pin.algebra import numpy_tape
 from pmjac_pin.algebra.tape import Tape
@@ -28,7 +30,7 @@ def run(tape: Tape, inputs: Array) -> Array:
 @cache
 def kernel() -> ctypes.CDLL | None:
     """Return the kernel that was built from the source beside it, None where there is none."""
-    return loaded(_FOLDER / "_tape_kernel.so", _FOLDER / "tape_kernel.c")
+    return loaded(_FOLDER / "_tape_kernel.so", _FOLDER / "tape_kernel.c", _FOLDER / "lanes.h")
 
 
 def loaded(built: Path, *sources: Path) -> ctypes.CDLL | None:
@@ -36,8 +38,8 @@ def loaded(built: Path, *sources: Path) -> ctypes.CDLL | None:
     try:
         text = b"".join(source.read_bytes() for source in sources)
         library, digest = ctypes.CDLL(str(built)), hashlib.sha256(text).hexdigest()
-        library.pmjac_tape_source.restype = ctypes.c_char_p
-        return library if library.pmjac_tape_source() == digest.encode() else None
+        library.pmjac_source.restype = ctypes.c_char_p
+        return library if library.pmjac_source() == digest.encode() else None
     except (OSError, AttributeError):
         return None
 
@@ -53,15 +55,20 @@ def run_in(library: ctypes.CDLL, tape: Tape, inputs: Array) -> Array:
     code = np.ascontiguousarray(tape.code)
     found = np.empty((tape.outputs, given.shape[1]))
     failed = library.pmjac_run_tape(
-        code.ctypes.data_as(ctypes.c_void_p),
+        address(code),
         ctypes.c_int64(len(code)),
-        tape.constants.ctypes.data_as(ctypes.c_void_p),
+        address(tape.constants),
         ctypes.c_int64(len(tape.constants)),
         ctypes.c_int64(tape.slots),
-        given.ctypes.data_as(ctypes.c_void_p),
+        address(given),
         ctypes.c_int64(given.shape[1]),
-        found.ctypes.data_as(ctypes.c_void_p),
+        address(found),
     )
     if failed:
         raise MemoryError("no memory for the slots of a program")
     return found
+
+
+def address(array: NDArray[Any]) -> ctypes.c_void_p:
+    """Return where an array's numbers are."""
+    return ctypes.c_void_p(array.ctypes.data)

@@ -55,8 +55,8 @@ def _nearness(entries: Array, size: Array, partition: Partition) -> tuple[Array,
     if not rank:
         return np.full(count, np.inf), np.ones(count)
     blocks = entries.reshape(-1, partition.passive.size, count)
-    values = singular_values(blocks) / np.maximum(size, partition.least_size)
-    smallest, largest = values[rank - 1], values[0]
+    values = singular_values(blocks, (0, rank - 1)) / np.maximum(size, partition.least_size)
+    largest, smallest = values
     condition = np.full(count, np.inf)
     np.divide(largest, smallest, out=condition, where=smallest > 0.0)
     return smallest.copy(), condition

@@ -13,7 +13,8 @@ from pmjac_pin.algebra import tape_runner
 from pmjac_pin.algebra.tape import Tape
 
 _FOLDER = Path(__file__).parent
-_SOURCES = (_FOLDER / "path_kernel.c", _FOLDER.parent / "algebra" / "tape_kernel.c")
+_ALGEBRA = _FOLDER.parent / "algebra"
+_SOURCES = (_FOLDER / "path_kernel.c", _ALGEBRA / "tape_kernel.c", _ALGEBRA / "lanes.h")
 
 _Number, _Count = ctypes.c_double, ctypes.c_int64
 _Pointer = ctypes.c_void_p

@@ -1,0 +1,27 @@
+/* What the kernels share: plain C99, which compilers turn into vector instructions. */
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+/* For every lane. A target is one of the operands or apart from them: no lane depends on another. */
+#if defined(__GNUC__) && !defined(__clang__)
+#define EACH _Pragma("GCC ivdep") for (int i = 0; i < LANES; i++)
+#else
+#define EACH for (int i = 0; i < LANES; i++)
+#endif
+
+/* One version for each kind of processor in one file, where the compiler can. */
+#if defined(FOR_EACH_PROCESSOR)
+#elif defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__linux__)
+#define FOR_EACH_PROCESSOR __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define FOR_EACH_PROCESSOR
+#endif
+
+#define INLINE static inline __attribute__((always_inline))
+
+/* Which sources this was built from. */
+#ifndef SOURCE
+#define SOURCE ""
+#endif
+const char *pmjac_source(void) { return SOURCE; }

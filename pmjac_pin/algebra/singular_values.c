@@ -1,0 +1,222 @@
+/* Singular values of many matrices, LANES of them at a time: few vectors are turned in pairs until
+ * all are orthogonal (Jacobi, from one side), more are reflected to two diagonals (Golub and
+ * Kahan), whose singular values are found by halving.
+ */
+#define LANES 16
+#include "lanes.h"
+
+#define FEW 4 /* vectors */
+#define MOST_SWEEPS 40
+#define ORTHOGONAL 4e-15 /* cosine of an angle that is a right one */
+#define ROUNDING 1e-16   /* of the longer vector: what is shorter is that */
+
+/* x . y, four entries at a time: what is summed up goes through memory less often. */
+INLINE void product(
+    double (*x)[LANES], double (*y)[LANES], int64_t length, double *sum)
+{
+    int64_t k = 0;
+    EACH sum[i] = 0.0;
+    for (; k + 4 <= length; k += 4)
+        EACH sum[i] += (x[k][i] * y[k][i] + x[k + 1][i] * y[k + 1][i])
+            + (x[k + 2][i] * y[k + 2][i] + x[k + 3][i] * y[k + 3][i]);
+    for (; k < length; k++)
+        EACH sum[i] += x[k][i] * y[k][i];
+}
+
+/* Turns two vectors, whose squares are known, in their plane until they are orthogonal; tells
+ * whether they were. */
+INLINE int turn(
+    double (*x)[LANES], double (*y)[LANES], int64_t length, double *xx, double *yy)
+{
+    double xy[LANES], cosine[LANES], sine[LANES];
+    int apart = 0;
+    product(x, y, length, xy);
+    EACH {
+        double least = xx[i] < yy[i] ? xx[i] : yy[i], most = xx[i] < yy[i] ? yy[i] : xx[i];
+        apart |= (xy[i] * xy[i] > ORTHOGONAL * ORTHOGONAL * (xx[i] * yy[i]))
+            & (least > ROUNDING * ROUNDING * most);
+    }
+    if (!apart) return 1;
+    EACH {
+        double some = fabs(xy[i]) > 0.0 ? xy[i] : 1.0;
+        double across = 0.5 * (yy[i] - xx[i]) / some;
+        double tangent = copysign(1.0, across) / (fabs(across) + sqrt(1.0 + across * across));
+        tangent = fabs(xy[i]) > 0.0 ? tangent : 0.0;
+        cosine[i] = 1.0 / sqrt(1.0 + tangent * tangent);
+        sine[i] = cosine[i] * tangent;
+        xx[i] -= tangent * xy[i];
+        yy[i] += tangent * xy[i];
+    }
+    for (int64_t k = 0; k < length; k++)
+        EACH {
+            double a = x[k][i], b = y[k][i];
+            x[k][i] = cosine[i] * a - sine[i] * b;
+            y[k][i] = sine[i] * a + cosine[i] * b;
+        }
+    return 0;
+}
+
+/* One-sided Jacobi, several matrices at a time: their vectors are turned in pairs until all are
+ * orthogonal; their norms are the singular values, which are put in order. */
+INLINE void orthogonalise(double (*x)[LANES], int64_t vectors, int64_t length, double (*values)[LANES])
+{
+    int settled = 0;
+    for (int sweep = 0; sweep < MOST_SWEEPS && !settled; sweep++) {
+        settled = 1;
+        for (int64_t p = 0; p < vectors; p++)
+            product(x + p * length, x + p * length, length, values[p]);
+        for (int64_t p = 0; p < vectors; p++)
+            for (int64_t q = p + 1; q < vectors; q++)
+                settled &= turn(x + p * length, x + q * length, length, values[p], values[q]);
+    }
+    for (int64_t p = 0; p < vectors; p++) {
+        product(x + p * length, x + p * length, length, values[p]);
+        EACH values[p][i] = sqrt(values[p][i]);
+    }
+    for (int64_t p = 0; p < vectors; p++)
+        for (int64_t q = p + 1; q < vectors; q++)
+            EACH {
+                double a = values[p][i], b = values[q][i];
+                values[p][i] = a > b ? a : b;
+                values[q][i] = a > b ? b : a;
+            }
+}
+
+/* Turns the part of a vector from `first` on into its first axis: the reflection I - factor v v^T
+ * of each lane, whose v is left in the vector's place. Entries lie `apart` from each other. */
+INLINE void reflect_to_axis(
+    double (*x)[LANES], int64_t first, int64_t end, int64_t apart, double *becomes, double *factor)
+{
+    double (*head)[LANES] = x + first * apart;
+    EACH becomes[i] = 0.0;
+    for (int64_t k = first; k < end; k++)
+        EACH becomes[i] += x[k * apart][i] * x[k * apart][i];
+    EACH {
+        double size = sqrt(becomes[i]), along = fabs((*head)[i]), both = size * (size + along);
+        factor[i] = both > 0.0 ? 1.0 / (both > 0.0 ? both : 1.0) : 0.0;
+        becomes[i] = -copysign(size, (*head)[i]);
+        (*head)[i] -= becomes[i];
+    }
+}
+
+/* y - factor v (v . y), from `first` on. */
+INLINE void reflect(
+    double (*v)[LANES], double (*y)[LANES], int64_t first, int64_t end, int64_t apart,
+    const double *factor)
+{
+    double share[LANES];
+    EACH share[i] = 0.0;
+    for (int64_t k = first; k < end; k++)
+        EACH share[i] += v[k * apart][i] * y[k * apart][i];
+    EACH share[i] *= factor[i];
+    for (int64_t k = first; k < end; k++)
+        EACH y[k * apart][i] -= share[i] * v[k * apart][i];
+}
+
+/* Golub and Kahan's reflections from both sides leave two diagonals, whose squares are kept. */
+INLINE void to_two_diagonals(
+    double (*x)[LANES], int64_t vectors, int64_t length, double (*main)[LANES], double (*upper)[LANES])
+{
+    double entry[LANES], factor[LANES];
+    for (int64_t k = 0; k < vectors; k++) {
+        reflect_to_axis(x + k * length, k, length, 1, entry, factor);
+        for (int64_t p = k + 1; p < vectors; p++)
+            reflect(x + k * length, x + p * length, k, length, 1, factor);
+        EACH main[k][i] = entry[i] * entry[i];
+        EACH upper[k][i] = 0.0;
+        if (k + 1 == vectors) continue;
+        reflect_to_axis(x + k, k + 1, vectors, length, entry, factor);
+        for (int64_t row = k + 1; row < length; row++)
+            reflect(x + k, x + row, k + 1, vectors, length, factor);
+        EACH upper[k][i] = entry[i] * entry[i];
+    }
+}
+
+#define HALVINGS 54 /* to the last digit of the largest */
+#define NOTHING 1e-290
+
+/* The singular value at a place, 0 that of the largest, of two diagonals with these squares: how
+ * many are below a number is how many pivots of B^T B less its square are negative. */
+INLINE void value_at(
+    double (*main)[LANES], double (*upper)[LANES], int64_t vectors, int64_t place, double *value)
+{
+    double low[LANES], high[LANES], before[LANES];
+    EACH { low[i] = high[i] = before[i] = 0.0; }
+    for (int64_t k = 0; k < vectors; k++)
+        EACH { /* Gershgorin */
+            double sum = sqrt(main[k][i]) + sqrt(upper[k][i]), other = sqrt(main[k][i]) + before[i];
+            sum = sum > other ? sum : other;
+            high[i] = high[i] > sum ? high[i] : sum;
+            before[i] = sqrt(upper[k][i]);
+        }
+    for (int halving = 0; halving < HALVINGS; halving++) {
+        double square[LANES], rest[LANES], below[LANES];
+        EACH {
+            square[i] = 0.25 * (low[i] + high[i]) * (low[i] + high[i]);
+            rest[i] = -square[i];
+            below[i] = 0.0;
+        }
+        for (int64_t k = 0; k < vectors; k++)
+            EACH {
+                double pivot = main[k][i] + rest[i], sign = copysign(1.0, pivot);
+                below[i] += 0.5 - 0.5 * sign;
+                rest[i] = rest[i] * (upper[k][i] / (pivot + NOTHING * sign)) - square[i];
+            }
+        EACH {
+            double middle = 0.5 * (low[i] + high[i]);
+            double under = below[i] >= (double)(vectors - place) ? 1.0 : 0.0;
+            high[i] = under > 0.0 ? middle : high[i];
+            low[i] = under > 0.0 ? low[i] : middle;
+        }
+    }
+    EACH value[i] = low[i];
+}
+
+/* Those at some places, in `values`; what follows there is room for two vectors. */
+FOR_EACH_PROCESSOR
+static void find(
+    double (*x)[LANES], int64_t vectors, int64_t length, const int64_t *places, int64_t many,
+    double (*values)[LANES])
+{
+    double (*main)[LANES] = values + many, (*upper)[LANES] = main + vectors;
+    if (vectors > FEW) {
+        to_two_diagonals(x, vectors, length, main, upper);
+        for (int64_t k = 0; k < many; k++)
+            value_at(main, upper, vectors, places[k], values[k]);
+        return;
+    }
+    orthogonalise(x, vectors, length, main);
+    for (int64_t k = 0; k < many; k++)
+        EACH values[k][i] = main[places[k]][i];
+}
+
+/* Singular values, (many, count), of matrices (vectors, length, count), no more vectors than their
+ * length: those at some places, 0 that of the largest. Returns 0, or 1 where there is no memory. */
+int pmjac_singular_values(
+    const double *matrices, int64_t vectors, int64_t length, int64_t count, const int64_t *places,
+    int64_t many, double *values)
+{
+    int64_t entries = vectors * length, room = entries + many + 2 * vectors;
+    void *memory = malloc((size_t)room * sizeof(double[LANES]) + 64);
+    if (!memory) return 1;
+    double (*x)[LANES] = (double (*)[LANES])(((uintptr_t)memory + 63) / 64 * 64);
+    for (int64_t start = 0; start < count; start += LANES) {
+        int width = count - start < LANES ? (int)(count - start) : LANES;
+        double size[LANES];
+        EACH size[i] = 0.0;
+        for (int64_t k = 0; k < entries; k++)
+            for (int i = 0; i < LANES; i++) {
+                x[k][i] = matrices[k * count + start + (i < width ? i : width - 1)];
+                size[i] = size[i] > fabs(x[k][i]) ? size[i] : fabs(x[k][i]);
+            }
+        for (int i = 0; i < LANES; i++) size[i] = size[i] > 0.0 ? ldexp(1.0, ilogb(size[i])) : 1.0;
+        for (int64_t k = 0; k < entries; k++)
+            EACH x[k][i] /= size[i];
+        find(x, vectors, length, places, many, x + entries);
+        for (int64_t k = 0; k < many; k++)
+            for (int i = 0; i < width; i++)
+                values[k * count + start + i] = x[entries + k][i] * size[i];
+    }
+    free(memory);
+    return 0;
+}
