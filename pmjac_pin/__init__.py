@@ -31,7 +31,8 @@ def __getattr__(name: str) -> "Any":
 
 
 def __dir__() -> "list[str]":
-    return sorted({*globals(), *_lazy()[2]})
+    modules = ("__name__", "__doc__", "__file__", "__path__")  # what tools ask a module for
+    return sorted({*modules, *_lazy()[2]})
 
 
 def _lazy() -> "tuple[Any, Any, list[str]]":

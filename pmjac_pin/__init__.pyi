@@ -7,6 +7,8 @@ from .batches.results import ManyInGrid as ManyInGrid
 from .batches.results import ManyJacobians as ManyJacobians
 from .batches.results import ManyMeasures as ManyMeasures
 from .batches.results import Status as Status
+from .builders.delta import delta as delta
+from .builders.stewart import stewart as stewart
 from .configuration import Configuration as Configuration
 from .errors import (
     ArgumentError as ArgumentError,
@@ -81,6 +83,7 @@ from .model.loop_spec import (
     UniversalLoop as UniversalLoop,
 )
 from .model.spec import MechanismSpec as MechanismSpec
+from .pictures.plot import plot as plot
 from .rates.ellipse import Ellipse as Ellipse
 from .rates.ellipsoid import Ellipsoid as Ellipsoid
 from .rates.jacobian import (
@@ -119,3 +122,6 @@ from .studies.recut import recut as recut
 from .studies.sweep.sweep import sweep as sweep
 from .viewer.viewer import Viewer as Viewer
 from .viewer.viewer import view as view
+from .words.labelled_matrix import LabelledMatrix as LabelledMatrix
+from .words.report import Report as Report
+from .words.report import report as report

@@ -29,6 +29,7 @@ from pmjac_pin.rates.singularity import Singularity, analyse_singularity
 from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.values.found_once import found_once
+from pmjac_pin.values.shown import Shown
 
 if TYPE_CHECKING:
     from pmjac_pin.closing.one_pose import KnownPose
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Configuration:
+class Configuration(Shown):
     """A pose of a mechanism whose loops are closed.
 
     Made by `Mechanism.close`, `Mechanism.home`, `Mechanism.pose` and `Mechanism.configuration`
@@ -129,7 +130,7 @@ class Configuration:
 
     @property
     def limits_violated(self) -> Mapping[str, Violation]:
-        """The joints beyond their limits, by name, motors first: `value`, `lower` and `upper`.
+        """The joints beyond their limits, by name, motors first: `value`, `lower`, `upper`, `unit`.
 
         The loops close here, but the joints that the model describes cannot be here.
         An angle counts as it is, full turns and all.
@@ -141,7 +142,7 @@ class Configuration:
         >>> dict(bar.close([1.0]).limits_violated)
         {}
         >>> bar.close([6.5], enforce_limits=False).limits_violated["theta1"].words
-        '6.5 is outside its limits [-6.28319, 6.28319]'
+        '6.5 rad is outside its limits [-6.28319, 6.28319] rad'
         """
         return violations(self._parts.coordinates, self.q, self.joint_values)
 
@@ -311,8 +312,8 @@ def frame_name(frame: str | pin.ReferenceFrame) -> FrameName:
     """Return the name of one of Pinocchio's frames, or say which there are."""
     name = frame.name if isinstance(frame, pin.ReferenceFrame) else frame
     if isinstance(name, str):  # of an array, a comparison is none
-        match name:
-            case "LOCAL_WORLD_ALIGNED" | "LOCAL" | "WORLD":
-                return name
+        match name.upper():
+            case "LOCAL_WORLD_ALIGNED" | "LOCAL" | "WORLD" as known:
+                return known
     names = "LOCAL, WORLD or LOCAL_WORLD_ALIGNED"
     raise ArgumentError(f"frame must be {names}, got {quoted(frame)}")

@@ -90,7 +90,7 @@ def check_limits(mechanism: Mechanism, values: Array) -> None:
     parts = mechanism._parts
     for name in parts.coordinates.outside(values, parts.problem.partition.actuated):
         value = float(values[parts.spec.actuated.index(name)])
-        found = {name: Violation(value, *parts.coordinates.limits(name))}
+        found = {name: Violation.of(parts.coordinates, name, value)}
         raise limit_error("motor ", found, "; enforce_limits=False turns this check off")
 
 

@@ -92,13 +92,14 @@ class LimitError(ArgumentError):
     ----------
     joint : str
     value, lower, upper : float
-        In m or rad.
+    unit : {"m", "rad"}
     """
 
     joint: str
     value: float
     lower: float
     upper: float
+    unit: str
 
 
 class ClosureError(PmjacError, RuntimeError):

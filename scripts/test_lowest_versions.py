@@ -38,6 +38,7 @@ TESTS = (
     "test_model_file.py",
     "test_modes_report.py",
     "test_output_file.py",
+    "test_pages.py",
     "test_parameter_homotopy.py",
     "test_plotting.py",
     "test_proof.py",
@@ -55,7 +56,7 @@ def lowest() -> list[str]:
     """Return each requirement at its lowest version, with those of all that is optional."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
-    optional = extras["mjcf"] + extras["plot"] + extras["sweep"] + extras["view"]
+    optional = [one for name in ("mjcf", "plot", "sweep", "table", "view") for one in extras[name]]
     requirements = project["dependencies"] + optional
     return [re.sub(">=", "==", requirement) for requirement in requirements]
 

@@ -92,7 +92,7 @@ def test_the_picture(run, tmp_path, json_too):
     ("argv", "message"),
     [
         (("three_rps", "--at", "1,1"), "3 motor values (l1, l2, l3) expected, got 2"),
-        (("three_rps", "--at", "1,1,9"), "motor 'l3' = 9 is outside its limits [0.1, 3]"),
+        (("three_rps", "--at", "1,1,9"), "motor 'l3' = 9 m is outside its limits [0.1, 3] m"),
         (("four_bar", "--at", "1", "--from", "home"), "--at and --from both give motor values"),
         (("four_bar", "--from", "hom"), "did you mean 'home'"),
         (("four_bar", "--unseen", "2"), "unseen is a share between 0 and 1, got 2.0"),

@@ -195,7 +195,7 @@ def test_limits():
     with pytest.raises(pj.LimitError) as caught:
         mechanism.close([1.0, 0.05, 1.0])
     assert str(caught.value) == (
-        "motor 'l2' = 0.05 is outside its limits [0.1, 3]; "
+        "motor 'l2' = 0.05 m is outside its limits [0.1, 3] m; "
         "enforce_limits=False turns this check off"
     )
     error = caught.value

@@ -79,10 +79,14 @@ def test_idle_spin_is_counted_and_not_felt():
 def test_idle_spin_that_the_tool_feels_is_refused():
     with pytest.raises(pj.IdleMotionError) as caught:
         mechanisms.rssr("rod_side").home.jacobian()
+    idle, split = caught.value.idle_motion, mechanisms.rssr("rod_side").home.split_jacobian()
+    columns = [split.partition.columns[name] for name in idle]
+    twist = split.tool_jacobian[:, columns] @ list(idle.values())
+    by_m, by_rad = (f"{np.linalg.norm(part):.3g}" for part in (twist[:3], twist[3:]))
     assert str(caught.value) == (
         "the tool is moved by a passive motion that no motor commands: rx, ry, rz move freely "
-        "with all motors locked; make one of them actuated, or put the tool on a body that "
-        "stays at rest"
+        f"with all motors locked, which moves the tool by {by_m} m and {by_rad} rad for each unit "
+        "of rx; make one of them actuated, or put the tool on a body that stays at rest"
     )
     assert abs(caught.value.idle_motion["psi"]) < 1e-12
 

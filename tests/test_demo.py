@@ -11,7 +11,7 @@ import pytest
 
 from pmjac_pin.cli import main
 from pmjac_pin.pictures.demo import FIGURE, PRINTED_DIRECTIONS, PRINTED_VELOCITIES, run_demo
-from pmjac_pin.words.blocks import matrix_numbers
+from pmjac_pin.words.numbers import matrix_numbers
 from pmjac_pin.words.tables import TITLES
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 ROOT = Path(__file__).parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 EXTRAS = PROJECT["optional-dependencies"]
-OPTIONAL = ("mjcf", "plot", "sweep", "view")
+OPTIONAL = ("mjcf", "plot", "sweep", "table", "view")
 REQUIREMENTS = [*PROJECT["dependencies"], *(one for name in OPTIONAL for one in EXTRAS[name])]
 
 #: What is imported under another name than it is installed.

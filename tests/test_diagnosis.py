@@ -387,7 +387,7 @@ def model_file(tmp_path):
 def test_a_motor_outside_its_limits_is_a_page(model_file):
     diagnosis = pj.check(model_file(("theta1 = 0.9", "theta1 = 50.0")))
     found = finding(diagnosis, "home-outside-limits")
-    assert "a motor beyond its limits: 'theta1' = 50 is outside its limits" in found.message
+    assert "a motor beyond its limits: 'theta1' = 50 rad is outside its limits" in found.message
     assert diagnosis.freedoms[0].given == 50.0
 
 
@@ -436,7 +436,7 @@ def test_a_named_pose_that_does_not_assemble(slider, monkeypatch):
     assert (behind.kind, behind.failure.code) == (None, "outside-limits")
     assert behind.gap_given == pytest.approx((1 - 0.4**2) / 2)  # (length² − distance²) / 2 length
     found = finding(diagnosis, "pose-outside-limits")
-    assert "closes where 'slide' = -1 is outside its limits [-0.5, 100]" in found.message
+    assert "closes where 'slide' = -1 m is outside its limits [-0.5, 100] m" in found.message
     assert found.severity == "error"
 
 

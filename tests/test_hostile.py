@@ -16,7 +16,7 @@ from pmjac_pin.cli import main
 from pmjac_pin.errors import enumerated, quoted, shortened
 from pmjac_pin.files.catalog import find_model_file, find_urdf
 from pmjac_pin.files.user_path import user_path
-from pmjac_pin.pictures.plotting import save_figure
+from pmjac_pin.pictures.figures import save_figure
 from pmjac_pin.rates.ellipsoid import force_ellipsoid, velocity_ellipsoid
 
 LONG = "x" * 1_000_000

@@ -16,7 +16,6 @@ from pmjac_pin.closing import idle_motions
 from pmjac_pin.rates.singularity import analyse_singularity
 from pmjac_pin.values.arrays import norm
 from pmjac_pin.viewer.free_motion import easiest_motions
-from pmjac_pin.words.report import make_report
 from pmjac_pin.words.tables import report_blocks
 
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
@@ -290,7 +289,7 @@ def test_regular_poses_gain_nothing_and_keep_their_idle_motions():
 
 def test_a_report_tells_them_apart():
     pose = same_with_rods(*random_fold(0))
-    report, singularity = make_report(pose), pose.singularity()
+    report, singularity = pj.report(pose), pose.singularity()
     found = report.told()["singularity"]
     [free], [idle] = found["free_motions"], found["idle_motions"]
     assert list(free.values()) == singularity.free_motions[:, 0].tolist()

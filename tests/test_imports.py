@@ -30,7 +30,7 @@ ORDER = (
     ("rates",),
     ("closing",),
     ("configuration mechanism mechanism_value direct_kinematics pose_rounding",),
-    ("loading", "batches"),
+    ("loading", "batches", "builders"),
     ("studies",),
     ("words",),
     ("pictures",),

@@ -17,7 +17,6 @@ from pmjac_pin.viewer.readout import make_readout
 from pmjac_pin.words.modes_report import make_modes_report
 from pmjac_pin.words.modes_tables import modes_blocks
 from pmjac_pin.words.plain import to_json
-from pmjac_pin.words.report import make_report
 from pmjac_pin.words.tables import report_blocks
 from pmjac_pin.words.terminal import draw, new_console
 
@@ -44,7 +43,7 @@ def test_a_configuration_knows(bar):
     assert not bar.home.limits_violated
     beyond = bar.close([1.5])
     value = beyond.joint_values["phi1"]
-    assert dict(beyond.limits_violated) == {"phi1": Violation(value, 2.0, 2.05)}
+    assert dict(beyond.limits_violated) == {"phi1": Violation(value, 2.0, 2.05, "rad")}
     assert "'phi1' beyond its limits" in repr(beyond)
 
 
@@ -77,7 +76,7 @@ def test_booleans_keep_their_meaning(bar):
         assert "theta1" in bar.close([6.5], enforce_limits=none).limits_violated
     for motors in (True, np.True_):
         assert bar.close([1.5], enforce_limits=motors).limits_violated
-        with pytest.raises(pj.LimitError, match=r"motor 'theta1' = 6\.5 is outside its limits"):
+        with pytest.raises(pj.LimitError, match=r"motor 'theta1' = 6\.5 rad is outside its limits"):
             bar.close([6.5], enforce_limits=motors)
 
 
@@ -88,8 +87,18 @@ def test_nothing_else_is_accepted(bar, given):
 
 
 def test_words_do_not_contradict_themselves():
-    assert Violation(0.50000001, -0.5, 0.5).words.startswith("0.50000001 is outside")
-    assert Violation(1.017, -0.5, 0.5).words == "1.017 is outside its limits [-0.5, 0.5]"
+    assert Violation(0.50000001, -0.5, 0.5, "m").words.startswith("0.50000001 m is outside")
+    told = Violation(1.017, -0.5, 0.5, "rad").words
+    assert told == "1.017 rad is outside its limits [-0.5, 0.5] rad"
+
+
+@pytest.mark.parametrize(
+    ("value", "hint"), [(90.0, " (90° would be 1.5708 rad)"), (3.5, ""), (1e4, "")]
+)
+def test_what_may_be_degrees_is_said(value, hint):
+    told = Violation(value, -2.0, 2.0, "rad").words
+    assert told == f"{value:.6g} rad is outside its limits [-2, 2] rad{hint}"
+    assert "°" not in Violation(value, -2.0, 2.0, "m").words
 
 
 def shown(blocks, capsys):
@@ -98,13 +107,13 @@ def shown(blocks, capsys):
 
 
 def test_reports_warn(bar, capsys):
-    report = make_report(bar.close([1.5]))
+    report = pj.report(bar.close([1.5]))
     text = shown(report_blocks(report), capsys)
     assert "Warning: phi1 = " in text
     assert "the machine cannot be here" in text
     [found] = json.loads(to_json(report.told()))["limits_violated"]
     assert (found["name"], found["lower"], found["upper"]) == ("phi1", 2.0, 2.05)
-    assert "Warning" not in shown(report_blocks(make_report(bar.home)), capsys)
+    assert "Warning" not in shown(report_blocks(pj.report(bar.home)), capsys)
 
 
 def test_modes_beyond_limits_are_marked(bar, capsys):

@@ -271,10 +271,16 @@ def test_a_quaternion_that_is_none(three_rps):
         three_rps.configuration(q)
 
 
-@pytest.mark.parametrize("frame", ["local", "BODY", None, 3])
+@pytest.mark.parametrize("frame", ["locale", "BODY", None, 3])
 def test_bad_frame(three_rps, frame):
     with pytest.raises(pj.ArgumentError, match="frame must be LOCAL, WORLD or LOCAL_WORLD_ALIGNED"):
         three_rps.home.jacobian(frame)
+
+
+def test_frames_are_known_in_small_letters_too(three_rps):
+    home = three_rps.home
+    assert home.jacobian("local").frame == "LOCAL"
+    np.testing.assert_array_equal(home.jacobian("local").J_eq, home.jacobian(pin.LOCAL).J_eq)
 
 
 def test_a_configuration_cannot_be_forged(three_rps):

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
+from pmjac_pin.pictures.figures import save_figure
 from pmjac_pin.pictures.mode_sheet import plot_modes
-from pmjac_pin.pictures.plotting import save_figure
 
 
 @pytest.fixture(scope="module")

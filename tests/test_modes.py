@@ -210,7 +210,7 @@ def test_a_machine_that_moves_by_itself_has_no_separate_modes():
         ({"most_starts": 0}, "most_starts must be positive"),
         ({"rng": "dice"}, "rng is a numpy Generator or a whole number"),
         ({"actuated": [1.0]}, r"3 motor values \(l1, l2, l3\) expected, got 1"),
-        ({"actuated": [1.0, 1.0, 9.0]}, "motor 'l3' = 9 is outside its limits"),
+        ({"actuated": [1.0, 1.0, 9.0]}, "motor 'l3' = 9 m is outside its limits"),
     ],
 )
 def test_bad_arguments(arguments, message):

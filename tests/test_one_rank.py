@@ -25,7 +25,7 @@ OTHERWISE = {
     "studies/modes/krawczyk.py": {"lstsq", "pinv"},  # guesses: what they are worth is proven
     "studies/homotopy/curve.py": {"pinv"},  # a step where there is no other
     "words/report.py": {"svd"},  # the singular values that are shown
-    "pictures/mode_sheet.py": {"svd"},  # planes of points
+    "pictures/stick_drawing.py": {"svd"},  # planes of points
     "pictures/stick_figure.py": {"svd"},
 }
 

@@ -36,7 +36,7 @@ def save_html(path):
 
 def plot(path):
     figure = pytest.importorskip("matplotlib.figure").Figure()
-    from pmjac_pin.pictures.plotting import save_figure
+    from pmjac_pin.pictures.figures import save_figure
 
     save_figure(figure, path)
 

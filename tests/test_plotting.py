@@ -10,7 +10,8 @@ import pytest
 
 from pmjac_pin.errors import ArgumentError, MissingDependencyError, OutputError
 from pmjac_pin.pictures import plotting
-from pmjac_pin.pictures.plotting import plot_ellipsoid, save_figure
+from pmjac_pin.pictures.figures import save_figure
+from pmjac_pin.pictures.plotting import plot_ellipsoid
 from pmjac_pin.rates.ellipsoid import force_ellipsoid, velocity_ellipsoid
 
 SHAPES = {

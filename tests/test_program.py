@@ -114,7 +114,7 @@ def test_where_there_is_no_jacobian():
     with pytest.raises(pj.ForbiddenRatesError):
         pj.program(over)
     with pytest.raises(pj.ArgumentError, match="frame must be"):
-        pj.program(pj.load("four_bar"), "world")
+        pj.program(pj.load("four_bar"), "base")
 
 
 @pytest.mark.parametrize("name", ["1st", "a b", "", 3, "\u00e9"])

@@ -12,7 +12,6 @@ import pytest
 import pmjac_pin as pj
 from pmjac_pin.words.labelled import common_unit, metric_unit, quotient, row_powers, unit
 from pmjac_pin.words.plain import to_json
-from pmjac_pin.words.report import make_report
 
 MATRICES = ("K", "K_star", "Jv", "Jv_star", "Jw", "Jw_star")
 EQUIVALENT = ("passive_rates", "Jv_eq", "Jw_eq", "gv_eq", "gw_eq")
@@ -44,7 +43,7 @@ def homes():
 def test_json_gives_the_python_interface_back_bit_by_bit(homes, name, frame):
     configuration = homes[name]
     mechanism, jacobian = configuration.mechanism, configuration.jacobian(frame)
-    report = strict(to_json(make_report(configuration, frame, pose="home").told()))
+    report = strict(to_json(pj.report(configuration, frame, pose="home").told()))
     for key in MATRICES + EQUIVALENT:
         found, expected = report["matrices"][key], getattr(jacobian, key)
         shape = (len(found["rows"]), len(found["columns"]))
@@ -70,7 +69,7 @@ def test_json_gives_the_python_interface_back_bit_by_bit(homes, name, frame):
 def test_sizes_determinant_and_parameters(homes, name):
     configuration = homes[name]
     mechanism = configuration.mechanism
-    report = strict(to_json(make_report(configuration).told()))
+    report = strict(to_json(pj.report(configuration).told()))
     m = configuration.split_jacobian().rows.size
     assert report["dimensions"] == {
         "n": len(mechanism.actuated),
@@ -95,7 +94,7 @@ def test_sizes_determinant_and_parameters(homes, name):
 def test_singularity_and_singular_values(homes, name):
     configuration = homes[name]
     singularity, jacobian = configuration.singularity(), configuration.jacobian()
-    report = strict(to_json(make_report(configuration).told()))
+    report = strict(to_json(pj.report(configuration).told()))
     found = report["singularity"]
     for key, value in found.items():
         match key:
@@ -124,7 +123,7 @@ def test_singularity_and_singular_values(homes, name):
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_ellipsoids(homes, name):
     jacobian = homes[name].jacobian()
-    report = strict(to_json(make_report(homes[name]).told()))
+    report = strict(to_json(pj.report(homes[name]).told()))
     for key in ("velocity", "angular", "force"):
         expected = getattr(jacobian, f"{key}_ellipsoid")()
         found = report["ellipsoids"][key]
@@ -135,12 +134,12 @@ def test_ellipsoids(homes, name):
 
 
 def test_infinite_radii_are_null(homes):
-    report = strict(to_json(make_report(homes["four_bar"]).told()))
+    report = strict(to_json(pj.report(homes["four_bar"]).told()))
     assert report["ellipsoids"]["force"]["radii"][:2] == [None, None]
 
 
 def test_json_is_ascii_and_keeps_its_keys(homes):
-    text = to_json(make_report(homes["three_rps_ss"]).told())
+    text = to_json(pj.report(homes["three_rps_ss"]).told())
     assert text.isascii()
     assert list(strict(text)) == [
         "mechanism",
@@ -170,7 +169,7 @@ def test_json_is_ascii_and_keeps_its_keys(homes):
 def test_a_singular_pose_is_reported_but_for_what_does_not_exist():
     configuration = fold()
     singularity, split = configuration.singularity(), configuration.split_jacobian()
-    report = strict(to_json(make_report(configuration).told()))
+    report = strict(to_json(pj.report(configuration).told()))
     for key in MATRICES:
         np.testing.assert_array_equal(report["matrices"][key]["values"], getattr(split, key))
     assert [report["matrices"][key] for key in EQUIVALENT] == [None] * 5
@@ -191,7 +190,7 @@ def test_a_singular_pose_is_reported_but_for_what_does_not_exist():
 
 
 def test_an_idle_motion_is_named():
-    report = make_report(mechanisms.rssr().home)
+    report = pj.report(mechanisms.rssr().home)
     assert report.refusal is None
     assert report.singularity.idle == 1
     found = report.told()["singularity"]
@@ -212,7 +211,7 @@ def test_other_refusals_are_reported_too(mechanism, error):
     configuration = mechanism().home
     with pytest.raises(error) as caught:
         configuration.jacobian()
-    report = make_report(configuration)
+    report = pj.report(configuration)
     assert report.refusal == str(caught.value)
     assert report.matrices["Jv_eq"] is None
     strict(to_json(report.told()))
@@ -220,18 +219,18 @@ def test_other_refusals_are_reported_too(mechanism, error):
 
 def test_an_unknown_frame_is_refused(homes):
     with pytest.raises(pj.ArgumentError, match="LOCAL, WORLD or LOCAL_WORLD_ALIGNED"):
-        make_report(homes["four_bar"], "BASE")
+        pj.report(homes["four_bar"], "BASE")
 
 
 def test_joint_units_roles_and_order(homes):
-    joints = make_report(homes["three_rps"]).joints
+    joints = pj.report(homes["three_rps"]).joints
     assert [joint.role for joint in joints] == ["actuated"] * 3 + ["passive"] * 9
     assert [joint.unit for joint in joints] == ["m"] * 3 + ["rad"] * 3 + ["m"] * 3 + ["rad"] * 3
 
 
 def test_units_do_not_depend_on_the_order_of_the_file(homes):
     # In the model file phi1 stands before phi2, in the tree behind it; yaw is no passive joint.
-    joints = make_report(mechanisms.yawing_four_bar().home).joints
+    joints = pj.report(mechanisms.yawing_four_bar().home).joints
     assert [(joint.name, joint.unit) for joint in joints] == [
         (name, "rad") for name in ("yaw", "theta1", "phi1", "phi2")
     ]
@@ -253,14 +252,14 @@ def test_units_do_not_depend_on_the_order_of_the_file(homes):
     ],
 )
 def test_matrix_units(homes, name, key, row_units, column_units):
-    matrix = make_report(homes[name]).matrices[key]
+    matrix = pj.report(homes[name]).matrices[key]
     assert (set(matrix.row_units), set(matrix.column_units)) == (row_units, column_units)
 
 
 def test_units_of_determinants_and_singular_values(homes):
     units = {}
     for name in ("three_rps_ss", "three_rps", "four_bar"):
-        report = make_report(homes[name])
+        report = pj.report(homes[name])
         units[name] = (report.det_K_star.unit, report.singular_values["K_star"].unit)
     assert units == {
         "three_rps_ss": ("m⁶/rad³", "m²/rad"),
@@ -272,9 +271,9 @@ def test_units_of_determinants_and_singular_values(homes):
 def test_scaling_all_lengths_scales_each_entry_as_its_unit_says():
     """Twice as large a four-bar at the same angles: an entry in mᵏ grows by 2ᵏ."""
     lengths = dict(zip(("l0", "l1", "l2", "l3"), mechanisms.CRANK_ROCKER, strict=True))
-    small = make_report(pj.load("four_bar", lengths).close([1.0]))
+    small = pj.report(pj.load("four_bar", lengths).close([1.0]))
     double = {name: 2 * value for name, value in lengths.items()}
-    large = make_report(pj.load("four_bar", double).close([1.0]))
+    large = pj.report(pj.load("four_bar", double).close([1.0]))
     for key, factor in {"K": 2, "K_star": 2, "passive_rates": 1, "Jv_eq": 2, "gv_eq": 4}.items():
         before, after = small.matrices[key], large.matrices[key]
         np.testing.assert_allclose(after.values, factor * np.array(before.values), rtol=1e-9)

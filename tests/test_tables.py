@@ -13,8 +13,8 @@ from rich.console import Console
 
 import pmjac_pin as pj
 from pmjac_pin.values.brief import brief
-from pmjac_pin.words.blocks import Heading, Paragraph, Table, Verbatim, matrix_numbers, number
-from pmjac_pin.words.report import make_report
+from pmjac_pin.words.blocks import Heading, Paragraph, Table, Verbatim
+from pmjac_pin.words.numbers import matrix_numbers, number
 from pmjac_pin.words.tables import (
     TITLES,
     ellipsoid_table,
@@ -43,7 +43,7 @@ def table(count, width_of_name=4, rows=3):
 
 @pytest.fixture(scope="module")
 def reports():
-    return {name: make_report(pj.load(name).home, pose="home") for name in mechanisms.CATALOGUE}
+    return {name: pj.report(pj.load(name).home, pose="home") for name in mechanisms.CATALOGUE}
 
 
 @pytest.mark.parametrize("width", [30, 60, 80, 120, 200])
@@ -128,14 +128,14 @@ def test_open_chains_have_no_empty_tables(reports):
 
 def test_a_singular_pose_says_why_and_what_is_free():
     home = mechanisms.over_actuated_four_bar().home
-    text = drawn(report_blocks(make_report(home)))
+    text = drawn(report_blocks(pj.report(home)))
     assert "J_eq does not exist here: the loops forbid the motor rates" in text
     assert "Motor rates that the loops forbid" in text
     assert "Φ = " not in text
 
 
 def test_free_motions_have_largest_rate_one():
-    text = drawn(report_blocks(make_report(mechanisms.rssr().home)))
+    text = drawn(report_blocks(pj.report(mechanisms.rssr().home)))
     rates = re.findall(r"^(?:psi|rx|ry|rz) \[rad/s\] +(\S+)$", text, re.MULTILINE)
     assert max(abs(float(rate)) for rate in rates) == 1.0
     assert "K* is 3 × 4, not square: it has no determinant." in text
@@ -218,7 +218,7 @@ def test_no_color(monkeypatch, no_color, colored):
 def test_directions_that_are_any_are_not_shown():
     """A Delta's plate never turns: three radii are zero, and have no directions."""
     home = pj.load("delta").home
-    table = ellipsoid_table("turning", make_report(home).ellipsoids["angular"])
+    table = ellipsoid_table("turning", pj.report(home).ellipsoids["angular"])
     assert [row[2:] for row in table.rows] == [("-", "-", "-")] * 3
-    velocity = ellipsoid_table("moving", make_report(home).ellipsoids["velocity"])
+    velocity = ellipsoid_table("moving", pj.report(home).ellipsoids["velocity"])
     assert all("-" not in row[2:] for row in velocity.rows)

@@ -18,7 +18,6 @@ from pmjac_pin.model.spec import decode_spec, encode_spec
 from pmjac_pin.model.tool_rows import TWIST_ROWS, WHOLE_TWIST, ToolRows
 from pmjac_pin.words.diagnosis_tables import diagnosis_blocks
 from pmjac_pin.words.plain import to_json
-from pmjac_pin.words.report import make_report
 from pmjac_pin.words.tables import report_blocks
 
 PLANAR = ("five_bar", "planar_3rpr", "planar_3rrr", "serial_2r")
@@ -292,14 +291,14 @@ def test_every_report_says_what_was_judged():
     pose = stretched_five_bar()
     assert "kind='loss'" in repr(pose.singularity())
     assert repr(pose.singularity()).endswith("judged on vx, vy in the tool's own axes)")
-    report = make_report(pose)
+    report = pj.report(pose)
     found = json.loads(to_json(report.told()))["singularity"]
     assert (found["tool_rows"], found["tool_axes"]) == (["vx", "vy"], "LOCAL")
     assert (found["tool_rank"], found["generic_tool_rank"], found["lost"]) == (1, 2, 1)
     text = drawn(report_blocks(report), 100)
     assert "judged on" in text
     assert "vx, vy in the tool's own axes" in text
-    whole = drawn(report_blocks(make_report(pj.load("four_bar").home)), 100)
+    whole = drawn(report_blocks(pj.report(pj.load("four_bar").home)), 100)
     assert "the whole twist" in whole
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from msgspec.structs import asdict
 
-from pmjac_pin.cli.options import Choice, Json, NameOption
-from pmjac_pin.cli.output import Output, Verdict
+from pmjac_pin.cli.options import Choice, NameOption
+from pmjac_pin.cli.output import Json, Output, Verdict
 from pmjac_pin.studies.check.diagnosis_maker import check
 from pmjac_pin.words.diagnosis_tables import diagnosis_blocks
 from pmjac_pin.words.plain import to_json

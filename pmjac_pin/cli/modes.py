@@ -8,12 +8,12 @@ from typing import Annotated, TypeAlias
 
 from cyclopts import Parameter
 
-from pmjac_pin.cli.options import At, Choice, Json, NameOption, parsed_motor_values
-from pmjac_pin.cli.output import Output
+from pmjac_pin.cli.options import At, Choice, NameOption, parsed_motor_values
+from pmjac_pin.cli.output import Json, Output
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.pictures.figures import check_figure_file, save_figure
 from pmjac_pin.pictures.mode_sheet import modes_figure
-from pmjac_pin.pictures.plotting import check_figure_file, save_figure
 from pmjac_pin.studies.homotopy.parameter_homotopy import ParameterHomotopy, parameter_homotopy
 from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
 from pmjac_pin.studies.modes.find import assembly_modes

@@ -25,7 +25,6 @@ At: TypeAlias = Annotated[
 FrameOption: TypeAlias = Annotated[
     str, Parameter(help="Of the twist: LOCAL, WORLD or LOCAL_WORLD_ALIGNED (default).")
 ]
-Json: TypeAlias = Annotated[bool, Parameter(help="Write JSON: all digits, SI units.")]
 
 
 @Parameter(name="*")
@@ -56,11 +55,11 @@ class Reading:
     def keywords(self) -> dict[str, Any]:
         """Return them as `load`, `check` and `convert` take them."""
         return {
-            "actuated": None if self.actuated is None else _split_names(self.actuated),
+            "actuated": None if self.actuated is None else split_names(self.actuated),
             "tool": self.tool,
-            "tool_rows": None if self.tool_rows is None else _split_names(self.tool_rows),
+            "tool_rows": None if self.tool_rows is None else split_names(self.tool_rows),
             "tool_axes": None if self.tool_axes is None else self.tool_axes.upper(),
-            "locked": () if self.locked is None else _split_names(self.locked),
+            "locked": () if self.locked is None else split_names(self.locked),
             "tolerance": self.tolerance,
         }
 
@@ -137,5 +136,6 @@ def parsed_motor_values(at: str) -> list[float] | dict[str, float]:
         raise ArgumentError(message) from None
 
 
-def _split_names(text: str) -> list[str]:
+def split_names(text: str) -> list[str]:
+    """Return names joined by commas."""
     return [name.strip() for name in text.split(",")]

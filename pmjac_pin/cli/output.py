@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Annotated, TypeAlias
+
+from cyclopts import Parameter
 
 from pmjac_pin.words.blocks import Block
 
 #: Text as it is, or blocks to be drawn.
 Output: TypeAlias = str | Iterable[Block] | None
+Json: TypeAlias = Annotated[bool, Parameter(help="Write JSON: all digits, SI units.")]
 
 
 @dataclass(frozen=True, slots=True)

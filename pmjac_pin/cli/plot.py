@@ -10,7 +10,7 @@ from pmjac_pin.cli.options import Choice, FrameOption, NameOption, PoseOption
 from pmjac_pin.cli.output import Output
 from pmjac_pin.pictures.pose_figure import save_pose_figure
 from pmjac_pin.words.blocks import Verbatim
-from pmjac_pin.words.report import make_report
+from pmjac_pin.words.report import report
 
 
 def plot_command(
@@ -26,7 +26,6 @@ def plot_command(
 ) -> Output:
     """Draw the velocity ellipsoid at one pose and its sections; print the file's path."""
     configuration, names = pose.configuration(choice.load(mechanism))
-    report = make_report(configuration, frame.upper(), **names)
-    ellipsoid = configuration.jacobian(frame.upper()).velocity_ellipsoid()
-    save_pose_figure(report, ellipsoid, output)
+    ellipsoid = configuration.jacobian(frame).velocity_ellipsoid()
+    save_pose_figure(report(configuration, frame, **names), ellipsoid, output)
     return [Verbatim(str(output))]

@@ -13,8 +13,18 @@ from pmjac_pin.cli.output import Verdict
 from pmjac_pin.errors import LimitError, PmjacError, shortened
 from pmjac_pin.words.terminal import complain, draw, new_console, one_line, write
 
-_COMMANDS = ("list", "report", "modes", "check", "plot", "demo", "view", "convert", "sweep")
-_EXAMPLE = "Example: pmjac report four_bar --at 1.2 --set l1=1.1,l2=2.9"
+#: The commands, and what is typed after each, for an example.
+_COMMANDS = {
+    "list": "",
+    "report": "four_bar --at 1.2 --set l1=1.1,l2=2.9",
+    "modes": "three_rps --from lecture_a -o modes.png",
+    "check": "robot.urdf --actuated hip,knee --tool foot",
+    "plot": "three_rps --from lecture_b -o ellipsoid.png",
+    "demo": "-o figure.png",
+    "view": "three_rps --from lecture_b",
+    "convert": "robot.urdf -o robot.toml",
+    "sweep": "map.toml --resume",
+}
 
 _LONGEST_TYPED = 600  # characters of a message that quotes what was typed
 
@@ -31,15 +41,16 @@ def _version() -> str:
 app = App(
     name="pmjac",
     help="Closed-chain mechanisms on Pinocchio: the equivalent Jacobian, with names and units.",
-    help_epilogue=_EXAMPLE,
+    help_epilogue=f"Example: pmjac report {_COMMANDS['report']}",
     version=_version,
     group_parameters="Options",
     result_action="return_value",
     suppress_keyboard_interrupt=False,
     default_parameter=Parameter(negative=(), show_default=False),
 )
-for _name in _COMMANDS:
-    app.command(f"pmjac_pin.cli.{_name}:{_name}_command", name=_name)
+for _name, _typed in _COMMANDS.items():
+    _example = f"Example: pmjac {_name} {_typed}".rstrip()
+    app.command(f"pmjac_pin.cli.{_name}:{_name}_command", name=_name, help_epilogue=_example)
 
 
 def import_commands(argv: Sequence[str]) -> None:

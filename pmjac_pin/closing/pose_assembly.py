@@ -99,7 +99,7 @@ def check_motors(coordinates: JointCoordinates, q: Array, spec: MechanismSpec, w
     values = coordinates.values(q)[columns]
     for name in coordinates.outside(values, columns):
         value = float(values[spec.actuated.index(name)])
-        found = {name: Violation(value, *coordinates.limits(name))}
+        found = {name: Violation.of(coordinates, name, value)}
         raise limit_error(f"{what} a motor beyond its limits: ", found)
 
 

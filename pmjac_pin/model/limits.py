@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -12,6 +13,8 @@ from pmjac_pin.errors import ArgumentError, LimitError
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.values.arrays import Array, Mask
 
+_AN_ANGLE = 3.0 * math.pi  # rad: larger ones are turns, or degrees
+
 
 @dataclass(frozen=True, slots=True)
 class Violation:
@@ -20,12 +23,20 @@ class Violation:
     Attributes
     ----------
     value, lower, upper : float
-        m or rad.
+    unit : {"m", "rad"}
     """
 
     value: float
     lower: float
     upper: float
+    unit: str
+
+    @classmethod
+    def of(cls, coordinates: JointCoordinates, name: str, value: float) -> Violation:
+        """Return that of a joint by its value."""
+        [column] = coordinates.columns([name])
+        unit = "rad" if coordinates.rotational[column] else "m"
+        return cls(value, *coordinates.limits(name), unit)
 
     @property
     def words(self) -> str:
@@ -36,7 +47,21 @@ class Violation:
             )
             if not float(lower) <= float(value) <= float(upper):
                 break
-        return f"{value} is outside its limits [{lower}, {upper}]"
+        return (
+            f"{value} {self.unit} is outside its limits [{lower}, {upper}] {self.unit}{self._hint}"
+        )
+
+    @property
+    def _hint(self) -> str:
+        """What a number that is large for an angle would be in degrees, where that is within."""
+        radians = math.radians(self.value)
+        if (
+            self.unit == "m"
+            or abs(self.value) <= _AN_ANGLE
+            or not self.lower <= radians <= self.upper
+        ):
+            return ""
+        return f" ({self.value:g}° would be {radians:.6g} rad)"
 
 
 def violations(
@@ -53,7 +78,7 @@ def violations(
     for name in names:
         if name in outside:
             value = float(values[coordinates.columns([name])[0]])
-            found[name] = Violation(value, *coordinates.limits(name))
+            found[name] = Violation.of(coordinates, name, value)
     return MappingProxyType(found)
 
 
@@ -74,6 +99,7 @@ def limit_error(what: str, found: Mapping[str, Violation], advice: str = "") -> 
         value=first.value,
         lower=first.lower,
         upper=first.upper,
+        unit=first.unit,
     )
 
 

@@ -21,10 +21,9 @@ from pmjac_pin.words.blocks import (
     Paragraph,
     Table,
     Verbatim,
-    matrix_numbers,
-    number,
 )
-from pmjac_pin.words.report import Report, make_report
+from pmjac_pin.words.numbers import matrix_numbers, number
+from pmjac_pin.words.report import Report, report
 from pmjac_pin.words.tables import (
     LEGEND,
     axes_table,
@@ -83,11 +82,11 @@ def run_demo(figure: str | Path = FIGURE) -> Demo:
     here = load(LECTURE_CUT).close(LENGTHS, guess=POSE)
     there = load(CONTACT_CUT).close(LENGTHS, guess=POSE)
     mine, other = here.jacobian(), there.jacobian()
-    report = make_report(here, pose=POSE)
-    save_pose_figure(report, mine.velocity_ellipsoid(), figure)
+    lecture = report(here, pose=POSE)
+    save_pose_figure(lecture, mine.velocity_ellipsoid(), figure)
     return Demo(
-        report=report,
-        contact=make_report(there, pose=POSE),
+        report=lecture,
+        contact=report(there, pose=POSE),
         linear_difference=float(np.abs(mine.Jv_eq - other.Jv_eq).max()),
         angular_difference=float(np.abs(mine.Jw_eq - other.Jw_eq).max()),
         figure=figure,
@@ -96,15 +95,15 @@ def run_demo(figure: str | Path = FIGURE) -> Demo:
 
 def demo_blocks(demo: Demo) -> Iterator[Block]:
     """Show the demonstration."""
-    report = demo.report
-    yield Heading(f"Lecture 21, pose B: 3-RPS, {motor_line(report.joints)}")
-    yield Paragraph(_introduction(report))
-    yield _angles_table(report)
+    lecture = demo.report
+    yield Heading(f"Lecture 21, pose B: 3-RPS, {motor_line(lecture.joints)}")
+    yield Paragraph(_introduction(lecture))
+    yield _angles_table(lecture)
     yield Paragraph(LEGEND)
-    yield from matrix_blocks(report, ("K", "K_star", "Jv", "Jv_star", "Jw", "Jw_star"))
-    yield from matrix_blocks(report, ("Jv_eq", "Jw_eq"))
-    yield singular_values_table(report)
-    yield from _principal_velocities(report)
+    yield from matrix_blocks(lecture, ("K", "K_star", "Jv", "Jv_star", "Jw", "Jw_star"))
+    yield from matrix_blocks(lecture, ("Jv_eq", "Jw_eq"))
+    yield singular_values_table(lecture)
+    yield from _principal_velocities(lecture)
     yield from _other_cut(demo)
     yield Heading("Figure: the ellipsoid in space and in the Z-Y, Z-X and X-Y planes")
     yield Verbatim(str(demo.figure))

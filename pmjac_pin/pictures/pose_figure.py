@@ -5,7 +5,8 @@ from __future__ import annotations
 import textwrap
 from pathlib import Path
 
-from pmjac_pin.pictures.plotting import plot_ellipsoid, save_figure
+from pmjac_pin.pictures.figures import save_figure
+from pmjac_pin.pictures.plotting import plot_ellipsoid
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.words.report import Report
 from pmjac_pin.words.tables import motor_line, title
@@ -23,6 +24,12 @@ def save_pose_figure(report: Report, ellipsoid: Ellipsoid, path: str | Path) -> 
     MissingDependencyError
         matplotlib is not installed.
     """
+    heading, lines = headings(report)
+    save_figure(plot_ellipsoid(ellipsoid, title=heading, subtitle=lines), path)
+
+
+def headings(report: Report) -> tuple[str, str]:
+    """Return the title of a pose's picture, and the smaller lines below it."""
     heading, lines = title(report), [f"frame {report.split.frame}"]
     if len(heading) > _TITLE_WIDTH:
         heading = report.name
@@ -30,7 +37,7 @@ def save_pose_figure(report: Report, ellipsoid: Ellipsoid, path: str | Path) -> 
         lines.insert(0, wrapped(motor_line(report.joints), _SUBTITLE_WIDTH))
     if beyond := ", ".join(report.configuration.limits_violated):
         lines.append(wrapped(f"beyond limits: {beyond}", _SUBTITLE_WIDTH))
-    save_figure(plot_ellipsoid(ellipsoid, title=heading, subtitle="\n".join(lines)), path)
+    return heading, "\n".join(lines)
 
 
 def wrapped(values: str, width: int) -> str:

@@ -26,6 +26,7 @@ from pmjac_pin.rates.singularity import Singularity, analyse_singularity, forbid
 from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.rates.tool_motion import TwistRanks
 from pmjac_pin.values.arrays import Array, norm, read_only
+from pmjac_pin.values.brief import brief
 from pmjac_pin.values.ties import first_largest
 
 _STILL = 1e-6  # of the largest rate of a motion
@@ -276,11 +277,16 @@ def refuse_felt_idle_motion(
     if motions.rank == 0:
         return
     idle = partition.column_scale[partition.passive] * (factors.null_space @ motions.right[0])
-    idle /= idle[first_largest(idle)]
-    moving = ", ".join(name for name, _ in _moving_joints(partition.passive_names, idle))
+    fastest = first_largest(idle)
+    idle /= idle[fastest]
+    twist = tool_jacobian[:, partition.passive] @ idle
+    by = f"{brief(norm(twist[:3]))} m and {brief(norm(twist[3:]))} rad"
+    joints = [name for name, _ in _moving_joints(partition.passive_names, idle)]
+    moves = "moves" if len(joints) == 1 else "move"
     raise IdleMotionError(
-        f"the tool is moved by a passive motion that no motor commands: {moving} "
-        f"move freely with all motors locked; make one of them actuated, or put the tool on a "
-        f"body that stays at rest",
+        f"the tool is moved by a passive motion that no motor commands: {', '.join(joints)} "
+        f"{moves} freely with all motors locked, which moves the tool by {by} for each unit of "
+        f"{partition.passive_names[fastest]}; make one of them actuated, or put the tool on a body "
+        f"that stays at rest",
         idle_motion=dict(zip(partition.passive_names, map(float, idle), strict=True)),
     )

@@ -10,7 +10,7 @@ import numpy as np
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.model.tool_rows import ToolRows
 from pmjac_pin.model.twist_frame import change_frame
-from pmjac_pin.pictures.plotting import PLANES
+from pmjac_pin.pictures.ellipsoid_panels import PLANES
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.singularity import Singularity
@@ -18,7 +18,7 @@ from pmjac_pin.values.arrays import Array, norm
 from pmjac_pin.viewer.equivalent import equivalent
 from pmjac_pin.viewer.free_motion import ALMOST_SINGULAR, easiest_motions
 from pmjac_pin.viewer.tool_ranks import ToolRanks
-from pmjac_pin.words.labelled import SHOWN_AS_ZERO
+from pmjac_pin.words.numbers import SHOWN_AS_ZERO
 
 Values = tuple[float, ...]
 

@@ -116,7 +116,7 @@ class Session:
         try:
             found, notice = self._close(target), _NO_NOTICE
         except LimitError as error:
-            beyond = Violation(error.value, error.lower, error.upper)
+            beyond = Violation(error.value, error.lower, error.upper, error.unit)
             raise ArgumentError(f"{error.joint} = {beyond.words}") from None
         except ClosureError as error:
             if error.reached is None:

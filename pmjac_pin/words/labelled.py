@@ -9,11 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, TypeAlias
 
-import msgspec
-import numpy as np
-
-from pmjac_pin.values.arrays import Array
-
 if TYPE_CHECKING:
     from pmjac_pin.mechanism import Mechanism
 
@@ -25,51 +20,10 @@ RADIAN: Powers = (0, 1)
 
 _POWERS = {"m": METRE, "m²": SQUARE_METRE, "rad": RADIAN}
 
-#: An entry up to this share of the size of its matrix is rounding, and shown as zero.
-SHOWN_AS_ZERO = 1e-13
-
 LINEAR = ("v_x", "v_y", "v_z")
 ANGULAR = ("ω_x", "ω_y", "ω_z")
 
 _SUPERSCRIPTS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
-
-
-class LabelledMatrix(msgspec.Struct, frozen=True):
-    """A matrix with its labels; the unit of an entry is its row's unit over its column's.
-
-    Attributes
-    ----------
-    rows, columns : tuple of str
-        Names.
-    row_units, column_units : tuple of str
-    values : tuple of tuple of float
-        Row by row.
-    size : float
-        What an entry is compared with: up to 1e-13 (`SHOWN_AS_ZERO`) of it is rounding. The largest
-        entry or, in J_eq = J − J* K*⁻¹ K, the size of what cancels.
-    """
-
-    rows: tuple[str, ...]
-    row_units: tuple[str, ...]
-    columns: tuple[str, ...]
-    column_units: tuple[str, ...]
-    values: tuple[tuple[float, ...], ...]
-    size: float
-
-
-def labelled(
-    values: Array,
-    rows: tuple[str, ...],
-    row_units: tuple[str, ...],
-    columns: tuple[str, ...],
-    column_units: tuple[str, ...],
-    *,
-    size: float = 0.0,
-) -> LabelledMatrix:
-    """Put labels on an array, shape (len(rows), len(columns)), of at least this size."""
-    entries = tuple(tuple(map(float, row)) for row in values)
-    size = float(np.abs(values).max(initial=size))
-    return LabelledMatrix(rows, row_units, columns, column_units, entries, size)
 
 
 def joint_powers(mechanism: Mechanism) -> tuple[tuple[Powers, ...], tuple[Powers, ...]]:

@@ -12,13 +12,12 @@ from pmjac_pin.words.labelled import (
     LINEAR,
     METRE,
     RADIAN,
-    LabelledMatrix,
     Powers,
-    labelled,
     metric_unit,
     rate_unit,
     unit,
 )
+from pmjac_pin.words.labelled_matrix import LabelledMatrix, labelled
 from pmjac_pin.words.labelled_values import Labels
 
 EQUIVALENT = ("passive_rates", "Jv_eq", "Jw_eq", "gv_eq", "gw_eq")

@@ -10,8 +10,9 @@ from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
 from pmjac_pin.studies.homotopy.operation_modes import OperationModes
 from pmjac_pin.values.brief import brief
-from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table, matrix_numbers
+from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table
 from pmjac_pin.words.modes_report import ModeReport, ModesReport
+from pmjac_pin.words.numbers import matrix_numbers
 from pmjac_pin.words.tables import motor_line
 
 _SIGNS = {1: "+", -1: "-", 0: "0", None: ""}

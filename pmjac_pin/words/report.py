@@ -7,13 +7,13 @@ what ``pmjac report --json`` writes.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 
 import msgspec
 import numpy as np
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import NoJacobianError
+from pmjac_pin.errors import NoJacobianError, UnknownNameError, did_you_mean, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.rates.jacobian import EquivalentJacobian
@@ -21,7 +21,9 @@ from pmjac_pin.rates.singularity import Singularity
 from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.encodable import encodable
-from pmjac_pin.words.labelled import LabelledMatrix, common_unit, unit
+from pmjac_pin.values.shown import Printed
+from pmjac_pin.words.labelled import common_unit, unit
+from pmjac_pin.words.labelled_matrix import LabelledMatrix, stacked
 from pmjac_pin.words.labelled_values import (
     LabelledJoint,
     Labels,
@@ -44,9 +46,9 @@ class SingularValues(msgspec.Struct, frozen=True):
     unit: str | None
 
 
-@dataclass(frozen=True, eq=False)
-class Report:
-    """What is known of a mechanism at one pose.
+@dataclass(frozen=True, eq=False, repr=False)
+class Report(Printed):
+    """What is known of a mechanism at one pose. It prints, and in a notebook shows, all of it.
 
     Attributes
     ----------
@@ -145,6 +147,38 @@ class Report:
             return dict.fromkeys(_ELLIPSOIDS)
         return {name: getattr(jacobian, f"{name}_ellipsoid")() for name in _ELLIPSOIDS}
 
+    def table(self, name: str) -> LabelledMatrix:
+        """Return one matrix with names and units.
+
+        Parameters
+        ----------
+        name : str
+            "J_eq", or one of `matrices`: "K", "K_star", "Jv", "Jv_star", "Jw", "Jw_star",
+            "passive_rates", "Jv_eq", "Jw_eq", "gv_eq", "gw_eq".
+
+        Raises
+        ------
+        UnknownNameError
+            No such matrix.
+        NoJacobianError
+            It does not exist here.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> table = pj.report(pj.load("four_bar").home).table("K_star")
+        >>> table.rows, table.columns
+        (('coupler_tip-rocker_tip x', 'coupler_tip-rocker_tip y'), ('phi1', 'phi2'))
+        """
+        parts = ("Jv_eq", "Jw_eq") if name == "J_eq" else (name,)
+        known = ("J_eq", *self.matrices)
+        if parts[0] not in self.matrices:
+            raise UnknownNameError(f"no matrix {quoted(name)}{did_you_mean(name, known)}")
+        found = [matrix for part in parts if (matrix := self.matrices[part]) is not None]
+        if not found:
+            raise NoJacobianError(f"{name} does not exist here: {self.refusal}")
+        return reduce(stacked, found)
+
     def told(self) -> dict[str, object]:
         """Return all of it as plain data, with the dimensions in the lecture's letters."""
         mechanism, configuration, singularity = self.mechanism, self.configuration, self.singularity
@@ -178,7 +212,7 @@ class Report:
         }
 
 
-def make_report(
+def report(
     configuration: Configuration,
     frame: str = "LOCAL_WORLD_ALIGNED",
     *,
@@ -207,8 +241,8 @@ def make_report(
     Examples
     --------
     >>> import pmjac_pin as pj
-    >>> report = make_report(pj.load("four_bar").home, pose="home")
-    >>> report.matrices["K_star"].columns, report.det_K_star.unit
+    >>> found = pj.report(pj.load("four_bar").home, pose="home")
+    >>> found.matrices["K_star"].columns, found.det_K_star.unit
     (('phi1', 'phi2'), 'm²/rad²')
     """
     split = configuration.split_jacobian(frame)

@@ -14,11 +14,9 @@ from pmjac_pin.words.blocks import (
     Heading,
     Paragraph,
     Table,
-    matrix_numbers,
-    matrix_table,
-    number,
 )
 from pmjac_pin.words.labelled_values import LabelledJoint
+from pmjac_pin.words.numbers import matrix_numbers, number
 from pmjac_pin.words.report import Report, by_name
 
 TITLES = {
@@ -97,7 +95,7 @@ def matrix_blocks(report: Report, names: tuple[str, ...]) -> Iterator[Block]:
     for name in names:
         matrix = report.matrices[name]
         if matrix is not None and matrix.rows and matrix.columns:
-            yield matrix_table(TITLES[name], matrix)
+            yield matrix.block(TITLES[name])
         if name == "K_star" and report.mechanism.rows:
             yield Paragraph(_determinant(report))
 
@@ -165,11 +163,8 @@ def _sizes(report: Report) -> str:
 
 def limits_warning(configuration: Configuration) -> str:
     """Return the warning that joints are outside their limits."""
-    units = configuration.mechanism.units
-    told = "; ".join(
-        f"{name} = {found.words} {units[name]}"
-        for name, found in configuration.limits_violated.items()
-    )
+    beyond = configuration.limits_violated.items()
+    told = "; ".join(f"{name} = {found.words}" for name, found in beyond)
     return f"Warning: {told}. The loops close here, but the machine cannot be here."
 
 
@@ -190,17 +185,7 @@ def _pose_blocks(report: Report) -> Iterator[Block]:
             ),
             "<><<",
         )
-    yield Table(
-        "Joints",
-        ("joint", "role", "value", "unit"),
-        tuple(
-            (joint.name, joint.role, value, joint.unit)
-            for joint, [value] in zip(
-                report.joints, matrix_numbers([j.value] for j in report.joints), strict=True
-            )
-        ),
-        "<<><",
-    )
+    yield joints_table(report)
     if report.residual:
         yield Table(
             f"Loop equations η (Newton iterations: {report.configuration.iterations}, "
@@ -210,6 +195,16 @@ def _pose_blocks(report: Report) -> Iterator[Block]:
             "<><",
         )
     yield _tool_table(report)
+
+
+def joints_table(report: Report) -> Table:
+    """Show the values of all joints, motors first."""
+    values = matrix_numbers([joint.value] for joint in report.joints)
+    rows = tuple(
+        (joint.name, joint.role, value, joint.unit)
+        for joint, [value] in zip(report.joints, values, strict=True)
+    )
+    return Table("Joints", ("joint", "role", "value", "unit"), rows, "<<><")
 
 
 def _tool_table(report: Report) -> Table:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import io
 import os
 import re
 import sys
@@ -83,6 +84,16 @@ def draw(console: Console, blocks: Iterable[Block]) -> None:
                 console.print(Text(one_line(block.text)), soft_wrap=True)
             case Table():
                 _draw_table(console, block)
+
+
+def plain_text(blocks: Iterable[Block], width: int) -> str:
+    """Return blocks as text without colours, in lines of that width."""
+    console = Console(
+        file=io.StringIO(), width=width, markup=False, highlight=False, color_system=None
+    )
+    with console.capture() as capture:
+        draw(console, blocks)
+    return re.sub(r"[ ]+$", "", capture.get(), flags=re.MULTILINE).rstrip("\n")
 
 
 def one_line(text: str) -> str:

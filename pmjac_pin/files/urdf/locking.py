@@ -91,7 +91,8 @@ def _check_limits(joint: Element, value: float) -> None:
     )
     if not lower <= value <= upper:
         message = f"joint {name!r} cannot be locked at {value:g}, outside [{lower:g}, {upper:g}]"
-        raise LimitError(message, joint=name, value=value, lower=lower, upper=upper)
+        unit = "m" if joint.get("type") == "prismatic" else "rad"
+        raise LimitError(message, joint=name, value=value, lower=lower, upper=upper, unit=unit)
 
 
 def _motion_at(joint: Element, value: float, pitch: float) -> pin.SE3:

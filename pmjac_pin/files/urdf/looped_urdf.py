@@ -73,7 +73,8 @@ def read_looped_urdf(path: Path, motors: Collection[str] = ()) -> ForeignModel:
         followers = {loop.joints[1] for loop in model.loops if isinstance(loop, JointLoop)}
         single = [joint.name for joint in model.urdf.joints if VELOCITIES[joint.type] == 1]
         actuated = tuple(name for name in single if name not in followers)
-        note = "no loop closes: every joint of one degree of freedom counts as a motor"
+        followed = ", but those that follow another" if followers else ""
+        note = f"no loop closes: every joint of one degree of freedom{followed} counts as a motor"
         return replace(model, actuated=actuated, notes=(*model.notes, note))
 
 

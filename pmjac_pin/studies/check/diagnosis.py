@@ -13,6 +13,7 @@ import msgspec
 from pmjac_pin.model.tool_rows import ToolRows, checked_axes
 from pmjac_pin.studies.check.diagnosis_parts import BodyEntry, FreedomEntry, LoopEntry, Mobility
 from pmjac_pin.studies.evidence import Evidence
+from pmjac_pin.values.shown import Printed
 
 Severity = Literal["ok", "note", "warning", "error"]
 Rates = dict[str, float]
@@ -166,8 +167,8 @@ class PoseEntry(msgspec.Struct, frozen=True):
     beyond: dict[str, str] = {}
 
 
-class Diagnosis(msgspec.Struct, frozen=True, kw_only=True):
-    """What there is to know about a model before its numbers are trusted.
+class Diagnosis(Printed, msgspec.Struct, frozen=True, kw_only=True):
+    """What there is to know about a model before its numbers are trusted; it prints as a page.
 
     Attributes
     ----------

@@ -8,10 +8,11 @@ from typing import overload
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.studies.evidence import Evidence
+from pmjac_pin.values.shown import Shown
 
 
 @dataclass(frozen=True, eq=False)
-class AssemblyModes(Sequence[Configuration]):
+class AssemblyModes(Shown, Sequence[Configuration]):
     """The assembly modes at given motor values: a sequence of Configurations, always sorted alike.
 
     Attributes

@@ -1,0 +1,1 @@
+"""Machines made of points and lengths, where no file describes them."""

@@ -1,0 +1,159 @@
+"""The machine at a pose beside what its tool can do there: one figure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pinocchio as pin
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import ArgumentError, did_you_mean, quoted
+from pmjac_pin.pictures.ellipsoid_panels import (
+    PLANES,
+    QUANTITIES,
+    axis_labels,
+    check_bounded,
+    draw_plane,
+    draw_space,
+    rescaled,
+    show_radii,
+)
+from pmjac_pin.pictures.figures import as_it_is, new_figure
+from pmjac_pin.pictures.pose_figure import headings
+from pmjac_pin.pictures.stick_drawing import draw_figure, frame_of, view_of
+from pmjac_pin.pictures.stick_figure import StickFigure, StickFigures
+from pmjac_pin.rates.ellipsoid import Ellipsoid
+from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.checks import as_names, as_numbers
+from pmjac_pin.words.report import report
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_PANEL, _REST = 4.0, 1.2  # inches: a panel, and what stands above and below all
+_GRIDS = {1: (1, 2), 2: (1, 4), 3: (2, 3)}  # rows and columns, by how many planes are shown
+_SIZES = (1.0, 100.0)  # inches, of a figure
+_ACROSS = 1e-6  # sine of the angle between a plane and a coordinate plane
+
+
+def plot(
+    configuration: Configuration,
+    quantity: str = "linear",
+    *,
+    frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED",
+    planes: Sequence[str] | None = None,
+    size: tuple[float, float] | None = None,
+) -> Figure:
+    """Draw the machine at a pose beside an ellipsoid of its tool.
+
+    Parameters
+    ----------
+    configuration : Configuration
+    quantity : {"linear", "angular", "force"}
+        The tool's velocities for motor rates |θ̇| = 1, its angular velocities, or the forces that
+        motor efforts |τ| = 1 balance.
+    frame : {"LOCAL_WORLD_ALIGNED", "LOCAL", "WORLD"} or pin.ReferenceFrame
+        Of the ellipsoid.
+    planes : sequence of {"xy", "zx", "zy"}, optional
+        Coordinate planes in which its section and shadow are drawn, the horizontal axis first. By
+        default that in which the machine moves, or all three with the view in space.
+    size : (float, float), optional
+        Width and height, inches.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Notebooks show it; its `savefig` takes a path and dots per inch.
+
+    Raises
+    ------
+    NoJacobianError
+        There is no J_eq here.
+    ArgumentError
+        No such quantity, plane or size; an ellipsoid without bounds.
+    MissingDependencyError
+        matplotlib is not installed.
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> figure = pj.plot(pj.load("five_bar").home)
+    >>> [axes.get_title() for axes in figure.axes][1:]
+    ['X–Y plane']
+    """
+    ellipsoid = _ellipsoid(configuration, quantity, frame)
+    drawn = StickFigures(configuration.mechanism)(configuration)
+    view = view_of([drawn])
+    shown = _planes(planes, view[2], ellipsoid)
+    in_space = len(shown) > 1
+    rows, columns = _GRIDS[len(shown)]
+    usual = (_PANEL * columns, _PANEL * rows + _REST)
+    heading, lines = headings(report(configuration, frame))
+    figure: Any = new_figure(heading, usual if size is None else _inches(size), fontsize=13)
+    figure.get_layout_engine().set(wspace=0.1, hspace=0.06)
+    panels = figure.subfigures(1, 1)
+    panels.suptitle(as_it_is(f"{QUANTITIES[ellipsoid.unit][1]}\n{lines}"), fontsize=10)
+    grid = panels.add_gridspec(rows, columns)
+    _draw_machine(panels.add_subplot(grid[:, 0]), drawn, view)
+    scaled = rescaled(ellipsoid)
+    labels = axis_labels(QUANTITIES[ellipsoid.unit][0], scaled.unit)
+    places = [grid[row, column] for row in range(rows) for column in range(1, columns)]
+    if in_space:
+        space = panels.add_subplot(places.pop(0), projection="3d", computed_zorder=False)
+        draw_space(space, scaled, labels)
+    for plane, place in zip(shown, places, strict=False):
+        axes = panels.add_subplot(place)
+        draw_plane(axes, scaled, plane, labels)
+    show_radii(figure, axes, ellipsoid)
+    return figure  # type: ignore[no-any-return]
+
+
+def _ellipsoid(
+    configuration: Configuration, quantity: str, frame: str | pin.ReferenceFrame
+) -> Ellipsoid:
+    if not isinstance(configuration, Configuration):
+        given = type(configuration).__name__
+        raise ArgumentError(f"a Configuration is drawn, such as mechanism.home; got a {given}")
+    jacobian = configuration.jacobian(frame)
+    known = {
+        "linear": jacobian.velocity_ellipsoid,
+        "angular": jacobian.angular_ellipsoid,
+        "force": jacobian.force_ellipsoid,
+    }
+    if not isinstance(quantity, str) or quantity not in known:
+        raise ArgumentError(f"no quantity {quoted(quantity)}{did_you_mean(quantity, known)}")
+    ellipsoid = known[quantity]()
+    check_bounded(ellipsoid)
+    return ellipsoid
+
+
+def _planes(given: Sequence[str] | None, eye: Array, ellipsoid: Ellipsoid) -> Sequence[str]:
+    """Return the planes to show: by default that of a machine that is drawn, and moves, in one."""
+    if given is not None:
+        told = f"planes are some of {', '.join(PLANES)}, each once"
+        wanted = (given,) if isinstance(given, str) else as_names(given, told)
+        if not wanted or len({*wanted} & {*PLANES}) < len(wanted):
+            raise ArgumentError(f"{told}; got {quoted(given)}")
+        return wanted
+    across = int(np.argmax(np.abs(eye)))
+    moves = ellipsoid.radii * np.abs(ellipsoid.axes[across])
+    in_plane = abs(eye[across]) > 1.0 - _ACROSS and moves.max() <= _ACROSS * ellipsoid.radii[0]
+    return [plane for plane in PLANES if "xyz"[across] not in plane] if in_plane else PLANES
+
+
+def _inches(given: object) -> tuple[float, float]:
+    size, (low, high) = as_numbers(given, "size"), _SIZES
+    if size.shape != (2,) or size.min() < low or size.max() > high:
+        wanted = f"size is width and height, {low:g} to {high:g} inches"
+        raise ArgumentError(f"{wanted}; got {quoted(given)}")
+    width, height = size.tolist()
+    return width, height
+
+
+def _draw_machine(axes: Any, drawn: StickFigure, view: Array) -> None:
+    low, high = frame_of([drawn], view)
+    draw_figure(axes, drawn, view, 1.0)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+    axes.set_axis_off()

@@ -1,0 +1,76 @@
+"""Pages: what a value shows of itself, as blocks, as text and as HTML."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.studies.check.diagnosis import Diagnosis
+from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
+from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table
+from pmjac_pin.words.diagnosis_tables import diagnosis_blocks
+from pmjac_pin.words.html import html
+from pmjac_pin.words.labelled_matrix import LabelledMatrix
+from pmjac_pin.words.modes_tables import no_more
+from pmjac_pin.words.numbers import matrix_numbers
+from pmjac_pin.words.report import Report, report
+from pmjac_pin.words.tables import joints_table, matrix_blocks, report_blocks, title
+from pmjac_pin.words.terminal import plain_text
+
+_WIDTH = 100  # characters of a line where a page is printed
+
+
+def text_page(value: object) -> str:
+    """Return a value's page as text."""
+    return plain_text(blocks_of(value), _WIDTH)
+
+
+def html_page(value: object) -> str:
+    """Return a value's page as HTML."""
+    return html(blocks_of(value))
+
+
+def blocks_of(value: object) -> Iterable[Block]:
+    """Return what a value shows of itself.
+
+    Raises
+    ------
+    TypeError
+        It has no page.
+    """
+    match value:
+        case Diagnosis():
+            return diagnosis_blocks(value)
+        case Report():
+            return report_blocks(value)
+        case Configuration():
+            return _pose(report(value))
+        case AssemblyModes():
+            return _modes(value)
+        case LabelledMatrix():
+            return [value.block()]
+    raise TypeError(f"no page shows a {type(value).__name__}")
+
+
+def _pose(found: Report) -> Iterator[Block]:
+    yield Heading(title(found))
+    yield joints_table(found)
+    if found.refusal:
+        yield Paragraph(f"J_eq does not exist here: {found.refusal}")
+    yield from matrix_blocks(found, ("Jv_eq", "Jw_eq"))
+
+
+def _modes(modes: AssemblyModes) -> Iterator[Block]:
+    yield Heading(f"{len(modes)} assembly mode{'s' * (len(modes) != 1)}")
+    if modes:
+        size = modes[0].mechanism.characteristic_length
+        places = matrix_numbers([mode.tool_pose.translation for mode in modes], size)
+        rows = (
+            (str(number), *place, mode.singularity().kind, f"{100.0 * share:.3g}", str(ways))
+            for number, (mode, place, share, ways) in enumerate(
+                zip(modes, places, modes.shares, modes.ways, strict=True), start=1
+            )
+        )
+        header = ("mode", "tool x\n[m]", "y\n[m]", "z\n[m]", "kind", "share\n[%]", "ways")
+        yield Table("", header, tuple(rows), ">>>><>>")
+    yield Paragraph(no_more(modes.evidence))

@@ -1,0 +1,81 @@
+"""The machine beside its ellipsoid: which panels there are, and what is refused."""
+
+from __future__ import annotations
+
+import io
+
+import pytest
+
+import pmjac_pin as pj
+
+ALL = ["Z–Y plane", "Z–X plane", "X–Y plane"]
+
+
+def titles(figure):
+    return [axes.get_title() for axes in figure.axes if axes.get_title()]
+
+
+@pytest.mark.parametrize("name", ["four_bar", "five_bar", "planar_3rrr", "watt_six_bar"])
+def test_planar_machines_have_one_panel_beside_them(name):
+    home = pj.load(name).home
+    figure = pj.plot(home)
+    assert titles(figure) == ["X–Y plane"]
+    assert len(figure.axes) == 2
+
+
+@pytest.mark.parametrize("name", ["three_rps", "sarrus", "agile_eye", "ur5"])
+@pytest.mark.parametrize("quantity", ["linear", "angular"])
+def test_others_are_seen_in_space_and_in_three_planes(name, quantity):
+    figure = pj.plot(pj.load(name).home, quantity)
+    assert titles(figure) == ALL
+    assert len(figure.axes) == 5
+
+
+@pytest.mark.parametrize("planes", ["xy", ["zx"], ["xy", "zy"], ["zy", "zx", "xy"]])
+def test_planes_are_those_asked_for(planes):
+    figure = pj.plot(pj.load("three_rps").pose("lecture_b"), planes=planes)
+    wanted = [planes] if isinstance(planes, str) else planes
+    assert titles(figure) == [f"{'–'.join(plane.upper())} plane" for plane in wanted]
+
+
+def test_size_and_picture():
+    figure = pj.plot(pj.load("five_bar").home, size=(5.0, 3.0))
+    assert figure.get_size_inches().tolist() == [5.0, 3.0]
+    assert figure._repr_png_().startswith(b"\x89PNG")
+    drawn = io.BytesIO()
+    figure.savefig(drawn, format="svg")
+    assert b"<svg" in drawn.getvalue()
+
+
+def test_force_in_newtons_and_its_words():
+    figure = pj.plot(pj.load("three_rps").pose("lecture_b"), "force")
+    assert any("f_x" in axes.get_xlabel() and "N" in axes.get_xlabel() for axes in figure.axes)
+
+
+@pytest.mark.parametrize(
+    ("keywords", "said"),
+    [
+        ({"quantity": "lin"}, "did you mean 'linear'"),
+        ({"quantity": None}, "there are: linear, angular, force"),
+        ({"planes": ["xz"]}, "planes are some of zy, zx, xy, each once"),
+        ({"planes": ["xy", "xy"]}, "each once"),
+        ({"planes": []}, "each once"),
+        ({"planes": 3}, "each once, got 3"),
+        ({"size": (0, 1)}, "1 to 100 inches"),
+        ({"size": (5, 5, 5)}, "1 to 100 inches"),
+        ({"frame": "tool"}, "frame must be"),
+    ],
+)
+def test_what_cannot_be_drawn(keywords, said):
+    with pytest.raises(pj.ArgumentError, match=said):
+        pj.plot(pj.load("five_bar").home, **keywords)
+
+
+def test_only_poses_are_drawn():
+    with pytest.raises(pj.ArgumentError, match="a Configuration is drawn"):
+        pj.plot(pj.load("five_bar"))
+
+
+def test_an_unbounded_ellipsoid_is_refused():
+    with pytest.raises(pj.ArgumentError, match="unbounded"):
+        pj.plot(pj.load("five_bar").home, "force")
