@@ -83,11 +83,34 @@ def test_alone_it_shows_its_help(shown):
 def test_help_of_a_command(shown, command):
     text = shown(command, "--help")
     assert f"Usage: pmjac {command}" in text
+    assert re.findall(r"^Example: pmjac (\w+)", text, re.MULTILINE) == [command]
     assert max(map(len, text.splitlines())) <= 80
 
 
 def test_version(shown):
     assert re.fullmatch(r"pmjac (\d+\.\d+\S*|\(not installed.*\))\n", shown("--version"))
+
+
+def test_list_as_json_has_the_numbers_of_the_table(shown):
+    told = json.loads(shown("list", "--json"))
+    assert list(told) == list(pj.list_mechanisms())
+    delta = pj.load("delta")
+    expected = (delta.mobility, delta.nv, len(delta.actuated), len(delta.spec.loops))
+    keys = ("mobility", "freedoms", "motors", "loops")
+    assert tuple(told["delta"][key] for key in keys) == expected
+    assert told["three_rps"]["poses"] == list(pj.load("three_rps").poses)
+
+
+def test_report_of_single_matrices(shown, run):
+    text = shown("report", "five_bar", "--only", "J_eq,K")
+    assert re.findall(r"^\w+$", text, re.MULTILINE) == ["J_eq", "K"]
+    told = json.loads(shown("report", "five_bar", "--only", "J_eq", "--json"))
+    np.testing.assert_array_equal(told["J_eq"]["values"], pj.load("five_bar").home.jacobian().J_eq)
+    assert run("report", "five_bar", "--only", "J_eg") == (
+        2,
+        "",
+        "pmjac: no matrix 'J_eg'; did you mean 'J_eq' or 'Jw_eq'?\n",
+    )
 
 
 def test_list_shows_the_catalogue(shown):

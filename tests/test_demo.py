@@ -30,6 +30,17 @@ def told(capsys, monkeypatch, tmp_path):
     return captured.out
 
 
+def test_where_its_figure_cannot_be_written_all_else_is_told(told, capsys, monkeypatch, tmp_path):
+    folder = tmp_path / "elsewhere"
+    (folder / FIGURE).mkdir(parents=True)
+    monkeypatch.chdir(folder)
+    assert main(["demo"]) == 0
+    tables, _, last = capsys.readouterr().out.rpartition("\n\n")
+    assert tables == told.rpartition("\n\n")[0]
+    assert sentence(last).startswith(f"None: {FIGURE} was not written (")
+    assert main(["demo", "-o", str(FIGURE)]) == 2
+
+
 def sentence(text):
     return " ".join(text.split())
 

@@ -140,6 +140,10 @@ MODEL_ERRORS = {
         ("[tool]", '[tool]\npoints = ["crank", "coupler", "rocker"]'),
         "{path}: a tool is either `frame = NAME` or `points = [NAME, NAME, NAME]` - at `tool`",
     ),
+    "a tool that is a name": (
+        ('[tool]\nframe = "coupler_midpoint"', 'tool = "coupler_midpoint"'),
+        '{path}: Expected `table`, got `str` - at `tool`; write tool.frame = "coupler_midpoint"',
+    ),
     "a default out of range": (
         ("default = 4.0", "default = 0.0"),
         "{path}: parameter 'default' = 0 m is not within [0.001, 1e+06] - at `parameters[...]`",

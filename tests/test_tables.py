@@ -46,6 +46,18 @@ def reports():
     return {name: pj.report(pj.load(name).home, pose="home") for name in mechanisms.CATALOGUE}
 
 
+@pytest.mark.parametrize("width", [24, 30, 40, 60, 80, 120])
+def test_every_column_of_numbers_and_words_is_there(width):
+    """Where a terminal is narrow, a table is told in parts: no column, no entry is left out."""
+    names = ("mode", "share\n[%]", "kind", "smallest", "which is")
+    rows = tuple((str(k), f"{k}1.5", "regular", f"0.{k}25", f"home{k}") for k in (1, 2, 3))
+    text = drawn([Table("", names, rows, ">><><")], width)
+    assert max(cell_len(line) for line in text.splitlines()) <= width
+    words = set(text.split())
+    assert {word for name in names for word in name.split()} <= words
+    assert {entry for row in rows for entry in row} <= words
+
+
 @pytest.mark.parametrize("width", [30, 60, 80, 120, 200])
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_no_line_is_too_long_and_no_number_is_cut(reports, name, width):

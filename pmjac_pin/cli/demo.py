@@ -7,7 +7,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from pmjac_pin.cli.output import Output
-from pmjac_pin.pictures.demo import FIGURE, demo_blocks, run_demo
+from pmjac_pin.pictures.demo import demo_blocks, run_demo
 
 
 def demo_command(
@@ -18,4 +18,4 @@ def demo_command(
     ] = None,
 ) -> Output:
     """Work through the lecture's pose B of the 3-RPS and draw its figure."""
-    return demo_blocks(run_demo(FIGURE if output is None else output))
+    return demo_blocks(run_demo(output))

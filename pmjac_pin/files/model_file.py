@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
-from pmjac_pin.errors import ModelFileError, did_you_mean
+from pmjac_pin.errors import ModelFileError, did_you_mean, shortened
 from pmjac_pin.files.bounded_toml import bounded_table, in_words_of_toml
 from pmjac_pin.files.text_file import at_file, read_text
 from pmjac_pin.files.user_path import readable
@@ -71,6 +72,8 @@ def _explained(error: msgspec.ValidationError, given: dict[str, Any]) -> str:
 
 
 def _hint(message: str, given: dict[str, Any]) -> str:
+    if isinstance(frame := given.get("tool"), str) and message.endswith("at `tool`"):
+        return f"; write tool.frame = {json.dumps(shortened(frame))}"
     if unknown := re.search(r"unknown key `([^`]*)`(?: - at `([^`]*)`)?", message):
         key, place = unknown[1], unknown[2] or ""
         if loop := re.fullmatch(r"loop\[(\d+)\]", place):

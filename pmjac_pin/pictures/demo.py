@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pmjac_pin.errors import MissingDependencyError
 from pmjac_pin.loading import load
 from pmjac_pin.pictures.pose_figure import save_pose_figure
 from pmjac_pin.values.brief import brief
@@ -60,6 +61,8 @@ class Demo:
         Largest difference between the two [J_v]eq and the two [J_ω]eq.
     figure : Path
         The file written.
+    unwritten : str
+        Why it was not, "" where it was.
     """
 
     report: Report
@@ -67,10 +70,17 @@ class Demo:
     linear_difference: float
     angular_difference: float
     figure: str | Path
+    unwritten: str = ""
 
 
-def run_demo(figure: str | Path = FIGURE) -> Demo:
+def run_demo(figure: str | Path | None = None) -> Demo:
     """Compute everything at the lecture's pose B and write the figure.
+
+    Parameters
+    ----------
+    figure : str or Path, optional
+        Its file. By default `FIGURE`, in this folder: where that cannot be written, all else is
+        told, and why there is no figure.
 
     Raises
     ------
@@ -83,13 +93,20 @@ def run_demo(figure: str | Path = FIGURE) -> Demo:
     there = load(CONTACT_CUT).close(LENGTHS, guess=POSE)
     mine, other = here.jacobian(), there.jacobian()
     lecture = report(here, pose=POSE)
-    save_pose_figure(lecture, mine.velocity_ellipsoid(), figure)
+    place, unwritten = FIGURE if figure is None else figure, ""
+    try:
+        save_pose_figure(lecture, mine.velocity_ellipsoid(), place)
+    except (OSError, MissingDependencyError) as error:
+        if figure is not None:
+            raise
+        unwritten = getattr(error, "strerror", None) or str(error)
     return Demo(
         report=lecture,
         contact=report(there, pose=POSE),
         linear_difference=float(np.abs(mine.Jv_eq - other.Jv_eq).max()),
         angular_difference=float(np.abs(mine.Jw_eq - other.Jw_eq).max()),
-        figure=figure,
+        figure=place,
+        unwritten=unwritten,
     )
 
 
@@ -106,7 +123,11 @@ def demo_blocks(demo: Demo) -> Iterator[Block]:
     yield from _principal_velocities(lecture)
     yield from _other_cut(demo)
     yield Heading("Figure: the ellipsoid in space and in the Z-Y, Z-X and X-Y planes")
-    yield Verbatim(str(demo.figure))
+    if demo.unwritten:
+        why = f"{demo.figure} was not written ({demo.unwritten})"
+        yield Paragraph(f"None: {why}; -o takes another place.")
+    else:
+        yield Verbatim(str(demo.figure))
 
 
 def _introduction(report: Report) -> str:

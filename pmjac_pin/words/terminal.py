@@ -22,6 +22,7 @@ from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table, Verbatim
 
 _BLANKS = 3  # blanks between columns
 _NARROWEST, _USUAL, _WIDEST_LINE = 20, 80, 10_000  # characters of a line
+_NARROWEST_WORDS = 12  # characters: to which columns of words are folded before a table is
 _WIDEST_NAME = 24  # longer column names are folded in wide tables
 
 # Headings underlined, nothing else: a box that needs no Unicode, and one that does.
@@ -167,10 +168,17 @@ def _draw_table(console: Console, table: Table) -> None:
     if table.title:
         console.print(_plain_text(console, table.title), style="bold")
     widths = _natural_widths(header, rows)
-    if sum(widths) + _BLANKS * (len(widths) - 1) <= console.width or "<" in table.align[1:]:
+    numbers = "<" not in table.align[1:]
+    least = [
+        width if side == ">" or numbers else min(width, _NARROWEST_WORDS)
+        for width, side in zip(widths, table.align, strict=True)
+    ]
+    if sum(least) + _BLANKS * (len(widths) - 1) <= console.width:
         _draw_grid(console, header, rows, table.align, widths)
-        return
-    _draw_folded(console, header, rows, widths)
+    elif numbers:
+        _draw_folded(console, header, rows, widths)
+    else:
+        _draw_in_parts(console, header, rows, table.align, least)
 
 
 def _draw_folded(
@@ -194,6 +202,35 @@ def _draw_folded(
             [[row[k] for k in columns] for row in rows],
             "<" + ">" * (len(columns) - 1),
             [label, *[column] * (len(columns) - 1)],
+        )
+
+
+def _draw_in_parts(
+    console: Console,
+    header: list[Text],
+    rows: list[list[Text]],
+    align: str,
+    widths: Sequence[int],
+) -> None:
+    """Draw a wide table of numbers and words as several, each with the first column."""
+    label = min(widths[0], console.width // 2)
+    parts, room = [[0]], console.width - label
+    for k, width in enumerate(widths[1:], start=1):
+        if len(parts[-1]) > 1 and room < _BLANKS + width:
+            parts.append([0])
+            room = console.width - label
+        parts[-1].append(k)
+        room -= _BLANKS + width
+    for part, columns in enumerate(parts):
+        if part:
+            console.print()
+        most = console.width - label - _BLANKS
+        _draw_grid(
+            console,
+            [header[k] for k in columns],
+            [[row[k] for k in columns] for row in rows],
+            "".join(align[k] for k in columns),
+            [label, *(min(widths[k], most) for k in columns[1:])],
         )
 
 
