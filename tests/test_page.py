@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shutil
@@ -424,7 +425,7 @@ def test_updates_keep_up_with_a_slider_that_never_rests(viewer, open_page):
 def test_keyboard_alone(viewer, open_page):
     page = open_page(viewer)
     visited = []
-    for _ in range(18):
+    for _ in range(20):
         page.keyboard.press("Tab")
         visited.append(page.evaluate("document.activeElement.id"))
         if visited[-1] == "scale":
@@ -436,8 +437,17 @@ def test_keyboard_alone(viewer, open_page):
             style = page.evaluate("getComputedStyle(document.activeElement).outlineStyle")
         assert style == "solid", visited[-1]
     motors = [f"motor-{k}{end}" for k in range(3) for end in ("", "-value")]
-    buttons = ["scene", "home", "reset", "snapshot", "pose", "names"]
-    assert visited == [*buttons, *motors, "find-modes", "linear", "angular", "force", "scale"]
+    buttons = ["scene", "home", "reset", "snapshot", "pose", "degrees", "names"]
+    assert visited == [
+        *buttons,
+        *motors,
+        "passive-title",
+        "find-modes",
+        "linear",
+        "angular",
+        "force",
+        "scale",
+    ]
     page.focus("#motor-0")
     page.keyboard.press("ArrowRight")
     quiet(page)
@@ -449,6 +459,42 @@ def test_keyboard_alone(viewer, open_page):
     page.focus("#angular")
     page.keyboard.press("Space")
     wait(page, "pmjac.state.drawn.angular")
+
+
+def test_angles_in_degrees(open_page):
+    ankle = pj.load("ankle")
+    with pj.view(ankle.home, open_browser=False, port=0) as viewer:
+        page = open_page(viewer)
+        page.check("#degrees")
+        page.fill("#motor-0-value", "20")
+        page.press("#motor-0-value", "Enter")
+        quiet(page)
+        there = viewer.configuration
+        assert there.actuated[0] == pytest.approx(np.deg2rad(20.0), abs=1e-12)
+        assert page.input_value("#motor-0-value") == "20.00"
+        page.click("#passive-title")
+        shown = page.locator("#passive tr").first.inner_text().split()
+        value = f"{np.rad2deg(there.passive[0]):.2f}".replace("-", "\u2212")
+        assert shown == [there.mechanism.passive[0], value, "°"]
+        page.uncheck("#degrees")
+        assert page.input_value("#motor-0-value") == "0.3491"
+        page.close()
+
+
+@pytest.mark.parametrize("frame", ["LOCAL_WORLD_ALIGNED", "LOCAL", "WORLD"])
+def test_the_jacobian_in_its_frames_and_as_text(viewer, open_page, frame):
+    page = open_page(viewer)
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    page.select_option("#frame", frame)
+    page.click("#copy")
+    wait(page, "document.getElementById('copy').textContent === 'Copied'")
+    text = page.evaluate("navigator.clipboard.readText()")
+    assert re.fullmatch(r"np\.array\(\[.*\]\)", text)
+    expected = viewer.configuration.jacobian(frame).J_eq
+    np.testing.assert_allclose(json.loads(text[len("np.array(") : -1]), expected, atol=1e-12)
+    cells = page.locator("#jacobian td").all_inner_texts()
+    numbers = [float(cell.replace("\u2212", "-")) for cell in cells if cell.strip()]
+    np.testing.assert_allclose(numbers, expected.ravel(), atol=1e-3)
 
 
 def test_every_control_has_a_name(viewer, open_page):

@@ -180,10 +180,10 @@ def test_visuals_stand_where_pinocchio_has_their_links(three_rps, rng):
     for pose in poses(three_rps, rng):
         pin.framesForwardKinematics(model, data, pose.q)
         items = by_name(scene(pose))
-        tube = pin.SE3(pin.utils.rotate("y", np.pi / 2), np.array([-0.3, 0, 0]))
+        tube = pin.SE3(pin.utils.rotate("y", np.pi / 2), np.array([-0.05, 0, 0]))
         for leg in (1, 2, 3):
             link = data.oMf[model.getFrameId(f"leg{leg}_cylinder")]
-            expected = (link * tube).homogeneous @ np.diag([0.035, 0.035, 0.6, 1])
+            expected = (link * tube).homogeneous @ np.diag([0.035, 0.035, 0.1, 1])
             found = items[f"links/leg{leg}_cylinder/leg{leg}_cylinder_tube"]
             assert isinstance(found.shape, Cylinder)
             np.testing.assert_allclose(found.transform, expected, atol=1e-12)

@@ -271,8 +271,14 @@ def test_the_readout_is_the_library_s(name):
     configuration = pj.load(name).home
     readout = make_readout(configuration)
     jacobian = configuration.jacobian()
-    np.testing.assert_allclose(readout.J_eq, jacobian.J_eq, rtol=0.0, atol=1e-13)
-    shown = np.array(readout.J_eq)
+    for frame, rows in readout.J_eq.items():
+        expected = configuration.jacobian(frame).J_eq
+        np.testing.assert_allclose(rows, expected, rtol=0.0, atol=1e-12)
+    tool = configuration.tool_pose
+    np.testing.assert_array_equal(readout.tool_position, tool.translation)
+    np.testing.assert_allclose(pin.exp3(np.array(readout.tool_turn)), tool.rotation, atol=1e-12)
+    np.testing.assert_array_equal(readout.passive, configuration.passive)
+    shown = np.array(readout.J_eq["LOCAL_WORLD_ALIGNED"])
     np.testing.assert_array_equal(shown[shown != 0.0], jacobian.J_eq[shown != 0.0])
     assert (np.abs(shown[shown != 0.0]) > 1e-12).all()
     singular_values = np.linalg.svd(jacobian.Jv_eq, compute_uv=False)

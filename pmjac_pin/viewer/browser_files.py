@@ -11,6 +11,7 @@ PAGE = Path(__file__).parent / "page"
 
 #: What of it the server hands out.
 PAGE_FILES = (
+    "angles.js",
     "app.js",
     "connection.js",
     "elements.js",
@@ -31,6 +32,7 @@ PAGE_FILES = (
     "stage.js",
     "status.js",
     "style.css",
+    "tool.js",
 )
 
 

@@ -42,10 +42,15 @@ def joint_layer(anatomy: Anatomy) -> Attached:
 def rail_layer(anatomy: Anatomy) -> Lines:
     """Return what joints slide on along an axis: a bar from where they are fixed to where they are.
 
-    A slide whose body has visuals is seen without.
+    A slide on the ground whose body has visuals is seen without. Those of a leg have one length at
+    every stroke: the bar is what joins them.
     """
-    drawn = anatomy.drawn_by_visuals
-    sliding = [joint for joint in anatomy.joints if anatomy.slides(joint) and joint not in drawn]
+    drawn, parents = anatomy.drawn_by_visuals, anatomy.model.parents
+    sliding = [
+        joint
+        for joint in anatomy.joints
+        if anatomy.slides(joint) and (joint not in drawn or parents[joint])
+    ]
     parts = [
         Part(f"{_joint_path(anatomy, j)}/rail", Cylinder(), _joint_colour(anatomy, j))
         for j in sliding

@@ -86,6 +86,13 @@ class Motor(msgspec.Struct, frozen=True):
     limited: bool
 
 
+class Passive(msgspec.Struct, frozen=True):
+    """A passive joint, or one of its degrees of freedom."""
+
+    name: str
+    unit: str
+
+
 class Key(msgspec.Struct, frozen=True):
     """An entry of the legend: what is drawn in these colours, such as "#d55e00"."""
 
@@ -99,6 +106,7 @@ class About(msgspec.Struct, frozen=True):
     mechanism: str
     description: str
     motors: tuple[Motor, ...]
+    passive: tuple[Passive, ...]
     poses: tuple[str, ...]
     home: Readout
     legend: tuple[Key, ...]

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, get_args
 
 import msgspec
 import numpy as np
+import pinocchio as pin
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.model.tool_rows import ToolRows
-from pmjac_pin.model.twist_frame import change_frame
+from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.pictures.ellipsoid_panels import PLANES
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.rates.jacobian import EquivalentJacobian
@@ -85,8 +86,12 @@ class Readout(msgspec.Struct, frozen=True, kw_only=True):
         These rows, briefly and in full.
     residual : float
         Euclidean norm of the gaps of all loops, m.
-    J_eq : tuple of tuple of float or None
-        Six rows, linear ones first; what is only rounding is 0.
+    J_eq : mapping of str to (tuple of tuple of float), or None
+        By its frame: six rows, linear ones first; what is only rounding is 0.
+    tool_position, tool_turn : tuple of float
+        Where the tool is, m, and its turn from the world's axes: angle times axis, rad.
+    passive : tuple of float
+        The values of the passive joints, m or rad.
     sections : tuple of Section or None
     warning : Nearness
     beyond : str
@@ -104,7 +109,10 @@ class Readout(msgspec.Struct, frozen=True, kw_only=True):
     generic_tool_rank: int
     judged: tuple[str, str]
     residual: float
-    J_eq: tuple[Values, ...] | None
+    J_eq: dict[FrameName, tuple[Values, ...]] | None
+    tool_position: Values
+    tool_turn: Values
+    passive: Values
     sections: tuple[Section, ...] | None
     warning: Nearness
     beyond: str
@@ -130,7 +138,8 @@ def make_readout(configuration: Configuration, ranks: ToolRanks | None = None) -
     jacobian, refusal = equivalent(configuration)
     singularity = configuration.singularity()
     loops = bool(singularity.generic_rank)
-    known = {} if jacobian is None else _of_jacobian(jacobian)
+    known = {} if jacobian is None else _of_jacobian(jacobian, configuration)
+    tool = configuration.tool_pose
     return Readout(
         Jv_singular_values=known.get("Jv"),
         Jw_singular_values=known.get("Jw"),
@@ -142,6 +151,9 @@ def make_readout(configuration: Configuration, ranks: ToolRanks | None = None) -
         judged=_judged(singularity.tool_rows),
         residual=configuration.residual_norm,
         J_eq=known.get("J_eq"),
+        tool_position=tuple(tool.translation.tolist()),
+        tool_turn=tuple(pin.log3(tool.rotation).tolist()),
+        passive=tuple(configuration.passive.tolist()),
         sections=None if jacobian is None else _sections(jacobian.velocity_ellipsoid()),
         warning=_warning(configuration, singularity, jacobian, ranks),
         beyond=_beyond(configuration),
@@ -163,14 +175,19 @@ def _judged(rows: ToolRows) -> tuple[str, str]:
     return brief, f"judged on {rows}"
 
 
-def _of_jacobian(jacobian: EquivalentJacobian) -> dict[str, Any]:
-    motors = jacobian.partition.actuated.size
-    rounding = SHOWN_AS_ZERO * jacobian.sizes.repeat(3)[:, None]
-    J_eq = np.where(np.abs(jacobian.J_eq) > rounding, jacobian.J_eq, 0.0)
+def _of_jacobian(jacobian: EquivalentJacobian, configuration: Configuration) -> dict[str, Any]:
+    motors, tool = jacobian.partition.actuated.size, configuration.tool_pose
+    J_eq = {}
+    for frame in get_args(FrameName):
+        entries = change_frame(jacobian.J_eq, frame, tool.rotation, tool.translation)
+        sizes = jacobian.sizes.copy()
+        sizes[0] += norm(tool.translation) * sizes[1] * (frame == "WORLD")
+        rounding = SHOWN_AS_ZERO * sizes.repeat(3)[:, None]
+        J_eq[frame] = tuple(map(tuple, np.where(np.abs(entries) > rounding, entries, 0.0).tolist()))
     return {
         "Jv": tuple(jacobian.velocity_ellipsoid().radii[:motors].tolist()),
         "Jw": tuple(jacobian.angular_ellipsoid().radii[:motors].tolist()),
-        "J_eq": tuple(map(tuple, J_eq.tolist())),
+        "J_eq": J_eq,
     }
 
 

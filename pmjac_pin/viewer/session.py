@@ -26,6 +26,7 @@ from pmjac_pin.viewer.messages import (
     NamedPose,
     Notice,
     Options,
+    Passive,
     State,
 )
 from pmjac_pin.viewer.motors import WIDEST_SLIDER, motors_of
@@ -216,10 +217,12 @@ class Session:
         )
 
     def _about(self) -> About:
+        units = self.mechanism.units
         return About(
             mechanism=self.mechanism.name,
             description=self.mechanism.spec.description,
             motors=self._motors,
+            passive=tuple(Passive(name, units[name]) for name in self.mechanism.passive),
             poses=tuple(self._poses),
             home=make_readout(self.mechanism.home, self._ranks),
             legend=legend(self.mechanism),

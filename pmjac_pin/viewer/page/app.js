@@ -2,14 +2,16 @@
 
 import { Connection } from "./connection.js";
 import { $ } from "./elements.js";
+import { listenToAngles } from "./angles.js";
 import { buildLegend } from "./legend.js";
 import { listenToModes, showModes } from "./modes.js";
 import { Motors } from "./motors.js";
 import { listenToOptions, showOptions } from "./options.js";
 import { adoptPicture, frameOn, resetView, snapshot } from "./picture.js";
-import { buildJacobian, decimalsAt, showReadout } from "./readout.js";
+import { buildJacobian, copyJacobian, decimalsAt, showReadout } from "./readout.js";
 import { buildSections, showSections } from "./sections.js";
 import { say } from "./status.js";
+import { buildTool, showTool } from "./tool.js";
 
 let state = null;      // the newest that is shown
 let decimals = null;
@@ -38,6 +40,7 @@ function build(about) {
     complain,
   });
   buildLegend(about.legend);
+  buildTool(about.passive);
   buildJacobian(about.motors);
   buildSections();
 }
@@ -45,6 +48,7 @@ function build(about) {
 function show() {
   const { readout, notice } = state;
   showMotors();
+  showTool(readout);
   showReadout(readout, decimals);
   showSections(readout.sections, decimals.Jv);
   showOptions(state.drawn, connection.idle);
@@ -101,4 +105,7 @@ $("reset").addEventListener("click", () => { resetView(); connection.send({ comm
 $("snapshot").addEventListener("click", () => snapshot($("name").textContent));
 listenToModes((command) => connection.send(command));
 listenToOptions((command) => connection.send(command));
+listenToAngles(show);
+$("frame").addEventListener("change", show);
+$("copy").addEventListener("click", () => copyJacobian(state.readout));
 adoptPicture();

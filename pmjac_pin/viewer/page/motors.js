@@ -1,5 +1,6 @@
 // A slider and a box for each motor.
 
+import { shownIn } from "./angles.js";
 import { $, broken, element } from "./elements.js";
 import { decimalsOfRange, fixed, niceStep } from "./numbers.js";
 
@@ -22,8 +23,10 @@ export class Motors {
       const { slider, box, digits, motor } = row;
       row.stop = stops[index] ? { side: stops[index], at: values[index] } : null;
       slider.value = this.#within(row, wanted?.[index] ?? values[index]);
-      const text = fixed(values[index], digits);
-      slider.setAttribute("aria-valuetext", `${text} ${motor.unit}`);
+      const [size, unit] = shownIn(motor.unit);
+      const text = fixed(values[index] / size, size === 1 ? digits : 2);
+      slider.setAttribute("aria-valuetext", `${text} ${unit}`);
+      this.#nameUnit(row, size, unit);
       if (box.dataset.dirty) return;
       const plain = text.replace("−", "-");
       if (box.value !== plain) box.value = plain;
@@ -34,19 +37,28 @@ export class Motors {
   #build(motor, index) {
     const id = `motor-${index}`;
     const digits = decimalsOfRange(motor.upper - motor.lower);
-    const range = motor.limited ? `limits ${fixed(motor.lower, digits)} to ${fixed(motor.upper, digits)}` : "no limits";
     const label = element("label", { for: id, title: motor.name }, ...broken(motor.name));
     const slider = element("input", { type: "range", id, min: motor.lower, max: motor.upper, step: "any" });
     const box = element("input", {
       type: "text", inputmode: "decimal", id: `${id}-value`, autocomplete: "off", spellcheck: "false",
-      "aria-label": `${motor.name}, exact value in ${motor.unit}, ${range}`,
     });
-    const ends = [motor.lower, motor.upper].map((value) => element("span", {}, fixed(value, 2)));
-    const limits = element("div", { class: "limits", title: range, "aria-hidden": "true" }, ...ends);
-    const row = element("div", { class: "motor" }, label, slider, box, element("span", { class: "unit" }, motor.unit), limits);
-    const built = { row, slider, box, digits, motor, index, step: niceStep(motor.upper - motor.lower) };
+    const limits = element("div", { class: "limits", "aria-hidden": "true" });
+    const unit = element("span", { class: "unit" });
+    const row = element("div", { class: "motor" }, label, slider, box, unit, limits);
+    const built = { row, slider, box, unit, limits, digits, motor, index, step: niceStep(motor.upper - motor.lower) };
     this.#listen(built);
     return built;
+  }
+
+  // The unit and the range, where they are not written yet.
+  #nameUnit({ box, unit, limits, digits, motor }, size, shown) {
+    if (unit.textContent === shown) return;
+    unit.textContent = shown;
+    const ends = (decimals) => [motor.lower, motor.upper].map((value) => fixed(value / size, decimals));
+    const [lower, upper] = ends(size === 1 ? digits : 2);
+    limits.title = motor.limited ? `limits ${lower} to ${upper}` : "no limits";
+    limits.replaceChildren(...ends(size === 1 ? 2 : 0).map((text) => element("span", {}, text)));
+    box.setAttribute("aria-label", `${motor.name}, exact value in ${shown}, ${limits.title}`);
   }
 
   #listen(row) {
@@ -88,7 +100,7 @@ export class Motors {
     if (!box.dataset.dirty) return;  // it shows fewer digits than the value has
     box.dataset.dirty = "";
     const text = box.value.trim().replace("−", "-").replace(",", ".");
-    const value = text === "" ? NaN : Number(text);
+    const value = text === "" ? NaN : Number(text) * shownIn(motor.unit)[0];
     if (Number.isFinite(value)) this.#move(index, value);
     else {
       box.setAttribute("aria-invalid", "true");

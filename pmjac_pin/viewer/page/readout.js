@@ -7,7 +7,7 @@ const ROWS = [["v", "x", "m/s"], ["v", "y", "m/s"], ["v", "z", "m/s"], ["ω", "x
 
 // Fixed for each kind of number, so that numbers do not jump.
 export function decimalsAt(home) {
-  const rows = home.J_eq ?? [];
+  const rows = home.J_eq?.LOCAL_WORLD_ALIGNED ?? [];
   return {
     linear: decimalsFor(rows.slice(0, 3).flat()),
     angular: decimalsFor(rows.slice(3).flat()),
@@ -40,7 +40,19 @@ export function showReadout(readout, decimals) {
   put("residual", [minus(readout.residual.toExponential(1))]);
   $("refusal").textContent = readout.refusal ? "There is no equivalent Jacobian at this pose." : "";
   $("refusal").title = readout.refusal ?? "";
-  showJacobian(readout.J_eq, decimals);
+  showJacobian(inFrame(readout), decimals);
+}
+
+const inFrame = (readout) => readout.J_eq?.[$("frame").value] ?? null;
+
+// All digits, as a line that Python reads.
+export async function copyJacobian(readout) {
+  const rows = inFrame(readout);
+  const text = rows ? `np.array([${rows.map((row) => `[${row.join(", ")}]`).join(", ")}])` : "";
+  let said = "No J_eq";
+  if (text) said = await navigator.clipboard.writeText(text).then(() => "Copied", () => "Not allowed");
+  $("copy").textContent = said;
+  setTimeout(() => { $("copy").textContent = "Copy"; }, 1500);
 }
 
 function put(id, texts) {
