@@ -111,6 +111,18 @@ def test_save_html(viewer, mechanism, tmp_path):
     assert [file.name for file in tmp_path.iterdir()] == ["x.html"]
 
 
+def test_a_saved_picture_says_what_it_shows(viewer, mechanism, tmp_path):
+    viewer.save_html(tmp_path / "pose.html")
+    text = (tmp_path / "pose.html").read_text(encoding="utf-8")
+    facts = re.search(r'<aside id="facts">(.*?)</aside>', text, re.DOTALL)[1]
+    assert f"<h1>{mechanism.name}</h1>" in facts
+    configuration = viewer.configuration
+    for name, value in zip(mechanism.actuated, configuration.actuated, strict=True):
+        assert f"{name} = {value:.6g} " in facts
+    for radius in configuration.jacobian().velocity_ellipsoid().radii:
+        assert f"{radius:.4f}" in facts
+
+
 def test_save_html_keeps_the_mode_of_a_file(viewer, tmp_path):
     path = tmp_path / ("x" * 250 + ".html")
     path.touch()

@@ -18,6 +18,7 @@ from pmjac_pin.errors import PmjacError
 from pmjac_pin.viewer.canvas import Canvas
 from pmjac_pin.viewer.messages import ModesCommand, Reframe, Refusal, decode, encode
 from pmjac_pin.viewer.mode_finder import ModeFinder
+from pmjac_pin.viewer.pose_facts import pose_facts
 from pmjac_pin.viewer.session import Session
 from pmjac_pin.viewer.static_page import Picture
 
@@ -86,7 +87,9 @@ class Hub:
     def picture(self) -> Picture:
         """Return what is shown now, framed anew."""
         commands = [command for _, command in self.canvas.commands()]
-        return Picture(self.session.mechanism.name, commands, self.session.framing())
+        session = self.session
+        facts = pose_facts(session.configuration)
+        return Picture(session.mechanism.name, facts, commands, session.framing())
 
     def add_page(self, page: object, send: Send) -> None:
         """Tell a page that has just been opened everything."""

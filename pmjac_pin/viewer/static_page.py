@@ -23,6 +23,7 @@ _TEMPLATE = """<!DOCTYPE html>
 <style>{style}</style>
 </head>
 <body>
+<aside id="facts"><h1>{title}</h1>{facts}</aside>
 <div id="pane" role="application" tabindex="0"
  aria-label="Picture of {title}: arrow keys turn it, plus and minus zoom"></div>
 <script>{library}</script>
@@ -51,6 +52,8 @@ class Picture:
     Attributes
     ----------
     title : str
+    facts : tuple of str
+        What stands below the title, a line each.
     commands : list of bytes
         meshcat's.
     framing : Framing
@@ -58,6 +61,7 @@ class Picture:
     """
 
     title: str
+    facts: tuple[str, ...]
     commands: list[bytes]
     framing: Framing
 
@@ -67,6 +71,7 @@ def static_page(picture: Picture) -> str:
     encoded = ",\n".join(f'"{base64.b64encode(command).decode()}"' for command in picture.commands)
     return _TEMPLATE.format(
         title=html.escape(picture.title),
+        facts="".join(f"<p>{html.escape(line)}</p>" for line in picture.facts),
         library=_library(),
         commands=encoded,
         style=_page_file("stage.css"),
