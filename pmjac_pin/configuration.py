@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -156,8 +156,25 @@ class Configuration(Shown):
         """The tool's pose in the world; a copy."""
         return pin.SE3(self._snapshot.rotation, self._snapshot.position + self._parts.place)
 
+    def with_tool(self, tool: str | Sequence[str]) -> Configuration:
+        """Return this pose of the mechanism with another tool: a frame, or three that span it.
+
+        `tool_pose`, `jacobian()` and `singularity()` are its; see `Mechanism.with_tool`.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> home = pj.load("four_bar").home
+        >>> home.with_tool("rocker_tip").tool_pose.translation.round(3).tolist()
+        [1.919, 1.999, 0.0]
+        """
+        return self.mechanism.with_tool(tool).configuration(self.q)
+
     def jacobian(
-        self, frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED"
+        self,
+        frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED",
+        *,
+        tool: str | Sequence[str] | None = None,
     ) -> EquivalentJacobian:
         """Return J_eq = J − J* K*⁻¹ K and the matrices that it is made of.
 
@@ -165,6 +182,8 @@ class Configuration(Shown):
         ----------
         frame : {"LOCAL_WORLD_ALIGNED", "LOCAL", "WORLD"} or pin.ReferenceFrame
             Frame of the tool's twist, with Pinocchio's meaning.
+        tool : str or three str, optional
+            Another frame than the mechanism's tool, or three that span one: as of `with_tool`.
 
         Raises
         ------
@@ -185,6 +204,8 @@ class Configuration(Shown):
         >>> pj.load("serial_2r").home.jacobian().Jw_eq[2].tolist()
         [1.0, 1.0]
         """
+        if tool is not None:
+            return self.with_tool(tool).jacobian(frame)
         name, known, partition = frame_name(frame), self._known, self._problem.partition
         find: Callable[[], EquivalentJacobian]
         if known is not None and partition is self._parts.problem.partition:

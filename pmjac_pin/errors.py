@@ -61,9 +61,12 @@ class ModelFileError(PmjacError, ValueError):
     ----------
     path : str
         The file at fault, where there is one.
+    tools : tuple of str
+        Where the file does not say which frame is the tool: what may be, ends of chains first.
     """
 
     path: str = ""
+    tools: tuple[str, ...] = ()
 
 
 class UnknownNameError(PmjacError, KeyError):

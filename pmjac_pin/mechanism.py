@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Literal
 
 import pinocchio as pin
+from msgspec.structs import replace
 from numpy.typing import ArrayLike
 
 from pmjac_pin.closing.arms import arms_of, without_arms
@@ -22,8 +23,8 @@ from pmjac_pin.direct_kinematics import Guess, close
 from pmjac_pin.errors import ArgumentError, unknown_name
 from pmjac_pin.mechanism_value import MechanismValue
 from pmjac_pin.model.loop_spec import Loop
-from pmjac_pin.model.pinocchio_model import Constraint, RobotWrapper, own_model
-from pmjac_pin.model.spec import JointValue
+from pmjac_pin.model.pinocchio_model import Constraint, RobotWrapper, checked_tool, own_model
+from pmjac_pin.model.spec import JointValue, Tool
 from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.values.checks import as_numbers
 
@@ -52,6 +53,7 @@ class Mechanism(MechanismValue):
     """
 
     _poses: dict[str, Configuration] = field(default_factory=dict)
+    _by_tool: dict[Tool, Mechanism] = field(default_factory=dict)
 
     @classmethod
     def from_pinocchio(
@@ -120,6 +122,48 @@ class Mechanism(MechanismValue):
             tolerance=tolerance,
         )
         return cls(build_parts(own, spec, {}))
+
+    def with_tool(
+        self,
+        tool: str | Sequence[str],
+        *,
+        rows: Iterable[str] | None = None,
+        axes: str | None = None,
+    ) -> Mechanism:
+        """Return the mechanism with another tool; no file is read again.
+
+        What `load` would return with that tool: what depends on one, such as the ranks that its
+        motions have in general, is found anew, once.
+
+        Parameters
+        ----------
+        tool : str or three str
+            A frame of `model`, or the three frames whose origins span the tool.
+        rows, axes
+            As `load` takes `tool_rows` and `tool_axes`; all rows of its twist count by default.
+
+        Raises
+        ------
+        UnknownNameError
+            No such frame.
+        ArgumentError
+            Neither one name nor three; no such rows or axes.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> bar = pj.load("four_bar").with_tool("rocker_tip", rows=["vx", "vy"])
+        >>> bar.home.jacobian().Jv_eq.shape
+        (3, 1)
+        """
+        parts, chosen = self._parts, checked_tool(tool)
+        spec = replace(self.spec, tool=chosen).with_tool_rows(rows, axes)
+        if spec.tool == self.spec.tool:
+            return self
+        if spec.tool not in self._by_tool:
+            built = build_parts(parts.standing, spec, parts.values, parts.urdf, parts.home_q)
+            self._by_tool[spec.tool] = Mechanism(built, notes=self.notes, unread=self.unread)
+        return self._by_tool[spec.tool]
 
     @property
     def home(self) -> Configuration:

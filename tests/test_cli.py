@@ -346,7 +346,7 @@ MISTAKES = {
     "report four_bar --set l1=0": "parameter 'l1' = 0 m is not within [0.001, 1e+06]",
     "report four_bar --set l1=nan": "parameter 'l1' = nan m is not within [0.001, 1e+06]",
     "report /none/here.toml": "/none/here.toml: No such file or directory",
-    "report /tmp/.": "/tmp: is a directory, not a file",
+    "report /proc/self/.": "/proc/self: there is no URDF in this folder",
     "plot four_bar": 'Command "plot" parameter --output requires an argument.',
     "plot four_bar -o /none/a.png": "/none/a.png: there is no folder /none",
     "plot four_bar -o /tmp": "/tmp: is a folder; give the name of a file in it",

@@ -212,7 +212,7 @@ def test_files_of_nonsense(tmp_path, content, message):
 def test_missing_file_and_directory(tmp_path):
     with pytest.raises(pj.ModelFileError, match="No such file or directory"):
         pj.load(tmp_path / "none.toml")
-    with pytest.raises(pj.ModelFileError, match="is a directory, not a file"):
+    with pytest.raises(pj.ModelFileError, match="there is no URDF in this folder"):
         pj.load(tmp_path)
 
 

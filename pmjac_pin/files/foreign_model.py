@@ -80,7 +80,8 @@ class ForeignModel:
         if not motors:
             raise _missing(path, "which joints are motors", "actuated", self._possible_motors())
         if not frame:
-            raise _missing(path, "which frame is the tool", "tool", self.urdf.links)
+            links = links_from_the_ends(self.urdf)
+            raise _missing(path, "which frame is the tool", "tool", links, tools=links)
         checked_motors(self.urdf, motors)
         check_frame(self.urdf, frame)
         return MechanismSpec(
@@ -125,7 +126,23 @@ def _movable(urdf: Urdf) -> tuple[str, ...]:
     return tuple(joint.name for joint in urdf.joints if joint.type != "fixed")
 
 
-def _missing(path: str, what: str, option: str, candidates: tuple[str, ...]) -> ModelFileError:
+def links_from_the_ends(urdf: Urdf) -> tuple[str, ...]:
+    """Return the links, those at the ends of chains first, of these the farthest from the root."""
+    above = {joint.child: joint.parent for joint in urdf.joints}
+
+    def depth(link: str) -> int:
+        count = 0
+        while (link := above.get(link, "")) and count <= len(above):
+            count += 1
+        return count
+
+    held = set(above.values())
+    return tuple(sorted(urdf.links, key=lambda link: (link in held, -depth(link))))
+
+
+def _missing(
+    path: str, what: str, option: str, candidates: tuple[str, ...], **more: tuple[str, ...]
+) -> ModelFileError:
     listed = enumerated(candidates, _MOST_CANDIDATES) or "none"
     message = f"{path}: the file does not say {what}; give `{option}`, of: {listed}"
-    return ModelFileError(message, path=path)
+    return ModelFileError(message, path=path, **more)

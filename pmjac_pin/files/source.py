@@ -13,6 +13,7 @@ from pmjac_pin.files.catalog import SUFFIXES, find_urdf
 from pmjac_pin.files.foreign_model import ForeignModel, check_frame, checked_motors
 from pmjac_pin.files.massless import mass_notes
 from pmjac_pin.files.model_file import read_model_file
+from pmjac_pin.files.robot_folder import urdf_of
 from pmjac_pin.files.urdf.robot import Urdf, read_urdf
 from pmjac_pin.files.urdf.ties import closing_frames
 from pmjac_pin.files.user_path import shown_path
@@ -57,7 +58,8 @@ def read_source(
     Parameters
     ----------
     path : Path
-        One without a suffix is a model file of ours, as one in ``.toml`` is.
+        One without a suffix is a model file of ours, as one in ``.toml`` is. A folder, or the YAML
+        file of an extended URDF, stands for the URDF in it.
     actuated : iterable of str, optional
         The motors, instead of those that the file tells.
     tool : str, optional
@@ -68,6 +70,7 @@ def read_source(
     ModelFileError, UnknownNameError, ArgumentError
     """
     motors = None if actuated is None else as_names(actuated, "actuated is a list of joint names")
+    path = urdf_of(path)
     if (reader := READERS.get(path.suffix.lower())) is not None:
         model = reader(path, motors or ())
         return Source(path, model.spec(motors, tool), model.urdf, model.notes, model.unread)
@@ -85,8 +88,8 @@ def read_source(
 
 
 def _other_format(path: Path) -> str:
-    if path.suffix.lower() == ".xacro":
-        return "xacro's macros are not read; write what they make with: xacro FILE > robot.urdf"
+    if (step := _STEPS.get(path.suffix.lower())) is not None:
+        return step
     return f"the end of its name tells no format; there are {enumerated(SUFFIXES)}"
 
 
@@ -99,6 +102,19 @@ def _open_frames(urdf: Urdf, spec: MechanismSpec) -> list[str]:
         *(f"not read: the frames {pair} are in no [[loop]]" for pair in pairs),
         *(f"not read: {one}" for one in lone if one.startswith("link ")),
     ]
+
+
+#: Formats that are not read, by their suffixes: what makes one of them that is.
+_STEPS = {
+    ".xacro": "xacro's macros are not read; write what they make with: xacro FILE > robot.urdf",
+    ".wbt": "Webots' worlds are not read; export the robot as URDF: robot.getUrdf() in a "
+    "controller of its own writes it",
+    ".proto": "Webots' PROTO files are not read; export the robot as URDF: robot.getUrdf() in a "
+    "controller of its own writes it",
+    ".usd": "USD is not read; export the robot as URDF or MJCF: Isaac Sim's URDF exporter does",
+    ".usda": "USD is not read; export the robot as URDF or MJCF: Isaac Sim's URDF exporter does",
+    ".usdc": "USD is not read; export the robot as URDF or MJCF: Isaac Sim's URDF exporter does",
+}
 
 
 # What reads another format is imported when a file of it is read.

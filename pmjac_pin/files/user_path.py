@@ -69,6 +69,14 @@ def is_file(path: Path) -> bool:
         return False
 
 
+def is_folder(path: Path) -> bool:
+    """Tell whether there is a folder; there is none of a name that is too long."""
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
 def followed(path: Path) -> Path:
     """Return where a link leads; another path as it is."""
     return real(path) if os.path.islink(path) else path  # noqa: PTH114 - True or False for any name

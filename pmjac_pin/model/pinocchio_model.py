@@ -67,7 +67,7 @@ def own_model(
             passive=None
             if passive is None
             else as_names(passive, "passive is a list of joint names"),
-            tool=_checked_tool(tool),
+            tool=checked_tool(tool),
             loops=_checked_loops(own, loops),
             poses={"home": _home_pose(own, home)},
             tolerance=tolerance,
@@ -140,12 +140,19 @@ def _loop_kind(constraint: Any, number: int) -> type[PointLoop | FrameLoop]:
     raise ArgumentError(f"loop {number} is a {type(constraint).__name__}; {known} expected")
 
 
-def _checked_tool(tool: str | Sequence[str]) -> Tool:
+def checked_tool(tool: str | Sequence[str]) -> Tool:
+    """Return the tool that is a frame of this name, or that three frames span.
+
+    Raises
+    ------
+    ArgumentError
+    """
     if isinstance(tool, str):
         return Tool(frame=tool)
-    if not isinstance(tool, Sequence) or len(tool) != 3:
+    names = as_names(tool, "a tool is one frame or three")
+    if len(names) != 3:
         raise ArgumentError(f"a tool is one frame or three, got {quoted(tool)}")
-    return Tool(points=(tool[0], tool[1], tool[2]))
+    return Tool(points=(names[0], names[1], names[2]))
 
 
 def _home_pose(

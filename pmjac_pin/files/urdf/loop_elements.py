@@ -31,6 +31,10 @@ TAGS = ("loop", "constraint")
 _SAME_AXIS = 1e-9
 
 
+#: What implementations of the proposed <constraint> call kinds of ours.
+_OTHER_NAMES = {"ball": "spherical", "spherical_joint": "spherical"}
+
+
 @dataclass(frozen=True, slots=True)
 class Closing:
     """A loop that an element declares.
@@ -60,7 +64,8 @@ def read_closings(
 def _closing(element: Element, number: int, links: Collection[str], anchors: Anchors) -> Closing:
     name = element.get("name") or f"{element.tag}{number}"
     where = f"{element.tag} {name!r}"
-    kind = {"ball": "spherical"}.get(given := element.get("type", ""), given)
+    given = element.get("type", "")
+    kind = _OTHER_NAMES.get(given, given)
     if kind not in (*KINDS, "universal"):
         known = did_you_mean(given, (*KINDS, "universal"))
         raise ModelFileError(f"{where} has the unknown type {quoted(given)}{known}")

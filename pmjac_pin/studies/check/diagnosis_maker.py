@@ -13,7 +13,7 @@ from pmjac_pin.closing.assembly import unassembled
 from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.nearby_poses import nearby
 from pmjac_pin.closing.pose_assembly import motor_weights
-from pmjac_pin.errors import ClosureError, LimitError, PmjacError
+from pmjac_pin.errors import ClosureError, LimitError, ModelFileError, PmjacError
 from pmjac_pin.files.source import Source
 from pmjac_pin.loading import load
 from pmjac_pin.mechanism import Mechanism
@@ -27,6 +27,7 @@ from pmjac_pin.studies.check.diagnosis import (
     DependentRow,
     Diagnosis,
     Failure,
+    Finding,
     FreeMotion,
     PoseEntry,
     Rates,
@@ -41,7 +42,7 @@ from pmjac_pin.studies.check.diagnosis_structure import (
     loops,
     mobility,
 )
-from pmjac_pin.studies.check.findings import find
+from pmjac_pin.studies.check.findings import find, in_order
 from pmjac_pin.studies.check.machine import CheckedMachine
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.values.arrays import Array
@@ -89,8 +90,21 @@ def check(source: str | Path | Mechanism | PmjacError, **options: Any) -> Diagno
         return _of_error(source)
     try:
         return _of_mechanism(load(source, **options))
+    except ModelFileError as error:
+        if error.tools:
+            return _without_tool(check(source, **{**options, "tool": error.tools[0]}))
+        return _of_error(error)
     except PmjacError as error:
         return _of_error(error)
+
+
+def _without_tool(diagnosis: Diagnosis) -> Diagnosis:
+    """Say of a diagnosis that nobody has named the tool that it takes."""
+    [tool] = diagnosis.tool
+    message = f"No frame is named as the tool; what is said of one here is of {tool!r}."
+    advice = "Name it with `tool`: that link ends the longest chain."
+    untold = Finding("warning", "no-tool", message, advice)
+    return msgspec.structs.replace(diagnosis, findings=in_order([untold, *diagnosis.findings]))
 
 
 def _of_mechanism(mechanism: Mechanism) -> Diagnosis:

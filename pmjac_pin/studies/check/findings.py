@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from pmjac_pin.closing.closure_problem import LARGEST_SHARE
 from pmjac_pin.model.joint_kinds import JOINT_KINDS
@@ -41,7 +41,11 @@ def find(diagnosis: Diagnosis) -> tuple[Finding, ...]:
         number_findings,
         _reader,
     )
-    findings = [finding for rule in rules for finding in rule(diagnosis)]
+    return in_order([finding for rule in rules for finding in rule(diagnosis)])
+
+
+def in_order(findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """Return findings, the worst first."""
     return tuple(sorted(findings, key=lambda finding: _ORDER.index(finding.severity)))
 
 

@@ -1,0 +1,193 @@
+"""Another tool at no reload, and machines whose files name none."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from mechanisms import CATALOGUE
+
+import pmjac_pin as pj
+
+FOUR_BAR = """
+<robot name="bar">
+  <link name="ground"/><link name="crank"/><link name="coupler"/><link name="rocker"/>
+  <link name="far_end"/>
+  <joint name="a" type="continuous"><parent link="ground"/><child link="crank"/>
+    <axis xyz="0 0 1"/></joint>
+  <joint name="b" type="continuous"><parent link="crank"/><child link="coupler"/>
+    <origin xyz="1 0 0"/><axis xyz="0 0 1"/></joint>
+  <joint name="c" type="continuous"><parent link="ground"/><child link="rocker"/>
+    <origin xyz="3 0 0"/><axis xyz="0 0 1"/></joint>
+  <joint name="end" type="fixed"><parent link="coupler"/><child link="far_end"/>
+    <origin xyz="2.5 0 0"/></joint>
+  <loop name="d" type="revolute">
+    <predecessor link="coupler"><origin xyz="2.5 0 0"/></predecessor>
+    <successor link="rocker"><origin xyz="0 2 0"/></successor><axis xyz="0 0 1"/>
+  </loop>
+</robot>
+"""
+
+
+def frames(mechanism, count):
+    """Some frames of a model, from its whole length."""
+    names = [frame.name for frame in mechanism.model.frames if frame.name != "universe"]
+    chosen = np.linspace(0, len(names) - 1, count).astype(int)
+    return [names[k] for k in dict.fromkeys(chosen.tolist())]
+
+
+def jacobian_or_error(configuration):
+    try:
+        return configuration.jacobian().J_eq
+    except pj.NoJacobianError as error:
+        return str(error)
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_another_tool_is_that_of_a_mechanism_loaded_with_it(name):
+    mechanism = pj.load(name)
+    for frame in frames(mechanism, 3):
+        other, loaded = mechanism.with_tool(frame), pj.load(name, tool=frame)
+        np.testing.assert_array_equal(other.home.q, loaded.home.q)
+        assert other.problem.partition.generic_ranks == loaded.problem.partition.generic_ranks
+        assert other.home.singularity().kind == loaded.home.singularity().kind
+        one, two = jacobian_or_error(other.home), jacobian_or_error(loaded.home)
+        np.testing.assert_array_equal(one, two)
+
+
+@pytest.mark.parametrize("name", ["three_rps", "delta_rods", "watt_six_bar"])
+@pytest.mark.parametrize("frame", ["LOCAL_WORLD_ALIGNED", "LOCAL", "WORLD"])
+def test_its_jacobian_is_the_derivative_of_its_pose(name, frame):
+    mechanism = pj.load(name)
+    home = mechanism.home
+    for tool in frames(mechanism, 3)[1:]:
+        try:
+            J_eq = home.jacobian(frame, tool=tool).J_eq
+        except pj.IdleMotionError:
+            continue
+        step = 1e-6
+        for column in range(len(mechanism.actuated)):
+            ends = []
+            for sign in (1.0, -1.0):
+                values = home.actuated.copy()
+                values[column] += sign * step
+                ends.append(mechanism.close(values).with_tool(tool).tool_pose)
+            here = home.with_tool(tool).tool_pose
+            turn = pin.log3(ends[0].rotation @ ends[1].rotation.T) / (2.0 * step)
+            move = (ends[0].translation - ends[1].translation) / (2.0 * step)
+            if frame == "WORLD":
+                move = move + np.cross(here.translation, turn)
+            if frame == "LOCAL":
+                move, turn = here.rotation.T @ move, here.rotation.T @ turn
+            np.testing.assert_allclose(J_eq[:, column], [*move, *turn], atol=1e-7)
+
+
+def test_three_frames_span_a_tool():
+    mechanism = pj.load("three_rps")
+    spanned = mechanism.with_tool(["S1", "S2", "S3"])
+    data = mechanism.model.createData()
+    pin.framesForwardKinematics(mechanism.model, data, spanned.home.q)
+    points = [data.oMf[mechanism.model.getFrameId(f"S{k}")].translation for k in (1, 2, 3)]
+    found = spanned.home.tool_pose.translation
+    np.testing.assert_allclose(found, np.mean(points, axis=0), atol=1e-12)
+
+
+def test_a_tool_is_made_once_and_its_own_is_itself():
+    mechanism = pj.load("five_bar")
+    assert mechanism.with_tool("tip2") is mechanism.with_tool("tip2")
+    own = mechanism.spec.tool
+    assert mechanism.with_tool(own.frame, rows=own.rows, axes=own.axes) is mechanism
+    again = pickle.loads(pickle.dumps(mechanism.with_tool("tip2")))
+    np.testing.assert_array_equal(
+        again.home.jacobian().J_eq, mechanism.home.jacobian(tool="tip2").J_eq
+    )
+
+
+@pytest.mark.parametrize(
+    ("tool", "kind", "said"),
+    [
+        ("tipp", pj.UnknownNameError, "did you mean 'tip'"),
+        (["tip", "tip2"], pj.ArgumentError, "a tool is one frame or three"),
+        (3, pj.ArgumentError, "a tool is one frame or three"),
+        (["tip", "tip", "tip2"], pj.ArgumentError, "must differ"),
+        (["tip", 3, "tip2"], pj.PmjacError, "3"),
+    ],
+)
+def test_what_is_no_tool(tool, kind, said):
+    mechanism = pj.load("five_bar")
+    for ask in (mechanism.with_tool, mechanism.home.with_tool):
+        with pytest.raises(kind, match=said):
+            ask(tool)
+    with pytest.raises(kind, match=said):
+        mechanism.home.jacobian(tool=tool)
+
+
+# --- files that name no tool ---------------------------------------------------------------------
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "bar.urdf").write_text(FOUR_BAR)
+    return tmp_path
+
+
+def test_check_needs_no_tool(folder):
+    diagnosis = pj.check(folder / "bar.urdf", actuated=["a"])
+    told = {finding.code: finding for finding in diagnosis.findings}
+    assert told["no-tool"].severity == "warning"
+    assert "'far_end'" in told["no-tool"].message
+    named = pj.check(folder / "bar.urdf", actuated=["a"], tool="far_end")
+    others = [finding for finding in diagnosis.findings if finding.code != "no-tool"]
+    assert others == list(named.findings)
+    assert diagnosis.mobility == named.mobility
+
+
+def test_elsewhere_the_error_names_the_ends_of_chains_first(folder):
+    with pytest.raises(pj.ModelFileError, match="which frame is the tool; give `tool`, of: far_e"):
+        pj.load(folder / "bar.urdf", actuated=["a"])
+
+
+def test_a_folder_or_its_yaml_stands_for_the_urdf_in_it(folder):
+    expected = pj.load(folder / "bar.urdf", actuated=["a"], tool="far_end").home.jacobian().J_eq
+    found = pj.load(folder, actuated=["a"], tool="far_end")
+    np.testing.assert_array_equal(found.home.jacobian().J_eq, expected)
+    (folder / "other.urdf").write_text(FOUR_BAR)
+    with pytest.raises(pj.ModelFileError, match=r"which URDF is meant\? There are: bar.urdf, oth"):
+        pj.load(folder, tool="far_end")
+    (folder / "robot.urdf").write_text(FOUR_BAR.replace('"bar"', '"robot"'))
+    assert pj.load(folder, actuated=["a"], tool="far_end").name == "robot"
+    (folder / "empty").mkdir()
+    with pytest.raises(pj.ModelFileError, match="no URDF in this folder"):
+        pj.load(folder / "empty")
+
+
+def test_the_yaml_of_an_extended_urdf_stands_for_it(tmp_path):
+    tree = FOUR_BAR[: FOUR_BAR.index("  <loop")] + "</robot>"
+    tree = tree.replace(
+        "</robot>",
+        '<link name="rocker_tip"/><joint name="f" type="fixed"><parent link="rocker"/>'
+        '<child link="rocker_tip"/><origin xyz="0 2 0"/></joint></robot>',
+    )
+    (tmp_path / "robot.urdf").write_text(tree)
+    (tmp_path / "robot.yaml").write_text(
+        "closed_loop: [[far_end, rocker_tip]]\ntype: [3d]\nname_mot: [a]\n"
+    )
+    by_yaml, by_urdf, by_folder = (
+        pj.load(path, tool="far_end")
+        for path in (tmp_path / "robot.yaml", tmp_path / "robot.urdf", tmp_path)
+    )
+    assert by_yaml.actuated == by_folder.actuated == by_urdf.actuated
+    np.testing.assert_array_equal(by_yaml.home.q, by_urdf.home.q)
+
+
+@pytest.mark.parametrize(
+    ("suffix", "said"),
+    [(".xacro", "xacro FILE"), (".wbt", "export the robot as URDF"), (".usd", "USD is not read")],
+)
+def test_formats_that_are_not_read_say_what_makes_them_readable(tmp_path, suffix, said):
+    path = tmp_path / f"robot{suffix}"
+    path.write_text("<robot/>")
+    with pytest.raises(pj.ModelFileError, match=said):
+        pj.load(path)
