@@ -72,7 +72,7 @@ def test_what_cannot_be_drawn(keywords, said):
 
 
 def test_only_poses_are_drawn():
-    with pytest.raises(pj.ArgumentError, match="a Configuration is drawn"):
+    with pytest.raises(pj.ArgumentError, match="a Configuration is wanted, got Mechanism"):
         pj.plot(pj.load("five_bar"))
 
 

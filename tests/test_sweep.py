@@ -288,3 +288,17 @@ def test_faults_of_a_file(tmp_path, capsys, old, new, message):
     assert message in error
     assert error.count("\n") == 1
     assert [one.name for one in tmp_path.iterdir()] == ["map.toml"]
+
+
+@pytest.mark.parametrize(
+    ("counts", "chunk", "said"),
+    [
+        ((10**6, 10**6), 10_000, "1000000 × 1000000 = 1e.12 points are too many"),
+        ((10**5, 10**4), 10, "1e.08 chunks are too many"),
+    ],
+)
+def test_what_is_too_large_is_refused_before_any_work(tmp_path, counts, chunk, said):
+    over = {f"theta{k}": np.linspace(0.0, 1.0, count) for k, count in enumerate(counts, 1)}
+    with pytest.raises(pj.ArgumentError, match=said):
+        pj.sweep("five_bar", over=over, out=tmp_path / "map.zarr", chunk=chunk)
+    assert not list(tmp_path.iterdir())

@@ -31,7 +31,7 @@ from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import enforced
 from pmjac_pin.values.arrays import Array, Index
-from pmjac_pin.values.checks import as_numbers
+from pmjac_pin.values.checks import as_numbers, check_kind
 
 
 def batch(mechanism: Mechanism) -> Batch:
@@ -45,6 +45,7 @@ def batch(mechanism: Mechanism) -> Batch:
     >>> many.jacobian(poses.q).J_eq.shape, int(poses.status.max())
     ((1000, 6, 2), 0)
     """
+    check_kind(mechanism, Mechanism)
     return Batch(mechanism)
 
 

@@ -78,7 +78,6 @@ def delta(
     angle = as_number(home, "home")
     height = _depth(lengths[0] - lengths[1], float(np.mean(arms)), float(np.mean(rods)), angle)
     model = pin.Model()
-    model.name = name
     top = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "platform")
     below = pin.SE3(np.eye(3), np.array([0.0, 0.0, -as_number(tool, "tool")]))
     model.addFrame(pin.Frame("tool", top, below, pin.FrameType.OP_FRAME))

@@ -68,7 +68,6 @@ def stewart(
     legs = held @ home.rotation.T + home.translation - base
     lengths = np.linalg.norm(legs, axis=1)
     model, q = pin.Model(), {"platform": pin.SE3ToXYZQUAT(home).tolist()}
-    model.name = name
     top = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "platform")
     model.addFrame(pin.Frame("tool", top, pin.SE3.Identity(), pin.FrameType.OP_FRAME))
     limits = np.outer([0.1, 10.0], lengths) if stroke is None else _stroke(stroke, lengths)

@@ -147,7 +147,7 @@ def checked_tool(tool: str | Sequence[str]) -> Tool:
     ------
     ArgumentError
     """
-    if isinstance(tool, str):
+    if isinstance(tool, str) and tool:
         return Tool(frame=tool)
     names = as_names(tool, "a tool is one frame or three")
     if len(names) != 3:

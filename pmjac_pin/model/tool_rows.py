@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from pmjac_pin.errors import ArgumentError, did_you_mean
+from pmjac_pin.values.checks import as_names
 
 ToolAxes = Literal["LOCAL_WORLD_ALIGNED", "LOCAL"]
 
@@ -88,10 +89,7 @@ def checked_rows(names: Iterable[str]) -> tuple[str, ...]:
     >>> checked_rows(["wz", "vx"])
     ('vx', 'wz')
     """
-    if isinstance(names, str) or not isinstance(names, Iterable):
-        some = ", ".join(TWIST_ROWS)
-        raise ArgumentError(f"the tool's rows are a list, of {some}; got {_brief(names)}")
-    given = tuple(names)
+    given = as_names(names, f"the tool's rows are a list, of {', '.join(TWIST_ROWS)}")
     if not given:
         raise ArgumentError(f"the tool's rows are empty: name some of {', '.join(TWIST_ROWS)}")
     for name in given:

@@ -26,7 +26,7 @@ from pmjac_pin.pictures.stick_drawing import draw_figure, frame_of, view_of
 from pmjac_pin.pictures.stick_figure import StickFigure, StickFigures
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.checks import as_names, as_numbers
+from pmjac_pin.values.checks import as_names, as_numbers, check_kind
 from pmjac_pin.words.report import report
 
 if TYPE_CHECKING:
@@ -113,9 +113,7 @@ def plot(
 def _ellipsoid(
     configuration: Configuration, quantity: str, frame: str | pin.ReferenceFrame
 ) -> Ellipsoid:
-    if not isinstance(configuration, Configuration):
-        given = type(configuration).__name__
-        raise ArgumentError(f"a Configuration is drawn, such as mechanism.home; got a {given}")
+    check_kind(configuration, Configuration)
     jacobian = configuration.jacobian(frame)
     known = {
         "linear": jacobian.velocity_ellipsoid,

@@ -25,7 +25,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import entry_names
 from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.checks import as_numbers
+from pmjac_pin.values.checks import as_numbers, check_kind
 
 _C_WORDS = frozenset(
     """auto break case char const continue default do double else enum extern float for goto if
@@ -73,6 +73,7 @@ def program(
     >>> recorded(five_bar.home.q)["J_eq"].shape
     (6, 2)
     """
+    check_kind(mechanism, Mechanism)
     name = frame_name(frame)
     model, home = mechanism.kinematics.model, mechanism.home
     recorder = Recorder(model, mechanism.spec, mechanism.parameters, mechanism.place)

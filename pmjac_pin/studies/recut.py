@@ -25,6 +25,7 @@ from pmjac_pin.model.loop_joint import Anchor, LoopJoint, loop_joint
 from pmjac_pin.model.loop_spec import DistanceLoop, FrameLoop, JointLoop, Loop
 from pmjac_pin.model.spec import JointValue, MechanismSpec
 from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.checks import check_kind
 
 _ALL = 6  # freedoms: such a joint holds nothing
 
@@ -77,8 +78,7 @@ def recut(mechanism: Mechanism, joint: str) -> Mechanism:
     >>> bool(np.allclose(recut.home.jacobian().J_eq, mechanism.home.jacobian().J_eq))
     True
     """
-    if not isinstance(mechanism, Mechanism):
-        raise ArgumentError(f"a Mechanism is wanted, got {type(mechanism).__name__}")
+    check_kind(mechanism, Mechanism)
     poses = {name: mechanism.pose(name).q for name in mechanism.poses}
     notes = (*mechanism.notes, *_lost_limits(mechanism, joint))
     parts = build_parts(*_recut(mechanism, joint, poses), {}, mechanism.urdf)

@@ -83,3 +83,17 @@ def as_names(given: object, wanted: str) -> tuple[str, ...]:
         if not isinstance(name, str):
             raise ArgumentError(f"{wanted}, it holds {quoted(name)}")
     return names
+
+
+def check_kind(given: object, kind: type) -> None:
+    """Raise ArgumentError where what the caller gave is not of this kind.
+
+    Examples
+    --------
+    >>> check_kind(3, str)
+    Traceback (most recent call last):
+        ...
+    pmjac_pin.errors.ArgumentError: a str is wanted, got int
+    """
+    if not isinstance(given, kind):
+        raise ArgumentError(f"a {kind.__name__} is wanted, got {type(given).__name__}")

@@ -20,6 +20,7 @@ from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.singularity import Singularity
 from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.checks import check_kind
 from pmjac_pin.values.encodable import encodable
 from pmjac_pin.values.shown import Printed
 from pmjac_pin.words.labelled import common_unit, unit
@@ -170,6 +171,7 @@ class Report(Printed):
         >>> table.rows, table.columns
         (('coupler_tip-rocker_tip x', 'coupler_tip-rocker_tip y'), ('phi1', 'phi2'))
         """
+        check_kind(name, str)
         parts = ("Jv_eq", "Jw_eq") if name == "J_eq" else (name,)
         known = ("J_eq", *self.matrices)
         if parts[0] not in self.matrices:
@@ -245,6 +247,7 @@ def report(
     >>> found.matrices["K_star"].columns, found.det_K_star.unit
     (('phi1', 'phi2'), 'm²/rad²')
     """
+    check_kind(configuration, Configuration)
     split = configuration.split_jacobian(frame)
     try:
         jacobian, refusal = configuration.jacobian(frame), None

@@ -21,6 +21,7 @@ from pmjac_pin.studies.certificates.equations import LoopEquations
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.krawczyk import RADII, block_norms, radii
 from pmjac_pin.values.arrays import Array, Index
+from pmjac_pin.values.checks import check_kind
 
 # Those of a mechanism are written once, for all its poses.
 _EQUATIONS: WeakKeyDictionary[Mechanism, LoopEquations] = WeakKeyDictionary()
@@ -115,8 +116,7 @@ def certify(configuration: Configuration) -> Certificate:
     >>> certificate.uniqueness_radius > 0.001
     True
     """
-    if not isinstance(configuration, Configuration):
-        raise ArgumentError(f"a Configuration is wanted, got {type(configuration).__name__}")
+    check_kind(configuration, Configuration)
     mechanism = configuration.mechanism
     try:
         equations = _equations(mechanism)

@@ -21,7 +21,6 @@ import numpy as np
 
 from pmjac_pin.closing.motor_values import MotorValues
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
@@ -41,6 +40,7 @@ from pmjac_pin.studies.homotopy.solving import near, solutions_of
 from pmjac_pin.studies.modes.closed_pose import closed_pose, generator, order
 from pmjac_pin.studies.modes.recognition import Recognition
 from pmjac_pin.values.arrays import Array, Complex, Index, read_only
+from pmjac_pin.values.checks import check_kind
 
 _SINGULAR = 1e-4  # smallest relative singular value of K* beside which home is not asked for
 _TRIES = 4  # of ways to lead all points to one machine
@@ -259,8 +259,7 @@ def parameter_homotopy(
     >>> homotopy.count, homotopy.degree
     (2, 4)
     """
-    if not isinstance(mechanism, Mechanism):
-        raise ArgumentError(f"a Mechanism is wanted, got {type(mechanism).__name__}")
+    check_kind(mechanism, Mechanism)
     check_rounds(most_rounds)
     machines, random = Machines(mechanism), generator(rng)
     loops = machines.loops

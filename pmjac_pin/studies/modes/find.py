@@ -30,6 +30,7 @@ from pmjac_pin.studies.modes.search_problem import search_problem, with_legs
 from pmjac_pin.studies.modes.settling import Census, HomotopyCensus, ProofCensus, missing, settled
 from pmjac_pin.studies.modes.starts import StartSpace
 from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.checks import check_kind
 
 if TYPE_CHECKING:
     from pmjac_pin.studies.homotopy.parameter_homotopy import ParameterHomotopy
@@ -104,8 +105,7 @@ def assembly_modes(
     >>> modes.evidence.kind
     'proof'
     """
-    if not isinstance(mechanism, Mechanism):
-        raise ArgumentError(f"a Mechanism is wanted, got {type(mechanism).__name__}")
+    check_kind(mechanism, Mechanism)
     aim = Aim(unseen, confidence, most_starts, proof, homotopy)
     return find_modes(mechanism, actuated, generator(rng), limits, aim)
 

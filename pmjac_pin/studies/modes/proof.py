@@ -22,7 +22,7 @@ from pmjac_pin.studies.modes.branch_and_prune import Budget, branch_and_prune
 from pmjac_pin.studies.modes.krawczyk import Enclosure, enclose
 from pmjac_pin.studies.modes.touching import moved_near, together
 from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.checks import as_numbers
+from pmjac_pin.values.checks import as_numbers, check_kind
 
 _MOST_BOXES = 1000  # small ones: more are a motion or a singularity, not modes
 
@@ -128,6 +128,7 @@ def prove(
     >>> [enclosure.mode.middle.round(4).tolist() for enclosure in proof.enclosures]
     [[-2.4793, -2.2632], [2.0236, 0.0075]]
     """
+    check_kind(mechanism, Mechanism)
     began = time.monotonic()
     values = motor_values(mechanism.spec, mechanism.coordinates, actuated)
     if not (mechanism.problem.partition.passive.size or mechanism.spec.loops):

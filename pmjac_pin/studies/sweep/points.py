@@ -16,6 +16,9 @@ from pmjac_pin.values.columns import named_columns
 
 Region: TypeAlias = tuple[slice, ...]
 
+_MOST_POINTS = 10**10  # they take a day, and hundreds of GB
+_MOST_CHUNKS = 10**7  # each is known by its place
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Points:
@@ -31,6 +34,12 @@ class Points:
 
     dims: tuple[str, ...]
     values: Mapping[str, Array]
+
+    def __post_init__(self) -> None:
+        if (count := math.prod(self.shape)) > _MOST_POINTS:
+            sizes = " × ".join(map(str, self.shape))
+            most = f"at most {_MOST_POINTS:.0e} are swept"
+            raise ArgumentError(f"{sizes} = {count:.3g} points are too many; {most}")
 
     @classmethod
     def grid(cls, over: object) -> Points:
@@ -63,7 +72,12 @@ class Points:
         chunk: list[int] = []
         for size in reversed(self.shape):
             chunk.append(max(1, min(size, most // math.prod(chunk))))
-        return tuple(reversed(chunk))
+        chunk.reverse()
+        parts = (-(-size // step) for size, step in zip(self.shape, chunk, strict=True))
+        if (count := math.prod(parts)) > _MOST_CHUNKS:
+            told = f"{count:.3g} chunks are too many; at most {_MOST_CHUNKS:.0e} are kept"
+            raise ArgumentError(f"{told}: `chunk` has to be larger than {most}")
+        return tuple(chunk)
 
     def regions(self, chunk: tuple[int, ...]) -> list[Region]:
         """Return where the chunks are, row by row."""

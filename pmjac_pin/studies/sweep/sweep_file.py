@@ -15,8 +15,11 @@ from pmjac_pin.files.catalog import list_mechanisms
 from pmjac_pin.files.text_file import at_file, read_text
 from pmjac_pin.files.user_path import user_path
 from pmjac_pin.model.table import TomlTable
+from pmjac_pin.values.arrays import Array
 
 MAXIMAL_SWEEP_FILE = 1 << 24  # bytes; lists of samples may be long
+
+_MOST_VALUES = 10**8  # of an axis: they are kept
 
 
 class Axis(TomlTable, frozen=True, kw_only=True):
@@ -30,6 +33,8 @@ class Axis(TomlTable, frozen=True, kw_only=True):
         super().__post_init__()
         if self.count < 1:
             raise ArgumentError(f"`count` is 1 or more, got {self.count}")
+        if self.count > _MOST_VALUES:
+            raise ArgumentError(f"`count` is {_MOST_VALUES:.0e} or less, got {self.count}")
 
 
 class SweepFile(TomlTable, frozen=True, kw_only=True):
@@ -60,10 +65,10 @@ class SweepFile(TomlTable, frozen=True, kw_only=True):
         }
 
 
-def _values(axis: tuple[float, ...] | Axis) -> list[float]:
+def _values(axis: tuple[float, ...] | Axis) -> Array:
     if isinstance(axis, Axis):
-        return [float(x) for x in np.linspace(axis.start, axis.to, axis.count)]
-    return list(axis)
+        return np.linspace(axis.start, axis.to, axis.count)
+    return np.array(axis, dtype=float)
 
 
 def read_sweep_file(path: Path) -> SweepFile:

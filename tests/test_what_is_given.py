@@ -1,0 +1,78 @@
+"""What is no mechanism, no pose, no name: each public function says so in an error of ours."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import pmjac_pin as pj
+
+BAD = (
+    None, True, 3, -1.0, 1e308, 1e-320, np.nan, np.inf, "x" * 5000, "", "\ud800", "~nosuch", "\0",
+    b"x", [], [None], ["a"], [1, 2, 3], {}, {"a": 1}, object(), np.array([object()]), 10**400,
+    np.zeros((2, 3, 4)), np.array("a"), float, 1 + 2j, {1: 2}, {"theta1": "x"}, range(3),
+)  # fmt: skip
+#: Those that take nothing at all, three numbers, or the names of a mapping.
+ANSWERED = {"parameters", "locked", "guess", "directions", "section", "actuated"}
+RING = np.arange(18.0).reshape(6, 3)
+
+
+@pytest.fixture(scope="module")
+def asked():
+    """Public functions of one argument, by a name each; other arguments are good."""
+    mechanism = pj.load("five_bar")
+    home, many = mechanism.home, pj.batch(mechanism)
+    report, ellipsoid = pj.report(home), home.jacobian().velocity_ellipsoid()
+    return {
+        "load": pj.load,
+        "parameters": lambda x: pj.load("five_bar", x),
+        "actuated": lambda x: pj.load("five_bar", actuated=x if x is not None else 3),
+        "tool": lambda x: pj.load("five_bar", tool=x if x is not None else 3),
+        "tool_rows": lambda x: pj.load("five_bar", tool_rows=x if x is not None else 3),
+        "locked": lambda x: pj.load("five_bar", locked=x),
+        "close": mechanism.close,
+        "guess": lambda x: mechanism.close([1.0, 1.0], guess=x),
+        "pose": mechanism.pose,
+        "configuration": mechanism.configuration,
+        "with_tool": mechanism.with_tool,
+        "rows": lambda x: mechanism.with_tool("tip2", rows=x if x is not None else 3),
+        "frame": home.jacobian,
+        "section": ellipsoid.section,
+        "table": report.table,
+        "recut": lambda x: pj.recut(mechanism, x),
+        "values": lambda x: pj.assembly_modes(mechanism, x, rng=0),
+        "modes": lambda x: pj.assembly_modes(x, [1.0, 1.0]),
+        "prove": lambda x: pj.prove(x, [1.0, 1.0]),
+        "certify": pj.certify,
+        "program": pj.program,
+        "batch": pj.batch,
+        "many": many.close,
+        "jacobians": many.jacobian,
+        "report": pj.report,
+        "plot": pj.plot,
+        "planes": lambda x: pj.plot(home, planes=x if x is not None else 3),
+        "homotopy": pj.parameter_homotopy,
+        "stewart": lambda x: pj.stewart(x, RING, 1.0),
+        "height": lambda x: pj.stewart(
+            RING % 5, RING % 5, None if isinstance(x, int | float) else x
+        ),
+        "stroke": lambda x: pj.stewart(RING % 5, RING % 7, 2.0, stroke=x if x is not None else 3),
+        "base": lambda x: pj.delta(x, 0.3, 0.7, 0.06),
+        "arm": lambda x: pj.delta(0.2, x, 0.7, 0.06),
+        "directions": lambda x: pj.delta(0.2, 0.3, 0.7, 0.06, directions=x),
+    }
+
+
+@pytest.mark.parametrize("bad", BAD, ids=lambda bad: repr(bad)[:20])
+def test_what_is_none_is_told_in_an_error_of_ours(asked, bad):
+    answered = []
+    for name, ask in asked.items():
+        try:
+            ask(bad)
+        except pj.PmjacError as error:
+            assert len(str(error)) < 1200, name
+            continue
+        except TypeError:  # as NumPy says it
+            continue
+        answered.append(name)
+    assert set(answered) <= ANSWERED, bad
