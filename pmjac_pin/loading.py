@@ -2,28 +2,18 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import msgspec
-import numpy as np
-import pinocchio as pin
-from numpy.typing import NDArray
 
-from pmjac_pin.closing.assembly import build_parts, home_pose
-from pmjac_pin.errors import ArgumentError, ClosureError, ModelFileError, PmjacError
+from pmjac_pin.closing.blueprint import Blueprint
+from pmjac_pin.errors import PmjacError
 from pmjac_pin.files.catalog import find_model_file
 from pmjac_pin.files.source import Source, read_source
-from pmjac_pin.files.urdf.locking import lock_joints
-from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.model.linkage import with_helical, with_spherical
-from pmjac_pin.model.spec import JointValue, MechanismSpec
-
-_PARAMETER_STEPS = 12
-_LEAST_SHARE = 0.4  # of home's σ_min: below, the motors move on the way to other parameters
+from pmjac_pin.model.spec import JointValue
 
 
 def load(
@@ -112,51 +102,6 @@ def mechanism_of(source: Source, parameters: Mapping[str, float] | None = None) 
     ModelFileError, ClosureError, UnknownNameError, ArgumentError
         As in `load`.
     """
-    spec = source.spec
-    values = spec.parameter_values(parameters)
-    try:
-        urdf = _set(source.urdf, spec, values)
-        start = _home_on_the_way(source.urdf, spec, values)
-        parts = build_parts(_pinocchio_model(urdf, spec), spec, values, urdf, start)
-        return Mechanism(parts, notes=source.all_notes, unread=source.unread)
-    except (ClosureError, ModelFileError):
-        raise
-    except PmjacError as error:
-        raise ModelFileError(f"{source.path}: {error}", path=str(source.path)) from error
-
-
-def _home_on_the_way(
-    urdf: Urdf, spec: MechanismSpec, values: Mapping[str, float]
-) -> NDArray[np.float64] | None:
-    """Return the home pose just before these parameters, followed from their defaults.
-
-    At once, an assembly from the default's home pose might end on another assembly mode; and
-    with the motors at rest as long as they can be, beside a singularity.
-    """
-    defaults, q, least = spec.parameter_values(), None, (0, 0.0)
-    if dict(values) == dict(defaults):
-        return None
-    for share in np.arange(_PARAMETER_STEPS) / _PARAMETER_STEPS:
-        between = {name: start + share * (values[name] - start) for name, start in defaults.items()}
-        model = _pinocchio_model(_set(urdf, spec, between), spec)
-        with contextlib.suppress(ClosureError):  # parameters in between need not close
-            q, (rank, smallest) = home_pose(model, spec, between, q, least)
-            least = least if least[0] else (rank, _LEAST_SHARE * smallest)
-    return q
-
-
-def _set(plain: Urdf, spec: MechanismSpec, values: Mapping[str, float]) -> Urdf:
-    """Return the URDF with its parameters at these values and its locked joints fixed."""
-    return lock_joints(plain.moved(spec.moves(values)), spec.locked, spec.helical)
-
-
-def _pinocchio_model(urdf: Urdf, spec: MechanismSpec) -> pin.Model:
-    try:
-        model = pin.buildModelFromXML(urdf.kinematic_xml())
-    except (RuntimeError, ValueError) as error:
-        message = f"Pinocchio cannot build the tree: {str(error).splitlines()[0]}"
-        raise ArgumentError(message) from None
-    if spec.spherical:
-        model = with_spherical(model, spec.spherical)
-    helical = {name: pitch for name, pitch in spec.helical.items() if name not in spec.locked}
-    return with_helical(model, helical) if helical else model
+    blueprint = Blueprint(str(source.path), source.spec, source.urdf)
+    parts = blueprint.parts(parameters)
+    return Mechanism(parts, notes=source.all_notes, unread=source.unread, blueprint=blueprint)

@@ -162,8 +162,62 @@ class Mechanism(MechanismValue):
             return self
         if spec.tool not in self._by_tool:
             built = build_parts(parts.standing, spec, parts.values, parts.urdf, parts.home_q)
-            self._by_tool[spec.tool] = Mechanism(built, notes=self.notes, unread=self.unread)
+            blueprint = self.blueprint and self.blueprint.of(spec)
+            self._by_tool[spec.tool] = Mechanism(
+                built, notes=self.notes, unread=self.unread, blueprint=blueprint
+            )
         return self._by_tool[spec.tool]
+
+    def with_parameters(
+        self, values: Mapping[str, float] | None = None, /, **named: float
+    ) -> Mechanism:
+        """Return the mechanism with other values of its parameters, its file not read again.
+
+        What `load` would return at these values, to the last bit, in a fraction of the time; from
+        whichever mechanism it is asked for. Home is followed from the parameters' defaults to them,
+        and ranks, scales and tolerance are found anew: they may be others.
+
+        Parameters
+        ----------
+        values : mapping of str to float, optional
+            By the names of `parameters`, m or rad.
+        **named : float
+            The same, where names are words. Those that are not named stay as they are here.
+
+        Raises
+        ------
+        UnknownNameError
+            No such parameter.
+        ArgumentError
+            A value outside its parameter's range.
+        ModelFileError, ClosureError
+            As in `load`: the home pose does not assemble with these.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> mechanism = pj.load("four_bar")
+        >>> lengths = (1.0, 1.1, 1.2)
+        >>> poses = [mechanism.with_parameters(l1=l1).close([1.0]) for l1 in lengths]
+        >>> [round(float(pose.jacobian().Jv_eq[0, 0]), 3) for pose in poses]
+        [-0.769, -0.838, -0.907]
+        """
+        if values is not None and not isinstance(values, Mapping):
+            self.spec.parameter_values(values)  # says what is wanted
+        given = {**(values or {}), **named}
+        wanted = self.spec.parameter_values({**self.parameters, **given})
+        if self.blueprint is None and given:
+            raise ArgumentError(
+                f"{self.name} was not read from a file, and so has no parameters that move it"
+            )
+        if self.blueprint is None or dict(wanted) == dict(self.parameters):
+            return self
+        return Mechanism(
+            self.blueprint.parts(wanted),
+            notes=self.notes,
+            unread=self.unread,
+            blueprint=self.blueprint,
+        )
 
     @property
     def home(self) -> Configuration:

@@ -10,6 +10,7 @@ from typing import Any, Self
 import pinocchio as pin
 
 from pmjac_pin.closing.assembly import Found, rebuilt_parts
+from pmjac_pin.closing.blueprint import Blueprint
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.nearby_poses import FARTHEST
 from pmjac_pin.closing.parts import Parts
@@ -32,6 +33,7 @@ class MechanismValue:
     _parts: Parts
     notes: tuple[str, ...] = field(default=(), kw_only=True)
     unread: tuple[str, ...] = field(default=(), kw_only=True)
+    blueprint: Blueprint | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         if not isinstance(self._parts, Parts):
@@ -216,7 +218,8 @@ class MechanismValue:
     def __reduce__(self) -> tuple[Any, ...]:
         parts = self._parts
         built_of = (parts.standing, parts.spec, dict(parts.values), parts.urdf, Found.of(parts))
-        return (_rebuild, (type(self), self.notes, self.unread, *built_of))
+        told = {"notes": self.notes, "unread": self.unread, "blueprint": self.blueprint}
+        return (_rebuild, (type(self), told, *built_of))
 
     def __repr__(self) -> str:
         motors = ", ".join(self.actuated[:3]) + ", ..." * (len(self.actuated) > 3)
@@ -239,7 +242,5 @@ class MechanismValue:
         return f", seen no further than {far} from home"
 
 
-def _rebuild(
-    kind: type[MechanismValue], notes: tuple[str, ...], unread: tuple[str, ...], *built_of: Any
-) -> MechanismValue:
-    return kind(rebuilt_parts(*built_of), notes=notes, unread=unread)
+def _rebuild(kind: type[MechanismValue], told: dict[str, Any], *built_of: Any) -> MechanismValue:
+    return kind(rebuilt_parts(*built_of), **told)

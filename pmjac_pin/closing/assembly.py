@@ -6,18 +6,15 @@ import logging
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-import numpy as np
 import pinocchio as pin
 
-from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.closure_problem import CLOSURE_TOLERANCE, LARGEST_SHARE, ClosureProblem
-from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.generic_ranks import ranked
 from pmjac_pin.closing.machine_size import Size, shifted_model
 from pmjac_pin.closing.parts import Parts
-from pmjac_pin.closing.pose_assembly import assemble_pose, check_motors, motor_weights
+from pmjac_pin.closing.pose_assembly import assemble_pose, check_motors
 from pmjac_pin.closing.scales import column_scale, row_scale
-from pmjac_pin.errors import ArgumentError, ClosureError, PmjacError, unknown_name
+from pmjac_pin.errors import ArgumentError, PmjacError, unknown_name
 from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.pinocchio import Kinematics
@@ -62,11 +59,15 @@ def build_parts(
     ClosureError
         The home pose does not assemble.
     """
-    parts = unassembled(model, spec, values, urdf)
+    return assembled(unassembled(model, spec, values, urdf), start)
+
+
+def assembled(parts: Parts, start: Array | None = None) -> Parts:
+    """Assemble the home pose and find the generic ranks there, as `build_parts` does."""
     try:
-        return _ranked(_assembled(parts, start))
+        return _ranked(_at_home(parts, start))
     except PmjacError as error:
-        error.built_of = (model, spec, values)
+        error.built_of = (parts.standing, parts.spec, parts.values)
         raise
 
 
@@ -78,33 +79,7 @@ def _ranked(parts: Parts) -> Parts:
     return replace(parts, problem=ranked(problem, kinematics, parts.home_q))
 
 
-def home_pose(
-    model: pin.Model,
-    spec: MechanismSpec,
-    values: Mapping[str, float],
-    start: Array | None,
-    least: tuple[int, float],
-) -> tuple[Array, tuple[int, float]]:
-    """Return the home pose at parameters on the way to others, with the rank of K* and its σ_min.
-
-    Raises
-    ------
-    ClosureError
-        With the motors where they are, the loops stay open, or the rank or σ_min, which is
-        relative to the size of [K K*], is below `least`.
-    """
-    parts = unassembled(model, spec, values)
-    problem, q = parts.problem, parts.home_q if start is None else start
-    found = assemble(problem, q, motor_weights(problem, 0.0))
-    factors = closed_point(problem, found.q).factors
-    smallest = factors.singular_values[: factors.rank].min(initial=np.inf) / (factors.size or 1.0)
-    singular = factors.rank < least[0] or smallest < least[1]
-    if found.gap > problem.tolerance or singular:
-        raise ClosureError(f"{spec.name}: no home pose here", residual_norm=found.gap, q=found.q)
-    return found.q, (factors.rank, float(smallest))
-
-
-def _assembled(parts: Parts, start: Array | None) -> Parts:
+def _at_home(parts: Parts, start: Array | None) -> Parts:
     spec, coordinates, given = parts.spec, parts.coordinates, parts.home_q
     for name, pose in spec.poses.items():
         check_motors(coordinates, coordinates.q(pose, given), spec, f"the pose {name!r} has")

@@ -52,12 +52,14 @@ def assemble(
     residual, jacobian = problem.evaluate(q)
     gap, damping = problem.gap(residual), 1e-3
     for iteration in range(limit):
+        if gap <= ROUNDING * length:
+            return Assembled(q, gap, iteration)
         error, rows = residual * row_scale, row_scale[:, None] * jacobian
         scale, (below, above) = weights * problem.partition.column_scale, room(q)
         uphill = scale * (rows.T @ error)
         scale[((uphill > 0.0) & (below <= 0.0)) | ((uphill < 0.0) & (above <= 0.0))] = 0.0
         step = np.clip(_damped_step(problem, error, rows, scale, damping), -below, above)
-        if gap <= ROUNDING * length or not step.any():
+        if not step.any():
             return Assembled(q, gap, iteration)
         trial = problem.integrate(q, step)
         trial_residual, trial_jacobian = problem.evaluate(trial)

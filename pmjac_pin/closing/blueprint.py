@@ -1,0 +1,101 @@
+"""Blueprint: what a file says a mechanism is built of, at any values of its parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import pinocchio as pin
+
+from pmjac_pin.closing.assembly import assembled, unassembled
+from pmjac_pin.closing.home_on_the_way import HomePose, followed, home_pose
+from pmjac_pin.closing.parts import Parts
+from pmjac_pin.errors import ArgumentError, ClosureError, ModelFileError, PmjacError
+from pmjac_pin.files.urdf.locking import lock_joints
+from pmjac_pin.files.urdf.robot import Urdf
+from pmjac_pin.model.linkage import with_helical, with_spherical
+from pmjac_pin.model.spec import MechanismSpec
+from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.found_once import found_once
+
+
+@dataclass(frozen=True, eq=False)
+class Blueprint:
+    """What parts are made of at any values of the parameters, the same whoever asks before.
+
+    Attributes
+    ----------
+    path : str
+        The file; only for messages.
+    spec : MechanismSpec
+    urdf : Urdf
+        The cut tree at the parameters' defaults.
+    """
+
+    path: str
+    spec: MechanismSpec
+    urdf: Urdf
+
+    def __reduce__(self) -> tuple[type[Blueprint], tuple[str, MechanismSpec, Urdf]]:
+        return type(self), (self.path, self.spec, self.urdf)  # what is found once is not sent
+
+    def of(self, spec: MechanismSpec) -> Blueprint:
+        """Return that of another spec of the same tree."""
+        return replace(self, spec=spec)
+
+    def parts(self, given: Mapping[str, float] | None = None) -> Parts:
+        """Return the parts at these values, other parameters at their defaults.
+
+        Raises
+        ------
+        UnknownNameError, ArgumentError
+            No such parameter, or a value outside its range.
+        ModelFileError, ClosureError
+            As in `load`.
+        """
+        values = self.spec.parameter_values(given)
+        try:
+            parts = self._unassembled(values)
+            return assembled(parts, self._start(parts))
+        except (ClosureError, ModelFileError):
+            raise
+        except PmjacError as error:
+            raise ModelFileError(f"{self.path}: {error}", path=self.path) from error
+
+    def _unassembled(self, values: Mapping[str, float]) -> Parts:
+        spec = self.spec
+        moved = self.urdf.moved(spec.moves(values))
+        urdf = lock_joints(moved, spec.locked, spec.helical)
+        return unassembled(_pinocchio_model(urdf, spec), spec, values, urdf)
+
+    @found_once
+    def _first(self) -> HomePose | None:
+        """The home pose at the defaults, from where all others are followed."""
+        return home_pose(self._unassembled(self.spec.parameter_values()))
+
+    def _start(self, parts: Parts) -> Array | None:
+        """Return where to assemble the home pose; the spec's values when None."""
+        defaults, values = self.spec.parameter_values(), parts.values
+        if dict(values) == dict(defaults):
+            return None
+
+        def at(share: float) -> Parts:
+            if share == 1.0:
+                return parts
+            return self._unassembled(
+                {name: low + share * (values[name] - low) for name, low in defaults.items()}
+            )
+
+        return followed(self._first, at)
+
+
+def _pinocchio_model(urdf: Urdf, spec: MechanismSpec) -> pin.Model:
+    try:
+        model = pin.buildModelFromXML(urdf.kinematic_xml())
+    except (RuntimeError, ValueError) as error:
+        message = f"Pinocchio cannot build the tree: {str(error).splitlines()[0]}"
+        raise ArgumentError(message) from None
+    if spec.spherical:
+        model = with_spherical(model, spec.spherical)
+    helical = {name: pitch for name, pitch in spec.helical.items() if name not in spec.locked}
+    return with_helical(model, helical) if helical else model
