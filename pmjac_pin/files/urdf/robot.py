@@ -174,23 +174,23 @@ class Urdf:
         """
         with at_file(self.path):
             robot = self.robot()
-            steps = [(self._target(robot, move), move, delta) for move, delta in moves]
+            named = _named(robot)
+            steps = [(self._target(named, move), move, delta) for move, delta in moves]
             steps = [step for step in steps if step[-1] != 0.0]
             for element, move, delta in steps:
                 _move_origin(element, move, delta)
                 _move_shape(element, move, delta)
             for element, move, _ in steps:
-                checked_origin(label(element), element)
-                _check_positive(element, move)
+                if move.visual is not None:  # joints are checked when they are changed
+                    checked_origin(label(element), element)
+                    _check_positive(element, move)
         joints = {move.joint for _, move, _ in steps if move.joint is not None}
         return self.changed(robot, joints) if steps else self
 
-    def _target(self, robot: Element, move: Move) -> Element:
+    def _target(self, named: Mapping[tuple[str, str], list[Element]], move: Move) -> Element:
         """Return the element that a move names, once it is certain that it can be moved so."""
-        kind, path, name = "joint", "joint", move.joint
-        if name is None:
-            kind, path, name = "visual", "link/visual", move.visual or ""
-        found = [element for element in robot.iterfind(path) if element.get("name") == name]
+        kind, name = ("visual", move.visual or "") if move.joint is None else ("joint", move.joint)
+        found = named.get((kind, name), [])
         if not found:
             joints = tuple(joint.name for joint in self.joints)
             raise unknown_name(kind, name, joints if kind == "joint" else self.visuals)
@@ -240,6 +240,15 @@ def parse_urdf(text: str, path: str) -> Urdf:
     return Urdf.of(robot, path, unread)
 
 
+def _named(robot: Element) -> dict[tuple[str, str], list[Element]]:
+    """Return what a move may name, joints and visuals, by kind and name."""
+    named: dict[tuple[str, str], list[Element]] = {}
+    for path in ("joint", "link/visual"):
+        for element in robot.iterfind(path):
+            named.setdefault((element.tag, element.get("name", "")), []).append(element)
+    return named
+
+
 def _add(
     where: str, element: Element, attribute: str, coefficients: tuple[float, ...], delta: float
 ) -> None:
@@ -250,9 +259,9 @@ def _add(
 
 
 def _move_origin(element: Element, move: Move, delta: float) -> None:
-    where = label(element)
     for attribute, coefficients in (("xyz", move.xyz), ("rpy", move.rpy)):
         if any(coefficients):
+            where = label(element)
             if (origin := only(where, element, "origin")) is None:
                 origin = Element("origin")
                 element.append(origin)
@@ -266,9 +275,9 @@ def _size_coefficients(move: Move) -> dict[str, tuple[float, ...]]:
 
 def _resized_shape(element: Element, move: Move) -> Element | None:
     """Return the shape whose size the move changes; nothing if it changes none."""
-    where, wanted = label(element), _size_coefficients(move)
-    if not wanted:
+    if not (wanted := _size_coefficients(move)):
         return None
+    where = label(element)
     geometry = only(where, element, "geometry")
     if geometry is None or len(geometry) != 1:
         raise ModelFileError(f"{where} needs a <geometry> with one shape")
