@@ -55,15 +55,12 @@ class Recording:
 
     def term(self, operation: Operation, *operands: Operand) -> Term:
         """Return the term of an operation, a new one where it was not recorded before."""
-        key = (operation, *(_identity(operand) for operand in operands))
-        if key not in self._known:
-            self._known[key] = Term(self, len(self.terms), operation, operands)
-            self.terms.append(self._known[key])
-        return self._known[key]
-
-
-def _identity(operand: Operand) -> object:
-    return ("term", operand.index) if isinstance(operand, Term) else operand
+        key = (operation, *operands)  # terms are equal where they are the same
+        known = self._known.get(key)
+        if known is None:
+            known = self._known[key] = Term(self, len(self.terms), operation, operands)
+            self.terms.append(known)
+        return known
 
 
 class Term:

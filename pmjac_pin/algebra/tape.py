@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -65,7 +64,7 @@ class _Writer:
                 self._targets.setdefault(output.index, []).append(number)
         self._uses = _uses(recording, self._targets)
         self._factor = dict(self._fused())
-        self._left: Counter[int] = Counter()
+        self._left = [0] * len(recording.terms)
         self._constants: dict[float, int] = {}
         self._slot: dict[int, int] = {}
         self._free: list[int] = []
@@ -80,9 +79,14 @@ class _Writer:
             if self._uses[term.index] and term.index not in hidden
         ]
         for _, _, operands in steps:
-            self._left.update(x.index for x in operands if isinstance(x, Term))
-            self._know(x for x in operands if not isinstance(x, Term))
-        self._know(x for x in self._outputs if not isinstance(x, Term))
+            for x in operands:
+                if isinstance(x, Term):
+                    self._left[x.index] += 1
+                else:
+                    self._know(x)
+        for output in self._outputs:
+            if not isinstance(output, Term):
+                self._know(output)
         self._count = len(self._constants)
         for number, output in enumerate(self._outputs):
             if not isinstance(output, Term):
@@ -123,38 +127,44 @@ class _Writer:
         return name, (*product.operands, other)
 
     def _compute(self, term: Term, name: str, operands: Sequence[Operand]) -> None:
-        sources = [self._place(x) for x in operands]
-        for index in {x.index for x in operands if isinstance(x, Term)}:
-            self._left[index] -= sum(isinstance(x, Term) and x.index == index for x in operands)
-            if not self._left[index]:
-                self._free.append(self._slot[index])
+        slot, left, free, sources = self._slot, self._left, self._free, []
+        used: set[int] = set()
+        for x in operands:
+            if isinstance(x, Term):
+                sources.append(slot[x.index])
+                left[x.index] -= 1
+                used.add(x.index)
+            else:
+                sources.append(self._constants[float(x)])
+        free += [slot[index] for index in used if not left[index]]
         if name == "load":
             sources = [int(term.operands[0])]  # type: ignore[arg-type]
-        self._slot[term.index] = self._free.pop() if self._free else self._count
-        self._count = max(self._count, self._slot[term.index] + 1)
-        self._write(name, self._slot[term.index], *sources)
+        own = slot[term.index] = free.pop() if free else self._count
+        self._count = max(self._count, own + 1)
+        self._write(name, own, *sources)
         for number in self._targets.get(term.index, ()):
-            self._write("store", number, self._slot[term.index])
-        if not self._left[term.index]:
-            self._free.append(self._slot[term.index])
+            self._write("store", number, own)
+        if not left[term.index]:
+            free.append(own)
 
-    def _place(self, operand: Operand) -> int:
-        if isinstance(operand, Term):
-            return self._slot[operand.index]
-        return self._constants[float(operand)]
-
-    def _know(self, numbers: Iterator[float]) -> None:
-        for number in numbers:
-            self._constants.setdefault(float(number), len(self._constants))
+    def _know(self, number: float) -> None:
+        self._constants.setdefault(float(number), len(self._constants))
 
     def _write(self, name: str, target: int, *sources: int) -> None:
-        self._code.append((INSTRUCTIONS.index(name), target, *(*sources, 0, 0, 0)[:3]))
+        self._code.append((_NUMBER[name], target, *(*sources, 0, 0, 0)[:3]))
 
 
-def _uses(recording: Recording, targets: dict[int, list[int]]) -> Counter[int]:
+_NUMBER = {name: number for number, name in enumerate(INSTRUCTIONS)}
+
+
+def _uses(recording: Recording, targets: dict[int, list[int]]) -> list[int]:
     """Return how often each term that the targets rest on is used."""
-    uses = Counter({index: len(numbers) for index, numbers in targets.items()})
+    uses = [0] * len(recording.terms)
+    for index, numbers in targets.items():
+        uses[index] = len(numbers)
     for term in reversed(recording.terms):
         if uses[term.index] and term.operation != "input":
-            uses.update(x.index for x in term.operands if isinstance(x, Term))
+            for x in term.operands:
+                if isinstance(x, Term):
+                    uses[x.index] += 1
     return uses
