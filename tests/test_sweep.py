@@ -8,13 +8,16 @@ import os
 import signal
 import sys
 
+import mechanisms
 import numpy as np
 import pytest
 import xarray
 from swept_for_kill import PRELOADED, go_on, swept_for_kill
 
 import pmjac_pin as pj
+from pmjac_pin.batches.few_poses import FewPoses
 from pmjac_pin.cli import main
+from pmjac_pin.closing import recorded_mechanism
 from pmjac_pin.studies.sweep.points import Points
 
 LENGTHS = np.linspace(0.85, 1.2, 5)
@@ -98,6 +101,40 @@ def test_a_machine_that_does_not_assemble():
     found = pj.sweep("four_bar", {"l2": lengths, "theta1": [0.9, 1.0]}, measures=ALL, workers=1)
     assert (found.status.isel(l2=1) == pj.Status.NOT_ASSEMBLED).all()
     assert np.isnan(found.q.isel(l2=1)).all()
+
+
+@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+def test_few_poses_are_what_many_are(name, rng):
+    """Where it does not pay to record a mechanism, single calls say the same."""
+    mechanism = pj.load(name)
+    targets = mechanism.home.actuated + rng.uniform(-0.3, 0.3, (6, len(mechanism.actuated)))
+    few, many = FewPoses(mechanism), pj.batch(mechanism)
+    mine, theirs = few.close(targets), many.close(targets)
+    np.testing.assert_array_equal(mine.status, theirs.status)
+    closed = mine.status == pj.Status.CLOSED
+    assert_alike(vars(few.measures(mine.q[closed])), vars(many.measures(mine.q[closed])))
+    jacobians = (one.jacobian(mine.q[closed], "LOCAL") for one in (few, many))
+    assert_alike(*map(vars, jacobians))
+
+
+def assert_alike(found, expected):
+    assert found.keys() == expected.keys()
+    for key, values in found.items():
+        np.testing.assert_allclose(values, expected[key], rtol=1e-7, atol=1e-9, err_msg=key)
+
+
+def test_what_few_poses_say_does_not_depend_on_calls_before(monkeypatch):
+    """Not even by rounding: a sweep that goes on is the one that was not interrupted."""
+    monkeypatch.setattr(recorded_mechanism, "_CALLS", 0.05)
+    mechanism = pj.load("three_rps")
+    targets = mechanism.home.actuated + np.linspace(-0.1, 0.1, 12)[:, None]
+    first = FewPoses(mechanism)
+    expected = first.close(targets)
+    measures = first.measures(expected.q)
+    for _ in range(2):
+        again = FewPoses(mechanism)
+        np.testing.assert_array_equal(again.close(targets).q, expected.q)
+        np.testing.assert_array_equal(again.measures(expected.q).J_eq, measures.J_eq)
 
 
 @pytest.mark.parametrize("chunk", [1, 6, 25, 1000])
@@ -216,8 +253,12 @@ def test_what_is_refused(given, message):
 
 
 def test_parameters_of_a_mechanism_that_has_its_own():
-    with pytest.raises(pj.ArgumentError, match="to sweep the parameter 'l1', give the mechanism's"):
-        pj.sweep(pj.load("four_bar"), {"l1": [1.0]}, workers=1)
+    """Those that are not swept stay as they are."""
+    given = pj.load("four_bar", {"l1": 1.2, "l2": 2.9})
+    found = pj.sweep(given, {"l1": [1.0, 1.1]}, measures=ALL, workers=1)
+    for k, l1 in enumerate([1.0, 1.1]):
+        machine = pj.load("four_bar", {"l1": l1, "l2": 2.9})
+        check(found.isel(l1=k), machine, machine.home.actuated)
     with pytest.raises(pj.ArgumentError, match="l1"):
         pj.sweep("four_bar", {"l1": [1.0, -1.0]}, workers=1)
 

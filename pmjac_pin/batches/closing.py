@@ -24,11 +24,12 @@ class Closing:
     Attributes
     ----------
     mechanism : Mechanism
-    walker : Walker
+    walker : Walker or None
+        None where nothing is recorded.
     """
 
     mechanism: Mechanism
-    walker: Walker
+    walker: Walker | None
 
     @classmethod
     def of(cls, mechanism: Mechanism) -> Closing:
@@ -38,6 +39,10 @@ class Closing:
 
     def check(self, start: Array) -> None:
         """Raise ClosureError where the loops of one of some poses are open."""
+        if self.walker is None:
+            for q in start:
+                self.mechanism.configuration(q)
+            return
         at_rest = np.zeros((len(self.mechanism.actuated), len(start)))
         gap = self.walker.at(start.T, at_rest).gap
         for index in np.flatnonzero(gap > self.mechanism.problem.tolerance)[:1].tolist():
@@ -61,7 +66,7 @@ class Closing:
             status[~settled] = Status.NOT_DONE
         coordinates = self.mechanism.coordinates
         if whose != "none":
-            motors = self.walker.problem.partition.actuated
+            motors = self.mechanism.problem.partition.actuated
             status[coordinates.beyond(values, motors).any(axis=1)] = Status.LIMITS
         if whose == "all":
             beyond = beyond_limits(coordinates, q)
@@ -72,8 +77,8 @@ class Closing:
         self, start: Array, values: Array, by: Run = run, most_steps: int | None = None
     ) -> tuple[Array, Array, Mask]:
         """Walk all paths by the program; return q, share, and of which this is certain."""
-        coordinates, partition = self.mechanism.coordinates, self.walker.problem.partition
-        if partition.constraint_rank > partition.passive_rank:
+        coordinates, partition = self.mechanism.coordinates, self.mechanism.problem.partition
+        if self.walker is None or partition.constraint_rank > partition.passive_rank:
             # Some motors lead and others are led: the single call knows which.
             return start.copy(), np.zeros(len(values)), np.zeros(len(values), dtype=bool)
         motors = partition.actuated

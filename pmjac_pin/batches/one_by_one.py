@@ -31,3 +31,20 @@ def jacobian_of_one(mechanism: Mechanism, q: Array, frame: str) -> tuple[Any, St
         return np.nan, Status.SINGULAR
     except NoJacobianError:
         return np.nan, Status.NO_JACOBIAN
+
+
+def measures_of_one(mechanism: Mechanism, q: Array) -> dict[str, Any]:
+    """Return the entries of `ManyMeasures` that are known at a pose."""
+    J_eq, status = jacobian_of_one(mechanism, q, "LOCAL_WORLD_ALIGNED")
+    found: dict[str, Any] = {"J_eq": J_eq, "status": status}
+    if status == Status.OPEN:
+        return found
+    configuration = mechanism.configuration(q)
+    singularity, tool = configuration.singularity(), configuration.tool_pose
+    found |= {"smallest": singularity.smallest, "condition": singularity.condition}
+    found |= {"position": tool.translation, "rotation": tool.rotation}
+    if status == Status.CLOSED:
+        jacobian = configuration.jacobian()
+        found["velocity_radii"] = jacobian.velocity_ellipsoid().radii
+        found["angular_radii"] = jacobian.angular_ellipsoid().radii
+    return found

@@ -8,8 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from pmjac_pin.errors import ArgumentError, quoted, unknown_name
-from pmjac_pin.files.catalog import find_model_file
+from pmjac_pin.errors import ArgumentError, unknown_name
 from pmjac_pin.loading import load
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import enforced
@@ -35,7 +34,7 @@ def question(
         As `sweep`.
     """
     mechanism = machine if isinstance(machine, Mechanism) else load(machine)
-    swept = _parameters(mechanism, points, given=mechanism is machine)
+    swept = _parameters(mechanism, points)
     wanted = as_names(measures, "`measures` is a list of names")
     for name in wanted:
         if name not in VARIABLES:
@@ -46,9 +45,7 @@ def question(
     if taken := [name for name in points.dims if name in {*labels, *VARIABLES, "done"}]:
         raise ArgumentError(f"an axis of this name cannot be told from another: {taken[0]!r}")
     work = Work(
-        machine=pickle.dumps(machine)
-        if isinstance(machine, Mechanism)
-        else str(find_model_file(machine).absolute()),
+        machine=pickle.dumps(mechanism),
         points=points,
         motors=tuple(name for name in points.values if name not in swept),
         parameters=swept,
@@ -80,7 +77,7 @@ def _digest(contents: bytes) -> str:
     return hashlib.sha256(contents).hexdigest()
 
 
-def _parameters(mechanism: Mechanism, points: Points, given: bool) -> tuple[str, ...]:
+def _parameters(mechanism: Mechanism, points: Points) -> tuple[str, ...]:
     """Return the parameters among the points' names, their values checked."""
     motors, parameters = mechanism.actuated, mechanism.spec.parameters
     swept = tuple(name for name in points.values if name in parameters)
@@ -89,11 +86,6 @@ def _parameters(mechanism: Mechanism, points: Points, given: bool) -> tuple[str,
             raise ArgumentError(f"{name!r} is a motor and a parameter: rename one of them")
         if name not in (*motors, *parameters):
             raise unknown_name("motor or parameter", name, (*motors, *parameters))
-    if swept and given:
-        raise ArgumentError(
-            f"to sweep the parameter {swept[0]!r}, give the mechanism's name or path, not a "
-            f"mechanism at some values of its parameters: got {quoted(mechanism)}"
-        )
     for extreme in ("min", "max"):
         mechanism.spec.parameter_values(
             {name: float(getattr(points.values[name], extreme)()) for name in swept}

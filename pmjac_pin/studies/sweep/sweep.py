@@ -50,10 +50,10 @@ def sweep(
     Parameters
     ----------
     mechanism : Mechanism, str or Path
-        A name of the catalogue or a path where parameters are swept.
+        Or a name of the catalogue, or a path.
     over : mapping of str to array_like, shape (k,)
         Values of motors (m or rad) and parameters: all combinations are computed. The other
-        motors stay as at home, the other parameters at their defaults.
+        motors stay as at home, the other parameters as the mechanism has them.
     samples : mapping of str to array_like, shape (k,)
         Instead: values that belong together, as drawn at random.
     measures : iterable of str

@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.batches.batch import Batch, batch
+from pmjac_pin.batches.batch import Batch
+from pmjac_pin.batches.few_poses import batch_of
 from pmjac_pin.errors import ClosureError
-from pmjac_pin.loading import load
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.sweep.points import Points, Region
 from pmjac_pin.studies.sweep.variables import VARIABLES, Seen
 from pmjac_pin.values.arrays import Array, Index
@@ -27,8 +28,8 @@ class Work:
 
     Attributes
     ----------
-    machine : str or bytes
-        A path, or a pickled mechanism.
+    machine : bytes
+        A pickled mechanism.
     points : Points
     motors, parameters : tuple of str
         The names of the points.
@@ -41,7 +42,7 @@ class Work:
     enforce_limits : bool or "all"
     """
 
-    machine: str | bytes
+    machine: bytes
     points: Points
     motors: tuple[str, ...]
     parameters: tuple[str, ...]
@@ -57,7 +58,8 @@ class Work:
         count = int(np.prod(shape))
         found = {name: VARIABLES[name].empty([count], self.labels) for name in self.measures}
         for parameters, which in self._machines(values, count):
-            if (many := _batch_of(self.machine, parameters)) is not None:
+            if (mechanism := _at(self.machine, parameters)) is not None:
+                many = batch_of(mechanism, which.size)
                 targets = self._targets(many, values, which)
                 poses = many.close(
                     targets, self.guess, enforce_limits=self.enforce_limits, threads=1
@@ -88,11 +90,15 @@ class Work:
 
 
 @lru_cache(maxsize=_MACHINES)
-def _batch_of(machine: str | bytes, parameters: tuple[tuple[str, float], ...]) -> Batch | None:
-    """Return what computes poses of a machine; None where it does not assemble."""
-    if isinstance(machine, bytes):
-        return batch(pickle.loads(machine))
+def _unpickled(machine: bytes) -> Mechanism:
+    mechanism: Mechanism = pickle.loads(machine)
+    return mechanism
+
+
+@lru_cache(maxsize=_MACHINES)
+def _at(machine: bytes, parameters: tuple[tuple[str, float], ...]) -> Mechanism | None:
+    """Return a machine at some parameters; None where it does not assemble."""
     try:
-        return batch(load(machine, dict(parameters)))
+        return _unpickled(machine).with_parameters(dict(parameters))
     except ClosureError:
         return None

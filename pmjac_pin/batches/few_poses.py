@@ -1,0 +1,75 @@
+"""Few poses of one mechanism, as `Batch` has many: by single calls, where recording does not pay.
+
+Programs take as long to record as some tens of closings. A sweep over dimensions has a mechanism,
+and so programs, for each of them, and often but a few poses.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from pmjac_pin.batches.batch import Batch
+from pmjac_pin.batches.closing import Closing
+from pmjac_pin.batches.one_by_one import jacobian_of_one, measures_of_one
+from pmjac_pin.batches.pieces import Progress
+from pmjac_pin.batches.results import ManyJacobians, ManyMeasures
+from pmjac_pin.configuration import frame_name
+from pmjac_pin.mechanism import Mechanism
+
+_POSES = 0.25  # for each entry of the Jacobians of loops and tool: closed while programs are made
+
+
+class FewPoses(Batch):
+    """Few poses of one mechanism: what `Batch` says of them, to rounding."""
+
+    def __init__(self, mechanism: Mechanism) -> None:  # nothing is recorded
+        # Bits must not depend on calls before: of one's own, its single calls are the first.
+        self.mechanism, self.runs_on = replace(mechanism, _poses={}), "single calls"
+        self._closing = Closing(self.mechanism, None)
+
+    def jacobian(
+        self,
+        q: ArrayLike,
+        frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED",
+        *,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> ManyJacobians:
+        """Return J_eq at closed poses."""
+        poses, name = self._poses(q), frame_name(frame)
+        J_eq = np.empty((len(poses), 6, len(self.mechanism.actuated)))
+        status = np.zeros(len(poses), dtype=np.int8)
+        for k, pose in enumerate(poses):
+            J_eq[k], status[k] = jacobian_of_one(self.mechanism, pose, name)
+        return ManyJacobians(J_eq, status)
+
+    def measures(
+        self, q: ArrayLike, *, threads: int | None = None, progress: Progress | None = None
+    ) -> ManyMeasures:
+        """Return what `Batch.measures` does."""
+        poses = self._poses(q)
+        count, n = len(poses), len(self.mechanism.actuated)
+        shapes: dict[str, tuple[int, ...]] = {
+            "J_eq": (6, n), "status": (), "velocity_radii": (3,), "angular_radii": (3,),
+            "smallest": (), "condition": (), "position": (3,), "rotation": (3, 3),
+        }  # fmt: skip
+        found: dict[str, Any] = {
+            name: np.full((count, *shape), np.nan) for name, shape in shapes.items()
+        }
+        found["status"] = np.zeros(count, dtype=np.int8)
+        for k, pose in enumerate(poses):
+            for name, value in measures_of_one(self.mechanism, pose).items():
+                found[name][k] = value
+        return ManyMeasures(**found)
+
+
+def batch_of(mechanism: Mechanism, poses: int) -> Batch:
+    """Return what computes so many poses soonest."""
+    partition = mechanism.problem.partition
+    entries = (partition.row_scale.size + 6) * partition.column_scale.size
+    return FewPoses(mechanism) if poses < _POSES * entries else Batch(mechanism)
