@@ -263,11 +263,12 @@ class Partition(ReadOnlyArrays):
         """
         size = max(norm(self.scaled(constraint)) for constraint, _ in poses)
         sized = replace(self, size=size)
-        ranks = [sized._ranks(*pose) for pose in poses]
+        wholes = [sized.factorise_all(constraint) for constraint, _ in poses]
+        ranks = [sized._ranks(whole, *pose) for whole, pose in zip(wholes, poses, strict=True)]
         regular = max(range(len(poses)), key=ranks.__getitem__)
         whole, passive, tool = ranks[regular]
         shown = 0 if ranks[0][0] == whole else regular
-        alike = [pose for pose, own in zip(poses, ranks, strict=True) if own == ranks[regular]]
+        alike = [k for k, own in enumerate(ranks) if own == ranks[regular]]
         return replace(
             sized,
             passive_rank=passive,
@@ -275,7 +276,7 @@ class Partition(ReadOnlyArrays):
             tool_rank=tool,
             kept_rows=independent_rows(self.scaled(poses[shown][0]), whole),
             tool_rates=min(
-                (sized._generic_rates(*pose) for pose in alike),
+                (sized._generic_rates(wholes[k], poses[k][1]) for k in alike),
                 key=lambda rates: float(rates.max(initial=1.0)),
             ),
         )
@@ -289,17 +290,15 @@ class Partition(ReadOnlyArrays):
         scaled = self.scaled(constraint_jacobian)
         return self.factorise(scaled, self.size_of(scaled))
 
-    def _ranks(self, constraint_jacobian: Array, tool_jacobian: Array) -> tuple[int, int, int]:
+    def _ranks(
+        self, whole: Factorisation, constraint_jacobian: Array, tool_jacobian: Array
+    ) -> tuple[int, int, int]:
         """Return the ranks of [K K*], of K* and of the tool's motion."""
-        whole, passive = (
-            self.factorise_all(constraint_jacobian),
-            self.loop_rates(constraint_jacobian),
-        )
+        passive = self.loop_rates(constraint_jacobian).passive
         tool = self.tool_motion(tool_jacobian).seen_rank(whole, self.gap, self.actuated)
-        return whole.rank, passive.passive.rank, tool
+        return whole.rank, passive.rank, tool
 
-    def _generic_rates(self, constraint_jacobian: Array, tool_jacobian: Array) -> Array:
-        whole = self.factorise_all(constraint_jacobian)
+    def _generic_rates(self, whole: Factorisation, tool_jacobian: Array) -> Array:
         return self.tool_motion(tool_jacobian).generic_rates(whole, self.gap, self.actuated)
 
 

@@ -1,0 +1,130 @@
+"""Other dimensions: `with_parameters` beside loading the file again, alternating, medians of each.
+
+Designs are drawn within 5 % of the defaults. "closing" is the share of `with_parameters` in which
+loops are closed: home, and the poses beside it that tell the ranks. Beside that, ten poses closed
+with each design, and the share of closing in both.
+
+python benchmarks/bench_parameters.py
+"""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable
+
+import numpy as np
+from scipy.optimize import minimize
+
+import pmjac_pin as pj
+from pmjac_pin.closing import assembly, blueprint, generic_ranks
+
+NAMES = ("four_bar", "five_bar", "three_rps", "stewart_gough", "delta")
+ROUNDS, POSES, DESIGNS, SHARE = 15, 10, 1000, 0.05
+CLOSING = (
+    (blueprint, "followed"),
+    (assembly, "assemble_pose"),
+    (generic_ranks, "nearby"),
+    (generic_ranks, "reach_of_joints"),
+)
+
+
+class Clock:
+    """How long some functions take, seen from within."""
+
+    def __init__(self) -> None:
+        self.seconds = 0.0
+        for module, name in CLOSING:
+            setattr(module, name, self._timed(getattr(module, name)))
+
+    def _timed(self, function: Callable) -> Callable:
+        def timed(*given, **named):
+            start = time.perf_counter()
+            try:
+                return function(*given, **named)
+            finally:
+                self.seconds += time.perf_counter() - start
+
+        return timed
+
+    def taken(self, call: Callable) -> tuple[float, float, object]:
+        """Return how long a call takes, how long of that in these functions, and what it says."""
+        self.seconds, start = 0.0, time.perf_counter()
+        found = call()
+        return time.perf_counter() - start, self.seconds, found
+
+
+def designs(mechanism: pj.Mechanism, rng: np.random.Generator) -> dict[str, float]:
+    """Return values beside the defaults."""
+    return {
+        name: one.default + SHARE * max(abs(one.default), 0.1) * rng.uniform(-1.0, 1.0)
+        for name, one in mechanism.spec.parameters.items()
+    }
+
+
+def poses(mechanism: pj.Mechanism) -> pj.Configuration:
+    """Close loops along a path of the motors."""
+    start = guess = mechanism.home
+    for step in range(1, POSES + 1):
+        guess = mechanism.close(start.actuated + 0.01 * step, guess=guess)
+    return guess
+
+
+def row(name: str, clock: Clock) -> str:
+    """Return a line of the table."""
+    mechanism, rng = pj.load(name), np.random.default_rng(0)
+    again, sibling, closing, walking = [], [], [], []
+    for _ in range(ROUNDS):
+        values = designs(mechanism, rng)
+        again.append(clock.taken(lambda: pj.load(name, values))[0])  # noqa: B023
+        whole, closed, machine = clock.taken(lambda: mechanism.with_parameters(values))  # noqa: B023
+        sibling.append(whole)
+        closing.append(closed)
+        walking.append(clock.taken(lambda: poses(machine))[0])  # noqa: B023
+    ratio = statistics.median(a / b for a, b in zip(again, sibling, strict=True))
+    inside = sum(closing) / sum(sibling)
+    scan = (sum(closing) + sum(walking)) / (sum(sibling) + sum(walking))
+    times = [1e3 * statistics.median(one) for one in (again, sibling, walking)]
+    return (
+        f"{name:14} {times[0]:8.1f} {times[1]:8.1f} {ratio:8.2f} {inside:8.0%}"
+        f" {times[2]:9.1f} {scan:8.0%}"
+    )
+
+
+def optimum() -> tuple[int, float, pj.Mechanism]:
+    """Fit a four-bar's coupler point to a straight line; return designs, seconds and the best."""
+    mechanism = pj.load("four_bar")
+    names, motors = ("l1", "l2", "l3"), np.linspace(0.9, 1.5, POSES)
+
+    def bent(lengths: np.ndarray) -> float:
+        try:
+            machine = mechanism.with_parameters(dict(zip(names, lengths, strict=True)))
+            pose, points = machine.home, []
+            for angle in motors:
+                pose = machine.close([angle], guess=pose)
+                points.append(pose.tool_pose.translation[:2])
+        except pj.PmjacError:
+            return 1.0
+        return float(np.linalg.svd(np.array(points) - np.mean(points, axis=0))[1][1])
+
+    begin, start = time.perf_counter(), [mechanism.parameters[name] for name in names]
+    limits = {"maxfev": DESIGNS, "maxiter": DESIGNS, "xatol": 0.0, "fatol": 0.0}
+    found = minimize(bent, start, method="Nelder-Mead", options=limits)
+    best = mechanism.with_parameters(dict(zip(names, found.x, strict=True)))
+    return found.nfev, time.perf_counter() - begin, best
+
+
+def main() -> None:
+    """Print the tables."""
+    clock = Clock()
+    print(f"{'':14} {'load':>8} {'sibling':>8} {'load':>8} {'':>8} {'10 poses':>9} {'of both':>8}")
+    print(f"{'':14} {'ms':>8} {'ms':>8} {'/ sibl.':>8} {'closing':>8} {'ms':>9} {'closing':>8}")
+    for name in NAMES:
+        print(row(name, clock))
+    count, seconds, best = optimum()
+    told = ", ".join(f"{name} = {value:.3f}" for name, value in best.parameters.items())
+    print(f"\nNelder-Mead, four_bar: {count} designs of {POSES} poses, {seconds:.1f} s: {told}")
+
+
+if __name__ == "__main__":
+    main()
