@@ -391,7 +391,8 @@ class Mechanism(MechanismValue):
 
     @cached_property
     def _recorded(self) -> RecordedMechanism:
-        return RecordedMechanism(self._parts)
+        recordings = None if self.blueprint is None else self.blueprint.recordings
+        return RecordedMechanism(self._parts, recordings)
 
     @cached_property
     def _step_guard(self) -> StepGuard:

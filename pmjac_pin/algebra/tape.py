@@ -52,6 +52,14 @@ class Tape:
         """Return the instructions that compute some terms, and nothing else."""
         return _Writer(recording, outputs).tape()
 
+    @classmethod
+    def placed(
+        cls, recording: Recording, outputs: Sequence[Term | float]
+    ) -> tuple[Tape, list[tuple[int, int, int]]]:
+        """Return the same, and which constant is which operand: (term, operand, slot) each."""
+        writer = _Writer(recording, outputs)
+        return writer.tape(), writer.places()
+
 
 class _Writer:
     """Writes a tape: slots are used again as soon as what they hold has been used."""
@@ -100,6 +108,16 @@ class _Writer:
             inputs=len(self._recording.inputs),
             outputs=len(self._outputs),
         )
+
+    def places(self) -> list[tuple[int, int, int]]:
+        """Return which operands of the terms that are computed the constants are."""
+        return [
+            (term.index, number, self._constants[float(x)])
+            for term in self._recording.terms
+            if self._uses[term.index] and term.operation != "input"
+            for number, x in enumerate(term.operands)
+            if not isinstance(x, Term)
+        ]
 
     def _fused(self) -> Iterator[tuple[int, Term]]:
         """Return sums by the product that is computed with them, and used by nothing else."""

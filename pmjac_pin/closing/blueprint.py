@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import pinocchio as pin
 
@@ -17,6 +18,9 @@ from pmjac_pin.model.linkage import with_helical, with_spherical
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.found_once import found_once
+
+if TYPE_CHECKING:
+    from pmjac_pin.algebra.recordings import Recordings
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +71,14 @@ class Blueprint:
         moved = self.urdf.moved(spec.moves(values))
         urdf = lock_joints(moved, spec.locked, spec.helical)
         return unassembled(_pinocchio_model(urdf, spec), spec, values, urdf)
+
+    @found_once
+    def recordings(self) -> Recordings:
+        """What is recorded of these mechanisms."""
+        # What records is imported with the first program.
+        from pmjac_pin.algebra.recordings import Recordings  # noqa: PLC0415
+
+        return Recordings()
 
     @found_once
     def _first(self) -> HomePose | None:

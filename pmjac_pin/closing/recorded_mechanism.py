@@ -18,6 +18,7 @@ from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.values.arrays import Array
 
 if TYPE_CHECKING:
+    from pmjac_pin.algebra.recordings import Recordings
     from pmjac_pin.algebra.tape import Tape
     from pmjac_pin.closing.one_path import Ahead, OnePath
     from pmjac_pin.closing.one_pose import KnownPose, OnePose
@@ -54,6 +55,8 @@ class RecordedMechanism:
     Parameters
     ----------
     parts : Parts
+    recordings : Recordings, optional
+        Of machines of other dimensions.
 
     Raises
     ------
@@ -61,8 +64,8 @@ class RecordedMechanism:
         By what records: a joint that is not in the table of joints.
     """
 
-    def __init__(self, parts: Parts) -> None:
-        self._parts = parts
+    def __init__(self, parts: Parts, recordings: Recordings | None = None) -> None:
+        self._parts, self._recordings = parts, recordings
         self._jacobians: dict[FrameName, Tape] = {}
         partition = parts.problem.partition
         calls = _CALLS * (partition.row_scale.size + 6) * partition.column_scale.size
@@ -97,7 +100,7 @@ class RecordedMechanism:
 
         parts = self._parts
         recorder = Recorder(parts.model, parts.spec, parts.values, parts.place)
-        return RecordedRates.at(recorder, parts.problem, parts.home_q)
+        return RecordedRates.at(recorder, parts.problem, parts.home_q, self._recordings)
 
     @cached_property
     def walking(self) -> tuple[Tape, Tape, Tape]:

@@ -8,13 +8,14 @@ smallest singular value, is above the rank tolerance; where it is not, nothing i
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import Recording, largest, objects, zeros
+from pmjac_pin.algebra.programs import Term, largest, objects, zeros
+from pmjac_pin.algebra.recordings import Recordings
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
@@ -77,19 +78,29 @@ class RecordedRates:
     partition : Partition
     kept : ndarray of int
         Passive columns, as many as K* has rank.
+    recordings : Recordings
+        What was recorded for machines of other dimensions.
     """
 
     recorder: Recorder
     partition: Partition
     kept: Index
+    recordings: Recordings = field(default_factory=Recordings)
 
     @classmethod
-    def at(cls, recorder: Recorder, problem: ClosureProblem, q: Array) -> RecordedRates:
+    def at(
+        cls,
+        recorder: Recorder,
+        problem: ClosureProblem,
+        q: Array,
+        recordings: Recordings | None = None,
+    ) -> RecordedRates:
         """Keep the columns of K* that are independent best at one regular pose."""
         partition, (_, rates) = problem.partition, problem.evaluate(q)
         passive, rank = partition.passive, partition.passive_rank
         columns = partition.scaled(rates)[:, passive]
-        return cls(recorder, partition, passive[pivots(columns, rank)])
+        kept = passive[pivots(columns, rank)]
+        return cls(recorder, partition, kept, recordings or Recordings())
 
     def scaled(self, rates: Numbers) -> Numbers:
         """Return ∂η/∂v (p, nv) without dimension."""
@@ -110,9 +121,13 @@ class RecordedRates:
     def move_tape(self) -> Tape:
         """Return (q, v) ↦ q ⊕ v."""
         nq, nv = self.recorder.nq, self.recorder.nv
-        recording = Recording(nq + nv)
-        inputs = np.array(recording.inputs, dtype=object)
-        return Tape.of(recording, moved(self.recorder.tree, inputs[:nq], inputs[nq:]).tolist())
+
+        def make(inputs: Sequence[Term]) -> list[Any]:
+            q, v = np.split(objects(inputs), [nq])
+            outputs: list[Any] = moved(self.recorder.tree, q, v).tolist()
+            return outputs
+
+        return self.recordings.tape("move", nq + nv, make)
 
     def arrival_tape(self) -> Tape:
         """Return (q, v, θ̇) ↦ what `Points` holds of q ⊕ v.
@@ -121,13 +136,16 @@ class RecordedRates:
         one length, and these, (nv,) in the units of v: Newton's step, and −K*⁻¹ K θ̇ beside θ̇.
         """
         nq, nv, motors = self.recorder.nq, self.recorder.nv, self.partition.actuated
-        recording = Recording(nq + nv + motors.size)
-        start, v, rates = np.split(objects(recording.inputs), [nq, nq + nv])
-        q = moved(self.recorder.tree, start, v)
-        known, motions = self._point(q.tolist(), rates)
-        sizes = [norm(motion) for motion in motions]
-        moves = (motions * self.partition.column_scale).ravel()
-        return Tape.of(recording, [*q, *known, *sizes, *moves])
+
+        def make(inputs: Sequence[Term]) -> list[Any]:
+            start, v, rates = np.split(objects(inputs), [nq, nq + nv])
+            q = moved(self.recorder.tree, start, v)
+            known, motions = self._point(q.tolist(), rates)
+            sizes = [norm(motion) for motion in motions]
+            moves = (motions * self.partition.column_scale).ravel()
+            return [*q, *known, *sizes, *moves]
+
+        return self.recordings.tape("arrival", nq + nv + motors.size, make)
 
     def _point(self, q: Sequence[Any], rates: Numbers) -> tuple[list[Any], Numbers]:
         """Return gap and norms, and the dimensionless Newton step and path velocity, (2, nv)."""
@@ -150,21 +168,25 @@ class RecordedRates:
         `forbidden` is what K* cannot follow of K, `felt` what idle motions do to the tool: norms
         that vanish where J_eq exists. J_eq is (6, n), in a frame.
         """
-        recording = Recording(self.recorder.nq)
-        found = self.equivalent(self.recorder.at(recording.inputs), frame)
-        return Tape.of(recording, found.judged())
+
+        def make(q: Sequence[Term]) -> list[Any]:
+            return self.equivalent(self.recorder.at(q), frame).judged()
+
+        return self.recordings.tape(f"jacobian {frame}", self.recorder.nq, make)
 
     def pose_tape(self) -> Tape:
         """Return q ↦ (those of `jacobian_tape` but J_eq, spread, J_eq, tool (12,)).
 
         Of the tool the position and the rotation (3, 3), as `measures_tape` has them.
         """
-        recording = Recording(self.recorder.nq)
-        kinematics = self.recorder.at(recording.inputs)
-        found = self.equivalent(kinematics, "LOCAL_WORLD_ALIGNED")
-        tool = [*kinematics.position, *kinematics.rotation.ravel()]
-        known = [*found.doubts(), kinematics.spread, *found.J_eq.ravel(), *tool]
-        return Tape.of(recording, known)
+
+        def make(q: Sequence[Term]) -> list[Any]:
+            kinematics = self.recorder.at(q)
+            found = self.equivalent(kinematics, "LOCAL_WORLD_ALIGNED")
+            tool = [*kinematics.position, *kinematics.rotation.ravel()]
+            return [*found.doubts(), kinematics.spread, *found.J_eq.ravel(), *tool]
+
+        return self.recordings.tape("pose", self.recorder.nq, make)
 
     def measures_tape(self) -> Tape:
         """Return q ↦ (those of `jacobian_tape`, sizes (3,), tool (12,), (k, m_p) entries).
@@ -173,13 +195,15 @@ class RecordedRates:
         of the tool the position and the rotation (3, 3); the last are of a matrix that has the
         singular values of the dimensionless K*.
         """
-        recording = Recording(self.recorder.nq)
-        kinematics = self.recorder.at(recording.inputs)
-        found = self.equivalent(kinematics, "LOCAL_WORLD_ALIGNED")
-        sizes = [found.size, found.tool * found.motions, found.turning * found.motions]
-        tool = [*kinematics.position, *kinematics.rotation.ravel()]
-        entries = found.likeness.ravel()
-        return Tape.of(recording, [*found.judged(), *sizes, *tool, *entries])
+
+        def make(q: Sequence[Term]) -> list[Any]:
+            kinematics = self.recorder.at(q)
+            found = self.equivalent(kinematics, "LOCAL_WORLD_ALIGNED")
+            sizes = [found.size, found.tool * found.motions, found.turning * found.motions]
+            tool = [*kinematics.position, *kinematics.rotation.ravel()]
+            return [*found.judged(), *sizes, *tool, *found.likeness.ravel()]
+
+        return self.recordings.tape("measures", self.recorder.nq, make)
 
     def equivalent(self, kinematics: RecordedKinematics, frame: FrameName) -> RecordedEquivalent:
         """Return J_eq in a frame, and what says whether it exists."""

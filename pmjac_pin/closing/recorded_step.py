@@ -11,12 +11,13 @@ a step is covered where W τ ≤ ρ and N + ‖A⁺‖ W < 1.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import Recording, largest, objects, roots, zeros
+from pmjac_pin.algebra.programs import Term, largest, objects, roots, zeros
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.arms import Arms
 from pmjac_pin.closing.bends import Bends, MotionSeries
@@ -33,13 +34,17 @@ def leg_tape(loops: RecordedRates, arms: Arms) -> Tape:
     one.
     """
     nq, nv, tree = loops.recorder.nq, loops.recorder.nv, loops.recorder.tree
-    recording = Recording(2 * nq + 2 * nv)
-    start, end, leaving, onward = np.split(objects(recording.inputs), [nq, 2 * nq, 2 * nq + nv])
-    way = between(tree, start, end)
-    at_end = arriving(tree, way, onward)
-    half = moved(tree, start, 0.5 * way + 0.125 * (leaving - at_end))
-    poses, rates = np.array([start, end, half]), np.array([leaving, at_end, way])
-    return Tape.of(recording, _covered(loops, arms, poses, rates))
+
+    def make(inputs: Sequence[Term]) -> list[Any]:
+        ends = [nq, 2 * nq, 2 * nq + nv]
+        start, end, leaving, onward = np.split(objects(inputs), ends)
+        way = between(tree, start, end)
+        at_end = arriving(tree, way, onward)
+        half = moved(tree, start, 0.5 * way + 0.125 * (leaving - at_end))
+        poses, rates = np.array([start, end, half]), np.array([leaving, at_end, way])
+        return _covered(loops, arms, poses, rates)
+
+    return loops.recordings.tape("leg", 2 * nq + 2 * nv, make)
 
 
 def _covered(loops: RecordedRates, arms: Arms, poses: Numbers, rates: Numbers) -> list[Any]:
