@@ -21,46 +21,63 @@ from pmjac_pin.values.arrays import Array
 Outputs = Sequence[Term | float]
 Make = Callable[[Sequence[Term]], Outputs]
 
+_PATIENCE = 3  # times that a sibling may differ more often than not before no other is tried
+
 
 class _Differs(Exception):
     """What is recorded once more is something else."""
 
 
 class _Repeated(Recording):
-    """A recording whose operations are checked, not made, when they are recorded once more."""
+    """A recording whose operations are checked, not made, when they are recorded once more.
 
-    __slots__ = ("_log", "_next", "_seen")
+    Attributes
+    ----------
+    same : bool
+        Whether all were the same since then. From the first that is not, others are made: an error
+        would get lost in what NumPy does with terms.
+    """
+
+    __slots__ = ("_log", "_logging", "_next", "_seen", "same")
 
     def __init__(self, inputs: int) -> None:
         self._log: list[Term] = []
-        self._next: int | None = None
-        self._seen: set[int] = set()
+        self._next, self._seen, self.same = 0, set[int](), False
+        self._logging = False  # the inputs stay
         super().__init__(inputs)
-        self._log.clear()  # the inputs stay
+        self._logging = True
 
     def again(self) -> None:
         """Record once more from here on."""
-        self._next, self._seen = 0, set()
+        self._next, self._seen, self.same = 0, set(), True
+        self._logging = False
 
     def term(self, operation: Operation, *operands: Operand) -> Term:
         """Return the term of an operation, or the one that was made in its place before."""
-        if self._next is None:
-            found = super().term(operation, *operands)
+        if self.same:
+            if (known := self._in_place(operation, operands)) is not None:
+                return known
+            self.same = False
+        found = super().term(operation, *operands)
+        if self._logging:
             self._log.append(found)
-            return found
+        return found
+
+    def _in_place(self, operation: Operation, operands: tuple[Operand, ...]) -> Term | None:
+        """Return the next term that was made, None where it is another."""
         if self._next == len(self._log):
-            raise _Differs
+            return None
         known = self._log[self._next]
         self._next += 1
         before = known.operands
         if known.operation != operation or len(before) != len(operands):
-            raise _Differs
+            return None
         first = known.index not in self._seen
         for old, new in zip(before, operands, strict=True):
             # Doubles may be others, but for those of one term.
             of_terms = isinstance(old, Term) or isinstance(new, Term)
             if old is not new and (of_terms or not (first or old == new)):
-                raise _Differs
+                return None
         if first:
             self._seen.add(known.index)
             known.operands = operands
@@ -91,7 +108,7 @@ class _Known:
         """
         self._recording.again()
         outputs = list(make(self._recording.inputs))
-        if len(outputs) != len(self._outputs):
+        if not self._recording.same or len(outputs) != len(self._outputs):
             raise _Differs
         for old, new in zip(self._outputs, outputs, strict=True):
             if old is not new and (isinstance(old, Term) or isinstance(new, Term)):
@@ -114,7 +131,7 @@ class Recordings:
     """Programs by their names, of machines that may be siblings.
 
     The first program of a name is written and forgotten, since most machines have no sibling; the
-    second is kept for those that follow.
+    second is kept for those that follow, as long as most of them are the same.
 
     Examples
     --------
@@ -127,7 +144,8 @@ class Recordings:
     """
 
     def __init__(self) -> None:
-        self._known: dict[str, _Known | None] = {}
+        self._known: dict[str, _Known] = {}
+        self._worth: dict[str, int] = {}  # how often more it paid than not
         self._lock = Lock()
 
     def tape(self, name: str, inputs: int, make: Make) -> Tape:
@@ -140,15 +158,25 @@ class Recordings:
         make : callable
             Inputs ↦ outputs.
         """
-        if name not in self._known:
-            self._known[name] = None
-            recording = Recording(inputs)
-            return Tape.of(recording, make(recording.inputs))
         with self._lock:
-            if (known := self._known[name]) is not None:
-                try:
-                    return known.again(make)
-                except _Differs:
-                    pass
-            known = self._known[name] = _Known(inputs, make)
-            return known.tape
+            worth = self._worth.setdefault(name, _PATIENCE)
+            if worth == _PATIENCE and name not in self._known:
+                self._worth[name] += 1  # a sibling may follow
+            elif worth > 0:
+                return self._beside(name, inputs, make)
+            else:
+                self._known.pop(name, None)
+        recording = Recording(inputs)
+        return Tape.of(recording, make(recording.inputs))
+
+    def _beside(self, name: str, inputs: int, make: Make) -> Tape:
+        if (known := self._known.get(name)) is not None:
+            try:
+                tape = known.again(make)
+            except _Differs:
+                self._worth[name] -= 1
+            else:
+                self._worth[name] = min(self._worth[name] + 1, 2 * _PATIENCE)
+                return tape
+        known = self._known[name] = _Known(inputs, make)
+        return known.tape

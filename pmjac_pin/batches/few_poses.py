@@ -21,7 +21,7 @@ from pmjac_pin.batches.results import ManyJacobians, ManyMeasures
 from pmjac_pin.configuration import frame_name
 from pmjac_pin.mechanism import Mechanism
 
-_POSES = 0.25  # for each entry of the Jacobians of loops and tool: closed while programs are made
+_POSES = 0.1  # for each entry of the Jacobians of loops and tool: closed while programs are made
 
 
 class FewPoses(Batch):
