@@ -172,6 +172,18 @@ def test_what_load_was_told_holds(case, rng):
     assert_same(told(lambda: mechanism.with_parameters(values)), fresh)
 
 
+def test_another_tool_stays(rng):
+    """Whichever is asked for first."""
+    mechanism = pj.load("four_bar")
+    values = drawn(mechanism, rng, 0.05)
+    fresh = pj.load("four_bar", values, tool="rocker_tip")
+    sibling = mechanism.with_tool("rocker_tip").with_parameters(values)
+    assert_same(told(lambda: sibling), told(lambda: fresh))
+    for other in (mechanism.with_parameters(values).with_tool("rocker_tip"), sibling):
+        assert other == fresh
+        assert other.with_parameters(l0=4.1) == fresh.with_parameters(l0=4.1)
+
+
 MACHINE = """
 name = "press"
 urdf = "press.urdf"
