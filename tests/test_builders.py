@@ -108,6 +108,12 @@ def test_jacobian_of_a_delta_is_that_of_its_rods(directions):
             lambda: pj.stewart(np.zeros((6, 3)), np.zeros((6, 3)), 2.0, stroke=(-1, 1)),
             "stroke: 2 lengths",
         ),
+        (
+            lambda: pj.stewart(
+                np.zeros((6, 3)), np.eye(6, 3), pin.SE3(np.diag([1.0, 1.0, -1.0]), np.ones(3))
+            ),
+            "the platform's pose is a reflection",
+        ),
         (lambda: pj.delta(0.2, 0.3, 0.2, 0.06), "do not reach the plate at home"),
         (lambda: pj.delta(-0.2, 0.3, 0.7, 0.06), "base must be"),
         (lambda: pj.delta(0.2, 0.3, [0.7, 0.7], 0.06), "rod"),

@@ -67,6 +67,8 @@ def as_pose(given: float | pin.SE3) -> pin.SE3:
             raise ArgumentError(
                 "the platform's pose holds no rotation, or numbers that are not finite"
             )
+        if np.linalg.det(turned) < 0.0:
+            raise ArgumentError("the platform's pose is a reflection: it holds no rotation")
         return pin.SE3(given)
     return pin.SE3(np.eye(3), np.array([0.0, 0.0, as_number(given, "the platform's height")]))
 
