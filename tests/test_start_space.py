@@ -153,6 +153,34 @@ def test_a_mode_far_along_a_slide_is_met(limits):
     np.testing.assert_allclose(x, 0.5 * np.cos(0.3) + np.array([-root, root]), atol=1e-8)
 
 
+@pytest.mark.parametrize("size", [0.01, 1.0, 100.0])
+def test_parallel_slides_are_drawn_within_their_limits_where_there_are_some(size):
+    """A geared pair, one on the other, goes far for little: both modes are within."""
+    ratio, theta, shown = -1.0 / 0.98, 1.0, 0.02
+    roots = 0.5 * np.cos(theta) + np.sqrt(2.25 - (0.5 * np.sin(theta)) ** 2) * np.array([-1, 1])
+    b = size * roots / shown
+    mechanism = machine(
+        [
+            ("crank", pin.JointModelRZ(), "world", 0, 0),
+            ("a", pin.JointModelPX(), "world", 0, 0),
+            ("b", pin.JointModelPX(), "a", 0, 0),
+        ],
+        [("A", "crank", 0.5 * size), ("B", "b", 0)],
+        [
+            pj.DistanceLoop(frames=("A", "B"), length=1.5 * size),
+            pj.JointLoop(joints=("a", "b"), ratio=ratio),
+        ],
+        ["crank"],
+        "B",
+        {"crank": theta, "a": -0.98 * b[1], "b": b[1]},
+        limits=np.full(1, 150.0 * size),
+    )
+    modes = pj.assembly_modes(mechanism, [theta], rng=0, proof=False)
+    found = sorted(mode.joint_values["b"] for mode in modes)
+    np.testing.assert_allclose(found, b, rtol=1e-6)
+    assert "within" not in str(modes.evidence)
+
+
 def test_two_slides_at_an_angle_are_a_place():
     """A gantry whose end is at the end of a rod."""
     mechanism = machine(

@@ -31,6 +31,7 @@ _ROUNDING = 1.0 + 1e-9  # for lengths that are added up
 _DIGITS = 1e-14  # of values that are added up
 _ROUNDS = 10  # in which one loop's bounds help in others
 _FAR = 5.0  # times the loop's own sides: how far is looked where nothing bounds a slide
+_NO_LIMIT = 1000.0  # times them: limits so far from each other, as 1e9, are none
 _PARALLEL = 1e-6  # axes whose directions differ by less do not tell how far each one slid
 
 
@@ -289,8 +290,8 @@ def _bound(
 def _cut_off(slide: _Slide, bounds: tuple[Array, Array], unit: str, length: float) -> SlideRange:
     """Return the range, cut off where it is beyond all measure."""
     lower, upper = bounds
-    far = _FAR * length / slide.reach
-    if (upper - lower <= 2.0 * far).all():
+    if (upper - lower <= _NO_LIMIT * length / slide.reach).all():
         return SlideRange(lower, upper, unit)
+    far = _FAR * length / slide.reach
     nearest = np.clip(slide.values, lower, upper)
     return SlideRange(np.maximum(lower, nearest - far), np.minimum(upper, nearest + far), unit, far)
