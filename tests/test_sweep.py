@@ -252,6 +252,18 @@ def test_what_is_refused(given, message):
         pj.sweep(pj.load("three_rps"), **{"workers": 1, **given})
 
 
+def test_places_where_no_store_can_be(tmp_path):
+    link = tmp_path / "circle"
+    link.symlink_to(tmp_path / "other")
+    (tmp_path / "other").symlink_to(link)
+    for resume in (False, True):
+        for out, said in ((link, "exists already"), (tmp_path / ("x" * 10_000), "too long")):
+            with pytest.raises(pj.OutputError, match=said) as caught:
+                pj.sweep("four_bar", {"l1": [1.0]}, out=out, workers=1, resume=resume)
+            assert len(str(caught.value)) < 700
+    assert {one.name for one in tmp_path.iterdir()} == {"circle", "other"}
+
+
 def test_parameters_of_a_mechanism_that_has_its_own():
     """Those that are not swept stay as they are."""
     given = pj.load("four_bar", {"l1": 1.2, "l2": 2.9})

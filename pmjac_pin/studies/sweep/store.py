@@ -47,15 +47,18 @@ class Store:
     def create(self, work: Work, chunk: tuple[int, ...], identity: Mapping[str, Any]) -> None:
         """Make it at once, without values."""
         draft = self.path.with_name(f".{self.path.name}.{secrets.token_hex(4)}")
-        if self.path.exists():
+        if os.path.lexists(self.path):  # a link that leads nowhere, too
             raise OutputError(
                 f"{shown_path(self.path)}: exists already; with `resume` a sweep goes on there"
             )
         try:
             self._write_draft(draft, work, chunk, identity)
             draft.rename(self.path)
-        except BaseException:
+        except BaseException as error:
             shutil.rmtree(draft, ignore_errors=True)
+            if isinstance(error, OSError):
+                why = error.strerror or "cannot be written"
+                raise OutputError(f"{shown_path(self.path)}: {why}") from None
             raise
 
     def check(self, identity: Mapping[str, Any]) -> None:
