@@ -348,6 +348,7 @@ def test_faults_of_a_file(tmp_path, capsys, old, new, message):
     [
         ((10**6, 10**6), 10_000, "1000000 × 1000000 = 1e.12 points are too many"),
         ((10**5, 10**4), 10, "1e.08 chunks are too many"),
+        ((10**5, 10**4), 10**9, "a chunk has at most 1e.07 points, got 1000000000"),
     ],
 )
 def test_what_is_too_large_is_refused_before_any_work(tmp_path, counts, chunk, said):
@@ -355,3 +356,9 @@ def test_what_is_too_large_is_refused_before_any_work(tmp_path, counts, chunk, s
     with pytest.raises(pj.ArgumentError, match=said):
         pj.sweep("five_bar", over=over, out=tmp_path / "map.zarr", chunk=chunk)
     assert not list(tmp_path.iterdir())
+
+
+def test_what_does_not_fit_in_memory_asks_for_a_folder():
+    over = {"theta1": np.linspace(0.0, 1.0, 10**4), "theta2": np.linspace(0.0, 1.0, 10**4)}
+    with pytest.raises(pj.ArgumentError, match=r"1e.08 points without `out`: at most 1e.07 are"):
+        pj.sweep("five_bar", over=over)

@@ -17,6 +17,7 @@ from pmjac_pin.values.columns import named_columns
 Region: TypeAlias = tuple[slice, ...]
 
 _MOST_POINTS = 10**10  # they take a day, and hundreds of GB
+_MOST_AT_ONCE = 10**7  # of a chunk: so many are in memory, for each process
 _MOST_CHUNKS = 10**7  # each is known by its place
 
 
@@ -36,10 +37,10 @@ class Points:
     values: Mapping[str, Array]
 
     def __post_init__(self) -> None:
-        if (count := math.prod(self.shape)) > _MOST_POINTS:
+        if self.count > _MOST_POINTS:
             sizes = " × ".join(map(str, self.shape))
             most = f"at most {_MOST_POINTS:.0e} are swept"
-            raise ArgumentError(f"{sizes} = {count:.3g} points are too many; {most}")
+            raise ArgumentError(f"{sizes} = {self.count:.3g} points are too many; {most}")
 
     @classmethod
     def grid(cls, over: object) -> Points:
@@ -67,8 +68,15 @@ class Points:
         sizes = tuple(column.size for column in self.values.values())
         return sizes if self.is_grid else sizes[:1]
 
+    @property
+    def count(self) -> int:
+        """How many points there are."""
+        return math.prod(self.shape)
+
     def chunk(self, most: int) -> tuple[int, ...]:
         """Return the shape of chunks of at most so many points, whole along the last axes."""
+        if min(most, self.count) > _MOST_AT_ONCE:
+            raise ArgumentError(f"a chunk has at most {_MOST_AT_ONCE:.0e} points, got {most}")
         chunk: list[int] = []
         for size in reversed(self.shape):
             chunk.append(max(1, min(size, most // math.prod(chunk))))

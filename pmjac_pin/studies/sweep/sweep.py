@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 else:
     Dataset = Any
 
+_MOST_IN_MEMORY = 10**7  # points: some hundred bytes each
+
 
 def sweep(
     mechanism: Mechanism | str | Path,
@@ -114,6 +116,9 @@ def sweep(
     hands = Hands(client, min(processes, len(regions)), progress)
     what = identity(work, machine, shape)
     if out is None:
+        if points.count > _MOST_IN_MEMORY:
+            most = f"at most {_MOST_IN_MEMORY:.0e} are kept in memory"
+            raise ArgumentError(f"{points.count:.3g} points without `out`: {most}; name a folder")
         arrays = {
             name: VARIABLES[name].empty(points.shape, work.labels, not_done=True)
             for name in work.measures
