@@ -166,7 +166,7 @@ class Configuration(Shown):
         >>> import pmjac_pin as pj
         >>> home = pj.load("four_bar").home
         >>> home.with_tool("rocker_tip").tool_pose.translation.round(3).tolist()
-        [1.919, 1.999, 0.0]
+        [2.469, 3.147, 0.0]
         """
         return self.mechanism.with_tool(tool).configuration(self.q)
 

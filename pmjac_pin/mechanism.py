@@ -200,7 +200,7 @@ class Mechanism(MechanismValue):
         >>> lengths = (1.0, 1.1, 1.2)
         >>> poses = [mechanism.with_parameters(l1=l1).close([1.0]) for l1 in lengths]
         >>> [round(float(pose.jacobian().Jv_eq[0, 0]), 3) for pose in poses]
-        [-0.769, -0.838, -0.907]
+        [-0.482, -0.542, -0.606]
         """
         if values is not None and not isinstance(values, Mapping):
             self.spec.parameter_values(values)  # says what is wanted
