@@ -208,11 +208,11 @@ def test_in_the_worlds_axes_a_tilted_plane_is_another():
     ("rows", "axes", "words"),
     [
         ([], None, "rows are empty"),
-        ("vx,vy", None, "rows are a list, of vx, vy, vz, wx, wy, wz; got 'vx,vy'"),
+        ("vx,vy", None, "rows are a list, of vx, vy, vz, wx, wy, wz, got 'vx,vy'"),
         (["vx", "vx"], None, "the row 'vx' is listed twice"),
         (["v_x"], None, "unknown row 'v_x' of the tool's twist; did you mean 'vx'?"),
         (["WZ"], None, "did you mean 'wz'?"),
-        ([3], None, "unknown row 3"),
+        ([3], None, "it holds 3"),
         (7, None, "rows are a list"),
         (["vx"], "WORLD", "LOCAL_WORLD_ALIGNED .the world's. or LOCAL .the tool's own., got"),
         (["vx"], 5, "got 5"),
