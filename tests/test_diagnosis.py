@@ -293,6 +293,30 @@ def test_a_passive_joint_in_no_loop(tool, severity):
     assert "'b' is passive and in no loop" in found.message
 
 
+LOOSE_BASE = """<robot name="base">
+<link name="world"/><link name="trunk"/><link name="leg"/>
+<joint name="root" type="{kind}"><parent link="world"/><child link="trunk"/>
+  <axis xyz="0 0 1"/></joint>
+<joint name="hip" type="continuous"><parent link="trunk"/><child link="leg"/></joint></robot>"""
+
+
+@pytest.mark.parametrize(("kind", "freedoms"), [("floating", 6), ("planar", 3)])
+def test_a_loose_base_is_one_finding_with_advice_that_is_taken(tmp_path, kind, freedoms):
+    """Not one for each freedom, and no advice to make it a motor, which is refused."""
+    path = tmp_path / "base.urdf"
+    path.write_text(LOOSE_BASE.format(kind=kind))
+    says = {"actuated": ["hip"], "tool": "leg"}
+    found = finding(pj.check(path, **says), "free-joint")
+    assert found.severity == "error"
+    assert f"'root' ({kind}, {freedoms} degrees of freedom)" in found.message
+    assert "actuated" not in found.advice
+    locked = re.findall(r"`locked=\[\"(\w+)\"\]`", found.advice)
+    assert locked == (["root"] if kind == "floating" else [])
+    if locked:
+        assert not codes(pj.check(path, **says, locked=locked), "error")
+        pj.load(path, **says, locked=locked).home.jacobian()
+
+
 # --- poses ---------------------------------------------------------------------------------------
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 
 from pmjac_pin.rates.factorisation import RANK_TOLERANCE
@@ -74,22 +75,41 @@ def free_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
     actuation = diagnosis.actuation
     if actuation is None:
         return
-    alone = {freedom.name for freedom in diagnosis.freedoms if not freedom.loops}
+    alone = {freedom.name: freedom for freedom in diagnosis.freedoms if not freedom.loops}
+    loose: dict[tuple[str, ...], bool] = {}  # whether the tool feels it, by what is loose
     for motion in actuation.free_motions:
-        joints = [name for name, rate in motion.rates.items() if rate]
-        if set(joints) <= alone:
-            yield _loose(joints, motion)
+        moving = [name for name, rate in motion.rates.items() if rate]
+        if set(moving) <= alone.keys():
+            names = tuple(dict.fromkeys(alone[name].joint for name in moving))
+            loose[names] = loose.get(names, False) or motion.felt
         else:
-            yield _idle(joints, motion)
+            yield _idle(moving, motion)
+    kinds = Counter((freedom.joint, freedom.kind) for freedom in diagnosis.freedoms)
+    several = {joint: (kind, count) for (joint, kind), count in kinds.items() if count > 1}
+    for names, felt in loose.items():
+        yield _loose(names, felt, [several[name] for name in names if name in several])
 
 
-def _loose(joints: Sequence[str], motion: FreeMotion) -> Finding:
-    message = f"{listed_in_words(joints)} is passive and in no loop: nothing holds it"
-    if motion.felt:
-        advice = "Name it under `actuated`, or close a loop over it; no J_eq till then."
+def _loose(joints: Sequence[str], felt: bool, several: Sequence[tuple[str, int]]) -> Finding:
+    what = "".join(f" ({kind}, {count} degrees of freedom)" for kind, count in several)
+    message = f"{listed_in_words(joints)}{what} is passive and in no loop: nothing holds it"
+    advice = _held(joints, several)
+    if felt:
+        advice += "; no J_eq till then."
         return Finding("error", "free-joint", f"{message}, and the tool moves with it.", advice)
-    advice = "Name it under `actuated`, close a loop over it, or make it fixed."
+    advice += "." if several else ", or make it fixed."
     return Finding("warning", "free-joint", f"{message}; the tool does not feel it.", advice)
+
+
+def _held(joints: Sequence[str], several: Sequence[tuple[str, int]]) -> str:
+    """Say how to hold what is loose: a motor moves one degree of freedom, and no more."""
+    if not several:
+        return "Name it under `actuated`, or close a loop over it"
+    if all(kind == "floating" for kind, _ in several):
+        listed = ", ".join(f'"{name}"' for name in joints)
+        line = f"`--locked {','.join(joints)}` (`locked=[{listed}]` of `load`)"
+        return f"Hold it where it stands with {line}, or close a loop over it"
+    return "Close a loop over it, or make it fixed: a motor moves one degree of freedom"
 
 
 def _idle(joints: Sequence[str], motion: FreeMotion) -> Finding:
