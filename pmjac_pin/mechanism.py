@@ -407,6 +407,4 @@ class Mechanism(MechanismValue):
         values = as_numbers(q, "q")
         if values.shape != (self.nq,):
             raise ArgumentError(f"q has nq = {self.nq} entries, got shape {values.shape}")
-        if not pin.isNormalized(self._parts.model, values, 1e-6):
-            raise ArgumentError("a quaternion or (cos, sin) in q is not of unit length")
-        return values
+        return self._parts.coordinates.unit(values)

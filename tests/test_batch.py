@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pandas
+import pinocchio as pin
 import pytest
 import xarray
 from random_machines import random_machine
@@ -223,3 +224,47 @@ def test_no_poses_at_all(name):
     assert poses.q.shape == (0, mechanism.nq)
     assert many.jacobian(poses.q).J_eq.shape == (0, 6, n)
     assert many.measures(poses.q).velocity_radii.shape == (0, 3)
+
+
+def turning():
+    """A hinge without limits, (cos, sin) in q, that carries another: no loop sees its length."""
+    model = pin.Model()
+    one = model.addJoint(0, pin.JointModelRUBZ(), pin.SE3.Identity(), "turn")
+    place = pin.SE3(np.eye(3), np.array([1.0, 0.0, 0.0]))
+    two = model.addJoint(one, pin.JointModelRZ(), place, "hinge")
+    model.addFrame(pin.Frame("tool", two, place, pin.FrameType.OP_FRAME))
+    model.lowerPositionLimit = np.full(model.nq, -10.0)
+    model.upperPositionLimit = np.full(model.nq, 10.0)
+    return pj.Mechanism.from_pinocchio(model, [], ["turn", "hinge"], "tool", name="turning")
+
+
+LONGER = np.array([2.0, 2.0, 1.0])
+CALLS = {
+    "close": lambda many, q: many.close([[0.3, 0.4]], guess=q),
+    "jacobian": lambda many, q: many.jacobian(q),
+    "measures": lambda many, q: many.measures(q),
+    "program": lambda many, q: pj.program(many.mechanism)(q),
+}
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_turns_that_are_none_are_refused_as_by_the_single_call(name):
+    mechanism = turning()
+    q = np.array([mechanism.close([0.3, 0.4]).q] * 3)
+    q[1] *= LONGER
+    with pytest.raises(pj.ArgumentError, match="not of unit length"):
+        CALLS[name](pj.batch(mechanism), q)
+
+
+def test_turns_in_few_digits_are_made_of_unit_length():
+    """Else J_eq is off by far more than its error estimate."""
+    mechanism = turning()
+    exact = mechanism.close([0.3, 0.4]).q
+    expected = mechanism.configuration(exact).jacobian()
+    short = exact * np.array([1.0 + 4e-7, 1.0 + 4e-7, 1.0])
+    many = pj.batch(mechanism)
+    found = many.jacobian([exact, short]).J_eq
+    assert (np.abs(found[1] - expected.J_eq) <= expected.error_estimate).all()
+    one = mechanism.configuration(short).jacobian()
+    assert (np.abs(one.J_eq - expected.J_eq) <= one.error_estimate).all()
+    np.testing.assert_array_equal(mechanism.configuration(exact).q, exact)

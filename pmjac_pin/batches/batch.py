@@ -243,4 +243,4 @@ class Batch:
         if poses.ndim != 2 or poses.shape[1] != self.mechanism.nq:
             wanted = f"(N, {self.mechanism.nq})"
             raise ArgumentError(f"q of shape {wanted} expected, got {poses.shape}")
-        return poses
+        return self.mechanism.coordinates.unit_rows(poses)

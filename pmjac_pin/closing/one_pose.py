@@ -16,12 +16,12 @@ import pinocchio as pin
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.path_kernel import Memory
+from pmjac_pin.model.coordinates import UNIT
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.rates.factorisation import REFINED
 from pmjac_pin.values.arrays import Array, read_only
 
 SURELY = 1.0 - 1e-3  # of a bound: what is nearer, singular values decide
-_UNIT = 1e-14  # how far quaternions and (cos, sin) may be from unit length: rounding
 _SPREAD = 1e-6  # sine of the angle between points that span a tool
 _DOUBTS = struct.Struct("7d")
 
@@ -77,7 +77,7 @@ class OnePose:
 
     def at(self, q: Array) -> KnownPose | None:
         """Return what is known at a q, None where that is not certain."""
-        if self._model is not None and not pin.isNormalized(self._model, q, _UNIT):
+        if self._model is not None and not pin.isNormalized(self._model, q, UNIT):
             return None
         try:
             memory, argument = self._threads.memory

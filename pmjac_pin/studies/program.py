@@ -146,7 +146,8 @@ class Program:
         if not poses.ndim or poses.shape[-1] != count:
             raise ArgumentError(f"q of shape (..., {count}) expected, got {poses.shape}")
         terms = [term for array in self.outputs.values() for term in array.ravel()]
-        values = run(Tape.of(self.recording, terms), poses.reshape(-1, count).T).T
+        rows = self.mechanism.coordinates.unit_rows(poses.reshape(-1, count))
+        values = run(Tape.of(self.recording, terms), rows.T).T
         ends = np.cumsum([array.size for array in self.outputs.values()])
         parts = np.split(values, ends[:-1], axis=1)
         return {
