@@ -13,14 +13,12 @@ from typing import NamedTuple
 import numpy as np
 
 from pmjac_pin.closing.closed import closed_point
-from pmjac_pin.closing.closure import LARGEST_STEP, SLOWEST_CONTRACTION
-from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.parts import Parts
 from pmjac_pin.closing.pose_assembly import motor_weights
-from pmjac_pin.values.arrays import Array, norm
+from pmjac_pin.values.arrays import Array
 
-_SHORTEST = 1.0 / 16.0  # of the way: so short a stretch is taken wherever its end can be closed
+_STEPS = 12  # on the way
 _LEAST_SHARE = 0.4  # of σ_min at first: below, the motors move on the way
 
 
@@ -70,38 +68,10 @@ def followed(first: HomePose | None, at: Callable[[float], Parts]) -> Array | No
     at : callable
         Share of the way ↦ the parts there, not assembled.
     """
-    begin = 0.0
-    while first is None and begin + _SHORTEST < 1.0:
-        begin += _SHORTEST
-        first = home_pose(at(begin))
-    if first is None:
-        return None
-    here, waiting = first, [(begin, 1.0)]
-    while waiting:
-        begin, end = waiting.pop()
-        short = end - begin <= _SHORTEST
-        parts = at(end)
-        near = _is_near(parts.problem, here.q) or (short and end < 1.0)
-        found = home_pose(parts, here.q) if near else None
-        if found is not None and not first.loses(found):
+    here = first
+    for share in np.arange(1, _STEPS) / _STEPS:
+        found = home_pose(at(float(share)), None if here is None else here.q)
+        first = found if first is None else first
+        if found is not None and first is not None and not first.loses(found):
             here = found
-        elif not short:
-            middle = 0.5 * (begin + end)
-            waiting += [(middle, end), (begin, middle)]
-    return here.q
-
-
-def _is_near(problem: ClosureProblem, q: Array) -> bool:
-    """Tell whether a closed pose is near enough for Newton's corrections to contract at once."""
-    partition = problem.partition
-    here = closed_point(problem, q)
-    correction = -here.factors.solve(here.residual)
-    size = norm(correction)
-    if not size <= LARGEST_STEP * partition.length:
-        return False
-    step = np.zeros(partition.column_scale.size)
-    step[partition.passive] = partition.column_scale[partition.passive] * correction
-    ahead = problem.integrate(q, step)
-    error = problem.evaluate(ahead)[0] * partition.row_scale
-    left = norm(here.factors.solve(error))
-    return left <= SLOWEST_CONTRACTION * size or left <= problem.tolerance
+    return None if here is None else here.q
