@@ -1,8 +1,7 @@
 """The home pose followed from some dimensions to others, the motors at rest.
 
-At once, an assembly from the home pose of other dimensions might end on another assembly mode. So a
-stretch of the way is taken at once only where Newton's corrections at its end contract from the
-first on; other stretches are halved.
+At once, an assembly from the home pose of other dimensions might end on another assembly mode: so
+it is followed in twelve steps.
 """
 
 from __future__ import annotations
