@@ -25,6 +25,7 @@ from pmjac_pin.mechanism_value import MechanismValue
 from pmjac_pin.model.loop_spec import Loop
 from pmjac_pin.model.pinocchio_model import Constraint, RobotWrapper, checked_tool, own_model
 from pmjac_pin.model.spec import JointValue, Tool
+from pmjac_pin.model.unit_turns import unit
 from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.values.checks import as_numbers
 
@@ -407,4 +408,4 @@ class Mechanism(MechanismValue):
         values = as_numbers(q, "q")
         if values.shape != (self.nq,):
             raise ArgumentError(f"q has nq = {self.nq} entries, got shape {values.shape}")
-        return self._parts.coordinates.unit(values)
+        return unit(self._parts.model, values)

@@ -30,6 +30,7 @@ from pmjac_pin.configuration import Configuration, frame_name
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import enforced
+from pmjac_pin.model.unit_turns import unit_rows
 from pmjac_pin.values.arrays import Array, Index
 from pmjac_pin.values.checks import as_numbers, check_kind
 
@@ -243,4 +244,4 @@ class Batch:
         if poses.ndim != 2 or poses.shape[1] != self.mechanism.nq:
             wanted = f"(N, {self.mechanism.nq})"
             raise ArgumentError(f"q of shape {wanted} expected, got {poses.shape}")
-        return self.mechanism.coordinates.unit_rows(poses)
+        return unit_rows(self.mechanism.kinematics.model, poses)

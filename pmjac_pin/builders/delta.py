@@ -79,19 +79,17 @@ def delta(
     height = _depth(lengths[0] - lengths[1], float(np.mean(arms)), float(np.mean(rods)), angle)
     model = pin.Model()
     top = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "platform")
-    below = pin.SE3(np.eye(3), np.array([0.0, 0.0, -as_number(tool, "tool")]))
-    model.addFrame(pin.Frame("tool", top, below, pin.FrameType.OP_FRAME))
-    loops = []
+    _add_frame(model, "tool", top, np.array([0.0, 0.0, -as_number(tool, "tool")]))
+    loops: list[DistanceLoop] = []
     for number, (rotation, length, reach) in enumerate(zip(ways, arms, rods, strict=True), start=1):
         foot = pin.SE3(rotation, rotation[:, 0] * lengths[0])
         shoulder = model.addJoint(0, pin.JointModelRY(), foot, f"theta{number}")
         for letter, share in _RODS.items():
-            elbow = pin.SE3(np.eye(3), np.array([length, share * apart, 0.0]))
-            wrist = rotation @ np.array([lengths[1], share * apart, 0.0])
+            at_elbow = np.array([length, share * apart, 0.0])
+            at_wrist = rotation @ np.array([lengths[1], share * apart, 0.0])
             ends = (f"elbow{number}{letter}", f"wrist{number}{letter}")
-            frames = ((shoulder, elbow), (top, pin.SE3(np.eye(3), wrist)))
-            for end, (joint, place) in zip(ends, frames, strict=True):
-                model.addFrame(pin.Frame(end, joint, place, pin.FrameType.OP_FRAME))
+            _add_frame(model, ends[0], shoulder, at_elbow)
+            _add_frame(model, ends[1], top, at_wrist)
             loops.append(DistanceLoop(frames=ends, length=reach))
     motors = [f"theta{number}" for number in range(1, _LEGS + 1)]
     pose = (0.0, 0.0, -height, 0.0, 0.0, 0.0, 1.0)
@@ -104,6 +102,11 @@ def delta(
         name=name,
         tool_rows=("vx", "vy", "vz"),
     )
+
+
+def _add_frame(model: pin.Model, name: str, joint: int, place: Array) -> None:
+    placement = pin.SE3(np.eye(3), place)
+    model.addFrame(pin.Frame(name, joint, placement, pin.FrameType.OP_FRAME))
 
 
 def _three(given: float | ArrayLike, what: str) -> list[float]:

@@ -60,7 +60,7 @@ class Blueprint:
         values = self.spec.parameter_values(given)
         try:
             parts = self._unassembled(values)
-            return assembled(parts, self._start(parts))
+            return assembled(parts, self._start(values))
         except (ClosureError, ModelFileError):
             raise
         except PmjacError as error:
@@ -85,15 +85,13 @@ class Blueprint:
         """The home pose at the defaults, from where all others are followed."""
         return home_pose(self._unassembled(self.spec.parameter_values()))
 
-    def _start(self, parts: Parts) -> Array | None:
+    def _start(self, values: Mapping[str, float]) -> Array | None:
         """Return where to assemble the home pose; the spec's values when None."""
-        defaults, values = self.spec.parameter_values(), parts.values
+        defaults = self.spec.parameter_values()
         if dict(values) == dict(defaults):
             return None
 
         def at(share: float) -> Parts:
-            if share == 1.0:
-                return parts
             return self._unassembled(
                 {name: low + share * (values[name] - low) for name, low in defaults.items()}
             )

@@ -57,20 +57,20 @@ def home_pose(parts: Parts, start: Array | None = None) -> HomePose | None:
 def followed(first: HomePose | None, at: Callable[[float], Parts]) -> Array | None:
     """Return where to assemble the home pose at the end of a way.
 
-    That is the home pose there, or the last on the way while it is regular with the motors at rest;
-    None where there is none.
+    That is the last home pose on the way that is regular with the motors at rest; None where there
+    is none.
 
     Parameters
     ----------
     first : HomePose or None
         At the beginning, None where it is open there; dimensions on the way need not close, either.
     at : callable
-        Share of the way ↦ the parts there, not assembled.
+        Share of the way, less than 1 ↦ the parts there, not assembled.
     """
     here = first
     for share in np.arange(1, _STEPS) / _STEPS:
         found = home_pose(at(float(share)), None if here is None else here.q)
-        first = found if first is None else first
-        if found is not None and first is not None and not first.loses(found):
+        first = first or found
+        if first and found and not first.loses(found):
             here = found
     return None if here is None else here.q

@@ -16,8 +16,8 @@ import pinocchio as pin
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.path_kernel import Memory
-from pmjac_pin.model.coordinates import UNIT
 from pmjac_pin.model.twist_frame import FrameName, change_frame
+from pmjac_pin.model.unit_turns import UNIT
 from pmjac_pin.rates.factorisation import REFINED
 from pmjac_pin.values.arrays import Array, read_only
 

@@ -17,12 +17,11 @@ from numpy.typing import NDArray
 from pmjac_pin.errors import ArgumentError, unknown_name
 from pmjac_pin.model.joint_kind import JointKind
 from pmjac_pin.model.joint_kinds import kind_of
+from pmjac_pin.model.unit_turns import NEARLY_UNIT, unit
 from pmjac_pin.values.arrays import Array, Index, read_only
 from pmjac_pin.values.checks import LARGEST, as_numbers
 
 _LIMIT_SLACK = 1e-9  # m or rad: rounding on the way to a limit is no violation
-UNIT = 1e-14  # how far quaternions and (cos, sin) may be from unit length: rounding
-_NEARLY_UNIT = 1e-6  # what is nearer was of unit length before it was written in few digits
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,12 +46,6 @@ class _Joint:
     def translation(self) -> int:
         """How many entries of q are a translation that turns, and that q shows as it is."""
         return self.kind.slides if self.kind and self.kind.curved else 0
-
-    @property
-    def turn(self) -> slice:
-        """Where q holds what is of unit length, of a kind that has such."""
-        first = self.idx_q + (self.kind.slides if self.kind else 0)
-        return slice(first, self.idx_q + self.nq)
 
 
 class JointCoordinates:
@@ -197,36 +190,6 @@ class JointCoordinates:
         }
         return {name: item[0] if len(item) == 1 else item for name, item in found.items()}
 
-    def unit(self, q: Array) -> Array:
-        """Return q (nq,) with turns of unit length; what is off by rounding stays as it is.
-
-        Raises
-        ------
-        ArgumentError
-            A quaternion or (cos, sin) is not nearly of unit length.
-        """
-        if pin.isNormalized(self._model, q, UNIT):
-            return q
-        if not pin.isNormalized(self._model, q, _NEARLY_UNIT):
-            raise ArgumentError("a quaternion or (cos, sin) in q is not of unit length")
-        unit: Array = pin.normalize(self._model, q)
-        return unit
-
-    def unit_rows(self, q: Array) -> Array:
-        """Return the same of q (N, nq), in a new array where a row is changed."""
-        off = np.zeros(len(q), dtype=bool)
-        for joint in self._joints.values():
-            if joint.nq > joint.nv:
-                lengths = np.linalg.norm(q[:, joint.turn], axis=1)
-                # Of a joint that is Pinocchio's alone it knows which entries are a turn.
-                off |= (np.abs(lengths - 1.0) > 0.5 * UNIT) | (joint.kind is None)
-        if not off.any():
-            return q
-        q = q.copy()
-        for row in np.flatnonzero(off).tolist():
-            q[row] = self.unit(q[row])
-        return q
-
     def pose(self, q: Array) -> dict[str, float | tuple[float, ...]]:
         """Return what `q` takes to give this configuration back, bit by bit."""
         entries = {
@@ -301,10 +264,10 @@ class JointCoordinates:
     def _normalised(self, joint: _Joint, entries: Array) -> Array:
         q = self._neutral.copy()
         q[joint.idx_q : joint.idx_q + joint.nq] = entries
-        if not pin.isNormalized(self._model, q, _NEARLY_UNIT):
+        if not pin.isNormalized(self._model, q, NEARLY_UNIT):
             message = f"the quaternion or (cos, sin) of joint {joint.name!r} is not of unit length"
             raise ArgumentError(message)
-        return self.unit(q)[joint.idx_q : joint.idx_q + joint.nq]
+        return unit(self._model, q)[joint.idx_q : joint.idx_q + joint.nq]
 
 
 def _rotational(model: pin.Model, joints: Sequence[_Joint]) -> NDArray[np.bool_]:

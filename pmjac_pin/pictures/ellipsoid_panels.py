@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,6 +36,38 @@ QUANTITIES = {
 }
 
 
+def draw_ellipsoid(
+    panels: Any,
+    ellipsoid: Ellipsoid,
+    planes: Mapping[str, Any],
+    space: Any = None,
+    symbol: str | None = None,
+) -> Any:
+    """Draw an ellipsoid into places of a figure; return the axes in space, None without a place.
+
+    Parameters
+    ----------
+    panels : matplotlib.figure.SubFigure
+    ellipsoid : Ellipsoid
+    planes : mapping of str to SubplotSpec
+        One at least, by the planes.
+    space : SubplotSpec, optional
+    symbol : str, optional
+        Letter of the axis labels; by default read off the ellipsoid's unit.
+    """
+    scaled = _rescaled(ellipsoid)
+    labels = _axis_labels(symbol or QUANTITIES.get(ellipsoid.unit, ("v", ""))[0], scaled.unit)
+    in_space = None
+    if space is not None:
+        in_space = panels.add_subplot(space, projection="3d", computed_zorder=False)
+        _draw_space(in_space, scaled, labels)
+    for plane, place in planes.items():
+        axes = panels.add_subplot(place)
+        _draw_plane(axes, scaled, plane, labels)
+    _show_radii(panels.figure, axes, ellipsoid)
+    return in_space
+
+
 def check_bounded(ellipsoid: Ellipsoid) -> None:
     """Raise ArgumentError for what is no ellipsoid, or cannot be drawn."""
     if not isinstance(ellipsoid, Ellipsoid):
@@ -49,7 +82,7 @@ def check_bounded(ellipsoid: Ellipsoid) -> None:
         )
 
 
-def rescaled(ellipsoid: Ellipsoid) -> Ellipsoid:
+def _rescaled(ellipsoid: Ellipsoid) -> Ellipsoid:
     """Move very large and small radii into a power of ten in the unit, for short tick labels."""
     largest = float(ellipsoid.radii[0])
     if largest == 0 or 1e-2 <= largest < 1e3:
@@ -59,12 +92,11 @@ def rescaled(ellipsoid: Ellipsoid) -> Ellipsoid:
     return Ellipsoid(ellipsoid.radii / 10.0**exponent, ellipsoid.axes, unit)
 
 
-def axis_labels(symbol: str, unit: str) -> dict[str, str]:
-    """Return the labels of the axes, by x, y and z."""
+def _axis_labels(symbol: str, unit: str) -> dict[str, str]:
     return {axis: f"${symbol}_{axis}$" + (f" [{unit}]" if unit else "") for axis in "xyz"}
 
 
-def show_radii(figure: Any, axes: Any, ellipsoid: Ellipsoid) -> None:
+def _show_radii(figure: Any, axes: Any, ellipsoid: Ellipsoid) -> None:
     """Put a legend below a figure: the lines of a plane's panel, with the radii."""
     radii, unit = ellipsoid.radii.tolist(), ellipsoid.unit
     handles, names = axes.get_legend_handles_labels()
@@ -76,8 +108,7 @@ def _limit(ellipsoid: Ellipsoid) -> float:
     return 1.15 * float(ellipsoid.radii[0]) or 1.0
 
 
-def draw_space(axes: Any, ellipsoid: Ellipsoid, labels: dict[str, str]) -> None:
-    """Draw an ellipsoid with its axes in space."""
+def _draw_space(axes: Any, ellipsoid: Ellipsoid, labels: dict[str, str]) -> None:
     limit = _limit(ellipsoid)
     x, y, z = np.moveaxis(ellipsoid.points(), -1, 0)
     axes.plot_surface(x, y, z, color=_SURFACE, alpha=0.2, linewidth=0, rstride=1, cstride=1)
@@ -123,8 +154,7 @@ def _azimuth(ellipsoid: Ellipsoid) -> float:
     return best[1]
 
 
-def draw_plane(axes: Axes, ellipsoid: Ellipsoid, plane: str, labels: dict[str, str]) -> None:
-    """Draw its section, its shadow and its axes in a coordinate plane."""
+def _draw_plane(axes: Axes, ellipsoid: Ellipsoid, plane: str, labels: dict[str, str]) -> None:
     axes.set_title("–".join(plane.upper()) + " plane", fontsize=10)
     limit = _limit(ellipsoid)
     axes.axhline(0, color=_GRID, linewidth=0.8, zorder=0)

@@ -13,12 +13,8 @@ from pmjac_pin.errors import ArgumentError, did_you_mean, quoted
 from pmjac_pin.pictures.ellipsoid_panels import (
     PLANES,
     QUANTITIES,
-    axis_labels,
     check_bounded,
-    draw_plane,
-    draw_space,
-    rescaled,
-    show_radii,
+    draw_ellipsoid,
 )
 from pmjac_pin.pictures.figures import as_it_is, new_figure
 from pmjac_pin.pictures.pose_figure import headings
@@ -87,7 +83,6 @@ def plot(
     drawn = StickFigures(configuration.mechanism)(configuration)
     view = view_of([drawn])
     shown = _planes(planes, view[2], ellipsoid)
-    in_space = len(shown) > 1
     rows, columns = _GRIDS[len(shown)]
     usual = (_PANEL * columns, _PANEL * rows + _REST)
     heading, lines = headings(report(configuration, frame))
@@ -97,16 +92,9 @@ def plot(
     panels.suptitle(as_it_is(f"{QUANTITIES[ellipsoid.unit][1]}\n{lines}"), fontsize=10)
     grid = panels.add_gridspec(rows, columns)
     _draw_machine(panels.add_subplot(grid[:, 0]), drawn, view)
-    scaled = rescaled(ellipsoid)
-    labels = axis_labels(QUANTITIES[ellipsoid.unit][0], scaled.unit)
     places = [grid[row, column] for row in range(rows) for column in range(1, columns)]
-    if in_space:
-        space = panels.add_subplot(places.pop(0), projection="3d", computed_zorder=False)
-        draw_space(space, scaled, labels)
-    for plane, place in zip(shown, places, strict=False):
-        axes = panels.add_subplot(place)
-        draw_plane(axes, scaled, plane, labels)
-    show_radii(figure, axes, ellipsoid)
+    space = places.pop(0) if len(shown) > 1 else None
+    draw_ellipsoid(panels, ellipsoid, dict(zip(shown, places, strict=True)), space)
     return figure  # type: ignore[no-any-return]
 
 

@@ -8,12 +8,8 @@ from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.pictures.ellipsoid_panels import (
     PLANES,
     QUANTITIES,
-    axis_labels,
     check_bounded,
-    draw_plane,
-    draw_space,
-    rescaled,
-    show_radii,
+    draw_ellipsoid,
 )
 from pmjac_pin.pictures.figures import as_it_is, new_figure
 from pmjac_pin.rates.ellipsoid import Ellipsoid
@@ -73,19 +69,14 @@ def plot_ellipsoid(
     check_bounded(ellipsoid)
     if not isinstance(title, str):
         raise ArgumentError(f"title must be a string, got {quoted(title)}")
-    usual_symbol, usual_quantity = QUANTITIES.get(ellipsoid.unit, ("v", ""))
-    scaled = rescaled(ellipsoid)
-    labels = axis_labels(symbol or usual_symbol, scaled.unit)
     figure: Figure = new_figure(title, (8.4, 8.8), fontsize=13)
     figure.get_layout_engine().set(wspace=0.1, hspace=0.06)  # type: ignore[union-attr, call-arg]
     panels: Any = figure.subfigures(1, 1)
     if subtitle:
         panels.suptitle(as_it_is(subtitle), fontsize=10)
-    space = panels.add_subplot(2, 2, 1, projection="3d", computed_zorder=False)
-    space.set_title(usual_quantity if quantity is None else quantity, fontsize=10)
-    draw_space(space, scaled, labels)
-    for index, plane in enumerate(PLANES, start=2):
-        axes = panels.add_subplot(2, 2, index)
-        draw_plane(axes, scaled, plane, labels)
-    show_radii(figure, axes, ellipsoid)
+    first, *others = panels.add_gridspec(2, 2)
+    planes = dict(zip(PLANES, others, strict=True))
+    space = draw_ellipsoid(panels, ellipsoid, planes, first, symbol)
+    usual = QUANTITIES.get(ellipsoid.unit, ("v", ""))[1]
+    space.set_title(usual if quantity is None else quantity, fontsize=10)
     return figure

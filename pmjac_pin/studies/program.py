@@ -24,6 +24,7 @@ from pmjac_pin.kinematics.recorded import Recorder
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import entry_names
 from pmjac_pin.model.twist_frame import FrameName
+from pmjac_pin.model.unit_turns import unit_rows
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_numbers, check_kind
 
@@ -146,7 +147,7 @@ class Program:
         if not poses.ndim or poses.shape[-1] != count:
             raise ArgumentError(f"q of shape (..., {count}) expected, got {poses.shape}")
         terms = [term for array in self.outputs.values() for term in array.ravel()]
-        rows = self.mechanism.coordinates.unit_rows(poses.reshape(-1, count))
+        rows = unit_rows(self.mechanism.kinematics.model, poses.reshape(-1, count))
         values = run(Tape.of(self.recording, terms), rows.T).T
         ends = np.cumsum([array.size for array in self.outputs.values()])
         parts = np.split(values, ends[:-1], axis=1)

@@ -116,13 +116,7 @@ def sweep(
     hands = Hands(client, min(processes, len(regions)), progress)
     what = identity(work, machine, shape)
     if out is None:
-        if points.count > _MOST_IN_MEMORY:
-            most = f"at most {_MOST_IN_MEMORY:.0e} are kept in memory"
-            raise ArgumentError(f"{points.count:.3g} points without `out`: {most}; name a folder")
-        arrays = {
-            name: VARIABLES[name].empty(points.shape, work.labels, not_done=True)
-            for name in work.measures
-        }
+        arrays = _memory(work)
         with _kept(lambda: _labelled(work, _dataset(work, arrays, {MARK: what}))) as found:
             _in_memory(arrays, work, regions, hands)
         return found()
@@ -134,6 +128,18 @@ def sweep(
     with _kept(lambda: _labelled(work, store.open())) as found:
         _fill(store, work, regions, hands)
     return found()
+
+
+def _memory(work: Work) -> dict[str, NDArray[Any]]:
+    """Return arrays for all points; what is not done is said in them."""
+    points = work.points
+    if points.count > _MOST_IN_MEMORY:
+        most = f"at most {_MOST_IN_MEMORY:.0e} are kept in memory"
+        raise ArgumentError(f"{points.count:.3g} points without `out`: {most}; name a folder")
+    return {
+        name: VARIABLES[name].empty(points.shape, work.labels, not_done=True)
+        for name in work.measures
+    }
 
 
 @contextlib.contextmanager
