@@ -268,3 +268,27 @@ def test_turns_in_few_digits_are_made_of_unit_length():
     one = mechanism.configuration(short).jacobian()
     assert (np.abs(one.J_eq - expected.J_eq) <= one.error_estimate).all()
     np.testing.assert_array_equal(mechanism.configuration(exact).q, exact)
+
+
+@pytest.mark.parametrize("elbow", [0.5, 1e-5, 1e-7, 1e-9, 1e-12, 0.0])
+def test_points_that_hardly_span_a_tool_are_judged_alike(elbow):
+    arm = pj.load("serial_2r").with_tool(["base", "forearm", "forearm_end"])
+    found = pj.batch(arm).jacobian([[0.3, elbow]])
+    try:
+        expected = arm.configuration([0.3, elbow]).jacobian().J_eq
+    except pj.SingularError:
+        assert found.status.tolist() == [pj.Status.SINGULAR]
+        return
+    assert found.status.tolist() == [pj.Status.CLOSED]
+    np.testing.assert_allclose(found.J_eq[0], expected, atol=1e-12)
+
+
+def test_near_singular_poses_have_the_digits_of_single_calls():
+    """Where rates are refined: four of the forty modes are within 1e-5 of a singularity."""
+    machine = pj.load("stewart_gough_dietmaier")
+    modes = pj.assembly_modes(machine, machine.home.actuated, rng=0, proof=False)
+    found = pj.batch(machine).jacobian([mode.q for mode in modes])
+    near = [k for k, mode in enumerate(modes) if mode.singularity().smallest < 1e-5]
+    assert len(near) > 2
+    for k in near:
+        np.testing.assert_array_equal(found.J_eq[k], modes[k].jacobian().J_eq)

@@ -26,6 +26,7 @@ from pmjac_pin.batches.results import (
     Statuses,
 )
 from pmjac_pin.closing.motor_values import motor_table
+from pmjac_pin.closing.recorded_rates import DOUBTS
 from pmjac_pin.configuration import Configuration, frame_name
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
@@ -220,9 +221,8 @@ class Batch:
         def work(piece: Piece) -> list[Array]:
             told = run(tape, poses[piece.at].T)
             judged = self._judge.judged(piece, poses[piece.at], told, "LOCAL_WORLD_ALIGNED")
-            return [
-                *vars(measured(*judged, told[6 + 6 * n :], self._recorded.rates.partition)).values()
-            ]
+            found = measured(*judged, told[DOUBTS + 6 * n :], self._recorded.rates.partition)
+            return list(vars(found).values())
 
         whole = [(len(poses), *shape) for shape in shapes]
         return gathered(ManyMeasures, whole, work, threads, progress)

@@ -9,11 +9,13 @@ import numpy as np
 from pmjac_pin.batches.one_by_one import jacobian_of_one
 from pmjac_pin.batches.pieces import Piece
 from pmjac_pin.batches.results import Statuses
+from pmjac_pin.closing.recorded_rates import DOUBTS, SPREAD
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array
 
+_REFINED = 1e-4  # σ_min of K*, relative: of what is nearer to singular, rates are refined
 _FELT = 1e-13  # of the tool's motion: what idle motions may do to it by rounding
 
 
@@ -35,11 +37,13 @@ class Judge:
     ) -> tuple[Array, Statuses]:
         """Return J_eq of what a tape found, where that is certain, else of the single call."""
         partition, n = self.partition, len(self.mechanism.actuated)
-        gap, inverse, size, forbidden, felt, tool = found[:6]
+        gap, inverse, size, forbidden, felt, tool, spread = found[:DOUBTS]
         least = partition.rank_tolerance * np.maximum(size, partition.least_size)
-        certain = (gap <= self.mechanism.problem.tolerance) & (inverse * least < 1.0)
-        certain &= (forbidden <= least) & (felt <= _FELT * tool) & (not partition.isolated)
-        J_eq = found[6 : 6 + 6 * n].T.reshape(-1, 6, n).copy()
+        certain = gap <= self.mechanism.problem.tolerance
+        certain &= inverse * np.maximum(least, _REFINED * size) < 1.0
+        certain &= (forbidden <= least) & (felt <= _FELT * tool) & (spread > SPREAD)
+        certain &= not partition.isolated
+        J_eq = found[DOUBTS : DOUBTS + 6 * n].T.reshape(-1, 6, n).copy()
         status = np.zeros(len(poses), dtype=np.int8)
         for index in piece.each(~certain):
             J_eq[index], status[index] = jacobian_of_one(self.mechanism, poses[index], frame)

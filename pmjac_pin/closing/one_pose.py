@@ -16,14 +16,14 @@ import pinocchio as pin
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.path_kernel import Memory
+from pmjac_pin.closing.recorded_rates import DOUBTS, SPREAD
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.model.unit_turns import UNIT
 from pmjac_pin.rates.factorisation import REFINED
 from pmjac_pin.values.arrays import Array, read_only
 
 SURELY = 1.0 - 1e-3  # of a bound: what is nearer, singular values decide
-_SPREAD = 1e-6  # sine of the angle between points that span a tool
-_DOUBTS = struct.Struct("7d")
+_DOUBTS = struct.Struct(f"{DOUBTS}d")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,4 +94,4 @@ class OnePose:
         # Nearer to singular, rates are refined, which the program does not do.
         weakest = max(least, REFINED * size)
         certain = gap <= closed and inverse * weakest < SURELY and forbidden <= SURELY * least
-        return KnownPose(gap, told, self._motors) if certain and spread > _SPREAD else None
+        return KnownPose(gap, told, self._motors) if certain and spread > SPREAD else None

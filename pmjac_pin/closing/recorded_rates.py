@@ -26,6 +26,9 @@ from pmjac_pin.rates.sparse_qr import Triangle, norm
 from pmjac_pin.values.arrays import Array, Index
 from pmjac_pin.values.ties import pivots
 
+DOUBTS = 7  # numbers that say whether a J_eq holds
+SPREAD = 1e-6  # of points that span a tool: where they span less, the single call decides
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RecordedEquivalent:
@@ -39,6 +42,8 @@ class RecordedEquivalent:
         ‖K*⁻¹‖ and ‖[K K*]‖, dimensionless.
     forbidden, felt, tool : number
         What K* cannot follow of K; what idle motions do to the tool, and what all joints do.
+    spread : number
+        The sine of the angle at the first of the three points that span a tool; 1 for a frame.
     turning : number
         What all joints do to the tool's orientation, rad/s per scaled rate.
     motions : number
@@ -54,18 +59,16 @@ class RecordedEquivalent:
     forbidden: Any
     felt: Any
     tool: Any
+    spread: Any
     turning: Any
     motions: Any
     J_eq: Numbers
     likeness: Numbers
 
     def judged(self) -> list[Any]:
-        """Return J_eq's entries after what says whether they hold."""
-        return [*self.doubts(), *self.J_eq.ravel()]
-
-    def doubts(self) -> list[Any]:
-        """Return what says whether J_eq holds."""
-        return [self.gap, self.inverse, self.size, self.forbidden, self.felt, self.tool]
+        """Return J_eq's entries after `DOUBTS` numbers, which say whether they hold."""
+        sizes = [self.gap, self.inverse, self.size, self.forbidden, self.felt, self.tool]
+        return [*sizes, self.spread, *self.J_eq.ravel()]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -163,7 +166,7 @@ class RecordedRates:
         return [gap, triangle.inverse_norm(), norm(matrix)], motions
 
     def jacobian_tape(self, frame: FrameName) -> Tape:
-        """Return q ↦ (gap, ‖K*⁻¹‖, ‖[K K*]‖, forbidden, felt, ‖J‖, J_eq).
+        """Return q ↦ (gap, ‖K*⁻¹‖, ‖[K K*]‖, forbidden, felt, ‖J‖, spread, J_eq).
 
         `forbidden` is what K* cannot follow of K, `felt` what idle motions do to the tool: norms
         that vanish where J_eq exists. J_eq is (6, n), in a frame.
@@ -175,7 +178,7 @@ class RecordedRates:
         return self.recordings.tape(f"jacobian {frame}", self.recorder.nq, make)
 
     def pose_tape(self) -> Tape:
-        """Return q ↦ (those of `jacobian_tape` but J_eq, spread, J_eq, tool (12,)).
+        """Return q ↦ (those of `jacobian_tape`, tool (12,)).
 
         Of the tool the position and the rotation (3, 3), as `measures_tape` has them.
         """
@@ -184,7 +187,7 @@ class RecordedRates:
             kinematics = self.recorder.at(q)
             found = self.equivalent(kinematics, "LOCAL_WORLD_ALIGNED")
             tool = [*kinematics.position, *kinematics.rotation.ravel()]
-            return [*found.doubts(), kinematics.spread, *found.J_eq.ravel(), *tool]
+            return [*found.judged(), *tool]
 
         return self.recordings.tape("pose", self.recorder.nq, make)
 
@@ -228,6 +231,7 @@ class RecordedRates:
             forbidden=norm(forbidden),
             felt=norm(felt),
             tool=norm(judged),
+            spread=kinematics.spread,
             turning=norm(tool[3:]),
             motions=norm(np.vstack([np.eye(motors.size), rates[:, idle.size :]]) / scale),
             J_eq=carried[:, idle.size :] / scale,
