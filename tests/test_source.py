@@ -24,14 +24,14 @@ def path(tmp_path):
 
 
 def test_every_suffix_has_a_reader():
-    assert (".toml", *READERS) == SUFFIXES
+    assert {".toml", ".yaml", *READERS} == set(SUFFIXES)  # that of an extended URDF is for it
 
 
 @pytest.mark.parametrize(
     ("name", "message"),
     [
         ("a.urdf.xacro", "xacro's macros are not read; write what they make with: xacro"),
-        ("a.json", "the end of its name tells no format; there are .toml, .urdf, .sdf, .world"),
+        ("a.json", "the end of its name tells no format; there are .toml, .urdf, .yaml, .sdf"),
     ],
 )
 def test_an_end_of_a_name_that_tells_no_format(tmp_path, name, message):

@@ -154,7 +154,7 @@ def test_a_folder_or_its_yaml_stands_for_the_urdf_in_it(folder):
     found = pj.load(folder, actuated=["a"], tool="far_end")
     np.testing.assert_array_equal(found.home.jacobian().J_eq, expected)
     (folder / "other.urdf").write_text(FOUR_BAR)
-    with pytest.raises(pj.ModelFileError, match=r"which URDF is meant\? There are: bar.urdf, oth"):
+    with pytest.raises(pj.ModelFileError, match=r"which file is meant\? There are: bar.urdf, oth"):
         pj.load(folder, tool="far_end")
     (folder / "robot.urdf").write_text(FOUR_BAR.replace('"bar"', '"robot"'))
     assert pj.load(folder, actuated=["a"], tool="far_end").name == "robot"
@@ -180,6 +180,21 @@ def test_the_yaml_of_an_extended_urdf_stands_for_it(tmp_path):
     )
     assert by_yaml.actuated == by_folder.actuated == by_urdf.actuated
     np.testing.assert_array_equal(by_yaml.home.q, by_urdf.home.q)
+
+
+@pytest.mark.parametrize("name", ["loops.yaml", "robot.yml"])
+def test_a_yaml_file_that_is_not_read_with_the_urdf_is_refused(folder, name):
+    """Its loops would be left out without a word."""
+    (folder / name).write_text("closed_loop: [[far_end, rocker]]\ntype: [3d]\nname_mot: [a]\n")
+    with pytest.raises(pj.ModelFileError, match=r"bar\.urdf is not read with this file; name it"):
+        pj.load(folder / name, tool="far_end")
+
+
+@pytest.mark.parametrize("name", ["bar.toml", "bar.sdf"])
+def test_a_folder_with_files_that_may_say_more_asks_which_is_meant(folder, name):
+    (folder / name).write_text("")
+    with pytest.raises(pj.ModelFileError, match="which file is meant"):
+        pj.load(folder, actuated=["a"], tool="far_end")
 
 
 @pytest.mark.parametrize(

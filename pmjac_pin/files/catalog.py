@@ -16,7 +16,7 @@ from pmjac_pin.errors import (
 from pmjac_pin.files.text_file import at_file
 from pmjac_pin.files.user_path import followed, is_file, shown_path, user_path
 
-SUFFIXES = (".toml", ".urdf", ".sdf", ".world", ".xml", ".mjcf")  # of a mechanism
+SUFFIXES = (".toml", ".urdf", ".yaml", ".sdf", ".world", ".xml", ".mjcf")  # of a mechanism
 _EXAMPLE_ROBOTS = "example-robot-data:"
 _LONGEST_PLACES = 300  # characters of all places in which a URDF was looked for
 

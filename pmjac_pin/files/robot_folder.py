@@ -8,45 +8,62 @@ from pmjac_pin.errors import ModelFileError, enumerated
 from pmjac_pin.files.user_path import is_file, is_folder, shown_path
 
 _YAML = (".yaml", ".yml")
+_SAY_MORE = (".toml", ".sdf", ".world")  # than a URDF beside them: they may hold its loops
 _MOST_ENTRIES = 10_000  # of a folder: what is larger is no robot's
 
 
 def urdf_of(path: Path) -> Path:
-    """Return the URDF in a folder, or beside a YAML file; any other path as it is.
+    """Return the URDF in a folder, or that of a YAML file; any other path as it is.
 
-    That of the folder's or the YAML file's own name, or ``robot.urdf``, or the only one.
+    In a folder the one of its name, or ``robot.urdf``, or the only one.
 
     Raises
     ------
     ModelFileError
-        There is none, or several and none of such a name.
+        There is none; there are several, or files that may say more, and it is not clear which is
+        meant; a YAML file that no URDF is read with.
     """
-    folder, name = path, path.name
     if path.suffix.lower() in _YAML:
-        folder, name = path.parent, path.stem
-    elif not is_folder(path):
-        return path
-    for wanted in (name, "robot"):
-        if is_file(found := folder / f"{wanted}.urdf"):
-            return found
-    urdfs = _urdfs(folder)
-    if len(urdfs) == 1:
-        return urdfs[0]
-    where = shown_path(path)
+        return _of_yaml(path)
+    return _in_folder(path, path.name) if is_folder(path) else path
+
+
+def _of_yaml(path: Path) -> Path:
+    from pmjac_pin.files.urdf.extended_urdf import closure_yaml_beside  # noqa: PLC0415
+
+    found = _in_folder(path.parent, path.stem)
+    beside = closure_yaml_beside(found)
+    if is_file(path) and (beside is None or not beside.samefile(path)):
+        message = (
+            f"{shown_path(path)}: {found.name} is not read with this file; name it "
+            f"{found.stem}.yaml or robot.yaml"
+        )
+        raise ModelFileError(message, path=str(path))
+    return found
+
+
+def _in_folder(folder: Path, name: str) -> Path:
+    files = _files(folder)
+    urdfs = [file for file in files if file.suffix.lower() == ".urdf"]
+    others = [file for file in files if file.suffix.lower() in _SAY_MORE]
+    named = [urdf for stem in (name, "robot") for urdf in urdfs if urdf.stem == stem]
+    where = shown_path(folder)
     if not urdfs:
-        raise ModelFileError(f"{where}: there is no URDF in this folder", path=str(path))
-    told = enumerated([found.name for found in urdfs])
-    raise ModelFileError(f"{where}: which URDF is meant? There are: {told}", path=str(path))
+        raise ModelFileError(f"{where}: there is no URDF in this folder", path=str(folder))
+    if others or not (named or len(urdfs) == 1):
+        told = enumerated([file.name for file in (*others, *urdfs)])
+        raise ModelFileError(f"{where}: which file is meant? There are: {told}", path=str(folder))
+    return (named or urdfs)[0]
 
 
-def _urdfs(folder: Path) -> list[Path]:
+def _files(folder: Path) -> list[Path]:
     found = []
     try:
         for count, entry in enumerate(folder.iterdir()):
-            if entry.suffix.lower() == ".urdf":
-                found.append(entry)
             if count > _MOST_ENTRIES:
-                break
+                message = f"{shown_path(folder)}: more than {_MOST_ENTRIES} files"
+                raise ModelFileError(message, path=str(folder))
+            found.append(entry)
     except OSError as error:
         message = f"{shown_path(folder)}: {error.strerror}"
         raise ModelFileError(message, path=str(folder)) from None
