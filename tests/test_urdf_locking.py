@@ -28,6 +28,7 @@ CHAIN = """
     <parent link="slide"/> <child link="tip"/> <origin xyz="0 0 1"/>
   </joint>
 </robot>"""
+LWA = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 VALUES = {"turn": -0.7, "push": 0.4, "spin": 2.5}
 
 
@@ -95,9 +96,10 @@ def test_a_floating_joint_is_held_where_a_pose_puts_it(value: object, q: list[fl
 @pytest.mark.parametrize(
     ("kind", "value", "message"),
     [
-        ("planar", 0.0, "'spin' is planar"),
-        ("floating", 1.0, "'spin' is floating; it is locked at 6 or 7 numbers, or at 0"),
-        ("floating", (1.0, 2.0), "locked at 6 or 7 numbers"),
+        ("fixed", 0.0, "'spin' is fixed; only joints that move can be locked"),
+        ("planar", (1.0, 2.0), "joint 'spin' takes 3 or 4 values, got 2"),
+        ("floating", 1.0, "joint 'spin' takes 6 or 7 values, got 1"),
+        ("floating", (1.0, 2.0), "takes 6 or 7 values, got 2"),
         ("floating", (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.0), "not of unit length"),
         ("continuous", (1.0, 2.0), "'spin' is locked at one number, got 2"),
     ],
@@ -184,8 +186,57 @@ def test_a_base_that_moves_freely_is_held_in_its_home_pose(chain: Path) -> None:
     assert pj.load(chain) == held
 
 
-def test_a_ball_joint_is_not_locked(chain: Path) -> None:
-    (chain.parent / "chain.urdf").write_text(FLOATING)
-    chain.write_text('spherical = ["spin"]\n' + MODEL.replace("spin = 2.5", ""))
-    with pytest.raises(pj.ArgumentError, match="'spin' is a ball joint"):
-        pj.load(chain, locked=["spin"])
+#: A joint's type in the URDF, whether it is a ball, and values of it.
+SEVERAL = {
+    "floating": ("floating", False, (1.0, -2.0, 0.5, 0.3, -0.4, 0.5)),
+    "planar": ("planar", False, (1.0, -2.0, 0.7)),
+    "planar by (cos, sin)": ("planar", False, (1.0, -2.0, 0.6, 0.8)),
+    "ball": ("floating", True, (0.3, -0.4, 0.5)),
+    "ball by its quaternion": ("floating", True, (0.0, 0.6, 0.0, 0.8)),
+    "ball at its origin": ("floating", True, 0.0),
+}
+
+
+@pytest.mark.parametrize(("kind", "ball", "values"), SEVERAL.values(), ids=SEVERAL)
+@pytest.mark.parametrize("said", ["load", "file"])
+def test_a_joint_of_several_freedoms_is_held_where_a_pose_puts_it(
+    chain: Path, kind: str, ball: bool, values: object, said: str
+) -> None:
+    text = CHAIN.replace('name="spin" type="continuous"', f'name="spin" type="{kind}"')
+    text = text.replace('<origin xyz="0 0 1"/>', '<origin xyz="0 0 1"/><axis xyz="0 0 1"/>')
+    (chain.parent / "chain.urdf").write_text(text)
+    head = 'spherical = ["spin"]\n' if ball else ""
+    written = list(values) if isinstance(values, tuple) else values
+    posed = "" if values == 0.0 else f"spin = {written}"
+    chain.write_text(head + MODEL.replace("spin = 2.5", posed))
+    free = pj.load(chain)
+    if said == "file":
+        chain.write_text(head + MODEL.replace("spin = 2.5", f"[locked]\nspin = {written}"))
+    held = pj.load(chain, locked=["spin"] if said == "load" else ())
+    assert held.passive == ()
+    np.testing.assert_allclose(
+        held.home.tool_pose.homogeneous, free.home.tool_pose.homogeneous, atol=1e-14
+    )
+    J = held.close([0.2, -0.3]).jacobian().Jv_eq
+    pose = {**free.home.joint_values, "turn": 0.2, "push": -0.3}
+    at = free.configuration(free.coordinates.q(pose))
+    tool = pin.computeFrameJacobian(
+        free.model, free.model.createData(), at.q, free.model.getFrameId("tip"), LWA
+    )
+    np.testing.assert_allclose(J, tool[:3, :2], atol=1e-14)
+
+
+@pytest.mark.parametrize("kind", ["floating", "planar", "ball"])
+def test_the_advice_for_a_loose_joint_is_taken(chain: Path, kind: str) -> None:
+    written = "floating" if kind == "ball" else kind
+    text = CHAIN.replace('name="spin" type="continuous"', f'name="spin" type="{written}"')
+    text = text.replace('<origin xyz="0 0 1"/>', '<origin xyz="0 0 1"/><axis xyz="0 0 1"/>')
+    (chain.parent / "chain.urdf").write_text(text)
+    head = 'spherical = ["spin"]\n' if kind == "ball" else ""
+    chain.write_text(head + MODEL.replace("spin = 2.5", ""))
+    errors = [f for f in pj.check(chain).findings if f.severity == "error"]
+    assert [f.code for f in errors] == ["free-joint"]
+    assert "`--locked spin`" in errors[0].advice
+    assert not [
+        f for f in pj.check(pj.load(chain, locked=["spin"])).findings if f.severity == "error"
+    ]

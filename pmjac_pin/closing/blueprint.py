@@ -69,7 +69,7 @@ class Blueprint:
     def _unassembled(self, values: Mapping[str, float]) -> Parts:
         spec = self.spec
         moved = self.urdf.moved(spec.moves(values))
-        urdf = lock_joints(moved, spec.locked, spec.helical)
+        urdf = lock_joints(moved, spec.locked, spec.helical, spec.spherical)
         return unassembled(_pinocchio_model(urdf, spec), spec, values, urdf)
 
     @found_once
@@ -105,7 +105,7 @@ def _pinocchio_model(urdf: Urdf, spec: MechanismSpec) -> pin.Model:
     except (RuntimeError, ValueError) as error:
         message = f"Pinocchio cannot build the tree: {str(error).splitlines()[0]}"
         raise ArgumentError(message) from None
-    if spec.spherical:
-        model = with_spherical(model, spec.spherical)
+    if balls := tuple(name for name in spec.spherical if name not in spec.locked):
+        model = with_spherical(model, balls)
     helical = {name: pitch for name, pitch in spec.helical.items() if name not in spec.locked}
     return with_helical(model, helical) if helical else model

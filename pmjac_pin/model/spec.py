@@ -94,8 +94,9 @@ class MechanismSpec(TomlTable, frozen=True, kw_only=True):
     loops : tuple of PointLoop, DistanceLoop, ...
         ``[[loop]]`` in the file; `pmjac_pin.model.loop_spec` has all kinds.
     locked : mapping of str to float
-        Joints that are held, at these values in rad or m: springs at rest, brakes. A ``floating``
-        one, such as a walking robot's base, at its values as in a pose; at its origin where 0.
+        Joints that are held, at these values in rad or m: springs at rest, brakes. One of several
+        degrees of freedom, such as a walking robot's base or a ball, at its values as in a pose;
+        at its origin where 0.
     spherical : tuple of str
         Joints that the URDF writes as ``floating`` for want of a ball joint: they only turn.
     helical : mapping of str to float
@@ -159,8 +160,6 @@ class MechanismSpec(TomlTable, frozen=True, kw_only=True):
     def _check_locked(self) -> None:
         uses = {"actuated": self.actuated, "passive": self.passive or ()}
         for name in self.locked:
-            if name in self.spherical:
-                raise ArgumentError(f"joint {quoted(name)} is a ball joint; it cannot be locked")
             for use, names in (*uses.items(), *((f"poses.{k}", v) for k, v in self.poses.items())):
                 if name in names:
                     raise ArgumentError(f"joint {quoted(name)} is locked; remove it from `{use}`")
@@ -177,7 +176,7 @@ class MechanismSpec(TomlTable, frozen=True, kw_only=True):
         Raises
         ------
         ArgumentError
-            A motor, a ball joint, or a value that is no number.
+            A motor, or a value that is no number.
         """
         names = as_names(joints, "`locked` is a list of joints or a mapping")
         home = {**self.locked, **self.poses["home"]}

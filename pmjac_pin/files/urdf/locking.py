@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from types import MappingProxyType
 from xml.etree.ElementTree import Element, SubElement
 
@@ -12,15 +12,21 @@ import pinocchio as pin
 from pmjac_pin.errors import ArgumentError, LimitError, unknown_name
 from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.files.xml_text import numbers, written
+from pmjac_pin.model.coordinates import JointCoordinates
+from pmjac_pin.model.joint_kinds import JOINT_KINDS
 from pmjac_pin.model.spec import JointValue
 
-_OF_UNIT_LENGTH = 1e-6
+#: URDF's joints of several degrees of freedom, by the names that the kinds have.
+_SEVERAL = {"floating": "free", "planar": "planar"}
 _AXIS = "1 0 0"  # URDF's, where a joint gives none
 _NO_PITCHES: Mapping[str, float] = MappingProxyType({})
 
 
 def lock_joints(
-    urdf: Urdf, values: Mapping[str, JointValue], pitches: Mapping[str, float] = _NO_PITCHES
+    urdf: Urdf,
+    values: Mapping[str, JointValue],
+    pitches: Mapping[str, float] = _NO_PITCHES,
+    balls: Collection[str] = (),
 ) -> Urdf:
     """Return the URDF with these joints fixed at these values.
 
@@ -28,18 +34,20 @@ def lock_joints(
     ----------
     urdf : Urdf
     values : mapping of str to float or floats
-        Revolute, continuous or prismatic joints, and their values in rad or m. Floating joints,
-        and their translation in m with a rotation vector (6 numbers) or a quaternion xyzw (7);
-        0 for their origin.
+        Revolute, continuous or prismatic joints, and their values in rad or m. Floating, planar
+        and ball joints, and their values as in a pose: translation in m, then an angle, a rotation
+        vector, (cos, sin) or a quaternion xyzw; 0 for their origin.
     pitches : mapping of str to float, optional
         How far joints that turn slide as well, m/rad.
+    balls : collection of str, optional
+        Floating joints that only turn.
 
     Raises
     ------
     UnknownNameError
         A joint that the URDF does not have.
     ArgumentError
-        A planar joint, or values that do not fit the joint.
+        A joint that is fixed, or values that do not fit the joint.
     LimitError
         A value outside the joint's limits.
 
@@ -59,26 +67,33 @@ def lock_joints(
         if name not in joints:
             moving = tuple(joint.name for joint in urdf.joints if joint.type != "fixed")
             raise unknown_name("joint", name, moving)
-        _lock_joint(joints[name], value, pitches.get(name, 0.0))
+        if (kind := joints[name].get("type", "")) in _SEVERAL:
+            several = "spherical" if name in balls else _SEVERAL[kind]
+            motion = _placement(several, name, value)
+        else:
+            motion = _motion(joints[name], value, pitches.get(name, 0.0))
+        _fix(joints[name], motion)
     return urdf.changed(robot, values.keys())
 
 
-def _lock_joint(joint: Element, value: JointValue, pitch: float) -> None:
-    name, kind = joint.get("name", ""), joint.get("type", "")
-    if kind == "floating":
-        _shift_origin(joint, _floating_placement(name, value))
-    elif kind not in ("revolute", "continuous", "prismatic"):
-        wanted = "revolute, continuous, prismatic and floating joints can be locked"
-        raise ArgumentError(f"joint {name!r} is {kind}; {wanted}")
-    elif not isinstance(value, float | int):
-        raise ArgumentError(f"joint {name!r} is locked at one number, got {len(value)}")
-    else:
-        _check_limits(joint, value)
-        _shift_origin(joint, _motion_at(joint, value, pitch))
+def _fix(joint: Element, motion: pin.SE3) -> None:
+    """Make a joint fixed where this motion takes it."""
+    _shift_origin(joint, motion)
     for tag in ("axis", "limit", "dynamics"):
         for element in joint.findall(tag):
             joint.remove(element)
     joint.set("type", "fixed")
+
+
+def _motion(joint: Element, value: JointValue, pitch: float) -> pin.SE3:
+    """Return the motion of a joint of one degree of freedom at a value that it may have."""
+    name, kind = joint.get("name", ""), joint.get("type", "")
+    if kind not in ("revolute", "continuous", "prismatic"):
+        raise ArgumentError(f"joint {name!r} is {kind}; only joints that move can be locked")
+    if not isinstance(value, float | int):
+        raise ArgumentError(f"joint {name!r} is locked at one number, got {len(value)}")
+    _check_limits(joint, value)
+    return _motion_at(joint, value, pitch)
 
 
 def _check_limits(joint: Element, value: float) -> None:
@@ -104,18 +119,15 @@ def _motion_at(joint: Element, value: float, pitch: float) -> pin.SE3:
     return pin.SE3(pin.exp3(step), pitch * step)
 
 
-def _floating_placement(name: str, value: JointValue) -> pin.SE3:
-    """Return where a floating joint is at its values, as a pose gives them."""
-    values = np.atleast_1d(np.array(value, dtype=float))
-    if values.shape == (1,) and values[0] == 0.0:
-        return pin.SE3.Identity()
-    if values.shape not in ((6,), (7,)):
-        raise ArgumentError(f"joint {name!r} is floating; it is locked at 6 or 7 numbers, or at 0")
-    if values.size == 6:
-        return pin.SE3(pin.exp3(values[3:]), values[:3])
-    if abs(np.linalg.norm(values[3:]) - 1.0) > _OF_UNIT_LENGTH:
-        raise ArgumentError(f"the quaternion of joint {name!r} is not of unit length")
-    return pin.SE3(pin.Quaternion(values[3:]).normalized(), values[:3])
+def _placement(kind: str, name: str, value: JointValue) -> pin.SE3:
+    """Return where a joint of several degrees of freedom is at its values, as a pose gives them."""
+    model = pin.Model()
+    model.addJoint(0, JOINT_KINDS[kind].built(0.0), pin.SE3.Identity(), name)
+    at_origin = isinstance(value, float | int) and value == 0
+    q = JointCoordinates(model).q({} if at_origin else {name: value})
+    data = model.createData()
+    pin.forwardKinematics(model, data, q)
+    return data.oMi[1].copy()
 
 
 def _shift_origin(joint: Element, motion: pin.SE3) -> None:

@@ -9,6 +9,8 @@ from pmjac_pin.rates.factorisation import RANK_TOLERANCE
 from pmjac_pin.studies.check.diagnosis import Diagnosis, Finding, FreeMotion, Severity
 
 _MOST_LISTED = 6  # listed in one sentence
+#: Joints of several degrees of freedom that `locked` holds.
+_LOCKABLE = ("floating", "planar", "spherical")
 
 
 def in_words(rates: Mapping[str, float]) -> str:
@@ -105,7 +107,7 @@ def _held(joints: Sequence[str], several: Sequence[tuple[str, int]]) -> str:
     """Say how to hold what is loose: a motor moves one degree of freedom, and no more."""
     if not several:
         return "Name it under `actuated`, or close a loop over it"
-    if all(kind == "floating" for kind, _ in several):
+    if all(kind in _LOCKABLE for kind, _ in several):
         listed = ", ".join(f'"{name}"' for name in joints)
         line = f"`--locked {','.join(joints)}` (`locked=[{listed}]` of `load`)"
         return f"Hold it where it stands with {line}, or close a loop over it"
