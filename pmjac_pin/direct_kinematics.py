@@ -13,9 +13,8 @@ from pmjac_pin.closing.closure import MOST_STEPS, Followed
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.damped_closure import Assembled, assemble
 from pmjac_pin.closing.held_motors import assemble_held
-from pmjac_pin.closing.motor_values import motor_values
+from pmjac_pin.closing.motor_values import by_joint, motor_values
 from pmjac_pin.closing.over_actuation import ties_in_words, walk
-from pmjac_pin.closing.parts import Parts
 from pmjac_pin.closing.pose_assembly import motor_weights
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError
@@ -79,7 +78,8 @@ def _closed(mechanism: Mechanism, start: Configuration, values: Array) -> Config
 def _walked(mechanism: Mechanism, start: Configuration, values: Array) -> Followed:
     """Walk from a closed pose to motor values by singular values."""
     parts = mechanism._parts
-    displacement, problem = _displacement(parts, start, values), start._problem
+    problem, motors = start._problem, parts.problem.partition.actuated
+    displacement = parts.coordinates.motion_to(start.q, motors, values)
     if problem is not parts.problem:
         parts = replace(parts, problem=problem)
     return walk(parts, mechanism._step_guard, start._point, displacement, values)
@@ -89,7 +89,7 @@ def check_limits(mechanism: Mechanism, values: Array) -> None:
     """Raise LimitError where a motor value is outside its joint's limits."""
     parts = mechanism._parts
     for name in parts.coordinates.outside(values, parts.problem.partition.actuated):
-        value = float(values[parts.spec.actuated.index(name)])
+        value = float(values[mechanism.actuated.index(name)])
         found = {name: Violation.of(parts.coordinates, name, value)}
         raise limit_error("motor ", found, "; enforce_limits=False turns this check off")
 
@@ -120,7 +120,7 @@ def _assembled_at_guess(
 ) -> Configuration:
     """Assemble at the guessed joint values; motors it does not name start at their target."""
     parts = mechanism._parts
-    motors = dict(zip(parts.spec.actuated, map(float, values), strict=True))
+    motors = by_joint(parts.spec, parts.coordinates, values)
     q = parts.coordinates.q({**motors, **guess}, parts.home_q)
     pose = _held(parts.problem, q)
     if pose.gap > parts.problem.tolerance:
@@ -145,16 +145,6 @@ def _held(problem: ClosureProblem, q: Array) -> Assembled:
     near = norm(apart) <= _SAME * problem.partition.length
     # From a regular pose whose gap is rounding, starts around it lead to other modes.
     return best if near or factors.rank < problem.partition.passive_rank else first
-
-
-def _displacement(parts: Parts, start: Configuration, values: Array) -> Array:
-    """Return target minus start; a joint that turns endlessly goes the shorter way."""
-    displacement: Array = values - start.actuated
-    wraps = parts.coordinates.wraps[parts.problem.partition.actuated]
-    if wraps.any():
-        turns = np.round(displacement[wraps] / (2.0 * np.pi))
-        displacement[wraps] -= 2.0 * np.pi * turns
-    return displacement
 
 
 def _stopped(

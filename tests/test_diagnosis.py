@@ -302,14 +302,17 @@ LOOSE_BASE = """<robot name="base">
 
 @pytest.mark.parametrize(("kind", "freedoms"), [("floating", 6), ("planar", 3)])
 def test_a_loose_base_is_one_finding_with_advice_that_is_taken(tmp_path, kind, freedoms):
-    """Not one for each freedom, and no advice to make it a motor, which is refused."""
+    """Not one for each freedom; it may be held, and its motion may be an input."""
     path = tmp_path / "base.urdf"
     path.write_text(LOOSE_BASE.format(kind=kind))
     says = {"actuated": ["hip"], "tool": "leg"}
     found = finding(pj.check(path, **says), "free-joint")
     assert found.severity == "error"
     assert f"'root' ({kind}, {freedoms} degrees of freedom)" in found.message
-    assert "actuated" not in found.advice
+    assert "name it under `actuated`" in found.advice
+    led = pj.load(path, actuated=["root", "hip"], tool="leg")
+    assert not codes(pj.check(led), "error")
+    assert led.home.jacobian().J_eq.shape == (6, freedoms + 1)
     locked = re.findall(r"`locked=\[\"(\w+)\"\]`", found.advice)
     assert locked == ["root"]
     assert not codes(pj.check(path, **says, locked=locked), "error")

@@ -25,7 +25,7 @@ class Closing:
     ----------
     mechanism : Mechanism
     walker : Walker or None
-        None where nothing is recorded.
+        None where nothing is recorded: by single calls.
     """
 
     mechanism: Mechanism
@@ -33,7 +33,9 @@ class Closing:
 
     @classmethod
     def of(cls, mechanism: Mechanism) -> Closing:
-        """Record what is needed."""
+        """Record what is needed; nothing where motors are of several freedoms."""
+        if not mechanism._recorded.walks:
+            return cls(mechanism, None)
         move, arrival, leg = mechanism._recorded.walking
         return cls(mechanism, Walker(mechanism._parts.problem, move, arrival, leg, run))
 
@@ -78,8 +80,8 @@ class Closing:
     ) -> tuple[Array, Array, Mask]:
         """Walk all paths by the program; return q, share, and of which this is certain."""
         coordinates, partition = self.mechanism.coordinates, self.mechanism.problem.partition
+        # Without a walker, or where some motors lead and others are led, single calls know the way.
         if self.walker is None or partition.constraint_rank > partition.passive_rank:
-            # Some motors lead and others are led: the single call knows which.
             return start.copy(), np.zeros(len(values)), np.zeros(len(values), dtype=bool)
         motors = partition.actuated
         displacement = values - coordinates.values_of(start, motors)

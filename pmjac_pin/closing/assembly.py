@@ -219,9 +219,10 @@ def _partition(
 def _passive_names(spec: MechanismSpec, coordinates: JointCoordinates) -> tuple[str, ...]:
     """Return the passive joints, or say why these motors and joints do not make up the tree."""
     for name in spec.actuated:
-        if (count := coordinates.degrees_of_freedom(name)) != 1:
-            message = f"a motor moves one degree of freedom; joint {name!r} has {count}"
-            raise ArgumentError(message)
+        count = coordinates.degrees_of_freedom(name)
+        if count != 1 and not (count and coordinates.is_known(name)):
+            message = f"joint {name!r}, of {count} degrees of freedom, is of no known kind"
+            raise ArgumentError(f"{message}: it cannot be a motor")
     others = tuple(name for name in coordinates.names if name not in spec.actuated)
     passive = others if spec.passive is None else tuple(spec.passive)
     for name in passive:

@@ -27,7 +27,8 @@ def motor_values(spec: MechanismSpec, coordinates: JointCoordinates, actuated: A
         Which joints are motors, and all that there are.
     actuated : array_like, shape (n,), or mapping of str to float
         m or rad. What has names, as a mapping or a pandas Series, is taken by them; the rest in
-        the motors' order.
+        the motors' order. A joint of several degrees of freedom has a value for each, as in
+        `Configuration.joint_values`; by its own name, it takes all of them, or its entries of q.
 
     Raises
     ------
@@ -36,9 +37,9 @@ def motor_values(spec: MechanismSpec, coordinates: JointCoordinates, actuated: A
     ArgumentError
         Another number of values, a motor without a value, or values that are no finite numbers.
     """
-    names = spec.actuated
+    names = coordinates.dof_names(spec.actuated)
     if (by_name := named_values(actuated, "motor values")) is not None:
-        return _in_order(names, coordinates, by_name)
+        return _in_order(names, coordinates, _by_freedom(spec, coordinates, by_name))
     values = np.atleast_1d(as_numbers(actuated, "motor values"))
     if values.shape != (len(names),):
         got = str(values.size) if values.ndim == 1 else f"shape {values.shape}"
@@ -64,7 +65,7 @@ def motor_table(spec: MechanismSpec, coordinates: JointCoordinates, actuated: An
     UnknownNameError, ArgumentError
         As `motor_values`; columns of unlike lengths.
     """
-    names = spec.actuated
+    names = coordinates.dof_names(spec.actuated)
     if (columns := _columns(actuated)) is not None:
         _check_names(names, coordinates, columns)
         ordered = [as_numbers(columns[name], f"values of motor {name!r}") for name in names]
@@ -117,6 +118,33 @@ def _check_names(
     if missing := [name for name in names if name not in given]:
         plural = "s" * (len(missing) > 1)
         raise ArgumentError(f"no value is given for motor{plural} {', '.join(map(repr, missing))}")
+
+
+def by_joint(
+    spec: MechanismSpec, coordinates: JointCoordinates, values: Array
+) -> dict[str, float | tuple[float, ...]]:
+    """Return motor values (n,) by the motors' names, of each its value or its tuple of values."""
+    found, rest = {}, values.tolist()
+    for name in spec.actuated:
+        count = coordinates.degrees_of_freedom(name)
+        found[name] = rest[0] if count == 1 else tuple(rest[:count])
+        del rest[:count]
+    return found
+
+
+def _by_freedom(
+    spec: MechanismSpec, coordinates: JointCoordinates, by_name: dict[Any, Any]
+) -> dict[Any, Any]:
+    """Return values by the names of degrees of freedom, those of a whole joint taken apart."""
+    found: dict[Any, Any] = {}
+    for name, given in by_name.items():
+        if name in spec.actuated and coordinates.degrees_of_freedom(name) > 1:
+            values = coordinates.values(coordinates.q({name: given}))
+            own = values[coordinates.columns([name])].tolist()
+            found.update(zip(coordinates.dof_names([name]), own, strict=True))
+        else:
+            found[name] = given
+    return found
 
 
 def _in_order(

@@ -95,10 +95,10 @@ def motor_weights(problem: ClosureProblem, motor_weight: float) -> Array:
 
 def check_motors(coordinates: JointCoordinates, q: Array, spec: MechanismSpec, what: str) -> None:
     """Raise LimitError where a motor is outside its limits; the message starts with `what`."""
-    columns = coordinates.columns(spec.actuated)
+    columns, names = coordinates.columns(spec.actuated), coordinates.dof_names(spec.actuated)
     values = coordinates.values(q)[columns]
     for name in coordinates.outside(values, columns):
-        value = float(values[spec.actuated.index(name)])
+        value = float(values[names.index(name)])
         found = {name: Violation.of(coordinates, name, value)}
         raise limit_error(f"{what} a motor beyond its limits: ", found)
 

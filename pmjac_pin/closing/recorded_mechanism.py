@@ -102,6 +102,12 @@ class RecordedMechanism:
         recorder = Recorder(parts.model, parts.spec, parts.values, parts.place)
         return RecordedRates.at(recorder, parts.problem, parts.home_q, self._recordings)
 
+    @property
+    def walks(self) -> bool:
+        """Whether programs know how motors go: their values add up."""
+        parts = self._parts
+        return not parts.coordinates.curved[parts.problem.partition.actuated].any()
+
     @cached_property
     def walking(self) -> tuple[Tape, Tape, Tape]:
         """What a `Walker` of many paths takes: moves, arrivals and legs."""
@@ -143,6 +149,8 @@ class RecordedMechanism:
         from pmjac_pin.closing.path_kernel import path_kernel  # noqa: PLC0415
 
         if (library := path_kernel()) is None or not self._determined:
+            return None
+        if not self.walks:
             return None
         try:
             tapes = self.walking

@@ -60,9 +60,10 @@ class JointCoordinates:
     ----------
     names : tuple of str
         The joints, in Pinocchio's order.
-    rotational, angles, wraps : ndarray of bool, shape (nv,)
-        Which rates are in rad/s; which of these are of one angle in q, full turns and all; and
-        which of an angle that q has as (cos, sin).
+    rotational, angles, wraps, curved : ndarray of bool, shape (nv,)
+        Which rates are in rad/s; which of these are of one angle in q, full turns and all; which
+        of an angle that q has as (cos, sin); and which are of a joint of several freedoms whose
+        steps do not add up in q.
     lower, upper : ndarray, shape (nv,)
         Limits, m or rad, infinite where there are none.
     """
@@ -74,6 +75,7 @@ class JointCoordinates:
         "_neutral",
         "_translating",
         "angles",
+        "curved",
         "lower",
         "names",
         "rotational",
@@ -95,14 +97,16 @@ class JointCoordinates:
             raise ArgumentError(f"two joints of the model are named {twice!r}")
         self.names: tuple[str, ...] = tuple(self._joints)
         self.rotational = _rotational(model, joints)
-        self.wraps = np.zeros(model.nv, dtype=bool)
+        self.wraps, self.curved = np.zeros((2, model.nv), dtype=bool)
         self.lower, self.upper = np.full(model.nv, -np.inf), np.full(model.nv, np.inf)
         self.angles = np.zeros(model.nv, dtype=bool)
         self._entries_of = np.zeros(model.nv, dtype=np.intp)
         self._translating = [joint for joint in joints if joint.translation]
         for joint in joints:
             self.wraps[joint.idx_v] = (joint.nq, joint.nv) == (2, 1)
-            self._entries_of[joint.idx_v] = joint.idx_q
+            own = slice(joint.idx_v, joint.idx_v + joint.nv)
+            self._entries_of[own] = joint.idx_q + np.arange(joint.nv)
+            self.curved[own] = joint.nv > 1 and joint.nq != joint.nv
             if joint.nq == 1:
                 self.angles[joint.idx_v] = joint.kind is not None and joint.kind.endless
                 lower = float(model.lowerPositionLimit[joint.idx_q])
@@ -110,7 +114,7 @@ class JointCoordinates:
                 # Pinocchio writes the largest double where there is no limit.
                 self.lower[joint.idx_v] = lower if lower > -LARGEST else -np.inf
                 self.upper[joint.idx_v] = upper if upper < LARGEST else np.inf
-        for name in ("angles", "lower", "rotational", "upper", "wraps"):
+        for name in ("angles", "curved", "lower", "rotational", "upper", "wraps"):
             setattr(self, name, read_only(getattr(self, name)))
 
     def columns(self, names: Iterable[str]) -> Index:
@@ -128,6 +132,10 @@ class JointCoordinates:
         """Return the number of degrees of freedom of a joint."""
         return self._joint(name).nv
 
+    def is_known(self, name: str) -> bool:
+        """Tell whether a joint is of a kind in the table of joints."""
+        return self._joint(name).kind is not None
+
     def entry(self, column: int) -> int:
         """Return where q holds a freedom's value, or its cosine and behind it its sine."""
         return int(self._entries_of[column])
@@ -142,11 +150,14 @@ class JointCoordinates:
         return values
 
     def with_values(self, q: Array, columns: Index, values: Array) -> Array:
-        """Return q with the values of these columns, of joints with one degree of freedom.
+        """Return q with the values of these columns; both may have any leading axes, the same.
 
-        Both may have any leading axes, the same.
+        A curved joint takes them where all its columns are among these, and stays elsewhere.
         """
         q = q.copy()
+        if (curved := self.curved[columns]).any():
+            self._set_curved(q, columns, values)
+            columns, values = columns[~curved], values[..., ~curved]
         entries, wraps = self._entries_of[columns], self.wraps[columns]
         if wraps.any():
             q[..., entries[wraps] + 1] = np.sin(values[..., wraps])
@@ -155,15 +166,29 @@ class JointCoordinates:
         return q
 
     def values_of(self, q: Array, columns: Index) -> Array:
-        """Return the values of these columns, of joints with one degree of freedom.
-
-        q may have any leading axes.
-        """
+        """Return the values of these columns; q may have any leading axes."""
+        if self.curved[columns].any():
+            rows = [self.values(row)[columns] for row in q.reshape(-1, q.shape[-1])]
+            return np.reshape(rows, (*q.shape[:-1], columns.size))
         entries, wraps = self._entries_of[columns], self.wraps[columns]
         values: Array = q[..., entries]
         if wraps.any():
             values[..., wraps] = np.arctan2(q[..., entries[wraps] + 1], values[..., wraps])
         return values
+
+    def motion_to(self, q: Array, columns: Index, values: Array) -> Array:
+        """Return the rates of these columns that take q to these values in one unit of time.
+
+        What turns endlessly goes the shorter way; a curved joint goes along a constant twist.
+        """
+        motion: Array = values - self.values_of(q, columns)
+        wraps, curved = self.wraps[columns], self.curved[columns]
+        if wraps.any():
+            motion[wraps] -= 2.0 * np.pi * np.round(motion[wraps] / (2.0 * np.pi))
+        if curved.any():
+            there = self.with_values(q, columns, values)
+            motion[curved] = pin.difference(self._model, q, there)[columns[curved]]
+        return motion
 
     def q(self, poses: Mapping[str, float | Sequence[float]], base: Array | None = None) -> Array:
         """Return q with these joints' values, the others as in `base` (neutral when None).
@@ -232,6 +257,19 @@ class JointCoordinates:
         wrong = set(columns[beyond].tolist())
         return [joint.name for joint in self._joints.values() if joint.idx_v in wrong]
 
+    def _set_curved(self, q: Array, columns: Index, values: Array) -> None:
+        """Set entries of curved joints, in place."""
+        place = {column: k for k, column in enumerate(columns.tolist())}
+        for joint in self._joints.values():
+            own = [place.get(joint.idx_v + k) for k in range(joint.nv)]
+            if None in own or not self.curved[joint.idx_v]:
+                continue
+            taken = values[..., np.array(own, dtype=np.intp)].reshape(-1, joint.nv)
+            entries = np.array([self._of_values(joint, row) for row in taken])
+            q[..., joint.idx_q : joint.idx_q + joint.nq] = entries.reshape(
+                *values.shape[:-1], joint.nq
+            )
+
     def _joint(self, name: str) -> _Joint:
         joint = self._joints.get(name) if isinstance(name, str) else None
         if joint is not None:
@@ -252,6 +290,10 @@ class JointCoordinates:
             plural = "" if wanted == "1" else "s"
             message = f"joint {joint.name!r} takes {wanted} value{plural}, got {values.size}"
             raise ArgumentError(message)
+        return self._of_values(joint, values)
+
+    def _of_values(self, joint: _Joint, values: Array) -> Array:
+        """Return a joint's entries of q at its nv values."""
         tangent = np.zeros(self._model.nv)
         tangent[joint.idx_v : joint.idx_v + joint.nv] = values
         size = joint.translation

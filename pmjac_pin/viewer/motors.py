@@ -14,7 +14,9 @@ _ENDLESS = 1e12  # no machine has such a limit
 
 
 def motors_of(mechanism: Mechanism) -> tuple[Motor, ...]:
-    """Return the motors in their order; one without limits gets a slider of a sensible range.
+    """Return the motors of one degree of freedom, in their order.
+
+    One without limits gets a slider of a sensible range.
 
     Examples
     --------
@@ -25,6 +27,8 @@ def motors_of(mechanism: Mechanism) -> tuple[Motor, ...]:
     model = mechanism.model
     motors = []
     for name, home in zip(mechanism.actuated, mechanism.home.actuated.tolist(), strict=True):
+        if name not in mechanism.coordinates.names:
+            continue  # of a joint of several degrees of freedom: no slider
         unit, (lower, upper) = mechanism.units[name], mechanism.limits(name)
         joint = model.joints[model.getJointId(name)]
         pitch = abs(pitch_of(joint))

@@ -130,16 +130,24 @@ class Session:
         count = len(self._motors)
         if len(values) != count:
             raise ArgumentError(f"{count} motor values expected, got {len(values)}")
-        now = self.configuration.actuated.tolist()
-        target = [was if value is None else value for was, value in zip(now, values, strict=True)]
-        for motor, value in zip(self._motors, target, strict=True):
+        names = self.mechanism.actuated
+        target: list[float] = self.configuration.actuated.tolist()
+        for motor, value in zip(self._motors, values, strict=True):
+            if value is None:
+                continue
             if not math.isfinite(value):
                 raise ArgumentError("motor values must be finite numbers")
             farthest = max(WIDEST_SLIDER, -motor.lower, motor.upper)
             if abs(value) > farthest:
                 message = f"{motor.name} = {value:g} is beyond ±{farthest:g} {motor.unit}"
                 raise ArgumentError(message)
+            target[names.index(motor.name)] = value
         return target
+
+    def _values(self) -> tuple[float, ...]:
+        """Return the motors' values, as the sliders show them."""
+        values = dict(zip(self.mechanism.actuated, self.configuration.actuated, strict=True))
+        return tuple(float(values[motor.name]) for motor in self._motors)
 
     def _close(self, target: list[float]) -> Configuration:
         try:
@@ -202,7 +210,7 @@ class Session:
         return State(
             id=number,
             pose=self.pose,
-            values=tuple(self.configuration.actuated.tolist()),
+            values=self._values(),
             readout=self.readout(),
             notice=self.notice,
             drawn=Drawn(

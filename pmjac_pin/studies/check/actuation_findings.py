@@ -104,14 +104,15 @@ def _loose(joints: Sequence[str], felt: bool, several: Sequence[tuple[str, int]]
 
 
 def _held(joints: Sequence[str], several: Sequence[tuple[str, int]]) -> str:
-    """Say how to hold what is loose: a motor moves one degree of freedom, and no more."""
+    """Say how to hold what is loose, or what makes its motion an input."""
     if not several:
         return "Name it under `actuated`, or close a loop over it"
     if all(kind in _LOCKABLE for kind, _ in several):
         listed = ", ".join(f'"{name}"' for name in joints)
         line = f"`--locked {','.join(joints)}` (`locked=[{listed}]` of `load`)"
-        return f"Hold it where it stands with {line}, or close a loop over it"
-    return "Close a loop over it, or make it fixed: a motor moves one degree of freedom"
+        inputs = "name it under `actuated`, so that its velocities are inputs"
+        return f"Hold it where it stands with {line}, {inputs}, or close a loop over it"
+    return "Close a loop over it, or make it fixed"
 
 
 def _idle(joints: Sequence[str], motion: FreeMotion) -> Finding:
