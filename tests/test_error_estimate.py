@@ -191,6 +191,23 @@ def test_a_pose_that_is_given_is_as_far_off_as_its_gap(rng):
     assert relative.max() > 1e-13
 
 
+@pytest.mark.parametrize("away", ["0.3", "0.01", "0.001"])
+def test_all_rows_may_be_open_at_once(away):
+    """Each row of a pose that is given is open by its own gap, to whichever side."""
+    mechanism, fold = rocker(4.0, 3.0, 2.5, 2.0)
+    passive = mechanism.problem.partition.passive
+    with mp.workdps(hand.DIGITS):
+        pose = mechanism.close([float(fold - mp.mpf(away))])
+    K_star = pose.jacobian().K_star
+    poses = []
+    for sides in ((1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)):
+        q = pose.q.copy()
+        q[passive] += np.linalg.solve(K_star, 1e-12 * np.array(sides))
+        poses.append(mechanism.configuration(q))
+    above, _ = check(poses, four_bar)
+    assert above.min() < 10.0
+
+
 def test_without_loops_only_rounding_is_left():
     pose = pj.load("serial_2r").close([0.3, 0.4])
     estimate = pose.jacobian().error_estimate

@@ -61,16 +61,16 @@ def error_estimate(
     """Return a bound for |J_eq − that of the closed pose|, entry by entry, shape (6, n).
 
     With K* = U Σ Vᵀ on dimensionless rows and columns, a pose whose rows are open by δ (p,) is off
-    by V Σ⁻¹ Uᵀ D u for some |u| ≤ 1, D = diag(δ), and, to first order, with dJ, dC the changes of
-    the tool and of the constraint Jacobian C along a passive motion and G the motion map,
+    by V Σ⁻¹ Uᵀ D u with every |uᵣ| ≤ 1, D = diag(δ), and, to first order, with dJ, dC the changes
+    of the tool and of the constraint Jacobian C along a passive motion and G the motion map,
 
         dJ_eq = (dJ − J* K*⁺ dC) G.
 
-    By Cauchy and Schwarz its entries are at most |Σᵢ D uᵢ dJ_eq[vᵢ] / σᵢ|, a norm over the rows: a
-    loop much smaller than the mechanism adds what it is open by, and no other. The rounding of J
+    So its entries are at most Σᵣ |Σᵢ D uᵢ dJ_eq[vᵢ] / σᵢ|, all rows being open at once: a loop
+    much smaller than the mechanism adds what it is open by, and no other. The rounding of J
     and C themselves adds |δJ| |G| + |J* K*⁺| |δC| |G|, where they can be other than 0, and that of
     the elimination, where rates are not refined, some ε |J* K*⁺| |G|. What the second order adds is
-    estimated by 1/(1 − κ), κ = 2 |D U Σ⁻¹| max|dK*| / σ_min; the bound is infinite where κ ≥ 1:
+    estimated by 1/(1 − κ), κ = 2 Σᵣ |D U Σ⁻¹| max|dK*| / σ_min; the bound is infinite where κ ≥ 1:
     there the nearest closed pose may be anywhere, or none.
     """
     passive, rank = partition.passive, partition.passive_rank
@@ -99,7 +99,7 @@ def error_estimate(
 def _by_the_pose(
     factors: Factorisation, felt: Array, rates: Array, partition: Partition, pose: RoundedPose
 ) -> tuple[Array, float]:
-    """Return |Σᵢ D uᵢ dJ_eq[vᵢ] / σᵢ|, shape (6, n), and κ."""
+    """Return Σᵣ |Σᵢ D uᵢ dJ_eq[vᵢ] / σᵢ|, shape (6, n), and κ."""
     opened, rank = pose.opened(), partition.passive_rank
     motions = np.zeros((rates.shape[0], rank))
     motions[partition.passive] = factors.right[:rank].T
@@ -110,4 +110,5 @@ def _by_the_pose(
         turned = partition.scaled(dC)
         moved += np.multiply.outer(by, (dJ * partition.column_scale - felt @ turned) @ rates)
         bend = max(bend, norm(turned.take(partition.passive, axis=1)))
-    return np.linalg.norm(moved, axis=0), 2.0 * norm(off) * bend / values.min(initial=np.inf)
+    farthest = np.linalg.norm(off, axis=1).sum()
+    return np.abs(moved).sum(axis=0), 2.0 * farthest * bend / values.min(initial=np.inf)
