@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+
 import numpy as np
 import pytest
 
@@ -15,6 +17,13 @@ BAD = (
 #: Those that take nothing at all, three numbers, or the names of a mapping.
 ANSWERED = {"parameters", "locked", "guess", "directions", "section", "actuated"}
 RING = np.arange(18.0).reshape(6, 3)
+
+
+#: What is no flag, no budget, and cannot be called; Python takes most of it for true.
+NO_FLAGS = (
+    np.eye(2), np.array([]), np.array([True]), 1, 0, 2.5, np.nan, 10**400, "no", b"x", [True], {},
+    object(), 1 + 2j,
+)  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -76,3 +85,55 @@ def test_what_is_none_is_told_in_an_error_of_ours(asked, bad):
             continue
         answered.append(name)
     assert set(answered) <= ANSWERED, bad
+
+
+@pytest.fixture(scope="module")
+def flagged(tmp_path_factory):
+    """Functions of one flag, budget or callable, by a name each; other arguments are good."""
+    mechanism, new = pj.load("five_bar"), tmp_path_factory.mktemp("new") / "new.toml"
+    home, many, motors = mechanism.home, pj.batch(mechanism), [1.0, 1.0]
+    proof, over = pj.prove(mechanism, motors), {"theta1": [1.0]}
+    drawn = {
+        name: lambda x, name=name: pj.view(home, **{"open_browser": False, name: x})
+        for name in ("open_browser", "linear", "angular", "force", "names")
+    }
+    return drawn | {
+        "limits": lambda x: pj.assembly_modes(mechanism, motors, rng=0, limits=x),
+        "proof": lambda x: pj.assembly_modes(mechanism, motors, rng=0, proof=x),
+        "proven limits": lambda x: pj.prove(mechanism, motors, limits=x),
+        "budget": lambda x: pj.prove(mechanism, motors, budget=x),
+        "match": proof.match,
+        "enforce_limits": lambda x: mechanism.close(motors, enforce_limits=x),
+        "convert": lambda x: pj.convert("five_bar", new, force=x),
+        "resume": lambda x: pj.sweep(mechanism, over, workers=1, resume=x),
+        "swept": lambda x: pj.sweep(mechanism, over, workers=1, progress=x),
+        "closed": lambda x: many.close([motors], progress=x),
+        "jacobians": lambda x: many.jacobian([home.q], progress=x),
+        "measures": lambda x: many.measures([home.q], progress=x),
+        "singularity": lambda x: pj.equivalent_jacobian(home.split_jacobian(), x),
+        "rates": lambda x: pj.equivalent_jacobian(home.split_jacobian(), loops=x),
+    }
+
+
+@pytest.mark.parametrize("bad", NO_FLAGS, ids=lambda bad: repr(bad)[:20])
+def test_what_is_neither_true_nor_false_is_told_in_an_error_of_ours(flagged, bad):
+    answered = []
+    for name, ask in flagged.items():
+        with contextlib.suppress(pj.PmjacError):
+            ask(bad)
+            answered.append(name)
+    one_row = {"match"} if np.shape(bad) == (2, 2) and np.size(bad) else set()
+    assert set(answered) <= one_row
+
+
+@pytest.mark.parametrize("bad", [np.nan, -1, -1e-9, "a", None, True, [1], np.eye(2), 1 + 2j])
+def test_what_is_no_budget_is_told_in_an_error_of_ours(bad):
+    for name in ("boxes", "seconds"):
+        with pytest.raises(pj.ArgumentError, match=name):
+            pj.Budget(**{name: bad})
+
+
+def test_numpys_own_flags_are_flags():
+    mechanism = pj.load("five_bar")
+    modes = pj.assembly_modes(mechanism, [1.0, 1.0], rng=0, proof=np.False_, limits=np.True_)
+    assert modes.evidence.kind == "statistics"

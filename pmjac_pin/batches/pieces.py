@@ -21,6 +21,7 @@ from pmjac_pin.algebra.tape_runner import run
 from pmjac_pin.batches.results import Status
 from pmjac_pin.errors import ArgumentError, Interrupted, quoted
 from pmjac_pin.values.arrays import Array, Mask, ReadOnlyArrays, sealed
+from pmjac_pin.values.checks import check_callable
 
 PIECE = 4096  # poses: they fill the kernel's lanes, and some MB
 _HEARING = 0.2  # s: what waits for another thread does not hear every signal
@@ -89,8 +90,9 @@ def gathered(
 
     Raises
     ------
-    Interrupted
+    ArgumentError, Interrupted
     """
+    check_callable(progress, "progress")
     names = [one.name for one in fields(kind)]
     found: list[NDArray[Any]] = [
         np.empty(shape, dtype=np.int8 if name == "status" else np.float64)

@@ -27,6 +27,7 @@ from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.rates.tool_motion import TwistRanks
 from pmjac_pin.values.arrays import Array, norm, read_only
 from pmjac_pin.values.brief import brief
+from pmjac_pin.values.checks import check_callable, check_kind
 from pmjac_pin.values.ties import first_largest
 
 _STILL = 1e-6  # of the largest rate of a motion
@@ -191,6 +192,9 @@ def equivalent_jacobian(
     if not isinstance(split, SplitJacobian):
         raise ArgumentError(f"a SplitJacobian is needed, got {quoted(split)}")
     partition, constraint, J = split.partition, split.constraint_jacobian, split.tool_jacobian
+    check_callable(singularity, "singularity")
+    if loops is not None:
+        check_kind(loops, LoopRates)
     here = singularity or partial(analyse_singularity, constraint, J, partition)
     rates, J_eq = eliminated(J, partition, loops or partition.loop_rates(constraint), here)
     return EquivalentJacobian(constraint, J, split.frame, partition, rates, J_eq, pose=split.pose)

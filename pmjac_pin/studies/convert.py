@@ -26,6 +26,7 @@ from pmjac_pin.files.user_path import (
 from pmjac_pin.loading import adjusted, mechanism_of
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.spec import JointValue, MechanismSpec, encode_spec
+from pmjac_pin.values.checks import as_flag
 
 
 def convert(
@@ -75,6 +76,7 @@ def convert(
     ...     pj.load(model_file)
     Mechanism(mine, actuated=(theta1), 2 passive, 1 loop, mobility 1)
     """
+    force = as_flag(force, "force")
     path, given = find_model_file(name_or_path), output_path(output)
     _check_name(given)
     check_place(given)

@@ -65,6 +65,33 @@ def as_number(given: object, what: str, largest: float = LARGEST) -> float:
     return float(array)
 
 
+def as_flag(given: object, what: str) -> bool:
+    """Return True or False as the caller gave it, or say that it is neither.
+
+    Anything else that Python takes for true, as "no" or [False], is no answer to a question.
+
+    Raises
+    ------
+    ArgumentError
+
+    Examples
+    --------
+    >>> as_flag("no", "limits")
+    Traceback (most recent call last):
+        ...
+    pmjac_pin.errors.ArgumentError: limits is True or False, got 'no'
+    """
+    if not isinstance(given, bool | np.bool_):
+        raise ArgumentError(f"{what} is True or False, got {quoted(given)}")
+    return bool(given)
+
+
+def check_callable(given: object, what: str) -> None:
+    """Raise ArgumentError where what the caller gave can not be called, and is not None."""
+    if given is not None and not callable(given):
+        raise ArgumentError(f"{what} is something to be called, or None, got {quoted(given)}")
+
+
 def as_names(given: object, wanted: str) -> tuple[str, ...]:
     """Return the names that the caller gave, or say what was wanted.
 

@@ -20,6 +20,7 @@ from pmjac_pin.files.shapes import Text
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.pictures.anatomy import Anatomy
 from pmjac_pin.values.arrays import Array, read_only
+from pmjac_pin.values.checks import as_flag
 from pmjac_pin.viewer.closures import anchor_layer, axis_layer, gap_layer, rod_layer
 from pmjac_pin.viewer.ellipsoids import EllipsoidLayer, directions_after, find_ellipsoids
 from pmjac_pin.viewer.free_motion import FreeMotionLayer
@@ -52,6 +53,8 @@ class SceneOptions:
     names: bool = True
 
     def __post_init__(self) -> None:
+        for name in (*_DRAWN_ELLIPSOIDS, "names"):
+            as_flag(getattr(self, name), name)
         if not 0.0 < self.scale < math.inf:
             raise ArgumentError(f"scale must be a positive number, got {quoted(self.scale)}")
 

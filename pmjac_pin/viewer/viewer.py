@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, PmjacError
+from pmjac_pin.values.checks import as_flag
 from pmjac_pin.viewer.canvas import Canvas
 from pmjac_pin.viewer.hub import Hub
 from pmjac_pin.viewer.scene import SceneOptions
@@ -175,6 +176,8 @@ def view(
     PmjacError
         No port is free.
     """
+    if open_browser is not None:
+        open_browser = as_flag(open_browser, "open_browser")
     options = SceneOptions(linear=linear, angular=angular, force=force, names=names)
     viewer = Viewer(configuration, options, port)
     if _is_interactive() if open_browser is None else open_browser:

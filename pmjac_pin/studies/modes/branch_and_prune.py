@@ -11,14 +11,17 @@ Source: A. Neumaier, Interval Methods for Systems of Equations, 1990, chapters 4
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
 
 import numpy as np
 
 from pmjac_pin.algebra.intervals import Intervals
+from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.studies.modes.interval_loops import Enclosed, IntervalLoops
 from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.checks import as_number
 
 _BATCH = 1024  # boxes at once
 _SMALLEST = 1e-7  # scaled width below which boxes are no longer cut
@@ -32,11 +35,23 @@ class Budget:
     Attributes
     ----------
     boxes : int
+        0 or more; as many as it takes where infinite.
     seconds : float
+        Likewise.
+
+    Raises
+    ------
+    ArgumentError
+        No number, or negative.
     """
 
-    boxes: int = 200_000
+    boxes: float = 200_000
     seconds: float = 60.0
+
+    def __post_init__(self) -> None:
+        for name, value in (("boxes", self.boxes), ("seconds", self.seconds)):
+            if as_number(value, name, math.inf) < 0.0:
+                raise ArgumentError(f"{name} must be 0 or more, got {quoted(value)}")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -30,7 +30,7 @@ from pmjac_pin.studies.modes.search_problem import search_problem, with_legs
 from pmjac_pin.studies.modes.settling import Census, HomotopyCensus, ProofCensus, missing, settled
 from pmjac_pin.studies.modes.starts import StartSpace
 from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.checks import check_kind
+from pmjac_pin.values.checks import as_flag, check_kind
 
 if TYPE_CHECKING:
     from pmjac_pin.studies.homotopy.parameter_homotopy import ParameterHomotopy
@@ -106,8 +106,8 @@ def assembly_modes(
     'proof'
     """
     check_kind(mechanism, Mechanism)
-    aim = Aim(unseen, confidence, most_starts, proof, homotopy)
-    return find_modes(mechanism, actuated, generator(rng), limits, aim)
+    aim = Aim(unseen, confidence, most_starts, as_flag(proof, "proof"), homotopy)
+    return find_modes(mechanism, actuated, generator(rng), as_flag(limits, "limits"), aim)
 
 
 def find_modes(

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.closing.motor_values import MotorValues, motor_values
+from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.modes.box_domain import NoBoxesError
@@ -22,7 +23,7 @@ from pmjac_pin.studies.modes.branch_and_prune import Budget, branch_and_prune
 from pmjac_pin.studies.modes.krawczyk import Enclosure, enclose
 from pmjac_pin.studies.modes.touching import moved_near, together
 from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.checks import as_numbers, check_kind
+from pmjac_pin.values.checks import as_flag, as_numbers, check_kind
 
 _MOST_BOXES = 1000  # small ones: more are a motion or a singularity, not modes
 
@@ -87,9 +88,17 @@ class Proof:
         -------
         tuple of (int or None)
             None for a row in no enclosure's neighbourhood, or in several.
+
+        Raises
+        ------
+        ArgumentError
         """
         found: list[int | None] = []
-        for row in as_numbers(values, "values").reshape(-1, len(self.names)):
+        rows = np.atleast_2d(as_numbers(values, "values"))
+        if rows.ndim != 2 or rows.shape[1] != len(self.names):
+            wanted = f"{len(self.names)} a row, of {', '.join(self.names)}"
+            raise ArgumentError(f"values must be {wanted}; got shape {rows.shape}")
+        for row in rows:
             point = Intervals.exact(row)
             near = [
                 index
@@ -119,6 +128,10 @@ def prove(
     budget : Budget, optional
         How many boxes and seconds it may take.
 
+    Raises
+    ------
+    ArgumentError
+
     Examples
     --------
     >>> import pmjac_pin as pj
@@ -129,6 +142,9 @@ def prove(
     [[-2.4793, -2.2632], [2.0236, 0.0075]]
     """
     check_kind(mechanism, Mechanism)
+    limits = as_flag(limits, "limits")
+    budget = Budget() if budget is None else budget
+    check_kind(budget, Budget)
     began = time.monotonic()
     values = motor_values(mechanism.spec, mechanism.coordinates, actuated)
     if not (mechanism.problem.partition.passive.size or mechanism.spec.loops):
@@ -138,9 +154,7 @@ def prove(
     except NoBoxesError as error:
         return _no_proof(mechanism, str(error))
     with np.errstate(over="ignore", invalid="ignore"):  # what is not a number excludes nothing
-        pruned = branch_and_prune(
-            problem.loops, problem.domain[None], problem.scale, budget or Budget()
-        )
+        pruned = branch_and_prune(problem.loops, problem.domain[None], problem.scale, budget)
         enclosures, unsettled, failed = _settled(problem, pruned.small)
     if len(pruned.unfinished.lower):
         failed = f"{len(pruned.unfinished.lower)} boxes were not looked at within the budget"

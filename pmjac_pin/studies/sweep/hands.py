@@ -12,6 +12,7 @@ from functools import cache, partial
 from typing import Any, TypeAlias, TypeVar
 
 from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.values.checks import check_callable
 
 #: (function, *arguments) ↦ what has a `result()`.
 Submit: TypeAlias = Callable[..., Any]
@@ -39,6 +40,9 @@ class Hands:
     client: Any
     workers: int
     progress: Progress | None
+
+    def __post_init__(self) -> None:
+        check_callable(self.progress, "progress")
 
     def results(self, function: Callable[..., T], jobs: Sequence[tuple[Any, ...]]) -> Iterator[T]:
         """Yield the results of all jobs in their order, a few being handed out at a time."""

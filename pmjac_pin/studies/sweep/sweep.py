@@ -20,6 +20,7 @@ from pmjac_pin.studies.sweep.question import identity, question
 from pmjac_pin.studies.sweep.store import MARK, Store, packages
 from pmjac_pin.studies.sweep.variables import VARIABLES
 from pmjac_pin.studies.sweep.work import Work
+from pmjac_pin.values.checks import as_flag
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -107,6 +108,7 @@ def sweep(
     {'l1': 5, 'l2': 5, 'row': 6, 'motor': 3}
     """
     packages()
+    resume = as_flag(resume, "resume")
     points = _points(over, samples)
     work, machine = question(mechanism, points, measures, guess, enforce_limits)
     shape = points.chunk(_at_least_one(chunk, "chunk"))
