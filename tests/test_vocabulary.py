@@ -237,9 +237,7 @@ def test_a_model_files_urdf_is_held_against_the_words_too(tmp_path):
     path.write_text(looped.robot(*links, *joints.values()).replace("<axis", "<axs"))
     with pytest.raises(pj.ModelFileError, match="unknown <axs>; did you mean 'axis'"):
         pj.load(tmp_path / "m.toml")
-    control = '<ros2_control><joint name="phi1"><param name="mimic">theta1</param></joint>'
-    control += "</ros2_control>"
-    for tie in (looped.gazebo_joint(), looped.loop_joint(), looped.ball_constraint(), control):
+    for tie in (looped.gazebo_joint(), looped.loop_joint(), looped.ball_constraint()):
         path.write_text(looped.with_drake(tie))
         with pytest.raises(pj.ModelFileError, match="declare the loop as"):
             pj.load(tmp_path / "m.toml")

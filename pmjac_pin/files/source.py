@@ -14,7 +14,9 @@ from pmjac_pin.files.foreign_model import ForeignModel, check_frame, checked_mot
 from pmjac_pin.files.massless import mass_notes
 from pmjac_pin.files.model_file import read_model_file
 from pmjac_pin.files.robot_folder import urdf_of
-from pmjac_pin.files.urdf.robot import Urdf, read_urdf
+from pmjac_pin.files.text_file import at_file
+from pmjac_pin.files.urdf.geared_urdf import read_geared_urdf, with_gears
+from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.files.urdf.ties import closing_frames
 from pmjac_pin.files.user_path import shown_path
 from pmjac_pin.model.spec import MechanismSpec, Tool
@@ -77,14 +79,18 @@ def read_source(
     if path.suffix.lower() not in ("", ".toml"):
         raise ModelFileError(f"{shown_path(path)}: {_other_format(path)}", path=str(path))
     spec = read_model_file(path)
-    urdf = read_urdf(find_urdf(spec.urdf, path))
+    geared = read_geared_urdf(find_urdf(spec.urdf, path))
+    urdf = geared.urdf
+    with at_file(urdf.path):
+        spec = msgspec.structs.replace(spec, loops=with_gears(spec.loops, geared.gears))
     if motors is not None:
         # The order of the passive joints was given for other motors.
         spec = msgspec.structs.replace(spec, actuated=checked_motors(urdf, motors), passive=None)
     if tool is not None:
         spec = msgspec.structs.replace(spec, tool=Tool(frame=check_frame(urdf, tool)))
     unread = (*urdf.unread, *_open_frames(urdf, spec))
-    return Source(path, spec, urdf, tuple(mass_notes(urdf, urdf.links)), unread)
+    notes = (*geared.notes, *mass_notes(urdf, urdf.links))
+    return Source(path, spec, urdf, notes, unread)
 
 
 def _other_format(path: Path) -> str:

@@ -11,14 +11,13 @@ import copy
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from pathlib import Path
 from types import MappingProxyType
 from typing import Self
 from xml.etree.ElementTree import Element, tostring
 
 from pmjac_pin.errors import ModelFileError, unknown_name
 from pmjac_pin.files.gazebo_plugins import unread_harmless
-from pmjac_pin.files.text_file import at_file, read_text
+from pmjac_pin.files.text_file import at_file
 from pmjac_pin.files.urdf.checks import (
     checked_joint,
     checked_origin,
@@ -30,7 +29,7 @@ from pmjac_pin.files.urdf.vocabulary import URDF_WORDS
 from pmjac_pin.files.xml_text import label, numbers, only, parse_xml, written
 from pmjac_pin.model.parameter import Move
 
-__all__ = ["Urdf", "UrdfJoint", "parse_urdf", "read_urdf"]
+__all__ = ["Urdf", "UrdfJoint", "parse_urdf"]
 
 MAXIMAL_URDF = 20_000_000  # bytes
 
@@ -199,17 +198,6 @@ class Urdf:
             raise ModelFileError(f"{many}; one that a parameter moves needs its own name")
         _resized_shape(found[0], move)
         return found[0]
-
-
-def read_urdf(path: Path) -> Urdf:
-    """Read and check a URDF file of at most 20 MB.
-
-    Raises
-    ------
-    ModelFileError
-        The message starts with the file's path and names the element at fault.
-    """
-    return parse_urdf(read_text(path, MAXIMAL_URDF), str(path))
 
 
 def parse_urdf(text: str, path: str) -> Urdf:
