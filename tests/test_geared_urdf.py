@@ -92,7 +92,7 @@ def test_a_gear_that_the_model_file_states_is_kept_as_it_states_it(write):
 )
 def test_one_that_it_states_otherwise_is_refused(write, loop):
     said = (
-        r"fingers.urdf: joint 'right' follows 'left' otherwise by <mimic> "
+        r"fingers.urdf: joint 'right' follows 'left' otherwise by its URDF "
         r"\(right = -2.0 left \+ 0.5\) than by the \[\[loop\]\] of the model file"
     )
     with pytest.raises(pj.ModelFileError, match=said):

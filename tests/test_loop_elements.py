@@ -134,9 +134,3 @@ def test_what_is_refused(read, element, message):
         read(element)
     assert message in str(caught.value)
     assert "'tip'" in str(caught.value)
-
-
-def test_couplings_are_refused(read):
-    ends = '<predecessor link="coupler"/><successor link="rocker"/>'
-    with pytest.raises(pj.ModelFileError, match="<coupling> is not read"):
-        read(f'<coupling name="c">{ends}<ratio value="2"/></coupling>')

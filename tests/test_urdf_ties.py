@@ -236,7 +236,6 @@ BAD = {
         "<drake:coupler_constraint/>",
         "<drake:coupler_constraint> is not read, and left out it would free a motion; gear the",
     ),
-    "coupling": ("<coupling/>", "<coupling> is not read, and left out it would free a motion"),
     "half a ball": (
         '<drake:ball_constraint><drake:ball_constraint_body_A name="crank"/>'
         "</drake:ball_constraint>",

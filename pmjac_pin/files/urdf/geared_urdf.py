@@ -1,4 +1,4 @@
-"""The URDF of a model file, and what in it ties joints: <mimic>, in all the ways it is written."""
+"""The URDF of a model file, and what in it ties joints: <coupling>, and <mimic> in all ways."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from pmjac_pin.errors import ModelFileError
 from pmjac_pin.files.gazebo_plugins import is_mimic_plugin, misread_mimics, unread_harmless
 from pmjac_pin.files.text_file import at_file, read_text
 from pmjac_pin.files.urdf.control_mimics import doubtful
+from pmjac_pin.files.urdf.couplings import take_couplings
 from pmjac_pin.files.urdf.loop_elements import idle_mimics, read_gears
 from pmjac_pin.files.urdf.robot import MAXIMAL_URDF, Urdf
 from pmjac_pin.files.urdf.ties import PLUGINS, take_mimics
@@ -53,7 +54,8 @@ def read_geared_urdf(path: Path) -> GearedUrdf:
         unread, joints = _unread(robot), robot.findall("joint")
         take_mimics(robot, joints)
         followers = [joint.get("name", "") for joint in joints if joint.find("mimic") is not None]
-        notes, gears = idle_mimics(joints), read_gears(joints)
+        notes = idle_mimics(joints)
+        gears = (*read_gears(joints), *take_couplings(robot, joints, {}))
         urdf = Urdf.of(robot, str(path), (*unread, *doubtful(robot, followers)))
     return GearedUrdf(urdf, gears, tuple(notes))
 
@@ -89,7 +91,7 @@ def _is_stated(gear: JointLoop, stated: Sequence[JointLoop]) -> bool:
         if not _same_equation(loop, gear):
             leader, follower = gear.joints
             raise ModelFileError(
-                f"joint {follower!r} follows {leader!r} otherwise by <mimic> ({_told(gear)}) than "
+                f"joint {follower!r} follows {leader!r} otherwise by its URDF ({_told(gear)}) than "
                 f"by the [[loop]] of the model file ({_told(loop)}); change one of them"
             )
     return bool(same_pair)

@@ -1,8 +1,8 @@
 """URDF with loops in it: cut into a tree, and all that closes it declared as loops.
 
 A loop may be written as a link that is the child of two joints, as a cycle of joints, as URDF+'s
-<loop>, as the <constraint> proposed for urdfdom, as <mimic>, or as other programs write it: see
-`pmjac_pin.files.urdf.ties`.
+<loop> or <coupling>, as the <constraint> proposed for urdfdom, as <mimic>, or as other programs
+write it: see `pmjac_pin.files.urdf.ties`.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ from pmjac_pin.files.sdf.vocabulary import SDF_WORDS
 from pmjac_pin.files.text_file import at_file, read_text
 from pmjac_pin.files.urdf.checks import VELOCITIES, check_size, checked_names
 from pmjac_pin.files.urdf.control_mimics import doubtful
+from pmjac_pin.files.urdf.couplings import take_couplings
 from pmjac_pin.files.urdf.joint_tree import UrdfJoint
 from pmjac_pin.files.urdf.loop_elements import Closing, idle_mimics, read_closings, read_gears
 from pmjac_pin.files.urdf.robot import MAXIMAL_URDF, Urdf
@@ -108,7 +109,8 @@ def read_robot(
     followers = [joint.get("name", "") for joint in elements if joint.find("mimic") is not None]
     limit_notes, balls = opened_limits(elements), floating_balls(elements)
     limit_notes += idle_mimics(elements)
-    independent, gears = independence(elements), read_gears(elements)
+    independent = independence(elements)
+    gears = (*read_gears(elements), *take_couplings(robot, elements, independent))
     geared = {name for gear in gears for name in gear.joints}
     wanted = {name for name, given in independent.items() if given}
     cut = CutJoints.of(elements, names, balls, {*motors, *wanted, *geared})

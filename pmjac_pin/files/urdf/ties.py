@@ -32,7 +32,6 @@ _AXES_OF_THE_JOINT = (1, 12)  # the version of SDFormat, whose axes are in the j
 _LOOP_KINDS = {"ball": "spherical"}
 _CLOSING_FRAME = re.compile(r"(closing_.+)_(\d+)")
 _NOT_READ = {
-    "coupling": "gear the joints by <mimic>",
     "drake:coupler_constraint": "gear the joints by <mimic>",
     "drake:weld_constraint": 'write it as <loop type="fixed">',
 }

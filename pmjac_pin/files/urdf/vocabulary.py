@@ -41,6 +41,10 @@ loop name type : predecessor successor parent child parent_origin child_origin a
   child_axis
 constraint name type : predecessor successor parent child parent_origin child_origin axis
   parent_axis child_axis
+coupling name : predecessor successor ratio
+coupling/predecessor link
+coupling/successor link
+ratio value
 predecessor link : origin
 successor link : origin
 loop/parent link : origin
