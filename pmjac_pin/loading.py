@@ -26,6 +26,7 @@ def load(
     tool_rows: Iterable[str] | None = None,
     tool_axes: str | None = None,
     tolerance: float | None = None,
+    include_root: str | Path | None = None,
 ) -> Mechanism:
     """Load a mechanism of the catalogue, a model file of your own, or a file of another format.
 
@@ -53,6 +54,9 @@ def load(
     tolerance : float, optional
         The gap in m up to which the loops count as closed, instead of the file's, for models
         whose numbers are rounded.
+    include_root : str or Path, optional
+        A folder above that of an MJCF file, which you trust: the files that it includes or
+        attaches may be anywhere below it, and not only below the file's own folder.
 
     Raises
     ------
@@ -72,7 +76,7 @@ def load(
     >>> pj.load("four_bar", parameters={"l1": 1.2}).parameters["l1"]
     1.2
     """
-    source = read_source(find_model_file(name_or_path), actuated, tool)
+    source = read_source(find_model_file(name_or_path), actuated, tool, include_root)
     try:
         return mechanism_of(adjusted(source, locked, tool_rows, tool_axes, tolerance), parameters)
     except PmjacError as error:

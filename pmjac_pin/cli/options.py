@@ -51,6 +51,10 @@ class Reading:
     tolerance: Annotated[
         float | None, Parameter(help="Gap in m that counts as closed, where numbers are rounded.")
     ] = None
+    include_root: Annotated[
+        str | None,
+        Parameter(help="A folder above an MJCF file, below which it may include others."),
+    ] = None
 
     def keywords(self) -> dict[str, Any]:
         """Return them as `load`, `check` and `convert` take them."""
@@ -61,6 +65,7 @@ class Reading:
             "tool_axes": None if self.tool_axes is None else self.tool_axes.upper(),
             "locked": () if self.locked is None else split_names(self.locked),
             "tolerance": self.tolerance,
+            "include_root": self.include_root,
         }
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import msgspec
 
-from pmjac_pin.errors import ModelFileError, enumerated
+from pmjac_pin.errors import ArgumentError, ModelFileError, enumerated
 from pmjac_pin.files.catalog import SUFFIXES, find_urdf
 from pmjac_pin.files.foreign_model import ForeignModel, check_frame, checked_motors
 from pmjac_pin.files.massless import mass_notes
@@ -18,7 +18,7 @@ from pmjac_pin.files.text_file import at_file
 from pmjac_pin.files.urdf.geared_urdf import read_geared_urdf, with_gears
 from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.files.urdf.ties import closing_frames
-from pmjac_pin.files.user_path import shown_path
+from pmjac_pin.files.user_path import shown_path, user_path
 from pmjac_pin.model.spec import MechanismSpec, Tool
 from pmjac_pin.values.checks import as_names
 
@@ -53,7 +53,10 @@ class Source:
 
 
 def read_source(
-    path: Path, actuated: Iterable[str] | None = None, tool: str | None = None
+    path: Path,
+    actuated: Iterable[str] | None = None,
+    tool: str | None = None,
+    include_root: str | Path | None = None,
 ) -> Source:
     """Read a model file of ours or a file of another format, told by its suffix.
 
@@ -66,6 +69,8 @@ def read_source(
         The motors, instead of those that the file tells.
     tool : str, optional
         The tool's frame, instead of the one that the file tells.
+    include_root : str or Path, optional
+        A folder above that of an MJCF, below which the files that it includes may be.
 
     Raises
     ------
@@ -73,8 +78,9 @@ def read_source(
     """
     motors = None if actuated is None else as_names(actuated, "actuated is a list of joint names")
     path = urdf_of(path)
+    root = _include_root(path, include_root)
     if (reader := READERS.get(path.suffix.lower())) is not None:
-        model = reader(path, motors or ())
+        model = reader(path, motors or ()) if root is None else _read_mjcf(path, (), root)
         return Source(path, model.spec(motors, tool), model.urdf, model.notes, model.unread)
     if path.suffix.lower() not in ("", ".toml"):
         raise ModelFileError(f"{shown_path(path)}: {_other_format(path)}", path=str(path))
@@ -91,6 +97,16 @@ def read_source(
     unread = (*urdf.unread, *_open_frames(urdf, spec))
     notes = (*geared.notes, *mass_notes(urdf, urdf.links))
     return Source(path, spec, urdf, notes, unread)
+
+
+def _include_root(path: Path, given: str | Path | None) -> Path | None:
+    """Return the folder below which a file may include others, if one is given for it."""
+    if given is None:
+        return None
+    if READERS.get(path.suffix.lower()) is not _read_mjcf:
+        what = "`include_root` is of MJCF files, which alone include others"
+        raise ArgumentError(f"{what}; got it for {shown_path(path)}")
+    return user_path(given)
 
 
 def _other_format(path: Path) -> str:
@@ -141,10 +157,10 @@ def _read_sdf(path: Path, motors: Collection[str]) -> ForeignModel:
     return read_sdf(path, motors)
 
 
-def _read_mjcf(path: Path, _: Collection[str]) -> ForeignModel:
+def _read_mjcf(path: Path, _: Collection[str], root: Path | None = None) -> ForeignModel:
     from pmjac_pin.files.mjcf.reader import read_mjcf  # noqa: PLC0415
 
-    return read_mjcf(path)  # its loops are cut already
+    return read_mjcf(path, root)  # its loops are cut already
 
 
 # The readers of other formats, by the suffix of the file; each is told which joints stay uncut.

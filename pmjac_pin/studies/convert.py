@@ -39,6 +39,7 @@ def convert(
     tool_axes: str | None = None,
     locked: Iterable[str] | Mapping[str, JointValue] = (),
     tolerance: float | None = None,
+    include_root: str | Path | None = None,
     force: bool = False,
 ) -> tuple[Path, Path]:
     """Write a mechanism as a model file, its URDF beside it.
@@ -48,7 +49,7 @@ def convert(
 
     Parameters
     ----------
-    name_or_path, actuated, tool, tool_rows, tool_axes, locked, tolerance
+    name_or_path, actuated, tool, tool_rows, tool_axes, locked, tolerance, include_root
         As in `load`.
     output : str or Path
         The new model file; its name ends in ``.toml``. Of a link, where that leads.
@@ -82,7 +83,8 @@ def convert(
     check_place(given)
     target = followed(given)  # the URDF goes beside the file that a link leads to
     _check_name(target)
-    source = adjusted(read_source(path, actuated, tool), locked, tool_rows, tool_axes, tolerance)
+    source = read_source(path, actuated, tool, include_root)
+    source = adjusted(source, locked, tool_rows, tool_axes, tolerance)
     read = {real(path), real(Path(source.urdf.path))}
     tree = _urdf_beside(target, read)
     _check_places(target, tree, read, force)

@@ -7,14 +7,20 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from xml.etree.ElementTree import Element
 
-from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
+from pmjac_pin.errors import ArgumentError, ModelFileError, did_you_mean, quoted, shortened
 from pmjac_pin.files.bounded_xml import MAXIMAL_NESTING
 from pmjac_pin.files.text_file import at_file, read_text
-from pmjac_pin.files.user_path import is_file, real
+from pmjac_pin.files.user_path import is_file, is_folder, real, shown_path
 from pmjac_pin.files.xml_text import parse_xml
 
 MAXIMAL_MJCF = 5_000_000  # bytes; elements take a hundred times that in memory
 MAXIMAL_INCLUDES = 50
+_LONGEST_ROOT = 200  # characters of one in a message
+_OUTSIDE = (
+    "only files in or below the model's own folder are read; give the folder above both as "
+    "`include_root` (--include-root) if you trust it, or save the whole model as one file "
+    "(MuJoCo's mj_saveLastXML)"
+)
 
 _SECTIONS = (
     *("actuator", "asset", "compiler", "contact", "custom", "default", "deformable", "equality"),
@@ -41,25 +47,30 @@ class MjcfFile:
     attached: Mapping[str, MjcfFile]
 
 
-def read_mujoco(path: Path) -> MjcfFile:
+def read_mujoco(path: Path, root: Path | None = None) -> MjcfFile:
     """Read an MJCF file, and the files that it includes or attaches.
 
     A file is looked for in the model's folder, then in that of the file that names it. It
-    must be below the model's folder.
+    must be below the model's folder, or below the root where that is given.
 
     Raises
     ------
     ModelFileError
         The message starts with the path of the file at fault.
+    ArgumentError
+        The root is no folder above the model.
     """
-    return _Reader(path.parent).model(path, ())
+    if root is not None and not (is_folder(root) and real(path).is_relative_to(real(root))):
+        what = f"`include_root` is a folder that holds the model, got {quoted(str(root))}"
+        raise ArgumentError(f"{what} for {shown_path(path)}")
+    return _Reader(path.parent, root).model(path, ())
 
 
 class _Reader:
-    """Reads the files of a folder; all together are bounded."""
+    """Reads the files of a folder, or of a root above it; all together are bounded."""
 
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
+    def __init__(self, folder: Path, root: Path | None) -> None:
+        self._folder, self._root = folder, root
         self._files = self._read = 0
 
     def model(self, path: Path, above: Sequence[Path]) -> MjcfFile:
@@ -129,17 +140,24 @@ class _Reader:
     def _found(self, element: Element, path: Path) -> Path:
         """Return the file that an element names, once it is certain that it may be read."""
         name = element.get("file", "")
-        parts = {*PurePosixPath(name).parts, *PureWindowsPath(name).parts}
-        absolute = PurePosixPath(name).is_absolute() or bool(PureWindowsPath(name).anchor)
         found = self._folder / name if is_file(self._folder / name) else path.parent / name
-        inside = real(found).is_relative_to(real(self._folder))
-        if absolute or ".." in parts or not inside:
-            why = "only files in or below the model's own folder are read"
-            todo = "put it there, or save the whole model as one file (MuJoCo's mj_saveLastXML)"
-            raise ModelFileError(f"{_file_called(element)}: {why}; {todo}")
+        if (why := self._why_not(name, found)) is not None:
+            raise ModelFileError(f"{_file_called(element)}: {why}")
         if not is_file(found):
             raise ModelFileError(f"{_file_called(element)}: there is no such file")
         return found
+
+    def _why_not(self, name: str, found: Path) -> str | None:
+        """Return why a file that was found by this name may not be read."""
+        if self._root is not None:
+            if real(found).is_relative_to(real(self._root)):
+                return None
+            below = shortened(str(self._root), _LONGEST_ROOT)
+            return f"only files in or below {quoted(below)}, the include_root, are read"
+        parts = {*PurePosixPath(name).parts, *PureWindowsPath(name).parts}
+        absolute = PurePosixPath(name).is_absolute() or bool(PureWindowsPath(name).anchor)
+        inside = real(found).is_relative_to(real(self._folder))
+        return _OUTSIDE if absolute or ".." in parts or not inside else None
 
 
 def _file_called(element: Element) -> str:

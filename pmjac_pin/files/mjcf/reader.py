@@ -28,7 +28,7 @@ from pmjac_pin.files.urdf.locking import lock_joints
 from pmjac_pin.files.urdf.robot import Urdf
 
 
-def read_mjcf(path: Path) -> ForeignModel:
+def read_mjcf(path: Path, root: Path | None = None) -> ForeignModel:
     """Read an MJCF file, and the files in its folder that it includes or attaches.
 
     The world, bodies and sites become links, and joints keep their names; what has none is
@@ -38,13 +38,19 @@ def read_mjcf(path: Path) -> ForeignModel:
     single joint fixes that. Motors are the hinges and slides that actuators move. The home pose
     is the keyframe "home", or else qpos0; values outside their joint's range start at its end.
 
+    Parameters
+    ----------
+    path : Path
+    root : Path, optional
+        A folder above the model's, below which these files may be instead.
+
     Raises
     ------
     ModelFileError
         The message starts with the file's path and names the element at fault; or MuJoCo is not
         installed.
     """
-    file = read_mujoco(path)
+    file = read_mujoco(path, root)
     with at_file(str(path)):
         found = kept(file)
         check_mjcf(found.file)
