@@ -14,4 +14,5 @@ def draws_and_shows(mechanism, actuated, folder):
     with pj.view(mechanism.close(actuated), open_browser=False, port=0) as viewer:
         viewer.save_html(page)
     modes = pj.assembly_modes(mechanism, actuated, rng=0)
-    return len(plot_modes(modes).axes) >= len(modes) > 0 and page.stat().st_size > 0
+    drawn = sum(len(sheet.axes) for sheet in plot_modes(modes))
+    return drawn >= len(modes) > 0 and page.stat().st_size > 0

@@ -266,7 +266,7 @@ def test_drawing_and_page(tmp_path):
     matplotlib.use("Agg")
     from pmjac_pin.pictures.mode_sheet import plot_modes
 
-    assert plot_modes(pj.assembly_modes(press(), [0.7], rng=0)).axes
+    assert plot_modes(pj.assembly_modes(press(), [0.7], rng=0))[0].axes
     with pj.view(press().home, open_browser=False, port=0) as viewer:
         viewer.save_html(tmp_path / "page.html")
     assert (tmp_path / "page.html").stat().st_size > 0

@@ -1,4 +1,4 @@
-"""The contact sheet: every mode once, to one scale, with what tells it apart."""
+"""The contact sheets: every mode once, to one scale, with what tells it apart."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.pictures.figures import save_figure
+from pmjac_pin.pictures.figures import save_pages
 from pmjac_pin.pictures.mode_sheet import plot_modes
+from pmjac_pin.pictures.page_layout import PageLayout
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +25,8 @@ def four_bar():
 
 
 def test_every_mode_has_a_panel_and_its_title(lecture):
-    titles = [axes.get_title() for axes in plot_modes(lecture).axes]
+    [figure] = plot_modes(lecture)
+    titles = [axes.get_title() for axes in figure.axes]
     numbers = [title.split(",")[0] for title in titles]
     assert numbers == ["1", "2 (lecture_a)", *"345678"]
     for number, title in enumerate(titles):
@@ -34,22 +36,54 @@ def test_every_mode_has_a_panel_and_its_title(lecture):
         assert title.endswith("det K* > 0" if positive else "det K* < 0")
 
 
-def test_forty_still_have_room_for_their_titles():
-    mechanism = pj.load("four_bar")
-    few = pj.assembly_modes(mechanism, [0.9], rng=0)
-    many = pj.AssemblyModes(
-        few.configurations * 20, few.shares * 20, few.starts, few.evidence, (None,) * 40
+def many(few, count):
+    """Return as many modes, each again and again."""
+    again = -(-count // len(few))
+    configurations, shares = few.configurations * again, few.shares * again
+    return pj.AssemblyModes(
+        configurations[:count], shares[:count], few.starts, few.evidence, (None,) * count
     )
-    figure = plot_modes(many)
-    figure.draw_without_rendering()
-    boxes = [axes.title.get_window_extent() for axes in figure.axes]
-    assert len(boxes) == 40
-    apart = [not a.overlaps(b) for k, a in enumerate(boxes) for b in boxes[:k]]
-    assert all(apart)
+
+
+@pytest.mark.parametrize("modes", ["four_bar", "lecture"])
+def test_forty_go_on_pages_all_alike_with_room_for_each(modes, request):
+    pages = plot_modes(many(request.getfixturevalue(modes), 40))
+    assert len(pages) > 1
+    assert sum(len(page.axes) for page in pages) == 40
+    assert len({tuple(page.get_size_inches()) for page in pages}) == 1
+    numbers = [axes.get_title().split()[0].strip(",") for page in pages for axes in page.axes]
+    assert numbers == [str(number) for number in range(1, 41)]
+    first, last = numbers[0], numbers[len(pages[0].axes) - 1]
+    assert f": {first} to {last} of 40\n" in pages[0].get_suptitle()
+    pages[0].draw_without_rendering()
+    boxes = [axes.title.get_window_extent() for axes in pages[0].axes]
+    assert all(not a.overlaps(b) for k, a in enumerate(boxes) for b in boxes[:k])
+    widths = [axes.get_tightbbox().width / pages[0].dpi for axes in pages[0].axes]
+    assert min(widths) > 1.5, "inches"
+
+
+@pytest.mark.parametrize("height", [0.01, 0.3, 0.7, 1.0, 1.3, 2.0, 30.0])
+def test_no_page_is_a_ribbon(height):
+    for count in range(1, 130):
+        layout = PageLayout.of(count, height)
+        width, high = layout.size(0.6)
+        assert 0.35 < high / width <= 1.4
+        assert width <= 10.4
+        assert [place for page in layout.pages(count) for place in range(count)[page]] == [
+            *range(count)
+        ]
+        assert layout.most <= layout.columns * layout.rows
+
+
+def test_links_that_pass_over_each_other_are_not_interrupted(lecture):
+    [figure] = plot_modes(lecture)
+    colours = {line.get_color() for axes in figure.axes for line in axes.lines}
+    assert "white" not in colours
 
 
 def test_all_panels_have_one_scale_and_nothing_is_cut_off(lecture):
-    panels = plot_modes(lecture).axes
+    [figure] = plot_modes(lecture)
+    panels = figure.axes
     limits = {(axes.get_xlim(), axes.get_ylim()) for axes in panels}
     assert len(limits) == 1
     [((left, right), (low, high))] = limits
@@ -64,7 +98,8 @@ def test_all_panels_have_one_scale_and_nothing_is_cut_off(lecture):
 
 def test_a_planar_mechanism_is_drawn_in_its_plane(four_bar):
     mechanism = four_bar[0].mechanism
-    [first, _] = plot_modes(four_bar).axes
+    [figure] = plot_modes(four_bar)
+    [first, _] = figure.axes
     lengths = {
         round(float(np.linalg.norm(np.diff(line.get_xydata(), axis=0)[0])), 9)
         for line in first.lines
@@ -76,15 +111,15 @@ def test_a_planar_mechanism_is_drawn_in_its_plane(four_bar):
 def test_a_plane_is_looked_at_with_its_upright_axis_upwards():
     """The slider-crank lies in x and y: x points to the right, y upwards."""
     modes = pj.assembly_modes(pj.load("slider_crank"), [0.9], rng=0)
-    panels = plot_modes(modes).axes
-    for axes, mode in zip(panels, modes, strict=True):
+    [figure] = plot_modes(modes)
+    for axes, mode in zip(figure.axes, modes, strict=True):
         drawn = np.concatenate([line.get_xydata() for line in axes.lines])
         tool = mode.tool_pose.translation[:2]
         assert np.abs(drawn - tool).max(axis=1).min() <= 1e-9
 
 
 def test_what_completeness_rests_on_stands_below(four_bar):
-    figure = plot_modes(four_bar)
+    [figure] = plot_modes(four_bar)
     title = figure.get_suptitle().replace("\u00a0", " ")
     assert title == "Assembly modes of four_bar\ntheta1 = 0.9 rad"
     assert (
@@ -96,9 +131,26 @@ def test_what_completeness_rests_on_stands_below(four_bar):
 @pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
 def test_it_can_be_saved(four_bar, tmp_path, suffix):
     path = tmp_path / f"modes.{suffix}"
-    save_figure(plot_modes(four_bar), path)
+    assert save_pages(plot_modes(four_bar), path) == [path]
     assert path.stat().st_size > 3000
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_pages_are_one_pdf_or_a_file_each(four_bar, tmp_path):
+    pages = plot_modes(many(four_bar, 17))
+    assert len(pages) == 2
+    files = [tmp_path / "modes.png", tmp_path / "modes-2.png"]
+    assert save_pages(pages, tmp_path / "modes.png", dpi=20) == files
+    assert save_pages(pages, tmp_path / "modes.pdf") == [tmp_path / "modes.pdf"]
+    assert b"/Count 2" in (tmp_path / "modes.pdf").read_bytes()
+    assert len(list(tmp_path.iterdir())) == 3
+
+
+def test_where_one_page_has_no_place_none_is_written(four_bar, tmp_path):
+    (tmp_path / "modes-2.png").mkdir()
+    with pytest.raises(pj.OutputError, match=r"modes-2\.png: is a folder"):
+        save_pages(plot_modes(many(four_bar, 17)), tmp_path / "modes.png", dpi=20)
+    assert [path.name for path in tmp_path.iterdir()] == ["modes-2.png"]
 
 
 def test_no_modes_are_refused():

@@ -12,8 +12,8 @@ from pmjac_pin.cli.options import At, Choice, NameOption, parsed_motor_values
 from pmjac_pin.cli.output import Json, Output
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.pictures.figures import check_figure_file, save_figure
-from pmjac_pin.pictures.mode_sheet import modes_figure
+from pmjac_pin.pictures.figures import check_figure_file, save_pages
+from pmjac_pin.pictures.mode_sheet import modes_figures
 from pmjac_pin.studies.homotopy.parameter_homotopy import ParameterHomotopy, parameter_homotopy
 from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
 from pmjac_pin.studies.modes.find import assembly_modes
@@ -111,8 +111,7 @@ def modes_command(
     report = search.report(loaded, values)
     drawn: list[Block] = []
     if output is not None:
-        save_figure(modes_figure(report), output)
-        drawn = [Verbatim(str(output))]
+        drawn = [Verbatim(str(path)) for path in save_pages(modes_figures(report), output)]
     return f"{to_json(report.told())}\n" if json else [*modes_blocks(report), *drawn]
 
 

@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import io
 import os
+from collections.abc import Sequence
+from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from pmjac_pin.errors import ArgumentError, MissingDependencyError, quoted
-from pmjac_pin.files.output_file import check_place, write_file
+from pmjac_pin.files.output_file import check_place, write_files
 from pmjac_pin.files.user_path import output_path
 from pmjac_pin.values.checks import as_number
 
@@ -75,12 +77,60 @@ def save_figure(figure: Figure, path: str | os.PathLike[str], dpi: float = 150) 
         If the file cannot be written: no such folder, no right to, no space, or no file there
         but a folder, a device or a pipe.
     """
+    save_pages([figure], path, dpi)
+
+
+def save_pages(
+    figures: Sequence[Figure], path: str | os.PathLike[str], dpi: float = 150
+) -> list[Path]:
+    """Write figures as the pages of one .pdf, or into a file each: x.png, x-2.png, x-3.png.
+
+    Parameters
+    ----------
+    figures : sequence of matplotlib.figure.Figure
+    path : str or path-like
+        Of the first page, or of all; see `save_figure`.
+    dpi : float
+
+    Returns
+    -------
+    list of Path
+        The files written: all of them, or none.
+
+    Raises
+    ------
+    ArgumentError, OutputError
+        As `save_figure`.
+    """
     suffix = check_figure_file(path)
     if not _FEWEST_DOTS <= as_number(dpi, "dpi") <= _MOST_DOTS:
         raise ArgumentError(f"dpi must be {_FEWEST_DOTS} to {_MOST_DOTS}; got {quoted(dpi)}")
+    first = output_path(path)
+    paths = [first]
+    if suffix == "pdf":
+        contents = [_pdf(figures, dpi)]
+    else:
+        others = (f"{first.stem}-{page}{first.suffix}" for page in range(2, len(figures) + 1))
+        paths += [first.with_name(name) for name in others]
+        contents = [_drawn(figure, dpi, suffix) for figure in figures]
+    write_files(dict[str | os.PathLike[str], bytes](zip(paths, contents, strict=True)))
+    return paths
+
+
+def _pdf(figures: Sequence[Figure], dpi: float) -> bytes:
+    from matplotlib.backends.backend_pdf import PdfPages  # noqa: PLC0415
+
+    drawn = io.BytesIO()
+    with PdfPages(drawn) as pages:
+        for figure in figures:
+            pages.savefig(figure, dpi=dpi)
+    return drawn.getvalue()
+
+
+def _drawn(figure: Figure, dpi: float, suffix: str) -> bytes:
     drawn = io.BytesIO()
     figure.savefig(drawn, dpi=dpi, format=suffix)
-    write_file(path, drawn.getvalue())
+    return drawn.getvalue()
 
 
 def check_figure_file(path: str | os.PathLike[str]) -> str:

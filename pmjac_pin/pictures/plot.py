@@ -140,6 +140,6 @@ def _inches(given: object) -> tuple[float, float]:
 
 def _draw_machine(axes: Any, drawn: StickFigure, view: Array) -> None:
     low, high = frame_of([drawn], view)
-    draw_figure(axes, drawn, view, 1.0)
+    draw_figure(axes, drawn, view)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
     axes.set_axis_off()

@@ -1,7 +1,8 @@
 """Stick figures drawn in parallel projection, with matplotlib's flat axes.
 
-What is nearer covers what is behind it, with a white rim where lines cross. A mechanism that
-moves in a plane is drawn in that plane.
+What is nearer covers what is behind it: a bar has a dark edge, so that where two pass each other
+it shows which is in front, and neither is interrupted. A mechanism that moves in a plane is drawn
+in that plane.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ _MARGIN = 0.06  # of the picture's width, about the drawing
 
 # Okabe and Ito's palette, which colour-blind readers can tell apart.
 _GROUND, _LINK, _MOTOR, _ANCHOR, DARK = "#8C8C8C", "#0072B2", "#D55E00", "#F0E442", "#262626"
+_EDGES = {_LINK: "#003A5C", _MOTOR: "#6E3000"}  # the same, darker
+_EDGE = 0.45  # points, at either side of a bar
 _TOOL_COLOURS = ("#C81919", "#199919", "#1933E0")
 _BARS = {  # colour and width in points
     "ground": (_GROUND, 2.0),
@@ -85,7 +88,7 @@ def _round_about(figures: Sequence[StickFigure]) -> Array:
     return np.asarray(eyes[:, int(np.argmax(clarity.round(6)))])
 
 
-def draw_figure(axes: Any, figure: StickFigure, view: Array, scale: float) -> None:
+def draw_figure(axes: Any, figure: StickFigure, view: Array) -> None:
     """Draw from far to near, marks after bodies; what is behind the ground's plate before it."""
     behind = _behind_the_ground(figure, view[2])
 
@@ -99,14 +102,13 @@ def draw_figure(axes: Any, figure: StickFigure, view: Array, scale: float) -> No
         outline = (stroke.points @ view[:2].T).T
         if outline.shape[1] == 1:
             marker, size, face, edge = _MARKS[stroke.kind]
-            style = {"ms": scale * size, "mfc": face, "mec": edge, "mew": scale}
-            axes.plot(*outline, marker, zorder=rank, **style)
+            axes.plot(*outline, marker, zorder=rank, ms=size, mfc=face, mec=edge, mew=1.0)
         else:
-            _draw_body(axes, stroke, outline, rank, scale)
+            _draw_body(axes, stroke, outline, rank)
     origin, *ends = figure.tool @ view[:2].T
     for end, colour in zip(ends, _TOOL_COLOURS, strict=True):
         line = np.column_stack([origin, end])
-        axes.plot(*line, color=colour, lw=1.3 * scale, zorder=len(figure.strokes))
+        axes.plot(*line, color=colour, lw=1.3, zorder=len(figure.strokes))
 
 
 def _behind_the_ground(figure: StickFigure, eye: Array) -> Callable[[Array], bool]:
@@ -119,12 +121,12 @@ def _behind_the_ground(figure: StickFigure, eye: Array) -> Callable[[Array], boo
     return lambda point: bool((point - middle) @ normal < -depth)
 
 
-def _draw_body(axes: Any, stroke: Stroke, outline: Array, order: int, scale: float) -> None:
+def _draw_body(axes: Any, stroke: Stroke, outline: Array, order: int) -> None:
     colour, width = _BARS[stroke.kind]
     round_off = {"solid_capstyle": "round", "solid_joinstyle": "round"}
     closed = outline if outline.shape[1] == 2 else np.column_stack([outline, outline[:, :1]])
-    if stroke.kind != "ground":
-        axes.plot(*closed, color="white", lw=scale * (width + 2.0), zorder=order, **round_off)
+    if edge := _EDGES.get(colour):
+        axes.plot(*closed, color=edge, lw=width + 2 * _EDGE, zorder=order, **round_off)
     if stroke.is_plate:
         axes.fill(*outline, facecolor=colour, alpha=0.18, linewidth=0, zorder=order)
-    axes.plot(*closed, color=colour, lw=scale * width, zorder=order, **round_off)
+    axes.plot(*closed, color=colour, lw=width, zorder=order, **round_off)

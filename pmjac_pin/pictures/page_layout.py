@@ -1,0 +1,60 @@
+"""How many drawings of one shape share pages: large enough to read, and no page a ribbon."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+# Inches: the width of a drawing, the height of what stands above it, and of all on a page.
+_PANEL, _CAPTION, _HIGHEST = 2.6, 0.5, 12.0
+_PAGE, _TALLEST_PAGE = 0.75, 1.4  # height over width: as wished, and at most
+_MOST_COLUMNS = 4
+
+
+@dataclass(frozen=True)
+class PageLayout:
+    """How drawings stand on pages that are all alike.
+
+    Attributes
+    ----------
+    columns, rows : int
+        Of a page.
+    most : int
+        Drawings on a page.
+    height : float
+        Of a drawing, in its widths.
+    """
+
+    columns: int
+    rows: int
+    most: int
+    height: float
+
+    @classmethod
+    def of(cls, count: int, height: float) -> PageLayout:
+        """Return pages on which drawings, as high over wide as said, have room."""
+        height = min(max(height, 0.3), 2.0)
+        rows = max(1, int(_HIGHEST / (_PANEL * height + _CAPTION)))
+        pages = -(-count // (_MOST_COLUMNS * rows))
+        most = -(-count // pages)
+
+        def shape(columns: int) -> float:
+            return -(-most // columns) * (height + _CAPTION / _PANEL) / columns
+
+        def cost(columns: int) -> tuple[bool, float]:
+            unused = -most % columns / most
+            page = shape(columns)
+            return page > _TALLEST_PAGE, abs(math.log(page / _PAGE)) + unused
+
+        columns = min(range(min(most, 2), min(most, _MOST_COLUMNS) + 1), key=cost)
+        return cls(columns, -(-most // columns), most, height)
+
+    def pages(self, count: int) -> list[slice]:
+        """Return which drawings each page has."""
+        return [slice(first, first + self.most) for first in range(0, count, self.most)]
+
+    def size(self, room: float) -> tuple[float, float]:
+        """Return width and height of a page, with this room for title and footer."""
+        width = max(self.columns, 2) * _PANEL
+        row = self.height * width / self.columns + _CAPTION
+        return width, min(self.rows * row + room, _TALLEST_PAGE * width)
