@@ -30,6 +30,7 @@ def test_the_lectures_eight(run):
     assert "8 assembly modes within the limits of the joints." in out
     assert out.count("lecture_a") == 1
     assert "That there are no more rests on proof: exactly 8" in out
+    assert [out.lower().count(word) for word in ("exactly", "rests on", "complete")] == [1, 1, 0]
     assert max(map(len, out.splitlines())) <= 80
 
 
