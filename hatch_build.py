@@ -1,12 +1,14 @@
-"""Builds the kernels, which run tapes: with the C compiler that there is, or not at all.
+"""Builds the kernels, which run tapes, and the description that a package index shows.
 
-Without them the package computes the same with NumPy and Pinocchio, slower.
+The kernels with the C compiler that there is, or not at all: without them the package computes the
+same with NumPy and Pinocchio, slower.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
+import re
 import shlex
 import subprocess
 import sysconfig
@@ -14,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+from hatchling.metadata.plugin.interface import MetadataHookInterface
 
 PACKAGE = Path("pmjac_pin")
 LANES, TAPES = Path("algebra", "lanes.h"), Path("algebra", "tape_kernel.c")
@@ -64,3 +67,34 @@ class CustomBuildHook(BuildHookInterface):  # type: ignore[type-arg]
             platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
             build_data["pure_python"] = False
             build_data["tag"] = f"py3-none-{platform}"
+
+
+_LINK = re.compile(r"(!?)\[([^]]*)\]\((?![a-z]+:|#)([^)]+)\)")  # to a file beside the README
+
+
+def described(readme: str, repository: str | None) -> str:
+    """Return a README whose links lead somewhere from anywhere.
+
+    Links to files lead to the repository; where no address of it is known, files are named only.
+    """
+
+    def linked(match: re.Match[str]) -> str:
+        picture, words, path = match.groups()
+        if repository:
+            return f"{picture}[{words}]({repository}/{'raw' if picture else 'blob'}/HEAD/{path})"
+        if picture:
+            return f"*Picture: {words} (`{path}`)*"
+        return f"`{path}`" if words == path else f"{words} (`{path}`)"
+
+    return _LINK.sub(linked, readme)
+
+
+class CustomMetadataHook(MetadataHookInterface):
+    """Makes the long description: the README, as it can be read without the files beside it."""
+
+    def update(self, metadata: dict[str, Any]) -> None:
+        """Add it to the metadata; the address of the repository is that of [project.urls]."""
+        readme = Path(self.root, "README.md").read_text(encoding="utf-8")
+        repository = metadata.get("urls", {}).get("Repository")
+        text = described(readme, repository)
+        metadata["readme"] = {"content-type": "text/markdown", "text": text}

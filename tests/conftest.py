@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,3 +25,14 @@ def viewer(mechanism):
     """A viewer without a browser, at home, of the `mechanism` of the test's own module."""
     with pj.view(mechanism.home, open_browser=False, port=0) as viewer:
         yield viewer
+
+
+@pytest.fixture(scope="session")
+def hatch_build():
+    """The script that builds the package, as a module."""
+    pytest.importorskip("hatchling")
+    place = Path(__file__).resolve().parent.parent / "hatch_build.py"
+    spec = importlib.util.spec_from_file_location("hatch_build", place)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module

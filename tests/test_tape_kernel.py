@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import shutil
 from pathlib import Path
 
@@ -19,15 +18,6 @@ from pmjac_pin.algebra.tape_runner import loaded, run_in
 ROOT = Path(__file__).resolve().parent.parent
 ALGEBRA = ROOT / "pmjac_pin" / "algebra"
 SOURCES = (ALGEBRA / "tape_kernel.c", ALGEBRA / "lanes.h")
-
-
-@pytest.fixture(scope="module")
-def hatch_build():
-    pytest.importorskip("hatchling")
-    spec = importlib.util.spec_from_file_location("hatch_build", ROOT / "hatch_build.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 @pytest.fixture(scope="module")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 import zipfile
@@ -51,6 +52,34 @@ def test_the_wheel_holds_models_urdfs_types_and_the_page(installed, tmp_path):
     page = Path("pmjac_pin", "viewer", "page")
     mine = {file.name for file in (ROOT / page).iterdir()}
     assert {file.name for file in (installed / page).iterdir()} == mine
+
+
+def relative_links(text):
+    """Return the places of links and pictures that no address begins."""
+    return re.findall(r"\]\((?!https://|#)([^)]+)\)", text)
+
+
+@pytest.mark.slow
+def test_no_link_of_the_description_leads_nowhere(installed):
+    (metadata,) = installed.glob("*.dist-info/METADATA")
+    text = metadata.read_text(encoding="utf-8")
+    assert "\nDescription-Content-Type: text/markdown\n" in text
+    assert "`docs/formats.md`" in text
+    assert not relative_links(text)
+
+
+@pytest.mark.parametrize("repository", [None, "https://example.org/repository"])
+def test_links_lead_to_the_repository_or_are_names(hatch_build, repository):
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    files = relative_links(readme)
+    assert files
+    assert all((ROOT / file).is_file() for file in files)
+    text = hatch_build.described(readme, repository)
+    assert not relative_links(text)
+    assert all(file in text for file in files)
+    if repository:
+        assert f"[docs/formats.md]({repository}/blob/HEAD/docs/formats.md)" in text
+        assert f"]({repository}/raw/HEAD/docs/assembly_modes.png)" in text
 
 
 REPORTS = """
