@@ -35,6 +35,12 @@ from .errors import (
     ModelFileError as ModelFileError,
 )
 from .errors import (
+    NoGradientError as NoGradientError,
+)
+from .errors import (
+    NoInertiaError as NoInertiaError,
+)
+from .errors import (
     NoJacobianError as NoJacobianError,
 )
 from .errors import (
@@ -84,6 +90,7 @@ from .model.loop_spec import (
 )
 from .model.spec import MechanismSpec as MechanismSpec
 from .pictures.plot import plot as plot
+from .rates.dynamics import Dynamics as Dynamics
 from .rates.ellipse import Ellipse as Ellipse
 from .rates.ellipsoid import Ellipsoid as Ellipsoid
 from .rates.jacobian import (
@@ -92,6 +99,7 @@ from .rates.jacobian import (
 from .rates.jacobian import (
     equivalent_jacobian as equivalent_jacobian,
 )
+from .rates.motion import Motion as Motion
 from .rates.partition import Partition as Partition
 from .rates.singularity import Singularity as Singularity
 from .rates.split import (

@@ -16,14 +16,18 @@ from pmjac_pin.closing.closed import Closed, closed_point
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.generic_ranks import on_branch_of
 from pmjac_pin.closing.idle_motions import gained_and_idle
+from pmjac_pin.closing.motor_values import MotorValues, motor_rates
 from pmjac_pin.closing.parts import Parts
 from pmjac_pin.errors import ArgumentError, ClosureError, quoted
 from pmjac_pin.kinematics.pinocchio import Snapshot
+from pmjac_pin.model.inertias import massless
 from pmjac_pin.model.limits import Violation, violations
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.pose_rounding import PoseRounding
+from pmjac_pin.rates.dynamics import Dynamics, check_inertia
 from pmjac_pin.rates.jacobian import EquivalentJacobian, eliminated
 from pmjac_pin.rates.known_jacobian import KnownJacobian
+from pmjac_pin.rates.motion import Motion
 from pmjac_pin.rates.partition import LoopRates
 from pmjac_pin.rates.singularity import Singularity, analyse_singularity
 from pmjac_pin.rates.split import SplitJacobian
@@ -247,6 +251,72 @@ class Configuration(Shown):
         constraint, tool = self._jacobians(self._snapshot, name)
         partition = self._problem.partition
         return SplitJacobian(constraint, tool, name, partition, pose=PoseRounding(self, name))
+
+    def motion(
+        self,
+        rates: MotorValues,
+        accelerations: MotorValues | None = None,
+        frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED",
+    ) -> Motion:
+        """Return all that follows from motor rates and accelerations.
+
+        Parameters
+        ----------
+        rates, accelerations : array_like, shape (n,), or mapping of str to float
+            θ̇ and θ̈ (0 when None), m or rad per s and s².
+        frame : {"LOCAL_WORLD_ALIGNED", "LOCAL", "WORLD"} or pin.ReferenceFrame
+            Of the tool's twist and of its rate.
+
+        Raises
+        ------
+        SingularError, ForbiddenRatesError, IdleMotionError
+            As `jacobian`.
+        UnknownNameError, ArgumentError
+            Other rates than one for each motor.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> pj.load("slider_crank").home.motion([10.0]).acceleration.shape
+        (6,)
+        """
+        given = [self._motor_rates(each) for each in (rates, accelerations)]
+        return Motion(self.jacobian(frame), *given)
+
+    def dynamics(self, rates: MotorValues | None = None) -> Dynamics:
+        """Return the equations of motion in motor coordinates, M θ̈ + h = τ + J_eqᵀ w.
+
+        Parameters
+        ----------
+        rates : array_like, shape (n,), or mapping of str to float, optional
+            θ̇, m/s or rad/s; at rest when None.
+
+        Raises
+        ------
+        SingularError, ForbiddenRatesError, IdleMotionError
+            As `jacobian`.
+        NoInertiaError
+            Some motion of the motors moves no mass.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> pj.load("ur5").home.dynamics().mass_matrix.shape
+        (6, 6)
+        """
+        tree, partition = self._parts.kinematics, self._problem.partition
+        motion = self.motion(self._motor_rates(rates))
+        G, still = motion.jacobian.motion_map, np.zeros(motion.v.shape)
+        mass = G.T @ tree.mass_matrix(self.q) @ G
+        check_inertia(mass, partition.column_scale[partition.actuated], massless(tree.model))
+        gravity = G.T @ tree.efforts(self.q, still, still)
+        bias = G.T @ tree.efforts(self.q, motion.v, motion.bias)
+        return Dynamics(motion.jacobian, 0.5 * (mass + mass.T), gravity, bias, motion.rates)
+
+    def _motor_rates(self, given: MotorValues | None) -> Array:
+        if given is None:
+            return np.zeros(len(self.mechanism.actuated))
+        return motor_rates(self._parts.spec, self._parts.coordinates, given)
 
     def singularity(self) -> Singularity:
         """Return the ranks here, the kind of singularity and what moves freely.

@@ -143,6 +143,14 @@ class NoJacobianError(PmjacError, ArithmeticError):
     """There is no equivalent Jacobian: base of the three reasons below."""
 
 
+class NoGradientError(PmjacError, ArithmeticError):
+    """A measure has no gradient here: singular values are equal, or zero."""
+
+
+class NoInertiaError(PmjacError, ArithmeticError):
+    """Motors move what has no mass: forces accelerate it beyond bounds."""
+
+
 class SingularError(NoJacobianError):
     """The equivalent Jacobian does not exist here, because K* drops below its generic rank.
 

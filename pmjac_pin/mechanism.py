@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import pinocchio as pin
 from msgspec.structs import replace
@@ -28,6 +28,9 @@ from pmjac_pin.model.spec import JointValue, Tool
 from pmjac_pin.model.unit_turns import unit
 from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.values.checks import as_numbers
+
+if TYPE_CHECKING:
+    from pmjac_pin.kinematics.slopes import SlopesAlongMotions
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -394,6 +397,18 @@ class Mechanism(MechanismValue):
     def _recorded(self) -> RecordedMechanism:
         recordings = None if self.blueprint is None else self.blueprint.recordings
         return RecordedMechanism(self._parts, recordings)
+
+    @cached_property
+    def _slopes(self) -> SlopesAlongMotions | None:
+        """How Jacobians change along motions; None where joints are not in the table of joints."""
+        # Second derivatives are imported with the first of them.
+        from pmjac_pin.kinematics.slopes import SlopesAlongMotions  # noqa: PLC0415
+
+        parts = self._parts
+        try:
+            return SlopesAlongMotions(parts.model, parts.spec, parts.values, parts.place)
+        except ArgumentError:
+            return None
 
     @cached_property
     def _step_guard(self) -> StepGuard:

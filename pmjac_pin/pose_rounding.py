@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -85,14 +85,24 @@ class PoseRounding:
             rows[row, coupling.columns] = True
         return rows, carrying_columns(parts.model, parts.spec.tool.names)
 
-    def slopes(self, motions: Array) -> Iterator[tuple[Array, Array]]:
-        """Yield how the constraint and the tool Jacobian change along each motion, per metre."""
-        here, problem = self.configuration, self.configuration.mechanism._parts.problem
-        step = _DIFFERENCE * problem.partition.length
+    def slopes(self, motions: Array) -> tuple[Array, Array]:
+        """Return how the constraint and the tool Jacobian change along motions, (nv, k)."""
+        here = self.configuration
+        if (along := here.mechanism._slopes) is not None:
+            found = along.at(here.q, motions)
+            return found.constraint, found.tool(self.frame)
+        return self._by_differences(motions)
+
+    def _by_differences(self, motions: Array) -> tuple[Array, Array]:
+        """Return the same of joints that only Pinocchio knows, to half of the digits."""
+        here, parts = self.configuration, self.configuration.mechanism._parts
         first = here._jacobians(here._snapshot, self.frame)
-        for motion in motions.T:
-            q = problem.integrate(here.q, step * problem.partition.column_scale * motion)
-            snapshot = here.mechanism._parts.kinematics.snapshot(q)
+        constraint = np.empty((motions.shape[1], *first[0].shape))
+        tool = np.empty((motions.shape[1], *first[1].shape))
+        for k, motion in enumerate(motions.T):
+            size = norm(motion / parts.problem.partition.column_scale)
+            step = _DIFFERENCE * parts.problem.partition.length / (size or 1.0)
+            snapshot = parts.kinematics.snapshot(parts.problem.integrate(here.q, step * motion))
             second = here._jacobians(snapshot, self.frame)
-            constraint, tool = ((b - a) / step for a, b in zip(first, second, strict=True))
-            yield constraint, tool
+            constraint[k], tool[k] = ((b - a) / step for a, b in zip(first, second, strict=True))
+        return constraint, tool

@@ -40,11 +40,37 @@ def motor_values(spec: MechanismSpec, coordinates: JointCoordinates, actuated: A
     names = coordinates.dof_names(spec.actuated)
     if (by_name := named_values(actuated, "motor values")) is not None:
         return _in_order(names, coordinates, _by_freedom(spec, coordinates, by_name))
-    values = np.atleast_1d(as_numbers(actuated, "motor values"))
+    return _listed(names, actuated, "motor value")
+
+
+def motor_rates(spec: MechanismSpec, coordinates: JointCoordinates, given: Any) -> Array:
+    """Return rates or accelerations of the motors as an array (n,), or say what was expected.
+
+    Parameters
+    ----------
+    spec, coordinates
+        As for `motor_values`.
+    given : array_like, shape (n,), or mapping of str to float
+        By name, of each degree of freedom.
+
+    Raises
+    ------
+    UnknownNameError, ArgumentError
+        As `motor_values`.
+    """
+    names = coordinates.dof_names(spec.actuated)
+    if (by_name := named_values(given, "motor rates")) is not None:
+        return _in_order(names, coordinates, by_name)
+    return _listed(names, given, "motor rate")
+
+
+def _listed(names: tuple[str, ...], given: Any, what: str) -> Array:
+    """Return one number for each name."""
+    values = np.atleast_1d(as_numbers(given, f"{what}s"))
     if values.shape != (len(names),):
         got = str(values.size) if values.ndim == 1 else f"shape {values.shape}"
         plural = "s" * (len(names) != 1)
-        wanted = f"{len(names)} motor value{plural} ({', '.join(names)})"
+        wanted = f"{len(names)} {what}{plural} ({', '.join(names)})"
         raise ArgumentError(f"{wanted} expected, got {got}")
     return values
 

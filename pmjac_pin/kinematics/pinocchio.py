@@ -9,6 +9,7 @@ import threading
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.kinematics.loop_system import LoopSystem
@@ -108,6 +109,16 @@ class Kinematics:
         rotation, position = self.tool.pose(self.model, data)
         jacobian = self.tool.jacobian(self.model, data)
         return Snapshot(residual, constraint_jacobian, jacobian, rotation, position)
+
+    def mass_matrix(self, q: Array) -> Array:
+        """Return that of the cut tree, shape (nv, nv), armatures included."""
+        upper: Array = np.triu(pin.crba(self.model, self._thread_scratch().data, q))
+        return upper + np.triu(upper, 1).T
+
+    def efforts(self, q: Array, v: Array, a: Array) -> Array:
+        """Return the efforts (nv,) that move the cut tree so, gravity included."""
+        efforts: Array = pin.rnea(self.model, self._thread_scratch().data, q, v, a)
+        return efforts.copy()
 
     def placed(self, q: Array) -> pin.Data:
         """Return this thread's scratch data, joints' motions and frames computed at q.

@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 import pinocchio as pin
 
+from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.errors import SingularError
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.spec import Tool
@@ -67,30 +68,58 @@ class PointsTool:
     def pose(self, model: pin.Model, data: pin.Data) -> tuple[Array, Array]:
         """Return the spanned frame's rotation and the centroid."""
         points = self._points(model, data)
-        return _spanned_rotation(points), points.mean(axis=0)
+        return spanned_rotation(points), points.mean(axis=0)
 
     def jacobian(self, model: pin.Model, data: pin.Data) -> Array:
-        """Return the rates of the centroid and of the spanned frame.
-
-        With x, y, z the frame's axes, d = p₂ − p₁, e = p₃ − p₁, d = |d|, e_x = x·e, e_y = y·e,
-        ω_z = y·ḋ/d and ω_y = −z·ḋ/d follow from ẋ = ω × x, and
-        ω_x = (z·ė − (e_x/d) z·ḋ)/e_y from the normal of d and e staying z.
-        """
+        """Return the rates of the centroid and of the spanned frame."""
         points = self._points(model, data)
         rates = np.stack([frame_jacobian(model, data, index)[:3] for index in self._indices])
-        rotation = _spanned_rotation(points)
-        x, y, z = rotation.T
-        side, apex = points[1] - points[0], points[2] - points[0]
-        side_rate, apex_rate = rates[1] - rates[0], rates[2] - rates[0]
-        length = x @ side
-        roll = (z @ apex_rate - (x @ apex / length) * (z @ side_rate)) / (y @ apex)
-        turn = np.stack([roll, -(z @ side_rate) / length, (y @ side_rate) / length])
-        return np.vstack([rates.mean(axis=0), rotation @ turn])
+        return spanned_jacobian(points, rates)
 
     def _points(self, model: pin.Model, data: pin.Data) -> Array:
-        return np.stack(
+        points = np.stack(
             [pin.updateFramePlacement(model, data, index).translation for index in self._indices]
         )
+        _check_spanning(points)
+        return points
+
+
+def spanned_jacobian(points: Numbers, rates: Numbers) -> Numbers:
+    """Return the rates (6, nv) of the centroid and of the frame that three points (3, 3) span.
+
+    With x, y, z the frame's axes, d = p₂ − p₁, e = p₃ − p₁, d = |d|, e_x = x·e, e_y = y·e,
+    ω_z = y·ḋ/d and ω_y = −z·ḋ/d follow from ẋ = ω × x, and
+    ω_x = (z·ė − (e_x/d) z·ḋ)/e_y from the normal of d and e staying z.
+
+    Parameters
+    ----------
+    points, rates : ndarray, shapes (3, 3) and (3, 3, nv)
+        By rows, and how they move. Doubles, real or complex.
+    """
+    rotation = spanned_rotation(points)
+    x, y, z = rotation.T
+    side, apex = points[1] - points[0], points[2] - points[0]
+    side_rate, apex_rate = rates[1] - rates[0], rates[2] - rates[0]
+    length = x @ side
+    roll = (z @ apex_rate - (x @ apex / length) * (z @ side_rate)) / (y @ apex)
+    turn = np.stack([roll, -(z @ side_rate) / length, (y @ side_rate) / length])
+    return np.vstack([rates.mean(axis=0), rotation @ turn])
+
+
+def spanned_rotation(points: Numbers) -> Numbers:
+    """Return the axes of the frame that three points span: doubles, real or complex."""
+    side, apex = points[1] - points[0], points[2] - points[0]
+    normal = _cross(side, apex)
+    x, z = side / np.sqrt(side.dot(side)), normal / np.sqrt(normal.dot(normal))
+    return np.array([x, _cross(z, x), z]).T
+
+
+def _check_spanning(points: Array) -> None:
+    side, apex = points[1] - points[0], points[2] - points[0]
+    area = norm(_cross(side, apex))
+    if area <= _SMALLEST_AREA * norm(side) * norm(apex):
+        message = "the three points of the tool lie in one line here and span no frame"
+        raise SingularError(message, singular_value=area, tolerance=_SMALLEST_AREA, free_motion={})
 
 
 def frame_jacobian(model: pin.Model, data: pin.Data, index: int) -> Array:
@@ -102,18 +131,7 @@ def frame_jacobian(model: pin.Model, data: pin.Data, index: int) -> Array:
     return jacobian
 
 
-def _spanned_rotation(points: Array) -> Array:
-    side, apex = points[1] - points[0], points[2] - points[0]
-    normal = _cross(side, apex)
-    area = norm(normal)
-    if area <= _SMALLEST_AREA * norm(side) * norm(apex):
-        message = "the three points of the tool lie in one line here and span no frame"
-        raise SingularError(message, singular_value=area, tolerance=_SMALLEST_AREA, free_motion={})
-    x, z = side / norm(side), normal / area
-    return np.array([x, _cross(z, x), z]).T
-
-
-def _cross(a: Array, b: Array) -> Array:
+def _cross(a: Numbers, b: Numbers) -> Numbers:
     """Return a × b: on single vectors NumPy's own costs ten times as much."""
     (a1, a2, a3), (b1, b2, b3) = a.tolist(), b.tolist()
     return np.array([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1])

@@ -242,6 +242,23 @@ class JointKind:
         slid = entries[:, :s] + self._turned_slides(entries[:, s:], v[:, :s])
         return np.hstack([slid, self._turned(entries[:, s:], v[:, s:])])
 
+    def rates(self, entries: Array, v: Array) -> Array:
+        """Return the derivative of each row of entries, (b, nq), along its motion v, (b, nv)."""
+        s = self.slides
+        slid, turn, turning = (
+            self._turned_slides(entries[:, s:], v[:, :s]),
+            entries[:, s:],
+            v[:, s:],
+        )
+        if self.angle or not self.turns:
+            return np.hstack([slid, turning])
+        if self.turns == 1:
+            return np.hstack([slid, turning * turn[:, ::-1] * [-1.0, 1.0]])
+        axis, w = turn[:, :3], turn[:, 3:]
+        about = w * turning + np.cross(axis, turning)
+        shrunk = -(axis * turning).sum(axis=1, keepdims=True)
+        return np.hstack([slid, 0.5 * about, 0.5 * shrunk])
+
     def _turned_slides(self, turn: Array, v: Array) -> Array:
         """Return slides in the moved axes as slides in those before."""
         if self.axial or not (self.slides and self.turns):

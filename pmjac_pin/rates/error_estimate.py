@@ -9,7 +9,6 @@ Linear algebra on arrays; what is asked of a pose is in `RoundedPose`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Protocol
 
 import numpy as np
@@ -40,13 +39,10 @@ class RoundedPose(Protocol):
         """Return which columns are not always 0, in each row, (p, nv), and of the tool, (nv,)."""
         ...
 
-    def slopes(self, motions: Array) -> Iterator[tuple[Array, Array]]:
-        """Yield how the constraint and the tool Jacobian change along each motion, per metre.
+    def slopes(self, motions: Array) -> tuple[Array, Array]:
+        """Return how the constraint and the tool Jacobian change along motions, (nv, k).
 
-        Parameters
-        ----------
-        motions : ndarray, shape (nv, k)
-            In columns, on the scaled rates.
+        In one unit of time each: shapes (k, p, nv) and (k, 6, nv).
         """
         ...
 
@@ -106,7 +102,8 @@ def _by_the_pose(
     values = factors.singular_values[:rank]
     off = opened[:, None] * factors.left[:, :rank] / values
     moved, bend = np.zeros((opened.size, 6, rates.shape[1])), 0.0
-    for by, (dC, dJ) in zip(off.T, pose.slopes(motions), strict=True):
+    slopes = pose.slopes(partition.column_scale[:, None] * motions)
+    for by, dC, dJ in zip(off.T, *slopes, strict=True):
         turned = partition.scaled(dC)
         moved += np.multiply.outer(by, (dJ * partition.column_scale - felt @ turned) @ rates)
         bend = max(bend, norm(turned.take(partition.passive, axis=1)))

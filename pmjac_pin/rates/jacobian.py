@@ -5,7 +5,7 @@ Linear algebra on plain arrays: it imports no Pinocchio and works on matrices fr
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property, partial
 
@@ -15,13 +15,17 @@ from pmjac_pin.errors import (
     ArgumentError,
     ForbiddenRatesError,
     IdleMotionError,
+    NoGradientError,
     SingularError,
     quoted,
 )
+from pmjac_pin.model.tool_rows import TWIST_ROWS, checked_rows
 from pmjac_pin.rates.ellipsoid import Ellipsoid, force_ellipsoid, velocity_ellipsoid
 from pmjac_pin.rates.error_estimate import error_estimate
 from pmjac_pin.rates.factorisation import REFINED, Factorisation
+from pmjac_pin.rates.gradients import gradient_of
 from pmjac_pin.rates.partition import LoopRates, Partition
+from pmjac_pin.rates.second_order import hessian
 from pmjac_pin.rates.singularity import Singularity, analyse_singularity, forbidden_rates
 from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.rates.tool_motion import TwistRanks
@@ -133,6 +137,75 @@ class EquivalentJacobian(SplitJacobian):
                 self.pose,
             )
         )
+
+    @cached_property
+    def hessian(self) -> Array:
+        """∂J_eq/∂θ in `frame`, shape (6, n, n), the last axis along which motor.
+
+        ∂J_eq/∂θₖ = (dJ[gₖ] − J* K*⁺ dC[gₖ]) G, with dJ, dC the derivatives of the tool and of the
+        constraint Jacobian along gₖ, the k-th column of the motion map G: so the twist's rate
+        that motor rates alone make is J̇_eq θ̇ = Σₖ (∂J_eq/∂θₖ) θ̇ θ̇ₖ. In LOCAL_WORLD_ALIGNED the
+        linear rows are then the acceleration of the tool's origin. To rounding, as J_eq is; of
+        joints that are not in the table of joints, by differences, to half of the digits. NaN
+        throughout where the matrices came from elsewhere.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> jacobian = pj.load("serial_2r").close([0.0, 0.0], enforce_limits=False).jacobian()
+        >>> jacobian.hessian[0, :, 1].tolist()  # of vx = −(l₁ s₁ + l₂ s₁₂, l₂ s₁₂), by θ₂
+        [-0.8, -0.8]
+        """
+        slopes, partition = self.slopes(self.motion_map), self.partition
+        loops = partition.loop_rates(self.constraint_jacobian)
+        return read_only(hessian(slopes, self.tool_jacobian, self.motion_map, loops, partition))
+
+    def slopes(self, motions: Array) -> tuple[Array, Array]:
+        """Return how the constraint and the tool Jacobian change along motions, (nv, k).
+
+        In one unit of time each: shapes (k, p, nv) and (k, 6, nv). NaN where the matrices came
+        from elsewhere.
+        """
+        if self.pose is not None:
+            return self.pose.slopes(motions)
+        of_loops, of_tool = self.constraint_jacobian.shape, self.tool_jacobian.shape
+        count = motions.shape[1]
+        return np.full((count, *of_loops), np.nan), np.full((count, *of_tool), np.nan)
+
+    def gradient(self, measure: str, rows: Iterable[str] = TWIST_ROWS[:3]) -> Array:
+        """Return the gradient by θ of a measure of J_eq, shape (n,).
+
+        Parameters
+        ----------
+        measure : str
+            "smallest singular value", "largest singular value", "product of singular values"
+            (Yoshikawa's manipulability), "condition number" or "log det" (of half of
+            log det B Bᵀ, the sum of the logarithms of the singular values).
+        rows : iterable of str, optional
+            The rows B of J_eq that are measured, of "vx", "vy", "vz", "wx", "wy" and "wz", in
+            `frame`: the linear ones by default. Rows that are never moved, such as vz of a planar
+            machine, are better left out: they make the smallest of three singular values 0.
+
+        Raises
+        ------
+        UnknownNameError, ArgumentError
+            No such measure or rows.
+        NoGradientError
+            Singular values that are equal or zero.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> jacobian = pj.load("serial_2r").close([0.3, 0.9]).jacobian()
+        >>> rows = ["vx", "vy"]  # l₁ l₂ |sin θ₂|
+        >>> jacobian.gradient("product of singular values", rows).round(6) + 0.0
+        array([0.      , 0.497288])
+        """
+        chosen = checked_rows(rows)
+        if self.pose is None:
+            raise NoGradientError("matrices from elsewhere: how they change is not known")
+        which = [TWIST_ROWS.index(name) for name in chosen]
+        return read_only(gradient_of(measure, self.J_eq[which], self.hessian[which]))
 
     @property
     def _rounding(self) -> list[float]:

@@ -1,0 +1,125 @@
+"""Dynamics: the equations of motion in motor coordinates, M θ̈ + h = τ + J_eqᵀ w.
+
+With v = G θ̇ and the tree's own M_t v̇ + h_t = τ_t + Jᵀ w + Cᵀ λ, the loops' forces λ do no work on
+what the loops allow, C G = 0: M = Gᵀ M_t G and h = Gᵀ (M_t Ġ θ̇ + h_t). Linear algebra on arrays.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from pmjac_pin.errors import ArgumentError, NoInertiaError
+from pmjac_pin.rates.jacobian import EquivalentJacobian
+from pmjac_pin.values.arrays import Array, ReadOnlyArrays, read_only
+from pmjac_pin.values.checks import as_numbers
+
+_NO_INERTIA = 1e-12  # of the largest, on motions of like size: rounding
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Dynamics(ReadOnlyArrays):
+    """The equations of motion at one pose and velocity, in the motors' coordinates.
+
+    Made by `Configuration.dynamics`. All arrays are read-only; efforts are in N or N m.
+
+    Attributes
+    ----------
+    jacobian : EquivalentJacobian
+        In LOCAL_WORLD_ALIGNED: a wrench is a force in N and a moment in N m about the tool's
+        origin, in world axes.
+    mass_matrix : ndarray, shape (n, n)
+        M = Gᵀ M_t G, symmetric and positive definite.
+    gravity : ndarray, shape (n,)
+        Gᵀ g: the efforts that hold the machine's own weight.
+    bias : ndarray, shape (n,)
+        h = Gᵀ (M_t Ġ θ̇ + h_t): gravity, and what the rates alone ask for.
+    rates : ndarray, shape (n,)
+        θ̇, m/s or rad/s.
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> dynamics = pj.load("ur5").home.dynamics()
+    >>> dynamics.mass_matrix.shape
+    (6, 6)
+    >>> accelerations = dynamics.accelerations(dynamics.gravity)  # held against its weight
+    >>> bool(abs(accelerations).max() < 1e-12)
+    True
+    """
+
+    jacobian: EquivalentJacobian
+    mass_matrix: Array
+    gravity: Array
+    bias: Array
+    rates: Array
+
+    def efforts(self, accelerations: ArrayLike, wrench: ArrayLike | None = None) -> Array:
+        """Return the motor efforts that accelerate so: τ = M θ̈ + h − J_eqᵀ w (inverse dynamics).
+
+        Parameters
+        ----------
+        accelerations : array_like, shape (n,)
+            m/s² or rad/s².
+        wrench : array_like, shape (6,), optional
+            That acts on the tool.
+        """
+        given = as_vector(accelerations, self.rates.size, "motor accelerations")
+        return read_only(self.mass_matrix @ given + self.bias - self._of_wrench(wrench))
+
+    def accelerations(self, efforts: ArrayLike, wrench: ArrayLike | None = None) -> Array:
+        """Return θ̈ = M⁻¹ (τ − h + J_eqᵀ w) under motor efforts (forward dynamics).
+
+        Parameters
+        ----------
+        efforts : array_like, shape (n,)
+            N or N m.
+        wrench : array_like, shape (6,), optional
+            That acts on the tool.
+        """
+        given = as_vector(efforts, self.rates.size, "motor efforts")
+        driving = given - self.bias + self._of_wrench(wrench)
+        return read_only(np.asarray(np.linalg.solve(self.mass_matrix, driving), dtype=np.float64))
+
+    @property
+    def kinetic_energy(self) -> float:
+        """½ θ̇ᵀ M θ̇, J."""
+        return float(0.5 * self.rates @ self.mass_matrix @ self.rates)
+
+    def _of_wrench(self, wrench: ArrayLike | None) -> Array:
+        if wrench is None:
+            return np.zeros(self.rates.size)
+        return np.asarray(self.jacobian.J_eq.T @ as_vector(wrench, 6, "a wrench"))
+
+    def __repr__(self) -> str:
+        return f"Dynamics({self.rates.size} motors)"
+
+
+def as_vector(given: ArrayLike, size: int, what: str) -> Array:
+    """Return finite numbers (size,), or say what was expected."""
+    values = np.atleast_1d(as_numbers(given, what))
+    if values.shape != (size,):
+        raise ArgumentError(f"{what}: {size} numbers expected, got shape {values.shape}")
+    return values
+
+
+def check_inertia(mass_matrix: Array, scale: Array, massless: tuple[str, ...]) -> None:
+    """Raise where some motion of the motors moves no mass.
+
+    Parameters
+    ----------
+    mass_matrix : ndarray, shape (n, n)
+    scale : ndarray, shape (n,)
+        Natural rates of the motors.
+    massless : tuple of str
+        The bodies that have no mass, for the message.
+    """
+    values = np.linalg.eigvalsh(mass_matrix * np.outer(scale, scale))
+    if values.size and not values[0] > _NO_INERTIA * max(values[-1], 0.0):
+        listed = ", ".join(massless[:6]) + ", ..." * (len(massless) > 6)
+        raise NoInertiaError(
+            f"some motion of the motors moves no mass: bodies without one are {listed or 'none'}; "
+            "add inertia, or use statics"
+        )
