@@ -175,6 +175,6 @@ def test_limits_of_a_joint_that_is_cut_are_said_to_be_lost():
     assert limited.limits("phi1") == (-2.5, 2.5)
     assert np.isinf(limited.limits("phi2")).all()
     assert pj.recut(limited, "phi1").notes == (
-        "joint 'phi1' is cut: a loop closure has no limits, so its own are not kept",
+        "joint 'phi1' is cut: a loop closure has no limits, so its own are lost",
     )
     assert pj.recut(limited, "phi2").notes == ()

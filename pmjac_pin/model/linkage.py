@@ -123,6 +123,21 @@ def edges_of(model: pin.Model) -> dict[str, Edge]:
     return edges
 
 
+#: What a model says of each velocity.
+_OF_MOTORS = (
+    "armature",
+    "damping",
+    "lowerDryFrictionLimit",
+    "lowerEffortLimit",
+    "lowerVelocityLimit",
+    "rotorGearRatio",
+    "rotorInertia",
+    "upperDryFrictionLimit",
+    "upperEffortLimit",
+    "upperVelocityLimit",
+)
+
+
 def build(
     model: pin.Model, edges: Iterable[Edge], extra: Mapping[str, tuple[int, pin.SE3]]
 ) -> pin.Model:
@@ -131,7 +146,8 @@ def build(
     Parameters
     ----------
     model : pin.Model
-        Its bodies, frames and inertias are taken; its joints are not.
+        Its bodies, frames and inertias are taken, and of joints by the same names what is said of
+        their motors; its joints are not.
     edges : iterable of Edge
         A tree from body 0. Bodies beyond those of `model` have no mass; those that no edge
         leads to are left out.
@@ -155,7 +171,20 @@ def build(
         _add_frame(tree, frame.name, carriers[frame.parentJoint], frame.placement, kind)
     for name, (body, place) in extra.items():
         _add_frame(tree, name, carriers[body], place, pin.FrameType.OP_FRAME)
+    _copy_motors(model, tree)
     return tree
+
+
+def _copy_motors(model: pin.Model, tree: pin.Model) -> None:
+    """Copy rotors, friction and limits of joints that both models have, of the same freedoms."""
+    for name in list(tree.names)[1:]:
+        if not model.existJointName(name):
+            continue
+        one, other = model.joints[model.getJointId(name)], tree.joints[tree.getJointId(name)]
+        if one.nv == other.nv:
+            for what in _OF_MOTORS:
+                values = getattr(model, what)[one.idx_v : one.idx_v + one.nv]
+                getattr(tree, what)[other.idx_v : other.idx_v + other.nv] = values
 
 
 def with_spherical(model: pin.Model, names: Iterable[str]) -> pin.Model:

@@ -80,22 +80,24 @@ def recut(mechanism: Mechanism, joint: str) -> Mechanism:
     """
     check_kind(mechanism, Mechanism)
     poses = {name: mechanism.pose(name).q for name in mechanism.poses}
-    notes = (*mechanism.notes, *_lost_limits(mechanism, joint))
+    notes = (*mechanism.notes, *_lost(mechanism, joint))
     parts = build_parts(*_recut(mechanism, joint, poses), {}, mechanism.urdf)
     return Mechanism(parts, notes=notes, unread=mechanism.unread)
 
 
-def _lost_limits(mechanism: Mechanism, joint: str) -> list[str]:
-    """Say that a joint which becomes a loop closure has no limits there; a motor keeps its own."""
+def _lost(mechanism: Mechanism, joint: str) -> list[str]:
+    """Say what a joint which becomes a loop closure has no more there; a motor keeps its own."""
     coordinates = mechanism.coordinates
     if not isinstance(joint, str) or joint not in coordinates.names:
         return []
     if _keeps_its_value(mechanism.spec, joint):
         return []
-    lost = coordinates.columns([joint])
-    if np.isinf([coordinates.lower[lost], coordinates.upper[lost]]).all():
-        return []
-    return [f"joint {joint!r} is cut: a loop closure has no limits, so its own are not kept"]
+    lost, notes = coordinates.columns([joint]), []
+    if not np.isinf([coordinates.lower[lost], coordinates.upper[lost]]).all():
+        notes.append(f"joint {joint!r} is cut: a loop closure has no limits, so its own are lost")
+    if mechanism.model.armature[lost].any():
+        notes.append(f"joint {joint!r} is cut: its armature is lost, and no mass matrix has it")
+    return notes
 
 
 def _recut(

@@ -1,0 +1,201 @@
+"""The equations of motion in motor coordinates: masses, gravity, forces through the loops."""
+
+from __future__ import annotations
+
+import mechanisms
+import numpy as np
+import pinocchio as pin
+import pytest
+from test_second_order import somewhere
+from transformed import rebuilt
+
+import pmjac_pin as pj
+
+Z = (0, 0, 1)
+
+
+def heavy(name, rng, rotors=True):
+    """A catalogue machine whose bodies all have some mass."""
+    mechanism = pj.load(name)
+    model = mechanism.model
+    size = mechanism.characteristic_length
+    for joint in range(1, model.njoints):
+        lever = 0.3 * size * rng.uniform(-1, 1, 3)
+        spread = size**2 * (0.02 + 0.05 * rng.random()) * np.eye(3)
+        model.inertias[joint] = pin.Inertia(rng.uniform(0.5, 3.0), lever, spread)
+    if rotors:
+        model.armature = rng.uniform(0.0, 0.2, model.nv) * size**2
+    return rebuilt(mechanism, model)
+
+
+def away(mechanism, rng, size=0.05):
+    scale = mechanism.problem.partition.column_scale[mechanism.problem.partition.actuated]
+    step = size * mechanism.characteristic_length * scale * rng.uniform(-1, 1, scale.size)
+    return mechanism.close(mechanism.home.actuated + step, enforce_limits=False)
+
+
+@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+def test_forward_undoes_inverse_dynamics(name, rng):
+    configuration = away(heavy(name, rng), rng)
+    n = len(configuration.mechanism.actuated)
+    rates, accelerations = rng.normal(size=(2, n))
+    dynamics, wrench = configuration.dynamics(rates), rng.normal(size=6)
+    efforts = dynamics.efforts(accelerations, wrench)
+    np.testing.assert_allclose(dynamics.accelerations(efforts, wrench), accelerations, atol=1e-9)
+    np.testing.assert_array_equal(dynamics.mass_matrix, dynamics.mass_matrix.T)
+    assert (np.linalg.eigvalsh(dynamics.mass_matrix) > 0.0).all()
+
+
+@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+def test_power_is_the_change_of_energy(name, rng):
+    """d/dt (kinetic + potential) = θ̇ᵀτ + twistᵀw, the energies by Pinocchio's own functions."""
+    mechanism = heavy(name, rng)
+    configuration = away(mechanism, rng)
+    n = len(mechanism.actuated)
+    rates, accelerations = rng.normal(size=(2, n))
+    wrench, model, data = rng.normal(size=6), mechanism.model, mechanism.model.createData()
+    bare = model.copy()  # of some joints, Pinocchio's energy leaves armatures out
+    bare.armature = np.zeros(model.nv)
+    efforts = configuration.dynamics(rates).efforts(accelerations, wrench)
+    power = rates @ efforts + configuration.motion(rates).twist @ wrench
+
+    def energy(t):
+        theta = configuration.actuated + t * rates + 0.5 * t**2 * accelerations
+        there = mechanism.close(theta, guess=configuration, enforce_limits=False)
+        v = there.jacobian().motion_map @ (rates + t * accelerations)
+        rotors = 0.5 * model.armature @ v**2
+        moving = pin.computeKineticEnergy(bare, data, there.q, v)
+        return moving + rotors + pin.computePotentialEnergy(model, data, there.q)
+
+    h = 1e-3
+    found = (8 * (energy(h) - energy(-h)) - (energy(2 * h) - energy(-2 * h))) / (12 * h)
+    assert power == pytest.approx(found, rel=1e-6, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["four_bar", "five_bar", "slider_crank", "watt_six_bar"])
+def test_accelerations_are_those_of_pinocchios_constrained_dynamics(name, rng):
+    """In the plane, with one joint of two cut: contacts of three rows, proximal."""
+    mechanism = heavy(name, rng)
+    configuration = away(mechanism, rng)
+    model, n = mechanism.model, len(mechanism.actuated)
+    efforts, rates = rng.normal(size=(2, n)) * 5.0
+    motion = configuration.motion(rates)
+    tau = np.zeros(model.nv)
+    tau[mechanism.problem.partition.actuated] = efforts
+    contacts = pin.StdVec_RigidConstraintModel()
+    for loop in mechanism.spec.loops:
+        one, other = (model.frames[model.getFrameId(frame)] for frame in loop.frames)
+        contacts.append(
+            pin.RigidConstraintModel(
+                pin.ContactType.CONTACT_3D,
+                model,
+                one.parentJoint,
+                one.placement,
+                other.parentJoint,
+                other.placement,
+            )
+        )
+    data = model.createData()
+    scratch = pin.StdVec_RigidConstraintData()
+    for contact in contacts:
+        scratch.append(contact.createData())
+    pin.initConstraintDynamics(model, data, contacts, scratch)
+    settings = pin.ProximalSettings(1e-14, 1e-14, 1000)
+    there = pin.constraintDynamics(
+        model, data, configuration.q, motion.v, tau, contacts, scratch, settings
+    )
+    found = configuration.dynamics(rates).accelerations(efforts)
+    wanted = there[mechanism.problem.partition.actuated]
+    np.testing.assert_allclose(found, wanted, atol=1e-6 * max(1.0, np.abs(wanted).max()))
+
+
+@pytest.mark.parametrize("name", ["four_bar", "watt_six_bar", "three_rps", "stewart_gough"])
+def test_no_cut_is_special(name, rng):
+    mechanism = heavy(name, rng, rotors=False)
+    model = mechanism.model
+    model.armature[mechanism.problem.partition.actuated] = 0.3
+    mechanism = rebuilt(mechanism, model)
+    rates = rng.normal(size=len(mechanism.actuated))
+    known = mechanism.home.dynamics(rates)
+    passive = [joint for joint in mechanism.passive if joint in mechanism.coordinates.names]
+    for joint in passive[:3]:
+        try:
+            cut = pj.recut(mechanism, joint)
+        except pj.ArgumentError:
+            continue
+        found = cut.home.dynamics(rates)
+        for name in ("mass_matrix", "gravity", "bias"):
+            one, other = getattr(known, name), getattr(found, name)
+            np.testing.assert_allclose(one, other, atol=1e-9 * np.abs(one).max())
+
+
+def parallelogram(theta):
+    """Links 0.5, 1 and 0.5 m on a ground of 1 m, 3.3 kg each at its joint's origin."""
+    inertia = pin.Inertia(3.3, np.zeros(3), np.diag([0.01, 0.01, 0.042673]))
+    model = pin.Model()
+    model.gravity = pin.Motion(np.array([0.0, -9.81, 0.0]), np.zeros(3))
+
+    def add(parent, at, name):
+        place = pin.SE3(np.eye(3), np.array([at, 0.0, 0.0]))
+        joint = model.addJoint(parent, pin.JointModelRZ(), place, name)
+        model.addJointFrame(joint)
+        model.appendBodyToJoint(joint, inertia, pin.SE3.Identity())
+        return joint
+
+    crank = add(0, 0.0, "q")
+    coupler = add(crank, 0.5, "coupler")
+    rocker = add(0, 1.0, "rocker")
+    for name, joint, at in (("tip", coupler, 1.0), ("end", rocker, 0.5)):
+        place = pin.SE3(np.eye(3), np.array([at, 0.0, 0.0]))
+        model.addFrame(pin.Frame(name, joint, 0, place, pin.FrameType.OP_FRAME))
+    home = {"q": theta, "coupler": -theta, "rocker": theta}
+    return pj.Mechanism.from_pinocchio(
+        model, [pj.PointLoop(frames=("tip", "end"))], ["q"], "coupler", home=home
+    )
+
+
+@pytest.mark.parametrize("theta", [0.2, 0.7, 1.3, 2.5, -1.0])
+def test_a_parallelogram_by_its_closed_form(theta):
+    """M = 2 I + m l² at every pose, and gravity as of one link's mass at the crank's tip."""
+    dynamics = parallelogram(theta).home.dynamics([3.0])
+    assert dynamics.mass_matrix[0, 0] == pytest.approx(0.910346, abs=1e-12)
+    assert dynamics.gravity[0] == pytest.approx(16.18650 * np.cos(theta), abs=1e-12)
+    assert dynamics.bias[0] == pytest.approx(dynamics.gravity[0], abs=1e-12)  # M is constant
+
+
+def test_of_an_open_chain_it_is_pinocchios(rng):
+    mechanism = pj.load("ur5")
+    configuration = somewhere("ur5", rng, 0.5)
+    model, data = mechanism.model, mechanism.model.createData()
+    rates, accelerations = rng.normal(size=(2, 6))
+    dynamics = configuration.dynamics(rates)
+    wanted = pin.rnea(model, data, configuration.q, rates, accelerations)
+    np.testing.assert_allclose(dynamics.efforts(accelerations), wanted, atol=1e-11)
+    there = pin.aba(model, data, configuration.q, rates, wanted)
+    np.testing.assert_allclose(dynamics.accelerations(wanted), there, atol=1e-8)
+
+
+def test_what_has_no_mass_is_named():
+    with pytest.raises(pj.NoInertiaError, match="bodies without one are phi1, theta1, phi2"):
+        pj.load("four_bar").home.dynamics()
+
+
+@pytest.mark.parametrize(
+    ("accelerations", "wrench", "message"),
+    [
+        ([1.0, 2.0], None, r"motor accelerations: 6 numbers expected, got shape \(2,\)"),
+        (np.zeros(6), [1.0], r"a wrench: 6 numbers expected, got shape \(1,\)"),
+        (np.full(6, np.nan), None, "finite"),
+        (np.zeros(6), "x", "a wrench"),
+    ],
+)
+def test_what_does_not_fit(accelerations, wrench, message):
+    with pytest.raises(pj.ArgumentError, match=message):
+        pj.load("ur5").home.dynamics().efforts(accelerations, wrench)
+
+
+def test_an_armature_that_is_lost_with_its_joint_is_said(rng):
+    mechanism = heavy("four_bar", rng)
+    assert "joint 'phi1' is cut: its armature is lost, and no mass matrix has it" in (
+        pj.recut(mechanism, "phi1").notes
+    )
