@@ -27,6 +27,7 @@ def load(
     tool_axes: str | None = None,
     tolerance: float | None = None,
     include_root: str | Path | None = None,
+    enforce_limits: bool | None = None,
 ) -> Mechanism:
     """Load a mechanism of the catalogue, a model file of your own, or a file of another format.
 
@@ -57,6 +58,10 @@ def load(
     include_root : str or Path, optional
         A folder above that of an MJCF file, which you trust: the files that it includes or
         attaches may be anywhere below it, and not only below the file's own folder.
+    enforce_limits : bool, optional
+        Whether the file's poses keep within the limits of the joints, instead of what the file
+        says, which is True unless it says so. With False a pose that is given beyond them, or
+        closes only there, is taken as it is; `Configuration.limits_violated` tells.
 
     Raises
     ------
@@ -78,7 +83,15 @@ def load(
     """
     source = read_source(find_model_file(name_or_path), actuated, tool, include_root)
     try:
-        return mechanism_of(adjusted(source, locked, tool_rows, tool_axes, tolerance), parameters)
+        given = adjusted(
+            source,
+            locked,
+            tool_rows,
+            tool_axes,
+            tolerance=tolerance,
+            enforce_limits=enforce_limits,
+        )
+        return mechanism_of(given, parameters)
     except PmjacError as error:
         error.source = source
         raise
@@ -89,12 +102,16 @@ def adjusted(
     locked: Iterable[str] | Mapping[str, JointValue],
     tool_rows: Iterable[str] | None,
     tool_axes: str | None,
+    *,
     tolerance: float | None,
+    enforce_limits: bool | None,
 ) -> Source:
     """Return what a file says, but for what `load` was given in place of it."""
     spec = source.spec.with_locked(locked).with_tool_rows(tool_rows, tool_axes)
     if tolerance is not None:
         spec = msgspec.structs.replace(spec, tolerance=tolerance)
+    if enforce_limits is not None:
+        spec = msgspec.structs.replace(spec, enforce_limits=enforce_limits)
     return replace(source, spec=spec)
 
 

@@ -73,6 +73,7 @@ class Mechanism(MechanismValue):
         tool_rows: Iterable[str] | None = None,
         tool_axes: str | None = None,
         tolerance: float | None = None,
+        enforce_limits: bool = True,
     ) -> Mechanism:
         """Make a mechanism of a Pinocchio model that you already hold.
 
@@ -101,6 +102,8 @@ class Mechanism(MechanismValue):
         tolerance : float, optional
             The gap in m up to which the loops count as closed, where the model's numbers are
             rounded; 1e-12 of the characteristic length when None.
+        enforce_limits : bool, optional
+            Whether home keeps within the joints' limits.
 
         Raises
         ------
@@ -124,6 +127,7 @@ class Mechanism(MechanismValue):
             tool_rows=tool_rows,
             tool_axes=tool_axes,
             tolerance=tolerance,
+            enforce_limits=enforce_limits,
         )
         return cls(build_parts(own, spec, {}))
 

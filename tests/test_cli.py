@@ -337,7 +337,8 @@ MISTAKES = {
     "report four_bar --at 1,": "--at takes numbers joined by commas, such as 0.5,1,2; got '1,'",
     "report four_bar --at nan": "motor values must be finite, got [nan]",
     "report four_bar --at 1e999": "motor values must be finite, got [inf]",
-    "report three_rps --at 1,1,5": "motor 'l3' = 5 m is outside its limits [0.1, 3] m",
+    "report three_rps --at 1,1,5": "motor 'l3' = 5 m is outside its limits [0.1, 3] m; "
+    "--beyond-limits takes it all the same",
     "report four_bar --frame BASE": "frame must be LOCAL, WORLD or LOCAL_WORLD_ALIGNED, got 'BASE'",
     "report four_bar --set l9=1": "unknown parameter 'l9'; there are: l0, l1, l2, l3",
     "report four_bar --set l1": "--set takes NAME=NUMBER, such as l1=1.2; got 'l1'",

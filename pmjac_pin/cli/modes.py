@@ -60,7 +60,7 @@ class Search:
             mechanism,
             values,
             modes,
-            limits=not self.no_limits,
+            limits=mechanism.spec.enforce_limits and not self.no_limits,
             solutions=homotopy.at(values) if homotopy else None,
             operation_modes=homotopy.operation_modes(rng=self.seed)
             if homotopy and self.operation_modes
@@ -77,7 +77,7 @@ class Search:
             mechanism,
             values,
             rng=self.seed,
-            limits=not self.no_limits,
+            limits=mechanism.spec.enforce_limits and not self.no_limits,
             unseen=self.unseen,
             confidence=self.confidence,
             most_starts=self.most_starts,

@@ -55,6 +55,9 @@ class Reading:
         str | None,
         Parameter(help="A folder above an MJCF file, below which it may include others."),
     ] = None
+    beyond_limits: Annotated[
+        bool, Parameter(negative="", help="Take poses though joints are beyond their limits.")
+    ] = False
 
     def keywords(self) -> dict[str, Any]:
         """Return them as `load`, `check` and `convert` take them."""
@@ -66,6 +69,7 @@ class Reading:
             "locked": () if self.locked is None else split_names(self.locked),
             "tolerance": self.tolerance,
             "include_root": self.include_root,
+            "enforce_limits": False if self.beyond_limits else None,
         }
 
 
@@ -108,10 +112,9 @@ class PoseOption:
         start = "home" if self.from_ is None else self.from_
         if self.at is None:
             return mechanism.pose(start), {"pose": start, "start": None}
-        return mechanism.close(parsed_motor_values(self.at), guess=start), {
-            "pose": None,
-            "start": start,
-        }
+        values, limits = parsed_motor_values(self.at), mechanism.spec.enforce_limits
+        closed = mechanism.close(values, guess=start, enforce_limits=limits)
+        return closed, {"pose": None, "start": start}
 
 
 def numbers_by_name(option: str, items: Iterable[str]) -> dict[str, float]:

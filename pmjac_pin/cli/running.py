@@ -10,7 +10,7 @@ from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
 from pmjac_pin.cli.exit_status import INTERRUPTED
 from pmjac_pin.cli.output import Verdict
-from pmjac_pin.errors import LimitError, PmjacError, shortened
+from pmjac_pin.errors import PmjacError, shortened
 from pmjac_pin.words.terminal import complain, draw, new_console, one_line, write
 
 #: The commands, and what is typed after each, for an example.
@@ -26,6 +26,7 @@ _COMMANDS = {
     "sweep": "map.toml --resume",
 }
 
+_OF_PYTHON = re.compile(r"; enforce_limits=False .*$")  # what a message says of its switch
 _LONGEST_TYPED = 600  # characters of a message that quotes what was typed
 
 
@@ -106,8 +107,8 @@ def _message(error: Exception) -> str:
         lists = any(re.search(r"\d", token) for token in tokens)
         hint = "; numbers are joined by commas, without blanks: --at 0.5,1,2" if lists else ""
         return f"unexpected argument {shortened(' '.join(map(repr, tokens)))}{hint}"
-    if isinstance(error, LimitError):
-        return str(error).partition("; enforce_limits")[0]  # of Python alone
+    if isinstance(error, PmjacError):
+        return _OF_PYTHON.sub("; --beyond-limits takes it all the same", str(error))
     if isinstance(error, OSError) and error.strerror:
         return ": ".join(map(str, filter(None, (error.filename, error.strerror))))
     return shortened(str(error), _LONGEST_TYPED) if isinstance(error, CycloptsError) else str(error)

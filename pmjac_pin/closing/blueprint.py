@@ -69,7 +69,8 @@ class Blueprint:
     def _unassembled(self, values: Mapping[str, float]) -> Parts:
         spec = self.spec
         moved = self.urdf.moved(spec.moves(values))
-        urdf = lock_joints(moved, spec.locked, spec.helical, spec.spherical)
+        limits = spec.enforce_limits
+        urdf = lock_joints(moved, spec.locked, spec.helical, spec.spherical, enforce_limits=limits)
         return unassembled(_pinocchio_model(urdf, spec), spec, values, urdf)
 
     @found_once

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 
 import numpy as np
 
 from pmjac_pin.closing.closure_problem import ClosureProblem
-from pmjac_pin.closing.damped_closure import Assembled, assemble
-from pmjac_pin.closing.held_motors import assemble_held, is_rounding
+from pmjac_pin.closing.damped_closure import Assembled, assemble, unlimited
+from pmjac_pin.closing.held_motors import Room, assemble_held, is_rounding
 from pmjac_pin.closing.parts import Parts
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.model.coordinates import JointCoordinates
-from pmjac_pin.model.limits import Violation, limit_error, violations
+from pmjac_pin.model.limits import SWITCH, Violation, limit_error, violations
 from pmjac_pin.model.rounded_numbers import wider_tolerance
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.values.arrays import Array, norm
@@ -27,7 +28,10 @@ _SHAKES = (0.03, 0.03, 0.1, 0.1, 0.3, 0.3, 0.6, 0.6)  # rad or share of the leng
 
 
 def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
-    """Close the loops near q, within the joints' limits.
+    """Close the loops near q, within the joints' limits if the spec enforces them.
+
+    Where it does not, a pose that starts within them is looked for within them first, so that a
+    file that keeps to them means the same pose either way.
 
     The motors stay where they are where a closed pose is found with them at rest, from q itself or
     from one of the starts of `assemble_held`; elsewhere they move as little as it takes.
@@ -38,7 +42,17 @@ def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
         With the smallest gap found and the loop that stays open most, or with the joints that
         leave their limits where the loops close.
     """
-    problem, room = parts.problem, parts.coordinates.room
+    coordinates = parts.coordinates
+    if parts.spec.enforce_limits:
+        return _assembled(parts, q, pose, coordinates.room)
+    if not violations(coordinates, q, coordinates.names):
+        with suppress(ClosureError):
+            return _assembled(parts, q, pose, coordinates.room)
+    return _assembled(parts, q, pose, unlimited)
+
+
+def _assembled(parts: Parts, q: Array, pose: str, room: Room) -> Array:
+    problem = parts.problem
     found = [assemble_held(problem, q, room)]
     if found[0].gap <= problem.tolerance:
         return found[0].q
@@ -48,13 +62,13 @@ def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
             continue
         if is_rounding(problem, found[0].gap) and _moved(problem, q, found[-1].q) > _FAR_MOTORS:
             break
-        return _beyond_the_end(parts, q, found[-1].q)
+        return _beyond_the_end(parts, q, found[-1].q, room)
     # A small gap that stays is the rounding of the model's numbers: no fold would cure it, and
     # motors that moved far for it would hide it.
     best = found[0] if is_rounding(problem, found[0].gap) else min(found, key=lambda it: it.gap)
-    if not is_rounding(problem, best.gap) and (folded := _folded(parts, q)) is not None:
+    if not is_rounding(problem, best.gap) and (folded := _folded(parts, q, room)) is not None:
         return folded
-    raise _open(parts, q, best, pose)
+    raise _open(parts, q, best, pose, room)
 
 
 def _moved(problem: ClosureProblem, start: Array, end: Array) -> float:
@@ -64,9 +78,9 @@ def _moved(problem: ClosureProblem, start: Array, end: Array) -> float:
     return norm(moves[partition.actuated]) / partition.length
 
 
-def _folded(parts: Parts, q: Array) -> Array | None:
+def _folded(parts: Parts, q: Array, room: Room) -> Array | None:
     """Return a closed pose from shaken starts, all joints free to move."""
-    problem, room = parts.problem, parts.coordinates.room
+    problem = parts.problem
     for start in shaken(problem, q):
         found = assemble(problem, start, motor_weights(problem, 1.0), room=room)
         if found.gap <= problem.tolerance:
@@ -95,15 +109,17 @@ def motor_weights(problem: ClosureProblem, motor_weight: float) -> Array:
 
 def check_motors(coordinates: JointCoordinates, q: Array, spec: MechanismSpec, what: str) -> None:
     """Raise LimitError where a motor is outside its limits; the message starts with `what`."""
+    if not spec.enforce_limits:
+        return
     columns, names = coordinates.columns(spec.actuated), coordinates.dof_names(spec.actuated)
     values = coordinates.values(q)[columns]
     for name in coordinates.outside(values, columns):
         value = float(values[names.index(name)])
         found = {name: Violation.of(coordinates, name, value)}
-        raise limit_error(f"{what} a motor beyond its limits: ", found)
+        raise limit_error(f"{what} a motor beyond its limits: ", found, SWITCH)
 
 
-def _beyond_the_end(parts: Parts, start: Array, found: Array) -> Array:
+def _beyond_the_end(parts: Parts, start: Array, found: Array, room: Room) -> Array:
     """Return the pose with motors moved half as far again as it takes, where that closes.
 
     Where the motors have to move, the nearest closed pose is at the end of the reach: singular.
@@ -113,20 +129,20 @@ def _beyond_the_end(parts: Parts, start: Array, found: Array) -> Array:
     motors, moved = (coordinates.values(q)[actuated] for q in (start, found))
     beyond = moved + 0.5 * (moved - motors)
     q = coordinates.with_values(start, actuated, beyond)
-    pose = assemble(problem, q, motor_weights(problem, 0.0), room=coordinates.room)
-    closed = pose.gap <= problem.tolerance and not coordinates.outside(beyond, actuated)
-    return pose.q if closed else found
+    pose = assemble(problem, q, motor_weights(problem, 0.0), room=room)
+    kept = room is unlimited or not coordinates.outside(beyond, actuated)
+    return pose.q if pose.gap <= problem.tolerance and kept else found
 
 
-def _open(parts: Parts, q: Array, best: Assembled, pose: str) -> ClosureError:
+def _open(parts: Parts, q: Array, best: Assembled, pose: str, room: Room) -> ClosureError:
     """Say which loop stays open, or which joints leave their limits where it closes."""
     problem, coordinates = parts.problem, parts.coordinates
     what = f"{parts.spec.name}: the pose {pose!r}"
     freely = assemble(problem, q, motor_weights(problem, 1.0))
     outside = violations(coordinates, freely.q, coordinates.names)
-    if freely.gap <= problem.tolerance and outside:
+    if room is not unlimited and freely.gap <= problem.tolerance and outside:
         beyond = "; ".join(f"{name!r} = {one.words}" for name, one in outside.items())
-        message = f"{what} closes where {beyond}; {_within_limits(parts)}"
+        message = f"{what} closes where {beyond}; {_within_limits(parts)}{SWITCH}"
         return ClosureError(message, residual_norm=best.gap, q=best.q)
     residual = np.abs(problem.evaluate(best.q)[0] * problem.partition.row_scale)
     row, loops = int(np.argmax(residual)), parts.kinematics.loops

@@ -13,6 +13,8 @@ from pmjac_pin.errors import ArgumentError, LimitError
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.values.arrays import Array, Mask
 
+#: What an error says of the switch that lets a file's poses be beyond their limits.
+SWITCH = "; enforce_limits=False takes it all the same"
 _AN_ANGLE = 3.0 * math.pi  # rad: larger ones are turns, or degrees
 
 

@@ -46,6 +46,7 @@ def own_model(
     tool_rows: Iterable[str] | None,
     tool_axes: str | None,
     tolerance: float | None,
+    enforce_limits: bool,
 ) -> tuple[pin.Model, MechanismSpec]:
     """Return a copy of the model, with the constraints' anchors as frames, and the spec.
 
@@ -71,6 +72,7 @@ def own_model(
             loops=_checked_loops(own, loops),
             poses={"home": _home_pose(own, home)},
             tolerance=tolerance,
+            enforce_limits=enforce_limits,
         ).with_tool_rows(tool_rows, tool_axes)
         return own, decode_spec(encode_spec(spec))  # checks the types, as in a model file
     except (TypeError, ValueError, msgspec.MsgspecError) as error:

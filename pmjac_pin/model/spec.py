@@ -105,6 +105,9 @@ class MechanismSpec(TomlTable, frozen=True, kw_only=True):
     tolerance : float or None
         The gap in m up to which the loops count as closed, for models whose loops cannot close
         exactly because their numbers are rounded; None for 1e-12 of the mechanism's length.
+    enforce_limits : bool
+        Whether poses keep within the limits of the joints. Without, one that is given beyond them
+        or closes only there is taken as it is, and so are values of locked joints.
     poses : mapping of str to mapping of str to float
         Joint values, m or rad, near which the loops are assembled; "home" is one of them.
     parameters : mapping of str to Parameter
@@ -121,6 +124,7 @@ class MechanismSpec(TomlTable, frozen=True, kw_only=True):
     spherical: tuple[Name, ...] = ()
     helical: dict[Name, float] = msgspec.field(default_factory=dict)
     tolerance: float | None = None
+    enforce_limits: bool = True
     poses: dict[Name, dict[Name, JointValue]]
     parameters: dict[Name, Parameter] = msgspec.field(default_factory=dict)
 
@@ -138,6 +142,9 @@ class MechanismSpec(TomlTable, frozen=True, kw_only=True):
             raise ArgumentError(f"`tolerance` is a number in m, got {quoted(self.tolerance)}")
         if self.tolerance is not None and not 0.0 < self.tolerance <= sys.float_info.max:
             raise ArgumentError(f"`tolerance` is a length above 0 m, got {quoted(self.tolerance)}")
+        if not isinstance(self.enforce_limits, bool):
+            given = quoted(self.enforce_limits)
+            raise ArgumentError(f"`enforce_limits` is true or false, got {given}")
         if not self.actuated:
             raise ArgumentError("`actuated` is empty: name at least one motor joint")
         if both := sorted(set(self.actuated) & set(self.passive or ())):

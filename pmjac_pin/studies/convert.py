@@ -40,6 +40,7 @@ def convert(
     locked: Iterable[str] | Mapping[str, JointValue] = (),
     tolerance: float | None = None,
     include_root: str | Path | None = None,
+    enforce_limits: bool | None = None,
     force: bool = False,
 ) -> tuple[Path, Path]:
     """Write a mechanism as a model file, its URDF beside it.
@@ -49,7 +50,9 @@ def convert(
 
     Parameters
     ----------
-    name_or_path, actuated, tool, tool_rows, tool_axes, locked, tolerance, include_root
+    name_or_path, actuated, tool, tool_rows, tool_axes, locked
+        As in `load`.
+    tolerance, include_root, enforce_limits
         As in `load`.
     output : str or Path
         The new model file; its name ends in ``.toml``. Of a link, where that leads.
@@ -84,7 +87,9 @@ def convert(
     target = followed(given)  # the URDF goes beside the file that a link leads to
     _check_name(target)
     source = read_source(path, actuated, tool, include_root)
-    source = adjusted(source, locked, tool_rows, tool_axes, tolerance)
+    source = adjusted(
+        source, locked, tool_rows, tool_axes, tolerance=tolerance, enforce_limits=enforce_limits
+    )
     read = {real(path), real(Path(source.urdf.path))}
     tree = _urdf_beside(target, read)
     _check_places(target, tree, read, force)

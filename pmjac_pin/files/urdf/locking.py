@@ -14,6 +14,7 @@ from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.files.xml_text import numbers, written
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.joint_kinds import JOINT_KINDS
+from pmjac_pin.model.limits import SWITCH
 from pmjac_pin.model.spec import JointValue
 
 #: URDF's joints of several degrees of freedom, by the names that the kinds have.
@@ -27,6 +28,8 @@ def lock_joints(
     values: Mapping[str, JointValue],
     pitches: Mapping[str, float] = _NO_PITCHES,
     balls: Collection[str] = (),
+    *,
+    enforce_limits: bool = True,
 ) -> Urdf:
     """Return the URDF with these joints fixed at these values.
 
@@ -41,6 +44,8 @@ def lock_joints(
         How far joints that turn slide as well, m/rad.
     balls : collection of str, optional
         Floating joints that only turn.
+    enforce_limits : bool
+        Whether the values keep within the joints' limits.
 
     Raises
     ------
@@ -72,6 +77,8 @@ def lock_joints(
             motion = _placement(several, name, value)
         else:
             motion = _motion(joints[name], value, pitches.get(name, 0.0))
+            if enforce_limits:
+                _check_limits(joints[name], value)
         _fix(joints[name], motion)
     return urdf.changed(robot, values.keys())
 
@@ -86,18 +93,17 @@ def _fix(joint: Element, motion: pin.SE3) -> None:
 
 
 def _motion(joint: Element, value: JointValue, pitch: float) -> pin.SE3:
-    """Return the motion of a joint of one degree of freedom at a value that it may have."""
+    """Return the motion of a joint of one degree of freedom at a value."""
     name, kind = joint.get("name", ""), joint.get("type", "")
     if kind not in ("revolute", "continuous", "prismatic"):
         raise ArgumentError(f"joint {name!r} is {kind}; only joints that move can be locked")
     if not isinstance(value, float | int):
         raise ArgumentError(f"joint {name!r} is locked at one number, got {len(value)}")
-    _check_limits(joint, value)
     return _motion_at(joint, value, pitch)
 
 
-def _check_limits(joint: Element, value: float) -> None:
-    if joint.get("type") == "continuous":
+def _check_limits(joint: Element, value: JointValue) -> None:
+    if joint.get("type") not in ("revolute", "prismatic") or isinstance(value, tuple):
         return
     name = joint.get("name", "")
     lower, upper = (
@@ -105,7 +111,9 @@ def _check_limits(joint: Element, value: float) -> None:
         for end in ("lower", "upper")
     )
     if not lower <= value <= upper:
-        message = f"joint {name!r} cannot be locked at {value:g}, outside [{lower:g}, {upper:g}]"
+        message = (
+            f"joint {name!r} cannot be locked at {value:g}, outside [{lower:g}, {upper:g}]{SWITCH}"
+        )
         unit = "m" if joint.get("type") == "prismatic" else "rad"
         raise LimitError(message, joint=name, value=value, lower=lower, upper=upper, unit=unit)
 
