@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 from pmjac_pin.errors import ArgumentError, ModelFileError, enumerated, quoted, unknown_name
 from pmjac_pin.files.urdf.checks import VELOCITIES
 from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.files.user_path import readable
-from pmjac_pin.model.loop_spec import MAXIMAL_LOOPS, Loop
+from pmjac_pin.model.loop_spec import MAXIMAL_LOOPS, JointLoop, Loop
 from pmjac_pin.model.spec import JointValue, MechanismSpec, Tool
 
 _NO_VALUES: Mapping[str, JointValue] = MappingProxyType({})
@@ -94,6 +94,21 @@ class ForeignModel:
             tolerance=self.tolerance,
             poses={"home": dict(self.home)},
         )
+
+    def with_open_chain(self) -> ForeignModel:
+        """Return the model with all its joints as motors where no loop closes and no file tells.
+
+        Those of one degree of freedom, but for those that follow another.
+        """
+        if self.actuated or any(not isinstance(loop, JointLoop) for loop in self.loops):
+            return self
+        followers = {loop.joints[1] for loop in self.loops if isinstance(loop, JointLoop)}
+        motors = tuple(name for name in self._possible_motors() if name not in followers)
+        if not motors:
+            return self
+        followed = ", but those that follow another" if followers else ""
+        note = f"no loop closes: every joint of one degree of freedom{followed} counts as a motor"
+        return replace(self, actuated=motors, notes=(*self.notes, note))
 
     def _possible_motors(self) -> tuple[str, ...]:
         return tuple(

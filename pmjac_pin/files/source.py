@@ -80,7 +80,7 @@ def read_source(
     path = urdf_of(path)
     root = _include_root(path, include_root)
     if (reader := READERS.get(path.suffix.lower())) is not None:
-        model = reader(path, motors or ()) if root is None else _read_mjcf(path, (), root)
+        model = reader(path, motors or ()) if root is None else _read_mjcf(path, motors or (), root)
         return Source(path, model.spec(motors, tool), model.urdf, model.notes, model.unread)
     if path.suffix.lower() not in ("", ".toml"):
         raise ModelFileError(f"{shown_path(path)}: {_other_format(path)}", path=str(path))
@@ -157,10 +157,11 @@ def _read_sdf(path: Path, motors: Collection[str]) -> ForeignModel:
     return read_sdf(path, motors)
 
 
-def _read_mjcf(path: Path, _: Collection[str], root: Path | None = None) -> ForeignModel:
+def _read_mjcf(path: Path, motors: Collection[str], root: Path | None = None) -> ForeignModel:
     from pmjac_pin.files.mjcf.reader import read_mjcf  # noqa: PLC0415
 
-    return read_mjcf(path, root)  # its loops are cut already
+    model = read_mjcf(path, root)  # its loops are cut already
+    return model if motors else model.with_open_chain()
 
 
 # The readers of other formats, by the suffix of the file; each is told which joints stay uncut.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element
 
@@ -32,6 +32,8 @@ AXES: Mapping[str, int] = {
     "revolute2": 2,
     "gearbox": 2,
 }
+_CROSSES = ("universal", "revolute2")
+_PARALLEL = 1e-6  # of the sine of the angle between two axes
 
 
 @dataclass(frozen=True)
@@ -100,8 +102,32 @@ def read_joint(element: Element, frames: Frames, version: tuple[int, int]) -> Sd
     placement = frames.placement(relative_to, where) * local
     tags = AXIS_TAGS[: AXES[kind]]
     axes = tuple(_joint_axis(element, tag, placement, frames, version) for tag in tags)
+    if assumed := _assumed_axis(element, kind):
+        _refuse_parallel(where, assumed, axes)
     pitch = _pitch(where, element) if kind == "screw" else 0.0
     return SdfJoint(name, kind, parent, child, placement, axes, element, pitch)
+
+
+def _assumed_axis(joint: Element, kind: str) -> str | None:
+    """Return which of a joint's two axes the file leaves to SDFormat, where it gives the other."""
+    given = [joint.find(tag) is not None for tag in AXIS_TAGS]
+    if kind not in _CROSSES or all(given) or not any(given):
+        return None
+    return AXIS_TAGS[given.index(False)]
+
+
+def assumed_axes(joints: Iterable[SdfJoint]) -> Iterator[str]:
+    """Yield a sentence for each joint of two axes of which the file gives one."""
+    for joint in joints:
+        if tag := _assumed_axis(joint.element, joint.kind):
+            default = "SDFormat's default 0 0 1, along z of the joint's frame, is taken"
+            yield f"{joint.kind} joint {joint.name!r} has no <{tag}>: {default}"
+
+
+def _refuse_parallel(where: str, assumed: str, axes: tuple[Axis, ...]) -> None:
+    if np.linalg.norm(np.cross(axes[0].direction, axes[1].direction)) < _PARALLEL:
+        got = f"{where} has no <{assumed}>, and SDFormat's default 0 0 1 is the other axis"
+        raise ModelFileError(f"{got}; write <{assumed}><xyz>...</xyz></{assumed}>")
 
 
 def freedom_names(joint: SdfJoint) -> tuple[str, ...]:
@@ -149,6 +175,8 @@ def _joint_axis(
 ) -> Axis:
     where = f"{label(joint)}, <{tag}>"
     element = only(label(joint), joint, tag)
+    if _assumed_axis(joint, joint.get("type", "")) == tag:
+        return Axis(np.array([0.0, 0.0, 1.0]), (-WITHOUT_LIMIT, WITHOUT_LIMIT))
     if element is None:
         raise ModelFileError(f"{label(joint)} has no <{tag}>; a {joint.get('type')} joint needs it")
     xyz = only(where, element, "xyz")

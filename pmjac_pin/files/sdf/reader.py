@@ -14,7 +14,7 @@ from pmjac_pin.errors import ModelFileError
 from pmjac_pin.files.foreign_model import ForeignModel
 from pmjac_pin.files.sdf.couplings import coupled_links, coupling, read_mimics, refuse_idle_mimics
 from pmjac_pin.files.sdf.frames import WORLD
-from pmjac_pin.files.sdf.joints import SdfJoint, freedom_names
+from pmjac_pin.files.sdf.joints import SdfJoint, assumed_axes, freedom_names
 from pmjac_pin.files.sdf.model import SdfModel, read_model
 from pmjac_pin.files.sdf.tree import SdfTree
 from pmjac_pin.files.spanning_tree import SpanningTree, spanning_tree
@@ -41,6 +41,12 @@ def read_sdf(path: Path, motors: Collection[str] = ()) -> ForeignModel:
     motors : collection of str, optional
         Joints that stay in the tree before others do.
 
+    Returns
+    -------
+    ForeignModel
+        With `actuated` where no loop closes and no motors are given: every joint of one degree
+        of freedom that follows no other.
+
     Raises
     ------
     ModelFileError
@@ -48,7 +54,8 @@ def read_sdf(path: Path, motors: Collection[str] = ()) -> ForeignModel:
     """
     text = read_text(path, MAXIMAL_SDF)
     with at_file(str(path)):
-        return _foreign_model(read_model(parse_xml(text)), path, motors)
+        model = _foreign_model(read_model(parse_xml(text)), path, motors)
+        return model if motors else model.with_open_chain()
 
 
 def _foreign_model(model: SdfModel, path: Path, motors: Collection[str]) -> ForeignModel:
@@ -90,7 +97,7 @@ def _foreign_model(model: SdfModel, path: Path, motors: Collection[str]) -> Fore
         spherical=tuple(tree.spherical),
         helical=tree.helical,
         home=tree.home,
-        notes=(*model.notes, *_notes(graph, joints, tree)),
+        notes=(*model.notes, *assumed_axes(joints), *_notes(graph, joints, tree)),
         unread=model.unread,
     )
 

@@ -8,7 +8,6 @@ write it: see `pmjac_pin.files.urdf.ties`.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -68,15 +67,7 @@ def read_looped_urdf(path: Path, motors: Collection[str] = ()) -> ForeignModel:
     """
     with at_file(str(path)):
         model = read_robot(parse_xml(read_text(path, MAXIMAL_URDF)), path, motors)
-        closed = any(not isinstance(loop, JointLoop) for loop in model.loops)
-        if motors or model.actuated or closed:
-            return model
-        followers = {loop.joints[1] for loop in model.loops if isinstance(loop, JointLoop)}
-        single = [joint.name for joint in model.urdf.joints if VELOCITIES[joint.type] == 1]
-        actuated = tuple(name for name in single if name not in followers)
-        followed = ", but those that follow another" if followers else ""
-        note = f"no loop closes: every joint of one degree of freedom{followed} counts as a motor"
-        return replace(model, actuated=actuated, notes=(*model.notes, note))
+        return model if motors else model.with_open_chain()
 
 
 def read_robot(
