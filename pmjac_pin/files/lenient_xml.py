@@ -1,4 +1,4 @@
-"""XML that the parsers of robots read though it is not well-formed, made so; or why it is not.
+"""XML that the parsers of robots read though it is not well-formed, made so.
 
 TinyXML, which URDF and MJCF are read with elsewhere, knows nothing of namespaces, takes blank
 lines before the declaration, and two hyphens within a comment.
@@ -7,13 +7,14 @@ lines before the declaration, and two hyphens within a comment.
 from __future__ import annotations
 
 import re
-from xml.etree.ElementTree import ParseError
 
 _LATE_DECLARATION = re.compile(r"\A(\s++)<\?xml\s[^>]*+>")
 _ROOT = re.compile(r"\A(?:\s++|<\?.*?\?>|<!--.*?-->)*+<[^\s/>!?]++", re.DOTALL)
 _PREFIX = re.compile(r"""<([A-Za-z_][\w.-]*+):|\s([A-Za-z_][\w.-]*+):[\w.-]++\s*+=\s*+["']""")
 _RESERVED = ("xml", "xmlns")
-_COMMENT, _END_OF_COMMENT = "<!--", "-->"
+_COMMENT = "<!--"
+_SPANS = {_COMMENT: "-->", "<![CDATA[": "]]>", "<?": "?>"}  # beside tags
+_TAG = re.compile(r"""[^<>"']*+(?:"[^"]*+"[^<>"']*+|'[^']*+'[^<>"']*+)*+>""")
 
 
 def without_late_declaration(text: str) -> str:
@@ -44,11 +45,35 @@ def with_prefixes_bound(text: str) -> str:
     return text[: start.end()] + bound + text[start.end() :]
 
 
-def why_not_well_formed(text: str, error: ParseError) -> str:
-    """Return what is to be done, where a parser stopped within a comment; else nothing."""
-    line, column = error.position
-    before = "\n".join([*text.split("\n")[: line - 1], text.split("\n")[line - 1][:column]])
-    opened = before.rfind(_COMMENT)
-    if opened < 0 or _END_OF_COMMENT in before[opened:] or "--" not in before[opened + 4 :]:
-        return ""
-    return "; two hyphens side by side stand within a comment, where XML allows one"
+def with_plain_comments(text: str) -> str:
+    r"""Return XML with nothing in its comments but their ends of lines.
+
+    A comment ends where the first ``-->`` is, whatever hyphens it holds. Nothing else is touched:
+    what looks like one within a tag, CDATA or a processing instruction is none.
+
+    Examples
+    --------
+    >>> with_plain_comments("<a><!-- b -- c ---><b d='<!-- -->'/></a>")
+    "<a><b d='<!-- -->'/></a>"
+    """
+    pieces, at = [], 0
+    while (start := text.find("<", at)) >= 0:
+        opening = next((opening for opening in _SPANS if text.startswith(opening, start)), "<")
+        end = _end(text, start + len(opening), _SPANS.get(opening))
+        if end is None:
+            break  # what does not end is no XML for anybody
+        if opening == _COMMENT:
+            pieces += [text[at:start], "\n" * text.count("\n", start, end)]
+        else:
+            pieces.append(text[at:end])
+        at = end
+    return "".join([*pieces, text[at:]])
+
+
+def _end(text: str, start: int, closing: str | None) -> int | None:
+    """Return where a span ends; a tag, whose quotes may hold anything, where nothing closes it."""
+    if closing is None:
+        found = _TAG.match(text, start)
+        return found.end() if found else None
+    place = text.find(closing, start)
+    return None if place < 0 else place + len(closing)

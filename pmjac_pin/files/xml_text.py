@@ -8,40 +8,46 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from xml.etree.ElementTree import Element, ParseError
-from xml.parsers.expat.errors import XML_ERROR_UNBOUND_PREFIX, codes
+from xml.parsers.expat.errors import XML_ERROR_INVALID_TOKEN, XML_ERROR_UNBOUND_PREFIX, codes
 
 from defusedxml.common import DefusedXmlException
 
 from pmjac_pin.errors import ModelFileError, quoted, shortened
 from pmjac_pin.files.bounded_xml import bounded_tree
 from pmjac_pin.files.lenient_xml import (
-    why_not_well_formed,
+    with_plain_comments,
     with_prefixes_bound,
     without_late_declaration,
 )
 from pmjac_pin.values.checks import LARGEST
 
-_UNBOUND_PREFIX = codes[XML_ERROR_UNBOUND_PREFIX]
+_MENDS = {
+    codes[XML_ERROR_UNBOUND_PREFIX]: with_prefixes_bound,
+    codes[XML_ERROR_INVALID_TOKEN]: with_plain_comments,
+}
 
 
 def parse_xml(text: str) -> Element:
     """Parse XML without document types, entities, deep nesting or very many elements."""
-    text = without_late_declaration(text)
     try:
-        try:
-            return bounded_tree(text)
-        except ParseError as error:
-            if error.code != _UNBOUND_PREFIX:
-                raise
-            return bounded_tree(with_prefixes_bound(text))
-    except ParseError as error:
-        got = f"not well-formed XML: {shortened(str(error))}"
-        raise ModelFileError(got + why_not_well_formed(text, error)) from None
-    except UnicodeError as error:
+        return _forgiven(without_late_declaration(text))
+    except (ParseError, UnicodeError) as error:
         raise ModelFileError(f"not well-formed XML: {shortened(str(error))}") from None
     except DefusedXmlException:
         why = "it could open other files or grow without bound"
         raise ModelFileError(f"a <!DOCTYPE> is not read, since {why}; remove it") from None
+
+
+def _forgiven(text: str) -> Element:
+    """Parse XML, each kind of thing that the parsers of robots forgive mended once."""
+    mends = dict(_MENDS)
+    while True:
+        try:
+            return bounded_tree(text)
+        except ParseError as error:
+            if (mend := mends.pop(error.code, None)) is None:
+                raise
+            text = mend(text)
 
 
 def only(where: str, parent: Element, tag: str) -> Element | None:
