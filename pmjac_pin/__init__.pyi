@@ -90,6 +90,8 @@ from .model.loop_spec import (
 )
 from .model.spec import MechanismSpec as MechanismSpec
 from .pictures.plot import plot as plot
+from .rates.allowed import AllowedJacobian as AllowedJacobian
+from .rates.allowed import allowed_jacobian as allowed_jacobian
 from .rates.dynamics import Dynamics as Dynamics
 from .rates.ellipse import Ellipse as Ellipse
 from .rates.ellipsoid import Ellipsoid as Ellipsoid

@@ -24,6 +24,7 @@ from pmjac_pin.model.inertias import massless
 from pmjac_pin.model.limits import Violation, violations
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.pose_rounding import PoseRounding
+from pmjac_pin.rates.allowed import AllowedJacobian, allowed_jacobian
 from pmjac_pin.rates.dynamics import Dynamics, check_inertia
 from pmjac_pin.rates.jacobian import EquivalentJacobian, eliminated
 from pmjac_pin.rates.known_jacobian import KnownJacobian
@@ -194,7 +195,7 @@ class Configuration(Shown):
         SingularError
             At a singularity, where no J_eq exists; `singularity` still answers there.
         ForbiddenRatesError
-            The loops forbid some motor rates.
+            The loops forbid some motor rates; `allowed_jacobian` answers for the others.
         IdleMotionError
             The tool feels a passive motion that no motor commands.
 
@@ -217,6 +218,40 @@ class Configuration(Shown):
         else:
             J_eq, find = self._eliminated(name)
         return KnownJacobian.of(J_eq, name, partition, PoseRounding(self, name), find)
+
+    def allowed_jacobian(
+        self,
+        frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED",
+        *,
+        tool: str | Sequence[str] | None = None,
+    ) -> AllowedJacobian:
+        """Return J_eq on the motor rates that the loops allow, where motors are tied to each other.
+
+        With more motors than freedoms `jacobian` is refused, since not all motor rates are
+        possible. Those that are fit each other: some motors lead, and the others follow. Where the
+        loops tie none, all lead, and `J_eq` is that of `jacobian`.
+
+        Parameters
+        ----------
+        frame, tool
+            As of `jacobian`.
+
+        Raises
+        ------
+        SingularError, IdleMotionError
+            As `jacobian`.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> tied = pj.load("four_bar", actuated=["theta1", "phi1"]).home.allowed_jacobian()
+        >>> tied.leading, tied.motor_rates.round(4).tolist(), tied.Jw_eq[2].round(4).tolist()
+        (('theta1',), [[1.0], [-0.0024]], [-0.3345])
+        """
+        if tool is not None:
+            return self.with_tool(tool).allowed_jacobian(frame)
+        split = self.split_jacobian(frame)
+        return allowed_jacobian(split, self.singularity, loops=self._loop_rates)
 
     def _eliminated(self, frame: FrameName) -> tuple[Array, Callable[[], EquivalentJacobian]]:
         """Return J_eq by singular values, and what has all matrices; or say why there is none."""

@@ -279,8 +279,7 @@ def eliminated(
     """Return Φ and J_eq of a tool Jacobian (6, nv), or raise as `equivalent_jacobian`."""
     actuated, passive = partition.actuated, partition.passive
     scaled, size, factors = loops
-    if factors.rank < partition.passive_rank or partition.isolated:
-        raise _singular(singularity())
+    refuse_singular(loops, partition, singularity)
     driving = scaled.take(actuated, axis=1)
     if factors.rank < len(scaled) and factors.left_over(driving) > partition.rank_tolerance * size:
         _refuse_forbidden(factors, scaled, partition)
@@ -292,6 +291,14 @@ def eliminated(
         rates += factors.solve(driving - scaled.take(passive, axis=1) @ rates)
     rates *= partition.rate_scale
     return rates, J.take(actuated, axis=1) + J.take(passive, axis=1).dot(rates)
+
+
+def refuse_singular(
+    loops: LoopRates, partition: Partition, singularity: Callable[[], Singularity]
+) -> None:
+    """Raise SingularError where K* is below its generic rank, or no pose near home closes."""
+    if loops.passive.rank < partition.passive_rank or partition.isolated:
+        raise _singular(singularity())
 
 
 def _singular(singularity: Singularity) -> SingularError:
@@ -337,9 +344,12 @@ def _refuse_forbidden(factors: Factorisation, scaled: Array, partition: Partitio
         for column in forbidden.T
     )
     motors = f"{len(names)} motor{'s are' if len(names) > 1 else ' is'}"
+    tied = forbidden.shape[1] < len(names)
     raise ForbiddenRatesError(
         f"the loops forbid the motor rates ({directions}): {motors} too many for these loops; "
-        f"make {forbidden.shape[1]} of them passive",
+        f"make {forbidden.shape[1]} of them passive"
+        + ", or ask allowed_jacobian() for the rates that fit each other"
+        * tied,
         forbidden_rates=read_only(forbidden),
     )
 

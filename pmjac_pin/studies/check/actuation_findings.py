@@ -61,7 +61,10 @@ def forbidden_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
         enough = f": {listed_in_words(actuation.sufficient)} determine the others"
         enough = enough.replace("determine", "determines") if allowed == 1 else enough
         motors = f"{count} of the {actuation.motors} motors"
-        advice = f"Declare {motors} passive{enough}; no J_eq till then."
+        advice = (
+            f"Declare {motors} passive{enough}; no J_eq of all rates till then. "
+            "`configuration.allowed_jacobian()` is that of the rates that fit."
+        )
     else:
         message += ". No motor can move: it is a structure"
         advice = "Check its lengths and axes, or make a loop's joint free; no J_eq till then."
