@@ -22,6 +22,7 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.direct_kinematics import Guess, close
 from pmjac_pin.errors import ArgumentError, unknown_name
 from pmjac_pin.mechanism_value import MechanismValue
+from pmjac_pin.model.limits import unread_limits
 from pmjac_pin.model.loop_spec import Loop
 from pmjac_pin.model.pinocchio_model import Constraint, RobotWrapper, checked_tool, own_model
 from pmjac_pin.model.spec import JointValue, Tool
@@ -80,7 +81,8 @@ class Mechanism(MechanismValue):
         Parameters
         ----------
         model : pin.Model or RobotWrapper
-            The cut tree; copied.
+            The cut tree; copied. Limits of joints with one degree of freedom are kept; `notes` name
+            others.
         loops : iterable of PointLoop, RevoluteLoop, ...
             Or Pinocchio's own constraint models: point anchors and frame anchors, alone or in a
             ``pin.ConstraintModel``, and ``pin.RigidConstraintModel``.
@@ -129,7 +131,7 @@ class Mechanism(MechanismValue):
             tolerance=tolerance,
             enforce_limits=enforce_limits,
         )
-        return cls(build_parts(own, spec, {}))
+        return cls(build_parts(own, spec, {}), notes=tuple(unread_limits(own)))
 
     def with_tool(
         self,

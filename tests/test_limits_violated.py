@@ -8,6 +8,7 @@ import re
 
 import msgspec
 import numpy as np
+import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
@@ -176,3 +177,27 @@ def test_many_poses_know(lower):
     assert (strict.status == pj.Status.LIMITS).tolist() == alone
     with pytest.raises(pj.ArgumentError, match="limits are known"):
         _ = type(poses)(poses.q, poses.share, poses.status).beyond_limits
+
+
+@pytest.mark.parametrize(
+    ("kind", "slides"),
+    [(pin.JointModelPlanar, 2), (pin.JointModelFreeFlyer, 3), (pin.JointModelSpherical, 0)],
+)
+@pytest.mark.parametrize("limited", [True, False])
+def test_limits_that_nothing_looks_at_are_named(kind, slides, limited):
+    """A body that floats, or slides in a plane, has none; what its model gives is no secret."""
+    model, joint = pin.Model(), kind()
+    none, most = np.full(joint.nv, 1e9), np.full(joint.nq, np.finfo(float).max)
+    lower, upper = -most, most.copy()
+    lower[slides:], upper[slides:] = -1.01, 1.01  # of the numbers of a turn, as Pinocchio has it
+    if limited and slides:
+        upper[0] = 0.5
+    model.addJoint(0, joint, pin.SE3.Identity(), "body", none, none, lower, upper)
+    arm = pin.JointModelRZ()
+    model.addJoint(0, arm, pin.SE3.Identity(), "arm", *np.array([[1e9], [1e9], [-1.0], [1.0]]))
+    frame = pin.Frame("tip", 2, pin.SE3.Identity(), pin.FrameType.OP_FRAME)
+    model.addFrame(frame, False)
+    mechanism = pj.Mechanism.from_pinocchio(model, [], ["arm"], "tip")
+    only = "only joints with one degree of freedom have limits"
+    told = [f"the limits of joint 'body' are left out: {only}"]
+    assert list(mechanism.notes) == (told if limited and slides else [])

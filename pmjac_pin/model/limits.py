@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
+import pinocchio as pin
 
 from pmjac_pin.errors import ArgumentError, LimitError
 from pmjac_pin.model.coordinates import JointCoordinates
+from pmjac_pin.model.joint_kinds import kind_of
 from pmjac_pin.values.arrays import Array, Mask
+from pmjac_pin.values.checks import LARGEST
 
 #: What an error says of the switch that lets a file's poses be beyond their limits.
 SWITCH = "; enforce_limits=False takes it all the same"
@@ -103,6 +106,20 @@ def limit_error(what: str, found: Mapping[str, Violation], advice: str = "") -> 
         upper=first.upper,
         unit=first.unit,
     )
+
+
+def unread_limits(model: pin.Model) -> Iterator[str]:
+    """Yield what is to be said of limits in a model that nothing looks at: of several freedoms."""
+    for name, joint in zip(model.names[1:], list(model.joints)[1:], strict=True):
+        kind = kind_of(joint)
+        if joint.nq == 1:
+            continue
+        slides = joint.nq if kind is None else len(kind.along)  # others are of a turn's numbers
+        entries = slice(joint.idx_q, joint.idx_q + slides)
+        ends = np.append(model.lowerPositionLimit[entries], model.upperPositionLimit[entries])
+        if (np.abs(ends) < LARGEST).any():
+            one = "joints with one degree of freedom have limits"
+            yield f"the limits of joint {name!r} are left out: only {one}"
 
 
 def enforced(given: object) -> str:
