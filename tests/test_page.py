@@ -425,7 +425,7 @@ def test_updates_keep_up_with_a_slider_that_never_rests(viewer, open_page):
 def test_keyboard_alone(viewer, open_page):
     page = open_page(viewer)
     visited = []
-    for _ in range(20):
+    for _ in range(24):
         page.keyboard.press("Tab")
         visited.append(page.evaluate("document.activeElement.id"))
         if visited[-1] == "scale":
@@ -436,11 +436,12 @@ def test_keyboard_alone(viewer, open_page):
         else:
             style = page.evaluate("getComputedStyle(document.activeElement).outlineStyle")
         assert style == "solid", visited[-1]
-    motors = [f"motor-{k}{end}" for k in range(3) for end in ("", "-value")]
+    motors = [f"motor-{k}{end}" for k in range(3) for end in ("-play", "", "-value")]
     buttons = ["scene", "home", "reset", "snapshot", "pose", "degrees", "names"]
     assert visited == [
         *buttons,
         *motors,
+        "design-title",
         "passive-title",
         "find-modes",
         "linear",

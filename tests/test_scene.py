@@ -253,6 +253,20 @@ def test_without_visuals_bars_join_the_joints(tmp_path, make, count):
     np.testing.assert_allclose(halves, [crank_tip, tip], atol=1e-9)
 
 
+def test_where_a_loops_end_is_far_from_a_links_visual_a_bar_goes_there(tmp_path):
+    """The rocker is a small box about its joint; the visuals of the others span them."""
+    box = '<visual><geometry><box size="0.3 0.3 0.3"/></geometry></visual>'
+    rocker = re.compile(r'(<link name="rocker">.*?)<visual.*?</visual>', re.S)
+    mechanism = rewritten("four_bar", tmp_path, lambda text: rocker.sub(rf"\1{box}", text))
+    items = by_name(scene(mechanism.home))
+    bars = [name for name in items if re.fullmatch(r"links/\w+/bar\d+", name)]
+    assert bars == ["links/rocker/bar1"]
+    bar = items["links/rocker/bar1"].transform
+    ends = [bar[:3, 3] + way * bar[:3, 2] for way in (-0.5, 0.5)]
+    anchor = items["loops/1/second"].transform[:3, 3]
+    assert min(np.linalg.norm(end - anchor) for end in ends) < 1e-9
+
+
 def test_a_slide_without_visuals_is_drawn_by_its_rail(tmp_path):
     mechanism = bare("three_rps", tmp_path)
     items = by_name(scene(mechanism.home))
@@ -368,11 +382,37 @@ def test_anchors_show_the_axis_of_their_loop(joint):
             np.testing.assert_allclose(middle, items[f"loops/1/{name}"].transform[:3, 3])
 
 
-def test_gears_have_no_anchors():
+@pytest.mark.parametrize("ratio", [-0.5, -3.0, 2.0])
+def test_gears_are_wheels_as_large_as_their_ratio_says(ratio):
     model = pj.load("serial_2r").model
-    gear = pj.JointLoop(joints=("theta1", "theta2"), ratio=-0.5)
+    gear = pj.JointLoop(joints=("theta1", "theta2"), ratio=ratio)
     mechanism = pj.Mechanism.from_pinocchio(model, [gear], ["theta1"], "tip")
-    assert not any(name.startswith("loops/") for name in by_name(scene(mechanism.home)))
+    home, moved = (by_name(scene(pose)) for pose in (mechanism.home, mechanism.close([0.4])))
+    assert not any(name.startswith("loops/") for name in home)
+    radii = [np.linalg.norm(home[f"gears/1/{end}"].transform[:3, 0]) for end in ("first", "second")]
+    assert radii[0] / radii[1] == pytest.approx(abs(ratio))
+    places = [home[f"gears/1/{end}"].transform[:3, 3] for end in ("first", "second")]
+    if ratio < 0.0:  # they turn against each other, and touch
+        assert sum(radii) == pytest.approx(np.linalg.norm(places[1] - places[0]))
+    belt = home["gears/1/belt"].transform
+    np.testing.assert_allclose(belt[:3, 3], np.mean(places, axis=0), atol=1e-12)
+    spokes = [pose["gears/1/first_spoke"].transform[:3, 2] for pose in (home, moved)]
+    turned = np.arccos(spokes[0] @ spokes[1] / np.linalg.norm(spokes[0]) ** 2)
+    assert turned == pytest.approx(0.4)
+
+
+def test_a_gear_on_a_slide_has_a_line_only():
+    mechanism = pj.load("slider_crank")
+    model, slide = mechanism.model, mechanism.actuated
+    assert slide
+    names = [name for name in model.names if name != "universe"]
+    turning, sliding = (
+        next(name for name in names if mechanism.units.get(name) == unit) for unit in ("rad", "m")
+    )
+    gear = pj.JointLoop(joints=(turning, sliding), ratio=0.1)
+    geared = pj.Mechanism.from_pinocchio(model, [gear], [turning], mechanism.spec.tool.names[0])
+    names = [name for name in by_name(scene(geared.home)) if name.startswith("gears/")]
+    assert names == ["gears/1/first", "gears/1/first_spoke", "gears/1/belt"]
 
 
 def test_a_motor_s_name_stands_midway_along_its_slide(three_rps):

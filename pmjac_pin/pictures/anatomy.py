@@ -191,12 +191,22 @@ class Anatomy:
             )
         return points
 
+    def held_points(self, body: int) -> Array:
+        """Return where other bodies hold a body, (k, 3) in its frame: its joints and anchors."""
+        roots = [self.root(joint) for joint in self.joints if not self._loose(joint)]
+        return self._points_on(body, [*roots, *self._ends])
+
     def _own_points(self, body: int) -> Array:
-        places = [np.zeros(3)] if body and not self._loose(body) else []
         roots = [self.root(joint) for joint in self.joints]
-        ends = [point for anchor in self.anchors for point in (anchor.first, anchor.second)]
-        places += [point.place for point in (*roots, *ends, *self.tool) if point.body == body]
-        return self._apart(places)
+        return self._points_on(body, [*roots, *self._ends, *self.tool])
+
+    @property
+    def _ends(self) -> list[Point]:
+        return [point for anchor in self.anchors for point in (anchor.first, anchor.second)]
+
+    def _points_on(self, body: int, points: list[Point]) -> Array:
+        places = [np.zeros(3)] if body and not self._loose(body) else []
+        return self._apart([*places, *(point.place for point in points if point.body == body)])
 
     def _apart(self, places: list[Array]) -> Array:
         found: list[Array] = []
@@ -218,13 +228,12 @@ class Anatomy:
     def _joint_points(self) -> Array:
         roots = [self.root(joint) for joint in self.joints if not self._loose(joint)]
         own = [Point(joint, np.zeros(3)) for joint in self.joints if not self._loose(joint)]
-        ends = [point for anchor in self.anchors for point in (anchor.first, anchor.second)]
         links = [
             Point(body, frame.placement.translation)
             for body in self.joints
             for frame in self._links(body)
         ]
-        return Points.of([*roots, *own, *ends, *self.tool, *links]).at(self.home)
+        return Points.of([*roots, *own, *self._ends, *self.tool, *links]).at(self.home)
 
     def _visual_points(self) -> Array:
         """Return where the visuals end along their own axes at home, shape (k, 3)."""

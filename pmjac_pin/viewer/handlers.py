@@ -173,7 +173,7 @@ class ControlSocket(Browser):
     async def on_message(self, message: str | bytes) -> None:
         """Answer; the next message is read when the answer has gone."""
         try:
-            await self.send(self.hub.answer(self, message))
+            await self.send(await self.hub.answer(self, message))
         except tornado.websocket.WebSocketClosedError:
             self.hub.remove(self)
 

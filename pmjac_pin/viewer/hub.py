@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
-from collections.abc import Awaitable, Callable, Iterable
+from collections.abc import Awaitable, Callable, Iterable, Sequence
 from typing import Generic, TypeVar
 
 from tornado.websocket import WebSocketClosedError
@@ -16,12 +16,24 @@ from tornado.websocket import WebSocketClosedError
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import PmjacError
 from pmjac_pin.viewer.canvas import Canvas
-from pmjac_pin.viewer.messages import ModesCommand, Reframe, Refusal, decode, encode
+from pmjac_pin.viewer.design import redesigned
+from pmjac_pin.viewer.messages import (
+    Home,
+    ModesCommand,
+    NamedPose,
+    Reframe,
+    Refusal,
+    SetParameters,
+    ShowMode,
+    decode,
+    encode,
+)
 from pmjac_pin.viewer.mode_finder import ModeFinder
 from pmjac_pin.viewer.pose_facts import pose_facts
 from pmjac_pin.viewer.session import Session
 from pmjac_pin.viewer.static_page import Picture
 
+_MOST_TRIES = 3  # of other parameters, while other pages move the motors
 _logger = logging.getLogger(__name__)
 
 Send = Callable[[str | bytes], Awaitable[object]]
@@ -42,7 +54,9 @@ class Outbox(Generic[Message]):
 
     def put(self, messages: Iterable[tuple[str, Message]]) -> None:
         """Send these soon, in this order, together with whatever else waits."""
-        self._pending.update(messages)
+        for key, message in messages:
+            self._pending.pop(key, None)
+            self._pending[key] = message
         if self._pending and (self._task is None or self._task.done()):
             self._task = asyncio.get_running_loop().create_task(self._flush())
 
@@ -109,20 +123,27 @@ class Hub:
         if outbox is not None:
             outbox.close()
 
-    def answer(self, page: object, message: str | bytes) -> str:
-        """Carry out a page's message and return the answer; all others are told, too."""
+    async def answer(self, page: object, message: str | bytes) -> str:
+        """Carry out a page's message and return the answer; all others are told, too.
+
+        Other parameters are tried in a thread of its own, while other pages are answered.
+        """
         number = None
         try:
             command = decode(message)
             number = command.id
             if isinstance(command, Reframe):
                 return encode(self.session.state(number, framing=True))
+            about, jump = False, isinstance(command, Home | NamedPose | ShowMode)
             if isinstance(command, ModesCommand):
                 self._modes.obey(command)
+            elif isinstance(command, SetParameters):
+                await self._redesign(command.values)
+                about = jump = True
             else:
                 self.session.obey(command)
-            self._publish(page)
-            return encode(self.session.state(number))
+            self._publish(page, about=about, jump=jump)
+            return encode(self.session.state(number, about=about, jump=jump))
         except PmjacError as error:
             return encode(Refusal(number, str(error)))
         except Exception:
@@ -135,18 +156,27 @@ class Hub:
 
     def show(self, configuration: Configuration) -> None:
         """Go to a configuration and tell all browsers."""
+        design = self.session.design
         self.session.show(configuration)
-        self._publish(None)
+        self._publish(None, about=self.session.design is not design, jump=True)
 
-    def _publish(self, asking: object) -> None:
+    async def _redesign(self, values: Sequence[float | None]) -> None:
+        for _ in range(_MOST_TRIES):
+            shown = self.session.configuration
+            found = await asyncio.to_thread(redesigned, shown, values)
+            if self.session.configuration is shown:
+                break
+        self.session.adopt(*found)
+
+    def _publish(self, asking: object, *, about: bool, jump: bool) -> None:
         changed = self.canvas.update(self.session.scene().items)
         for scene in self._scenes.values():
             scene.put(changed)
         others = [box for page, box in self._pages.items() if page is not asking]
         if others:
-            state = encode(self.session.state())
+            state = encode(self.session.state(about=about, jump=jump))
             for other in others:
-                other.put([("state", state)])
+                other.put([("about" if about else "state", state)])
         self._modes.follow()
 
     def _tell_modes(self) -> None:

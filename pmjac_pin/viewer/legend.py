@@ -10,10 +10,12 @@ from pmjac_pin.viewer.palette import (
     FIRST_ANCHOR,
     FREE,
     GAP,
+    GEAR,
     JOINT,
     MOTOR,
     ROD,
     SECOND_ANCHOR,
+    WHEEL,
     hexadecimal,
 )
 
@@ -34,6 +36,7 @@ def legend(mechanism: Mechanism) -> tuple[Key, ...]:
         (bool(closures), "loop closure", [FIRST_ANCHOR, SECOND_ANCHOR]),
         (any(isinstance(loop, DistanceLoop) for loop in closures), "its rod", [ROD]),
         (bool(closures), "open gap", [GAP]),
+        (len(closures) < len(mechanism.spec.loops), "gears", [WHEEL, GEAR]),
         (True, "tool x, y, z", list(AXIS_COLOURS)),
         (bool(closures), "free at a singularity", [FREE]),
     ]

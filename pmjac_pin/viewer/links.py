@@ -1,4 +1,4 @@
-"""Links: their visuals, or bars between their joints, anchors and tool where there are none."""
+"""Links: their visuals, and bars between their joints, anchors and tool where these show none."""
 
 from __future__ import annotations
 
@@ -14,15 +14,18 @@ from pmjac_pin.viewer.items import Carried, Part, between
 from pmjac_pin.viewer.layers import Attached, part_of_path
 from pmjac_pin.viewer.palette import GROUND, LINK
 
-BAR_RADIUS = 0.015  # of the mechanism's size
+# Shares of the mechanism's size.
+BAR_RADIUS = 0.015
+FAR = 0.1  # from a visual: what is nearer is seen to belong to it
 
 
 def link_layer(anatomy: Anatomy) -> Attached:
     """Return everything that is fixed to the bodies as their shape.
 
-    A body whose visuals are all boxes, cylinders, capsules and spheres is drawn by these. One
-    with a mesh, or without any visual, gets bars: between two points one, from more of them one
-    each to their mean.
+    A body whose visuals are all boxes, cylinders, capsules and spheres is drawn by these; where a
+    joint or a loop's end is elsewhere, a bar goes from the nearest of them there. A body with a
+    mesh, or without any visual, gets bars: between two points one, from more of them one each to
+    their mean.
     """
     return Attached.of([*_visuals(anatomy), *_bars(anatomy)])
 
@@ -40,14 +43,40 @@ def _bars(anatomy: Anatomy) -> Iterator[Carried]:
     complete = anatomy.drawn_by_visuals
     for body in range(anatomy.model.njoints):
         if body in complete:
-            continue
-        starts, ends = _bar_ends(anatomy.link_points(body))
+            starts, ends = _from_visuals(anatomy, body)
+        else:
+            starts, ends = _bar_ends(anatomy.link_points(body))
         radii = np.full(len(starts), BAR_RADIUS * anatomy.size)
         transforms, visible = between(starts, ends, radii, COINCIDENT * anatomy.size)
         colour = LINK if body else GROUND
         name = part_of_path(anatomy.body_name(body))
         for number, transform in enumerate(transforms[visible], start=1):
             yield Part(f"links/{name}/bar{number}", Cylinder(), colour), body, transform
+
+
+def _from_visuals(anatomy: Anatomy, body: int) -> tuple[Array, Array]:
+    """Return what lies far from a body's visuals, (k, 3) in its frame, and from where to go there.
+
+    Beside them is not far: mechanisms in a plane are drawn in layers.
+    """
+    points = anatomy.held_points(body)
+    nearest, distances = points.copy(), np.full(len(points), np.inf)
+    for part, carrier, place in _visuals(anatomy):
+        if carrier == body:
+            found = _nearest(part, place, points)
+            away = np.linalg.norm(points - found, axis=1)
+            nearest[away < distances] = found[away < distances]
+            distances = np.minimum(distances, away)
+    far = distances > FAR * anatomy.size
+    return nearest[far], points[far]
+
+
+def _nearest(part: Part, place: Array, points: Array) -> Array:
+    """Return the points of a shape's box that are nearest to these, shape (k, 3)."""
+    half = np.array(part.shape.half_extents)
+    turned = (points - place[:3, 3]) @ np.linalg.inv(place[:3, :3]).T
+    found: Array = np.clip(turned, -half, half) @ place[:3, :3].T + place[:3, 3]
+    return found
 
 
 def _bar_ends(points: Array) -> tuple[Array, Array]:

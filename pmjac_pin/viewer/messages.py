@@ -34,6 +34,12 @@ class MoveMotors(_Command, frozen=True, tag="move", kw_only=True):
     values: list[float | None]
 
 
+class SetParameters(_Command, frozen=True, tag="set", kw_only=True):
+    """Give the parameters these values, m or rad; those that are None stay as they are."""
+
+    values: list[float | None]
+
+
 class Home(_Command, frozen=True, tag="home"):
     """Go to the home pose."""
 
@@ -73,17 +79,19 @@ class ShowMode(_Command, frozen=True, tag="mode", kw_only=True):
 
 
 ModesCommand: TypeAlias = FindModes | StopSearch | ShowMode
-Command: TypeAlias = MoveMotors | Home | NamedPose | Options | Reframe | ModesCommand
+PoseCommand: TypeAlias = MoveMotors | Home | NamedPose | Options
+Command: TypeAlias = PoseCommand | SetParameters | Reframe | ModesCommand
 
 
-class Motor(msgspec.Struct, frozen=True):
-    """A motor: its unit, the range of its slider, and whether that range is its limits."""
+class Slider(msgspec.Struct, frozen=True):
+    """A motor or a parameter: its unit, the range of its slider, and whether that is its limits."""
 
     name: str
     unit: str
     lower: float
     upper: float
     limited: bool
+    meaning: str = ""
 
 
 class Passive(msgspec.Struct, frozen=True):
@@ -101,11 +109,12 @@ class Key(msgspec.Struct, frozen=True):
 
 
 class About(msgspec.Struct, frozen=True):
-    """What does not change while the page is open."""
+    """What is the same at all poses."""
 
     mechanism: str
     description: str
-    motors: tuple[Motor, ...]
+    motors: tuple[Slider, ...]
+    parameters: tuple[Slider, ...]
     passive: tuple[Passive, ...]
     poses: tuple[str, ...]
     home: Readout
@@ -140,16 +149,36 @@ class Drawn(msgspec.Struct, frozen=True):
 
 
 class State(msgspec.Struct, frozen=True, kw_only=True, tag="state", tag_field="type"):
-    """Everything that the page shows; `id` is that of the command that it answers, or None."""
+    """Everything that the page shows.
+
+    Attributes
+    ----------
+    id : int or None
+        Of the command that it answers.
+    pose : str or None
+    values, parameters : tuple of float
+        Of the motors, and of the parameters.
+    readout : Readout
+    notice : Notice
+    drawn : Drawn
+    about : About, optional
+        Where it has changed, or the page does not know it yet.
+    framing : Framing, optional
+        What the view is to fit now.
+    jump : Framing, optional
+        What has to be in view now: the pose is another one, perhaps far from the last.
+    """
 
     id: int | None
     pose: str | None
     values: tuple[float, ...]
+    parameters: tuple[float, ...]
     readout: Readout
     notice: Notice
     drawn: Drawn
     about: About | None = None
     framing: Framing | None = None
+    jump: Framing | None = None
 
 
 class Refusal(msgspec.Struct, frozen=True, tag="error", tag_field="type"):

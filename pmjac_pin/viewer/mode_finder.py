@@ -27,6 +27,7 @@ _logger = logging.getLogger(__name__)
 
 _UNSEEN, _CONFIDENCE, _MOST_STARTS = 2e-3, 0.99, 200_000
 _MOTORS_MOVED = "The motors have moved since the modes were found."
+_OTHER_LENGTHS = "The mechanism is another one since the modes were found."
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +75,7 @@ class ModeFinder:
         self._session = session
         self._tell = tell
         self._theta = session.configuration.actuated
+        self._mechanism = session.mechanism
         self._text = ""
         self._found: _SearchOutcome | None = None
         self._search: threading.Event | None = None  # set when nobody wants its answer any more
@@ -117,7 +119,11 @@ class ModeFinder:
     def follow(self) -> None:
         """Take notice of where the session is now."""
         theta = self._session.configuration.actuated
-        if not np.allclose(theta, self._theta, rtol=0.0, atol=SAME_MOTORS):
+        if self._session.mechanism is not self._mechanism:
+            self._mechanism, self._theta = self._session.mechanism, theta
+            if self.known:
+                self._forget(_OTHER_LENGTHS)
+        elif not np.allclose(theta, self._theta, rtol=0.0, atol=SAME_MOTORS):
             self._theta = theta
             if self.known:
                 self._forget(_MOTORS_MOVED)

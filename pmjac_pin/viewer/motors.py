@@ -6,14 +6,14 @@ import math
 
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.joint_kinds import pitch_of
-from pmjac_pin.viewer.messages import Motor
+from pmjac_pin.viewer.messages import Slider
 
 #: A motor without limits takes no value beyond this, m or rad.
 WIDEST_SLIDER = 1e4
 _ENDLESS = 1e12  # no machine has such a limit
 
 
-def motors_of(mechanism: Mechanism) -> tuple[Motor, ...]:
+def motors_of(mechanism: Mechanism) -> tuple[Slider, ...]:
     """Return the motors of one degree of freedom, in their order.
 
     One without limits gets a slider of a sensible range.
@@ -22,7 +22,7 @@ def motors_of(mechanism: Mechanism) -> tuple[Motor, ...]:
     --------
     >>> import pmjac_pin as pj
     >>> motors_of(pj.load("three_rps"))[0]
-    Motor(name='l1', unit='m', lower=0.1, upper=3.0, limited=True)
+    Slider(name='l1', unit='m', lower=0.1, upper=3.0, limited=True, meaning='')
     """
     model = mechanism.model
     motors = []
@@ -42,5 +42,5 @@ def motors_of(mechanism: Mechanism) -> tuple[Motor, ...]:
         limited = max(-lower, upper) < _ENDLESS
         low = lower if lower > -_ENDLESS else middle - reach
         high = upper if upper < _ENDLESS else middle + reach
-        motors.append(Motor(name, unit, low, max(high, low), limited))
+        motors.append(Slider(name, unit, low, max(high, low), limited))
     return tuple(motors)

@@ -6,6 +6,7 @@ from pmjac_pin.files.shapes import Colour
 
 _ORANGE = (0.90, 0.62, 0.0)
 _SKY = (0.34, 0.71, 0.91)
+_YELLOW = (0.94, 0.89, 0.26)
 _GREEN = (0.0, 0.62, 0.45)
 _BLUE = (0.0, 0.45, 0.70)
 _VERMILION = (0.84, 0.37, 0.0)
@@ -19,6 +20,8 @@ FIRST_ANCHOR: Colour = (*_ORANGE, 1.0)
 SECOND_ANCHOR: Colour = (*_PURPLE, 0.5)
 GAP: Colour = (0.85, 0.0, 0.0, 1.0)
 ROD: Colour = (*_PURPLE, 1.0)
+GEAR: Colour = (0.55, 0.5, 0.05, 1.0)
+WHEEL: Colour = (*_YELLOW, 0.6)
 FREE: Colour = (*_GREEN, 1.0)
 WORDS: Colour = (0.0, 0.0, 0.0, 1.0)
 AXIS_COLOURS: tuple[Colour, Colour, Colour] = (

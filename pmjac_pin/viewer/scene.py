@@ -24,6 +24,7 @@ from pmjac_pin.values.checks import as_flag
 from pmjac_pin.viewer.closures import anchor_layer, axis_layer, gap_layer, rod_layer
 from pmjac_pin.viewer.ellipsoids import EllipsoidLayer, directions_after, find_ellipsoids
 from pmjac_pin.viewer.free_motion import FreeMotionLayer
+from pmjac_pin.viewer.gears import belt_layer, wheel_layer
 from pmjac_pin.viewer.items import Item
 from pmjac_pin.viewer.joints import joint_layer, motor_names, rail_layer, tool_layer
 from pmjac_pin.viewer.layers import Drawing, DrawnPose, EllipsoidKind, Layer
@@ -102,6 +103,8 @@ class SceneMaker:
             axis_layer(anatomy),
             rod_layer(anatomy),
             gap_layer(anatomy),
+            wheel_layer(anatomy),
+            belt_layer(anatomy),
             FreeMotionLayer(anatomy),
             tool_layer(anatomy),
         )

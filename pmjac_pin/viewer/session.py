@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import math
 from collections.abc import Mapping, Sequence
 
@@ -11,15 +10,15 @@ from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError, LimitError
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import Violation
-from pmjac_pin.studies.assembled_poses import assembled_poses
+from pmjac_pin.viewer.design import Design, is_sibling
 from pmjac_pin.viewer.framing import Framing, frame
 from pmjac_pin.viewer.layers import EllipsoidKind
 from pmjac_pin.viewer.leaving import beside_singularity, shortly_before
 from pmjac_pin.viewer.legend import legend
 from pmjac_pin.viewer.messages import (
     About,
-    Command,
     Drawn,
     Home,
     MoveMotors,
@@ -27,15 +26,14 @@ from pmjac_pin.viewer.messages import (
     Notice,
     Options,
     Passive,
+    PoseCommand,
     State,
 )
-from pmjac_pin.viewer.motors import WIDEST_SLIDER, motors_of
+from pmjac_pin.viewer.motors import WIDEST_SLIDER
 from pmjac_pin.viewer.readout import Readout, make_readout
-from pmjac_pin.viewer.scene import Scene, SceneMaker, SceneOptions
-from pmjac_pin.viewer.tool_ranks import ToolRanks
+from pmjac_pin.viewer.scene import Scene, SceneOptions
 
 _NO_NOTICE = Notice("", "")
-_logger = logging.getLogger(__name__)
 
 
 class Session:
@@ -53,6 +51,8 @@ class Session:
 
     Attributes
     ----------
+    design : Design
+        The mechanism with the parameters of now.
     configuration : Configuration
     options : SceneOptions
     notice : Notice
@@ -62,21 +62,20 @@ class Session:
     """
 
     def __init__(self, configuration: Configuration, options: SceneOptions) -> None:
-        self.mechanism = configuration.mechanism
+        self.design = Design.of(configuration.mechanism)
         self.configuration = configuration
         self.options = options
         self.notice = _NO_NOTICE
-        self._poses = assembled_poses(self.mechanism)
-        if left_out := [name for name in self.mechanism.poses if name not in self._poses]:
-            _logger.warning("poses that do not close are left out: %s", ", ".join(left_out))
         self.pose = self._name_of(configuration)
-        self._maker = SceneMaker(self.mechanism)
         self._start = configuration
-        self._motors = motors_of(self.mechanism)
-        self._ranks = ToolRanks.of(self.mechanism)
         self._directions: Mapping[EllipsoidKind, NDArray[np.float64]] = {}
 
-    def obey(self, command: Command) -> None:
+    @property
+    def mechanism(self) -> Mechanism:
+        """The mechanism, with the parameters of now."""
+        return self.design.mechanism
+
+    def obey(self, command: PoseCommand) -> None:
         """Carry out a command of a page.
 
         Raises
@@ -127,12 +126,12 @@ class Session:
         self._set(found, shortly_before(self._start, found) if ended else found, notice)
 
     def _target(self, values: Sequence[float | None]) -> list[float]:
-        count = len(self._motors)
+        count = len(self.design.motors)
         if len(values) != count:
             raise ArgumentError(f"{count} motor values expected, got {len(values)}")
         names = self.mechanism.actuated
         target: list[float] = self.configuration.actuated.tolist()
-        for motor, value in zip(self._motors, values, strict=True):
+        for motor, value in zip(self.design.motors, values, strict=True):
             if value is None:
                 continue
             if not math.isfinite(value):
@@ -147,7 +146,7 @@ class Session:
     def _values(self) -> tuple[float, ...]:
         """Return the motors' values, as the sliders show them."""
         values = dict(zip(self.mechanism.actuated, self.configuration.actuated, strict=True))
-        return tuple(float(values[motor.name]) for motor in self._motors)
+        return tuple(float(values[motor.name]) for motor in self.design.motors)
 
     def _close(self, target: list[float]) -> Configuration:
         try:
@@ -162,16 +161,26 @@ class Session:
             return self.mechanism.close(target, guess=beside)
 
     def show(self, configuration: Configuration) -> None:
-        """Go to a configuration of this mechanism.
+        """Go to a configuration of this mechanism, or of it with other parameters.
 
         Raises
         ------
         ArgumentError
             It is of another mechanism.
         """
-        if configuration.mechanism != self.mechanism:
-            theirs, ours = configuration.mechanism.name, self.mechanism.name
-            raise ArgumentError(f"a configuration of {theirs!r}; this viewer shows {ours!r}")
+        theirs = configuration.mechanism
+        if theirs != self.mechanism:
+            if not is_sibling(self.mechanism, theirs):
+                ours = self.mechanism.name
+                raise ArgumentError(
+                    f"a configuration of {theirs.name!r}; this viewer shows {ours!r}"
+                )
+            self.design = Design.of(theirs)
+        self._set(configuration, configuration, _NO_NOTICE)
+
+    def adopt(self, design: Design, configuration: Configuration) -> None:
+        """Go to a configuration of a design that is made already."""
+        self.design = design
         self._set(configuration, configuration, _NO_NOTICE)
 
     def _set(self, configuration: Configuration, start: Configuration, notice: Notice) -> None:
@@ -186,31 +195,37 @@ class Session:
 
     def scene(self) -> Scene:
         """Return what is to be drawn now; its arrows go on from those of the last one."""
-        scene = self._maker.scene(self.configuration, self.options, self._directions)
+        scene = self.design.maker.scene(self.configuration, self.options, self._directions)
         self._directions = scene.directions
         return scene
 
     def _name_of(self, configuration: Configuration) -> str | None:
         # The same value, not an equal one: other assembly modes share the motor values.
-        named = self._poses.items()
+        named = self.design.poses.items()
         return next((name for name, pose in named if np.array_equal(pose.q, configuration.q)), None)
 
     def readout(self) -> Readout:
         """Return the numbers at the current pose."""
-        return make_readout(self.configuration, self._ranks)
+        return make_readout(self.configuration, self.design.ranks)
 
     def framing(self) -> Framing:
         """Return how a camera sees all that is shown now."""
         return frame(self.scene().items)
 
     def state(
-        self, number: int | None = None, *, about: bool = False, framing: bool = False
+        self,
+        number: int | None = None,
+        *,
+        about: bool = False,
+        framing: bool = False,
+        jump: bool = False,
     ) -> State:
-        """Return all that the page shows; on wish what never changes, and the framing."""
+        """Return all that the page shows; on wish what seldom changes, and how to frame it."""
         return State(
             id=number,
             pose=self.pose,
             values=self._values(),
+            parameters=tuple(self.mechanism.parameters.values()),
             readout=self.readout(),
             notice=self.notice,
             drawn=Drawn(
@@ -222,6 +237,7 @@ class Session:
             ),
             about=self._about() if about else None,
             framing=self.framing() if framing else None,
+            jump=self.framing() if jump else None,
         )
 
     def _about(self) -> About:
@@ -229,10 +245,11 @@ class Session:
         return About(
             mechanism=self.mechanism.name,
             description=self.mechanism.spec.description,
-            motors=self._motors,
+            motors=self.design.motors,
+            parameters=self.design.parameters,
             passive=tuple(Passive(name, units[name]) for name in self.mechanism.passive),
-            poses=tuple(self._poses),
-            home=make_readout(self.mechanism.home, self._ranks),
+            poses=tuple(self.design.poses),
+            home=make_readout(self.mechanism.home, self.design.ranks),
             legend=legend(self.mechanism),
         )
 
@@ -246,7 +263,7 @@ class Session:
         stops = tuple(int(np.sign(way)) if abs(way) > 1e-9 else 0 for way in ways)
         stopped = ", ".join(
             f"{motor.name} stops at {there:.4f} {motor.unit}"
-            for motor, stop, there in zip(self._motors, stops, reached.actuated, strict=True)
+            for motor, stop, there in zip(self.design.motors, stops, reached.actuated, strict=True)
             if stop
         )
         text = f"End of the reachable range: {stopped}. This assembly mode goes no further."

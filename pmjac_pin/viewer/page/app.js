@@ -5,17 +5,20 @@ import { $ } from "./elements.js";
 import { listenToAngles } from "./angles.js";
 import { buildLegend } from "./legend.js";
 import { listenToModes, showModes } from "./modes.js";
-import { Motors } from "./motors.js";
 import { listenToOptions, showOptions } from "./options.js";
-import { adoptPicture, frameOn, resetView, snapshot } from "./picture.js";
+import { adoptPicture, capture, frameOn, keepInView, resetView } from "./picture.js";
 import { buildJacobian, copyJacobian, decimalsAt, showReadout } from "./readout.js";
 import { buildSections, showSections } from "./sections.js";
+import { Sliders } from "./sliders.js";
+import { snapshot } from "./snapshot.js";
 import { say } from "./status.js";
 import { buildTool, showTool } from "./tool.js";
 
 let state = null;      // the newest that is shown
+let about = null;      // what is the same at all poses
 let decimals = null;
 let motors = null;
+let parameters = null;
 let connection = null;
 
 // What scripts and tests may look at.
@@ -26,28 +29,46 @@ window.pmjac = {
   idle: () => connection.idle,
 };
 
-function build(about) {
+function build(news) {
+  about = news;
   document.title = `${about.mechanism} · pmjac`;
   $("name").textContent = about.mechanism;
   $("description").textContent = about.description;
   $("pose").replaceChildren(new Option("moved", ""), ...about.poses.map((name) => new Option(name, name)));
   $("pose").options[0].hidden = true;
   decimals = decimalsAt(about.home);
-  motors = new Motors(about.motors, {
+  motors = new Sliders("motor", about.motors, {
     target: (index) => connection.heading?.[index] ?? state.values[index],
     go: (values) => connection.send({ command: "move", values }),
+    free: () => connection.moving === null,
     restore: showMotors,
     complain,
   });
+  buildParameters(about.parameters);
   buildLegend(about.legend);
   buildTool(about.passive);
   buildJacobian(about.motors);
   buildSections();
 }
 
+// Those that are there already stay: one of them may be being dragged.
+function buildParameters(declared) {
+  $("design").hidden = declared.length === 0;
+  const kind = JSON.stringify(declared);
+  if (parameters?.declared === kind) return;
+  parameters = new Sliders("parameter", declared, {
+    target: (index) => connection.setting?.[index] ?? state.parameters[index],
+    go: (values) => connection.send({ command: "set", values }),
+    restore: showParameters,
+    complain,
+  });
+  parameters.declared = kind;
+}
+
 function show() {
   const { readout, notice } = state;
   showMotors();
+  showParameters();
   showTool(readout);
   showReadout(readout, decimals);
   showSections(readout.sections, decimals.Jv);
@@ -60,6 +81,10 @@ function showMotors() {
   motors.show(state.values, connection.moving, state.notice.stops);
 }
 
+function showParameters() {
+  parameters.show(state.parameters, connection.setting, []);
+}
+
 const complain = (text) => say("error", text, state?.readout.warning, state?.readout.beyond);
 
 const LOST = "The connection to Python has ended: the picture stays as it was. It goes on by itself when Python serves this page again.";
@@ -67,6 +92,7 @@ let focused = null;  // what had the focus when the connection was lost
 
 function lost() {
   if (document.activeElement.id) focused = document.activeElement.id;
+  motors?.rest();
   complain(LOST);
   disable(true);
 }
@@ -76,10 +102,16 @@ function disable(whether) {
 }
 
 function found(about) {
+  motors?.rest();
   build(about);
   disable(false);
   if (focused && document.activeElement === document.body) $(focused)?.focus();
   focused = null;
+}
+
+function goTo(command) {
+  motors.rest();
+  connection.send(command);
 }
 
 connection = new Connection({
@@ -87,23 +119,26 @@ connection = new Connection({
     state = window.pmjac.state = message;
     if (message.about) found(message.about);
     if (message.framing) frameOn(message.framing);
+    if (message.jump) keepInView(message.jump);
     show();
     if (mine) window.pmjac.updates += 1;
     window.pmjac.ready = true;
   },
   modes: showModes,
   refused(text) {
+    motors.rest();
     complain(text);
     if (!connection.moving) showMotors();
+    showParameters();
   },
   lost,
 });
 
-$("home").addEventListener("click", () => connection.send({ command: "home" }));
-$("pose").addEventListener("change", () => connection.send({ command: "pose", name: $("pose").value }));
+$("home").addEventListener("click", () => goTo({ command: "home" }));
+$("pose").addEventListener("change", () => goTo({ command: "pose", name: $("pose").value }));
 $("reset").addEventListener("click", () => { resetView(); connection.send({ command: "frame" }); });
-$("snapshot").addEventListener("click", () => snapshot($("name").textContent));
-listenToModes((command) => connection.send(command));
+$("snapshot").addEventListener("click", () => { if (capture()) snapshot(capture(), about, state); });
+listenToModes((command) => (command.command === "mode" ? goTo(command) : connection.send(command)));
 listenToOptions((command) => connection.send(command));
 listenToAngles(show);
 $("frame").addEventListener("change", show);

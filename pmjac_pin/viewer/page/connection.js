@@ -29,12 +29,22 @@ export class Connection {
 
   // Where the motors are being sent: null for those that are where they were last told to be.
   get heading() {
-    return merged(this.#inFlight?.values, this.#waiting.get("move")?.values);
+    return this.#sent("move");
+  }
+
+  // What the parameters are being set to.
+  get setting() {
+    return this.#sent("set");
   }
 
   // Those that wait, newer than any answer.
   get moving() {
     return this.#waiting.get("move")?.values ?? null;
+  }
+
+  #sent(kind) {
+    const inFlight = this.#inFlight?.command === kind ? this.#inFlight.values : null;
+    return merged(inFlight, this.#waiting.get(kind)?.values);
   }
 
   send(command) {

@@ -1,6 +1,6 @@
-// The picture: meshcat's viewer in its frame, the first view and the snapshot.
+// The picture: meshcat's viewer in its frame, and what it looks at.
 
-import { $, element } from "./elements.js";
+import { $ } from "./elements.js";
 
 let framing = null;  // the newest, for a stage that is not there yet
 
@@ -15,11 +15,13 @@ export function frameOn(news) {
   stage()?.frameOn(news);
 }
 
+// What is shown now, after a jump, may lie outside.
+export function keepInView(news) {
+  framing = news;
+  stage()?.keepInView(news);
+}
+
 export const resetView = () => stage()?.reset();
 
-export function snapshot(name) {
-  if (!stage()) return;
-  const time = new Date(Date.now() - 60000 * new Date().getTimezoneOffset()).toISOString().slice(0, 19);
-  const file = `${name}_${time.replace("T", "_").replaceAll(":", "-")}`.replace(/[^\w.-]+/g, "_");
-  element("a", { href: stage().viewer.capture_image(), download: `${file}.png` }).click();
-}
+// The scene as it is seen, as wide as wished; null where the browser cannot draw.
+export const capture = () => stage() && ((width) => stage().capture(width));

@@ -27,6 +27,13 @@ class Stage {
     if (!this.touched) this.fit();
   }
 
+  // The view stays where it is as long as it shows what there is, or most of it once it is turned.
+  keepInView(framing) {
+    this.framing = framing;
+    const seen = shareInView(this.viewer, framing);
+    if (seen < (this.touched ? 0.5 : 1)) this.reset();
+  }
+
   reset() {
     this.touched = false;
     this.fit();
@@ -34,6 +41,19 @@ class Stage {
 
   fit() {
     if (this.framing) fitView(this.viewer, this.framing, window.innerWidth, window.innerHeight);
+  }
+
+  // A PNG of this width, as a data URL.
+  capture(width) {
+    const { renderer } = this.viewer;
+    const usual = renderer.getPixelRatio();
+    renderer.setPixelRatio(width / window.innerWidth);
+    try {
+      return this.viewer.capture_image();
+    } finally {
+      renderer.setPixelRatio(usual);
+      this.viewer.set_dirty();
+    }
   }
 
   press(event) {

@@ -1,19 +1,27 @@
-// A slider and a box for each motor.
+// A slider and a box for each motor, and for each parameter.
 
 import { shownIn } from "./angles.js";
 import { $, broken, element } from "./elements.js";
 import { decimalsOfRange, fixed, niceStep } from "./numbers.js";
+import { Play } from "./play.js";
 
 const DIRECTIONS = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 };
 
-export class Motors {
+export class Sliders {
   #rows = [];
 
-  // `motors` from Python; `actions` has target(index), go(values), restore() and complain(text).
-  constructor(motors, actions) {
+  // `kind` is "motor" or "parameter", `things` are those from Python; `actions` has target(index),
+  // go(values), restore() and complain(text), and free() where they can be played.
+  constructor(kind, things, actions) {
+    this.kind = kind;
     this.actions = actions;
-    this.#rows = motors.map((motor, index) => this.#build(motor, index));
-    $("motors").replaceChildren(...this.#rows.map((row) => row.row));
+    this.#rows = things.map((thing, index) => this.#build(thing, index));
+    $(`${kind}s`).replaceChildren(...this.#rows.map((row) => row.row));
+  }
+
+  // Nothing moves by itself any more.
+  rest() {
+    for (const { play } of this.#rows) play?.rest();
   }
 
   // Numbers say what is; a slider that is being dragged stands where it is wanted, but never
@@ -21,6 +29,7 @@ export class Motors {
   show(values, wanted, stops) {
     this.#rows.forEach((row, index) => {
       const { slider, box, digits, motor } = row;
+      row.play?.show(values[index], stops[index] ?? 0);
       row.stop = stops[index] ? { side: stops[index], at: values[index] } : null;
       slider.value = this.#within(row, wanted?.[index] ?? values[index]);
       const [size, unit] = shownIn(motor.unit);
@@ -35,17 +44,21 @@ export class Motors {
   }
 
   #build(motor, index) {
-    const id = `motor-${index}`;
+    const id = `${this.kind}-${index}`;
     const digits = decimalsOfRange(motor.upper - motor.lower);
-    const label = element("label", { for: id, title: motor.name }, ...broken(motor.name));
+    const label = element("label", { for: id, title: motor.meaning || motor.name }, ...broken(motor.name));
     const slider = element("input", { type: "range", id, min: motor.lower, max: motor.upper, step: "any" });
     const box = element("input", {
       type: "text", inputmode: "decimal", id: `${id}-value`, autocomplete: "off", spellcheck: "false",
     });
     const limits = element("div", { class: "limits", "aria-hidden": "true" });
     const unit = element("span", { class: "unit" });
+    const play = this.actions.free
+      ? new Play(`${id}-play`, motor, { go: (value) => this.#move(index, value), free: this.actions.free })
+      : null;
     const row = element("div", { class: "motor" }, label, slider, box, unit, limits);
-    const built = { row, slider, box, unit, limits, digits, motor, index, step: niceStep(motor.upper - motor.lower) };
+    if (play) row.prepend(play.button);
+    const built = { row, slider, box, unit, limits, digits, motor, index, play, step: niceStep(motor.upper - motor.lower) };
     this.#listen(built);
     return built;
   }
@@ -64,6 +77,7 @@ export class Motors {
   #listen(row) {
     const { slider, box, index } = row;
     slider.addEventListener("input", () => {
+      row.play?.rest();
       const value = slider.valueAsNumber;
       const possible = this.#within(row, value);
       if (possible === value) this.#move(index, value);
@@ -88,19 +102,21 @@ export class Motors {
     this.actions.go(this.#rows.map((row) => (row.index === index ? value : null)));
   }
 
-  #arrow(event, { index, step, motor }) {
+  #arrow(event, { index, step, motor, play }) {
     const direction = DIRECTIONS[event.key];
     if (direction === undefined || event.altKey || event.ctrlKey || event.metaKey) return;
     event.preventDefault();
+    play?.rest();
     const by = direction * step * (event.shiftKey ? 0.1 : 1);
     this.#move(index, Math.min(motor.upper, Math.max(motor.lower, this.actions.target(index) + by)));
   }
 
-  #typed({ box, motor, index }) {
+  #typed({ box, motor, index, play }) {
     if (!box.dataset.dirty) return;  // it shows fewer digits than the value has
     box.dataset.dirty = "";
     const text = box.value.trim().replace("−", "-").replace(",", ".");
     const value = text === "" ? NaN : Number(text) * shownIn(motor.unit)[0];
+    play?.rest();
     if (Number.isFinite(value)) this.#move(index, value);
     else {
       box.setAttribute("aria-invalid", "true");
