@@ -6,7 +6,7 @@ import struct
 
 import numpy as np
 import pytest
-from test_page import browser, numbers, open_page, picture, pixels, quiet, wait  # noqa: F401
+from test_page import browser, drag, open_page, picture, pixels, quiet, wait  # noqa: F401
 
 import pmjac_pin as pj
 
@@ -121,3 +121,21 @@ def test_the_picture_to_keep_is_large_and_has_its_legend(viewer, open_page, tmp_
     assert width == 2400
     assert height > 2400 * scene["height"] / scene["width"] + 200  # title, numbers, legend
     assert picture(page) == before
+
+
+def test_of_too_many_motors_one_slider_is_answered_and_the_page_lives_on(open_page):  # noqa: F811
+    """The loops tie them: one alone does not move, and a second page sees and moves the same."""
+    mechanism = pj.load("five_bar", actuated=["theta1", "theta2", "phi1"])
+    with pj.view(mechanism.home, open_browser=False, port=0) as viewer:
+        page = open_page(viewer)
+        drag(page, 0, mechanism.home.actuated[0], mechanism.home.actuated[0] + 0.5)
+        assert "the loops tie motors to each other" in page.inner_text("#notice")
+        np.testing.assert_array_equal(viewer.configuration.actuated, mechanism.home.actuated)
+        second = open_page(viewer)
+        for name, value in zip(range(3), mechanism.home.actuated, strict=True):
+            assert float(second.input_value(f"#motor-{name}-value")) == pytest.approx(value, 1e-3)
+        second.locator("#motors .play").first.click()
+        wait(second, "document.querySelector('#motors .play').ariaPressed === 'false'")
+        second.click("#home")
+        quiet(second)
+        wait(page, "pmjac.state.pose === 'home' && pmjac.idle()")
