@@ -11,6 +11,7 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
+from pmjac_pin.cli import main
 
 EXACT = 1e-10
 
@@ -267,3 +268,25 @@ def test_ankle_with_equal_cranks_and_heel_pitches_as_its_motors(angle):
         configuration.tool_pose.rotation, pin.rpy.rpyToMatrix(0.0, angle, 0.0), atol=EXACT
     )
     np.testing.assert_allclose(configuration.jacobian().Jw_eq.sum(axis=1), [0, 1, 0], atol=EXACT)
+
+
+@pytest.mark.parametrize("name", ["three_rps", "three_rps_ss"])
+def test_the_page_of_the_3_rps_opens_on_an_ellipsoid_that_is_no_needle(name, monkeypatch):
+    """On home's assembly mode, where the needle is; other mechanisms open at home."""
+    opened = []
+    monkeypatch.setattr(
+        "pmjac_pin.viewer.serving.serve_until_interrupted",
+        lambda configuration, port, open_browser: opened.append(configuration),
+    )
+    assert [main(["view", machine]) for machine in (name, "four_bar")] == [0, 0]
+    assert main(["view", name, "--from", "home"]) == 0
+    assert main(["view", name, "--at", "1,1,1"]) == 0
+    radii = opened[0].jacobian().velocity_ellipsoid().radii
+    assert radii[2] > 0.2 * radii[0]
+    mechanism = opened[0].mechanism
+    np.testing.assert_allclose(
+        mechanism.close([1.0, 1.0, 1.0], guess=opened[0]).q, mechanism.home.q, atol=1e-6
+    )
+    assert opened[1] is opened[1].mechanism.home
+    for configuration in opened[2:]:
+        np.testing.assert_allclose(configuration.q, mechanism.home.q, atol=1e-9)

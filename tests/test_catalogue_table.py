@@ -42,7 +42,7 @@ def test_the_rank_is_that_of_the_constraint_jacobian(name):
 
 def test_poses_by_name():
     rows = poses_table([numbers_of(pj.load("three_rps"))]).rows
-    assert rows == (("three_rps", "home, lecture_a, lecture_b"),)
+    assert rows == (("three_rps", "home, lecture_a, lecture_b, view"),)
 
 
 def test_what_is_kept_is_what_is_computed():

@@ -15,7 +15,7 @@ from pmjac_pin.studies.modes.box_problem import box_problem, given_values, start
 POSES = {
     "planar_3rpr": ("home", "mirrored", "shifted"),
     "planar_3rrr": ("home", "turned", "elbow_right"),
-    "three_rps": ("home", "lecture_a", "lecture_b"),
+    "three_rps": ("home", "lecture_a", "lecture_b", "view"),
 }
 
 

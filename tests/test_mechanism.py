@@ -216,7 +216,7 @@ def test_public_facts(three_rps):
     assert three_rps.actuated == ("l1", "l2", "l3")
     assert three_rps.passive[:4] == ("theta1", "theta2", "theta3", "platform.x")
     assert (three_rps.nq, three_rps.nv, three_rps.mobility) == (13, 12, 3)
-    assert three_rps.poses == ("home", "lecture_a", "lecture_b")
+    assert three_rps.poses == ("home", "lecture_a", "lecture_b", "view")
     assert dict(three_rps.parameters) == {"a": 0.5, "b": 1.0}
     assert three_rps.limits("l1") == (0.1, 3.0)
     assert three_rps.home is three_rps.pose("home")

@@ -182,7 +182,7 @@ def test_commands_and_their_answers(viewer, mechanism):
     async def run():
         async with connected(viewer) as page:
             first = await page.read()
-            assert first["about"]["poses"] == ["home", "lecture_a", "lecture_b"]
+            assert first["about"]["poses"] == ["home", "lecture_a", "lecture_b", "view"]
             answer = await page.ask({"command": "move", "values": [1.1, 1, 0.9], "id": 5})
             assert answer["type"] == "state"
             assert answer["id"] == 5

@@ -189,7 +189,7 @@ def test_a_pose_that_does_not_close_is_left_out(monkeypatch):
 
     monkeypatch.setattr(type(mechanism), "pose", broken)
     session = Session(mechanism.home, SceneOptions())
-    assert session.state(about=True).about.poses == ("home", "lecture_a")
+    assert session.state(about=True).about.poses == ("home", "lecture_a", "view")
     session.obey(MoveMotors(values=[1.1, 1.0, 1.0]))
 
 

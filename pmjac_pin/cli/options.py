@@ -107,9 +107,15 @@ class PoseOption:
         ),
     ] = None
 
-    def configuration(self, mechanism: Mechanism) -> tuple[Configuration, dict[str, str | None]]:
-        """Return the configuration asked for, and which pose it is or was reached from."""
-        start = "home" if self.from_ is None else self.from_
+    def configuration(
+        self, mechanism: Mechanism, default: str = "home"
+    ) -> tuple[Configuration, dict[str, str | None]]:
+        """Return the configuration asked for, and which pose it is or was reached from.
+
+        `default` is the pose where none is asked for; motor values are reached from home.
+        """
+        unnamed = default if self.at is None else "home"
+        start = unnamed if self.from_ is None else self.from_
         if self.at is None:
             return mechanism.pose(start), {"pose": start, "start": None}
         values, limits = parsed_motor_values(self.at), mechanism.spec.enforce_limits

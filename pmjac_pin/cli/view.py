@@ -9,6 +9,9 @@ from cyclopts import Parameter
 from pmjac_pin.cli.options import Choice, NameOption, PoseOption
 from pmjac_pin.cli.output import Output
 
+#: The pose that the page opens on, where a mechanism has it.
+VIEW = "view"
+
 
 def view_command(
     mechanism: NameOption,
@@ -21,8 +24,13 @@ def view_command(
     ] = None,
     no_browser: Annotated[bool, Parameter(help="Do not open a browser.")] = False,
 ) -> Output:
-    """Show a live page with sliders, on this machine only, until Ctrl-C."""
-    configuration, _ = pose.configuration(choice.load(mechanism))
+    """Show a live page with sliders, on this machine only, until Ctrl-C.
+
+    It opens on the pose "view" where the mechanism has one, else at home.
+    """
+    loaded = choice.load(mechanism)
+    opening = VIEW if VIEW in loaded.poses else "home"
+    configuration, _ = pose.configuration(loaded, opening)
     # Imported when needed: it brings a web server along.
     from pmjac_pin.viewer.serving import serve_until_interrupted  # noqa: PLC0415
 
