@@ -25,7 +25,7 @@ from pmjac_pin.model.limits import Violation, violations
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.pose_rounding import PoseRounding
 from pmjac_pin.rates.allowed import AllowedJacobian, allowed_jacobian
-from pmjac_pin.rates.dynamics import Dynamics, check_inertia
+from pmjac_pin.rates.dynamics import Dynamics, check_inertia, without_idle
 from pmjac_pin.rates.jacobian import EquivalentJacobian, eliminated
 from pmjac_pin.rates.known_jacobian import KnownJacobian
 from pmjac_pin.rates.motion import Motion
@@ -342,10 +342,18 @@ class Configuration(Shown):
         tree, partition = self._parts.kinematics, self._problem.partition
         motion = self.motion(self._motor_rates(rates))
         G, still = motion.jacobian.motion_map, np.zeros(motion.v.shape)
-        mass = G.T @ tree.mass_matrix(self.q) @ G
-        check_inertia(mass, partition.column_scale[partition.actuated], massless(tree.model))
-        gravity = G.T @ tree.efforts(self.q, still, still)
-        bias = G.T @ tree.efforts(self.q, motion.v, motion.bias)
+        ways = np.hstack([G, motion.jacobian.idle_map])
+        natural = partition.column_scale[partition.actuated]
+        scale = np.concatenate([natural, np.ones(ways.shape[1] - natural.size)])
+        forces = [tree.efforts(self.q, still, still), tree.efforts(self.q, motion.v, motion.bias)]
+        mass, reduced = without_idle(
+            ways.T @ tree.mass_matrix(self.q) @ ways,
+            ways.T @ np.array(forces).T,
+            natural.size,
+            scale,
+        )
+        check_inertia(mass, natural, massless(tree.model))
+        gravity, bias = reduced.T
         return Dynamics(motion.jacobian, 0.5 * (mass + mass.T), gravity, bias, motion.rates)
 
     def _motor_rates(self, given: MotorValues | None) -> Array:

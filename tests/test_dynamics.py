@@ -46,6 +46,52 @@ def test_forward_undoes_inverse_dynamics(name, rng):
     assert (np.linalg.eigvalsh(dynamics.mass_matrix) > 0.0).all()
 
 
+def multipliers(configuration, rates, efforts, wrench):
+    """v̇ of M v̇ + h = τ + Jᵀw + Cᵀλ with C v̇ + γ = 0, all at once, by least squares."""
+    mechanism = configuration.mechanism
+    model, data = mechanism.model, mechanism.model.createData()
+    motion = configuration.motion(rates)
+    upper = np.triu(pin.crba(model, data, configuration.q))
+    mass = upper + np.triu(upper, 1).T
+    C, J = motion.jacobian.constraint_jacobian, motion.jacobian.tool_jacobian
+    gamma = motion.jacobian.slopes(motion.v[:, None])[0][0] @ motion.v
+    drive = J.T @ wrench - pin.rnea(model, data, configuration.q, motion.v, 0 * motion.v)
+    drive[mechanism.problem.partition.actuated] += efforts
+    whole = np.block([[mass, -C.T], [C, np.zeros((len(C), len(C)))]])
+    return np.linalg.lstsq(whole, np.r_[drive, -gamma], rcond=1e-12)[0][: model.nv]
+
+
+@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+def test_accelerations_are_those_of_all_equations_at_once(name, rng):
+    """By Lagrange's multipliers: what idles accelerates as the forces will have it."""
+    check_by_multipliers(away(heavy(name, rng), rng), rng)
+
+
+@pytest.mark.parametrize("spinning", [0.0, 0.05, 0.3])
+def test_what_idles_is_driven_by_nobody(spinning, rng):
+    """A rod between two balls spins as its masses beside its axis will have it."""
+    mechanism = mechanisms.rssr()
+    model = mechanism.model
+    for joint in range(1, model.njoints):
+        rod = model.names[joint] == "rz"
+        centre = np.array([1.0, spinning, 0.0]) if rod else rng.uniform(-0.3, 0.3, 3)
+        mass = 0.0 if model.names[joint] in {"rx", "ry"} else 2.0
+        model.inertias[joint] = pin.Inertia(mass, centre, mass * 0.02 * np.eye(3))
+    mechanism = rebuilt(mechanism, model)
+    assert mechanism.home.singularity().idle_motions.shape[1] == 1
+    check_by_multipliers(mechanism.close([0.7]), rng)
+
+
+def check_by_multipliers(configuration, rng):
+    mechanism = configuration.mechanism
+    rates, efforts = rng.normal(size=(2, len(mechanism.actuated)))
+    wrench = rng.normal(size=6)
+    wanted = multipliers(configuration, rates, efforts, wrench)
+    found = configuration.dynamics(rates).accelerations(efforts, wrench)
+    motors = mechanism.problem.partition.actuated
+    np.testing.assert_allclose(found, wanted[motors], atol=1e-8 * max(1.0, np.abs(wanted).max()))
+
+
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_power_is_the_change_of_energy(name, rng):
     """d/dt (kinetic + potential) = θ̇ᵀτ + twistᵀw, the energies by Pinocchio's own functions."""

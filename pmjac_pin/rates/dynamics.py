@@ -1,7 +1,9 @@
 """Dynamics: the equations of motion in motor coordinates, M θ̈ + h = τ + J_eqᵀ w.
 
 With v = G θ̇ and the tree's own M_t v̇ + h_t = τ_t + Jᵀ w + Cᵀ λ, the loops' forces λ do no work on
-what the loops allow, C G = 0: M = Gᵀ M_t G and h = Gᵀ (M_t Ġ θ̇ + h_t). Linear algebra on arrays.
+what the loops allow, C G = 0: M = Gᵀ M_t G and h = Gᵀ (M_t Ġ θ̇ + h_t). What idles, v = G θ̇ + N ψ̇,
+is driven by nobody: it is at the smallest rates that J_eq takes, ψ̇ = 0, and accelerates as the
+forces will have it, which M and h then allow for. Linear algebra on arrays.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from pmjac_pin.values.arrays import Array, ReadOnlyArrays, read_only
 from pmjac_pin.values.checks import as_numbers
 
 _NO_INERTIA = 1e-12  # of the largest, on motions of like size: rounding
+_ROUNDING = 1e-9  # of the largest force, or of 1 N
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -31,9 +34,9 @@ class Dynamics(ReadOnlyArrays):
         In LOCAL_WORLD_ALIGNED: a wrench is a force in N and a moment in N m about the tool's
         origin, in world axes.
     mass_matrix : ndarray, shape (n, n)
-        M = Gᵀ M_t G, symmetric and positive definite.
+        M = Gᵀ M_t G where nothing idles, symmetric and positive definite.
     gravity : ndarray, shape (n,)
-        Gᵀ g: the efforts that hold the machine's own weight.
+        Gᵀ g: the efforts that hold the machine's own weight, where nothing idles.
     bias : ndarray, shape (n,)
         h = Gᵀ (M_t Ġ θ̇ + h_t): gravity, and what the rates alone ask for.
     rates : ndarray, shape (n,)
@@ -95,6 +98,39 @@ class Dynamics(ReadOnlyArrays):
 
     def __repr__(self) -> str:
         return f"Dynamics({self.rates.size} motors)"
+
+
+def without_idle(mass: Array, forces: Array, n: int, scale: Array) -> tuple[Array, Array]:
+    """Return mass matrix (n, n) and forces (n, k) of what is driven, idle motions eliminated.
+
+    Idle ones accelerate so that nothing drives them: M = M₁₁ − M₁₂ M₂₂⁻¹ M₂₁ and
+    h = h₁ − M₁₂ M₂₂⁻¹ h₂.
+
+    Parameters
+    ----------
+    mass : ndarray, shape (n + i, n + i)
+        Of the n driven motions and then of i idle ones.
+    forces : ndarray, shape (n + i, k)
+    n : int
+    scale : ndarray, shape (n + i,)
+        Natural rates of these motions.
+
+    Raises
+    ------
+    NoInertiaError
+        A force on an idle motion that moves no mass.
+    """
+    if n == len(mass):
+        return mass, forces
+    unit = mass * np.outer(scale, scale)
+    pushed = forces * scale[:, None]
+    inverse = np.linalg.pinv(unit[n:, n:], rcond=_NO_INERTIA, hermitian=True)
+    held = pushed[n:] - unit[n:, n:] @ inverse @ pushed[n:]
+    if np.abs(held).max(initial=0.0) > _ROUNDING * max(1.0, np.abs(pushed).max(initial=0.0)):
+        raise NoInertiaError("forces act on idle motions that move no mass: add inertia")
+    across = unit[:n, n:] @ inverse
+    mass = (unit[:n, :n] - across @ unit[n:, :n]) / np.outer(scale[:n], scale[:n])
+    return mass, (pushed[:n] - across @ pushed[n:]) / scale[:n, None]
 
 
 def as_vector(given: ArrayLike, size: int, what: str) -> Array:

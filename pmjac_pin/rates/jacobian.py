@@ -71,6 +71,15 @@ class EquivalentJacobian(SplitJacobian):
         motion[self.partition.passive] = self.passive_rates
         return read_only(motion)
 
+    @cached_property
+    def idle_map(self) -> Array:
+        """N, shape (nv, i): what idles, orthonormal on dimensionless rates; C N = 0 and J N = 0."""
+        partition = self.partition
+        passive = partition.loop_rates(self.constraint_jacobian).passive
+        idle = np.zeros((self.tool_jacobian.shape[1], partition.passive.size - passive.rank))
+        idle[partition.passive] = passive.null_space
+        return read_only(partition.column_scale[:, None] * idle)
+
     @property
     def sizes(self) -> Array:
         """What the entries of J_eq are compared with, linear and angular, shape (2,).
