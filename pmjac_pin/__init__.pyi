@@ -35,6 +35,9 @@ from .errors import (
     ModelFileError as ModelFileError,
 )
 from .errors import (
+    NoEquilibriumError as NoEquilibriumError,
+)
+from .errors import (
     NoGradientError as NoGradientError,
 )
 from .errors import (
@@ -107,6 +110,7 @@ from .rates.singularity import Singularity as Singularity
 from .rates.split import (
     SplitJacobian as SplitJacobian,
 )
+from .rates.statics import Statics as Statics
 from .studies.certificates.certificate import Certificate as Certificate
 from .studies.certificates.certificate import certify as certify
 from .studies.check.diagnosis import Diagnosis as Diagnosis

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from pmjac_pin.closing.closed import Closed, closed_point
 from pmjac_pin.closing.closure_problem import ClosureProblem
@@ -22,17 +22,20 @@ from pmjac_pin.errors import ArgumentError, ClosureError, quoted
 from pmjac_pin.kinematics.pinocchio import Snapshot
 from pmjac_pin.model.inertias import massless
 from pmjac_pin.model.limits import Violation, violations
+from pmjac_pin.model.springs import spring_efforts
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.pose_rounding import PoseRounding
 from pmjac_pin.rates.allowed import AllowedJacobian, allowed_jacobian
-from pmjac_pin.rates.dynamics import Dynamics, check_inertia, without_idle
+from pmjac_pin.rates.dynamics import Dynamics, as_vector, check_inertia, without_idle
 from pmjac_pin.rates.jacobian import EquivalentJacobian, eliminated
 from pmjac_pin.rates.known_jacobian import KnownJacobian
 from pmjac_pin.rates.motion import Motion
 from pmjac_pin.rates.partition import LoopRates
 from pmjac_pin.rates.singularity import Singularity, analyse_singularity
 from pmjac_pin.rates.split import SplitJacobian
+from pmjac_pin.rates.statics import Statics, balanced
 from pmjac_pin.values.arrays import Array, read_only
+from pmjac_pin.values.checks import as_flag
 from pmjac_pin.values.found_once import found_once
 from pmjac_pin.values.shown import Shown
 
@@ -355,6 +358,49 @@ class Configuration(Shown):
         check_inertia(mass, natural, massless(tree.model))
         gravity, bias = reduced.T
         return Dynamics(motion.jacobian, 0.5 * (mass + mass.T), gravity, bias, motion.rates)
+
+    def statics(
+        self,
+        wrench: ArrayLike | None = None,
+        *,
+        gravity: bool = True,
+        springs: Mapping[str, tuple[float, float]] | None = None,
+    ) -> Statics:
+        """Return the motor efforts, and the forces in the loops, that balance a load at rest.
+
+        Parameters
+        ----------
+        wrench : array_like, shape (6,), optional
+            That acts on the tool: a force in N, and a moment in N m about its origin, by the
+            world's axes.
+        gravity : bool
+            Whether the bodies' weight acts.
+        springs : mapping of str to (float, float), optional
+            Of joints of one degree of freedom: stiffness in N/m or N m/rad, and the value in m or
+            rad where it is at rest.
+
+        Raises
+        ------
+        SingularError, IdleMotionError
+            As `jacobian`; at poses where loops forbid some motor rates there is an answer still.
+        NoEquilibriumError
+            The load drives what idles.
+        UnknownNameError, ArgumentError
+            No such joint, or values that are none.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> pj.load("four_bar").home.statics([0, -10.0, 0, 0, 0, 0]).efforts.round(3).tolist()
+        [3.126]
+        """
+        allowed, model = self.allowed_jacobian(), self._parts.kinematics.model
+        load = spring_efforts(self._parts.coordinates, self.q, springs or {})
+        if as_flag(gravity, "gravity"):
+            load += self._parts.kinematics.efforts(self.q, *np.zeros((2, model.nv)))
+        if wrench is not None:
+            load -= allowed.tool_jacobian.T @ as_vector(wrench, 6, "a wrench")
+        return balanced(load, self._loop_rates, self._problem.partition)
 
     def _motor_rates(self, given: MotorValues | None) -> Array:
         if given is None:

@@ -143,6 +143,10 @@ class NoJacobianError(PmjacError, ArithmeticError):
     """There is no equivalent Jacobian: base of the three reasons below."""
 
 
+class NoEquilibriumError(PmjacError, ArithmeticError):
+    """A load drives what neither motors nor loops hold."""
+
+
 class NoGradientError(PmjacError, ArithmeticError):
     """A measure has no gradient here: singular values are equal, or zero."""
 

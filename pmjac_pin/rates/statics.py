@@ -1,0 +1,118 @@
+"""Statics: motor efforts and forces in the loops that balance a load.
+
+With C = [K K*] on all rows and b (nv,) what acts against the tree's freedoms, motor efforts τ and
+the loops' forces λ balance it where
+
+    K*ᵀ λ = b_p,   τ = b_a − Kᵀ λ.
+
+Redundant rows leave λ open by what the rows can do to each other, more motors than freedoms leave
+τ open, too: the smallest are taken, and what is open is told. Linear algebra on arrays.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pmjac_pin.errors import NoEquilibriumError
+from pmjac_pin.rates.factorisation import Factorisation
+from pmjac_pin.rates.partition import LoopRates, Partition
+from pmjac_pin.values.arrays import Array, ReadOnlyArrays, norm
+
+_BALANCED = 1e-9  # of the load, without dimension: what rounding may leave on idle motions
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Statics(ReadOnlyArrays):
+    """What balances a load at rest. Made by `Configuration.statics`; all arrays are read-only.
+
+    Attributes
+    ----------
+    efforts : ndarray, shape (n,)
+        τ of the motors, N or N m; of all that balance it the smallest, where there are several.
+    loop_forces : ndarray, shape (p,)
+        λ, in the order of `Mechanism.rows`, that the loops exert on what opens a row: N where its
+        unit is m, N m where it is rad, and N/m where it is m² (a rod of length l pulls with
+        2 l λ). Of all that do the smallest, where rows are redundant.
+    self_stress : ndarray, shape (p, r)
+        Columns span what may be added to `loop_forces` with no effort of motors: none where the
+        loops are statically determinate.
+    internal_efforts : ndarray, shape (n, k)
+        Columns span what may be added to `efforts`: motors that work against each other.
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> statics = pj.load("three_rps").home.statics([0, 0, -30.0, 0, 0, 0], gravity=False)
+    >>> statics.efforts.round(6).tolist(), statics.internal_efforts.shape
+    ([11.547005, 11.547005, 11.547005], (3, 0))
+    """
+
+    efforts: Array
+    loop_forces: Array
+    self_stress: Array
+    internal_efforts: Array
+
+    @property
+    def determinate(self) -> bool:
+        """Whether equilibrium alone says what the forces in the loops are."""
+        return not (self.self_stress.shape[1] or self.internal_efforts.shape[1])
+
+    def __repr__(self) -> str:
+        known = "determinate" if self.determinate else "of least norm"
+        return f"Statics({self.efforts.size} motors, {self.loop_forces.size} rows, {known})"
+
+
+def balanced(load: Array, loops: LoopRates, partition: Partition) -> Statics:
+    """Return what balances a load.
+
+    Parameters
+    ----------
+    load : ndarray, shape (nv,)
+        b: what motors and loops have to exert on the tree's freedoms, N or N m.
+    loops, partition
+        As of `pmjac_pin.rates.second_order.following_rates`.
+
+    Raises
+    ------
+    NoEquilibriumError
+        The load drives what idles.
+    """
+    scale, actuated, passive = partition.column_scale, partition.actuated, partition.passive
+    needed, rank = load * scale, partition.passive_rank
+    left, values, right = (
+        getattr(loops.passive, name) for name in ("left", "singular_values", "right")
+    )
+    _refuse_driven_idle(right[rank:], needed[passive], needed, partition)
+    forces = left[:, :rank] @ ((right[:rank] @ needed[passive]) / values[:rank])
+    driving = loops.scaled[:, actuated]
+    efforts, open_ways = needed[actuated] - driving.T @ forces, left[:, rank:]
+    # What rows do to each other with the passive joints at rest; motors may have to hold it.
+    held = Factorisation(driving.T @ open_ways, loops.size, partition.rank_tolerance)
+    least = held.solve(efforts)
+    efforts, forces = efforts - held.matrix @ least, forces + open_ways @ least
+    internal = held.left[:, : held.rank]
+    rows = partition.row_scale[:, None]
+    return Statics(
+        efforts=efforts / scale[actuated],
+        loop_forces=forces * partition.row_scale,
+        self_stress=rows * (open_ways @ held.null_space),
+        internal_efforts=internal / scale[actuated, None],
+    )
+
+
+def _refuse_driven_idle(
+    idle: Array, passive_load: Array, load: Array, partition: Partition
+) -> None:
+    driven = idle @ passive_load
+    if norm(driven) <= _BALANCED * max(norm(load), 1.0):
+        return
+    motion = np.abs(idle.T @ driven)
+    names = [
+        partition.passive_names[k] for k in np.argsort(-motion)[:3].tolist() if motion[k] > 0.0
+    ]
+    raise NoEquilibriumError(
+        f"the load drives what idles ({', '.join(names)}), which neither motors nor loops hold: "
+        "there is no equilibrium"
+    )
