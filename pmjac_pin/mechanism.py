@@ -9,7 +9,6 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal
 
 import pinocchio as pin
-from msgspec.structs import replace
 from numpy.typing import ArrayLike
 
 from pmjac_pin.closing.arms import arms_of, without_arms
@@ -21,11 +20,11 @@ from pmjac_pin.closing.step_guard import StepGuard
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.direct_kinematics import Guess, close
 from pmjac_pin.errors import ArgumentError, unknown_name
-from pmjac_pin.mechanism_value import MechanismValue
+from pmjac_pin.mechanism_siblings import MechanismSiblings
 from pmjac_pin.model.limits import unread_limits
 from pmjac_pin.model.loop_spec import Loop
-from pmjac_pin.model.pinocchio_model import Constraint, RobotWrapper, checked_tool, own_model
-from pmjac_pin.model.spec import JointValue, Tool
+from pmjac_pin.model.pinocchio_model import Constraint, RobotWrapper, own_model
+from pmjac_pin.model.spec import JointValue
 from pmjac_pin.model.unit_turns import unit
 from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.values.checks import as_numbers
@@ -35,7 +34,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Mechanism(MechanismValue):
+class Mechanism(MechanismSiblings):
     """A mechanism with closed loops: made by `load` or `Mechanism.from_pinocchio`.
 
     A value: it can be shared between threads, copied, and pickled to other processes.
@@ -58,7 +57,6 @@ class Mechanism(MechanismValue):
     """
 
     _poses: dict[str, Configuration] = field(default_factory=dict)
-    _by_tool: dict[Tool, Mechanism] = field(default_factory=dict)
 
     @classmethod
     def from_pinocchio(
@@ -132,102 +130,6 @@ class Mechanism(MechanismValue):
             enforce_limits=enforce_limits,
         )
         return cls(build_parts(own, spec, {}), notes=tuple(unread_limits(own)))
-
-    def with_tool(
-        self,
-        tool: str | Sequence[str],
-        *,
-        rows: Iterable[str] | None = None,
-        axes: str | None = None,
-    ) -> Mechanism:
-        """Return the mechanism with another tool; no file is read again.
-
-        What `load` would return with that tool: what depends on one, such as the ranks that its
-        motions have in general, is found anew, once.
-
-        Parameters
-        ----------
-        tool : str or three str
-            A frame of `model`, or the three frames whose origins span the tool.
-        rows, axes
-            As `load` takes `tool_rows` and `tool_axes`; all rows of its twist count by default.
-
-        Raises
-        ------
-        UnknownNameError
-            No such frame.
-        ArgumentError
-            Neither one name nor three; no such rows or axes.
-
-        Examples
-        --------
-        >>> import pmjac_pin as pj
-        >>> bar = pj.load("four_bar").with_tool("rocker_tip", rows=["vx", "vy"])
-        >>> bar.home.jacobian().Jv_eq.shape
-        (3, 1)
-        """
-        parts, chosen = self._parts, checked_tool(tool)
-        spec = replace(self.spec, tool=chosen).with_tool_rows(rows, axes)
-        if spec.tool == self.spec.tool:
-            return self
-        if spec.tool not in self._by_tool:
-            built = build_parts(parts.standing, spec, parts.values, parts.urdf, parts.home_q)
-            blueprint = self.blueprint and self.blueprint.of(spec)
-            self._by_tool[spec.tool] = Mechanism(
-                built, notes=self.notes, unread=self.unread, blueprint=blueprint
-            )
-        return self._by_tool[spec.tool]
-
-    def with_parameters(
-        self, values: Mapping[str, float] | None = None, /, **named: float
-    ) -> Mechanism:
-        """Return the mechanism with other values of its parameters, its file not read again.
-
-        What `load` would return at these values, to the last bit, in a fraction of the time; from
-        whichever mechanism it is asked for. Home is followed from the parameters' defaults to them,
-        and ranks, scales and tolerance are found anew: they may be others.
-
-        Parameters
-        ----------
-        values : mapping of str to float, optional
-            By the names of `parameters`, m or rad.
-        **named : float
-            The same, where names are words. Those that are not named stay as they are here.
-
-        Raises
-        ------
-        UnknownNameError
-            No such parameter.
-        ArgumentError
-            A value outside its parameter's range.
-        ModelFileError, ClosureError
-            As in `load`: the home pose does not assemble with these.
-
-        Examples
-        --------
-        >>> import pmjac_pin as pj
-        >>> mechanism = pj.load("four_bar")
-        >>> lengths = (1.0, 1.1, 1.2)
-        >>> poses = [mechanism.with_parameters(l1=l1).close([1.0]) for l1 in lengths]
-        >>> [round(float(pose.jacobian().Jv_eq[0, 0]), 3) for pose in poses]
-        [-0.482, -0.542, -0.606]
-        """
-        if values is not None and not isinstance(values, Mapping):
-            self.spec.parameter_values(values)  # says what is wanted
-        given = {**(values or {}), **named}
-        wanted = self.spec.parameter_values({**self.parameters, **given})
-        if self.blueprint is None and given:
-            raise ArgumentError(
-                f"{self.name} was not read from a file, and so has no parameters that move it"
-            )
-        if self.blueprint is None or dict(wanted) == dict(self.parameters):
-            return self
-        return Mechanism(
-            self.blueprint.parts(wanted),
-            notes=self.notes,
-            unread=self.unread,
-            blueprint=self.blueprint,
-        )
 
     @property
     def home(self) -> Configuration:

@@ -29,7 +29,7 @@ ORDER = (
     ("files", "kinematics"),
     ("rates",),
     ("closing",),
-    ("configuration mechanism mechanism_value direct_kinematics pose_rounding",),
+    ("configuration mechanism mechanism_siblings mechanism_value direct_kinematics pose_rounding",),
     ("loading", "batches", "builders"),
     ("studies",),
     ("words",),
