@@ -134,6 +134,9 @@ from .studies.program import Program as Program
 from .studies.program import program as program
 from .studies.recut import recut as recut
 from .studies.sweep.sweep import sweep as sweep
+from .studies.transmission import Geared as Geared
+from .studies.transmission import Transmission as Transmission
+from .studies.transmission import transmission as transmission
 from .viewer.viewer import Viewer as Viewer
 from .viewer.viewer import view as view
 from .words.labelled_matrix import LabelledMatrix as LabelledMatrix

@@ -25,7 +25,7 @@ from pmjac_pin.rates.error_estimate import error_estimate
 from pmjac_pin.rates.factorisation import REFINED, Factorisation
 from pmjac_pin.rates.gradients import gradient_of
 from pmjac_pin.rates.partition import LoopRates, Partition
-from pmjac_pin.rates.second_order import hessian
+from pmjac_pin.rates.second_order import hessian, passive_hessian
 from pmjac_pin.rates.singularity import Singularity, analyse_singularity, forbidden_rates
 from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.rates.tool_motion import TwistRanks
@@ -168,6 +168,13 @@ class EquivalentJacobian(SplitJacobian):
         slopes, partition = self.slopes(self.motion_map), self.partition
         loops = partition.loop_rates(self.constraint_jacobian)
         return read_only(hessian(slopes, self.tool_jacobian, self.motion_map, loops, partition))
+
+    @cached_property
+    def passive_hessian(self) -> Array:
+        """∂Φ/∂θ of the passive rates φ̇ = Φ θ̇, shape (m_p, n, n), as `hessian` is of J_eq."""
+        slopes, partition = self.slopes(self.motion_map), self.partition
+        loops = partition.loop_rates(self.constraint_jacobian)
+        return read_only(passive_hessian(slopes[0], self.motion_map, loops, partition))
 
     def slopes(self, motions: Array) -> tuple[Array, Array]:
         """Return how the constraint and the tool Jacobian change along motions, (nv, k).

@@ -34,6 +34,22 @@ def following_rates(opening: Array, loops: LoopRates, partition: Partition) -> A
     return np.asarray(-partition.column_scale[partition.passive][:, None] * rates)
 
 
+def passive_hessian(
+    constraint_slopes: Array, motion_map: Array, loops: LoopRates, partition: Partition
+) -> Array:
+    """Return ∂Φ/∂θ, shape (m_p, n, n), of φ̇ = Φ θ̇: the last axis says along which motor.
+
+    Parameters
+    ----------
+    constraint_slopes : ndarray, shape (n, p, nv)
+        dC[gₖ].
+    motion_map, loops, partition
+        As for `hessian`.
+    """
+    along = [following_rates(dC @ motion_map, loops, partition) for dC in constraint_slopes]
+    return np.stack(along, axis=2) if along else np.zeros((partition.passive.size, 0, 0))
+
+
 def hessian(
     slopes: tuple[Array, Array],
     tool_jacobian: Array,
@@ -53,9 +69,9 @@ def hessian(
     loops, partition
         As for `following_rates`.
     """
-    passive = tool_jacobian[:, partition.passive]
-    along = [
-        dJ @ motion_map + passive @ following_rates(dC @ motion_map, loops, partition)
-        for dC, dJ in zip(*slopes, strict=True)
-    ]
-    return np.stack(along, axis=2) if along else np.zeros((6, 0, 0))
+    constraint, tool = slopes
+    following = passive_hessian(constraint, motion_map, loops, partition)
+    own = np.einsum("kiv,vj->ijk", tool, motion_map)
+    return np.asarray(
+        own + np.einsum("ip,pjk->ijk", tool_jacobian[:, partition.passive], following)
+    )
