@@ -357,7 +357,7 @@ class Configuration(Shown):
         )
         check_inertia(mass, natural, massless(tree.model))
         gravity, bias = reduced.T
-        return Dynamics(motion.jacobian, 0.5 * (mass + mass.T), gravity, bias, motion.rates)
+        return Dynamics(motion, 0.5 * (mass + mass.T), gravity, bias)
 
     def statics(
         self,

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import ArgumentError, NoInertiaError
-from pmjac_pin.rates.jacobian import EquivalentJacobian
+from pmjac_pin.rates.motion import Motion
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays, read_only
 from pmjac_pin.values.checks import as_numbers
 
@@ -30,17 +30,15 @@ class Dynamics(ReadOnlyArrays):
 
     Attributes
     ----------
-    jacobian : EquivalentJacobian
-        In LOCAL_WORLD_ALIGNED: a wrench is a force in N and a moment in N m about the tool's
-        origin, in world axes.
+    motion : Motion
+        At these rates, the motors not accelerated, in LOCAL_WORLD_ALIGNED: so a wrench is a force
+        in N and a moment in N m about the tool's origin, in world axes.
     mass_matrix : ndarray, shape (n, n)
         M = Gᵀ M_t G where nothing idles, symmetric and positive definite.
     gravity : ndarray, shape (n,)
         Gᵀ g: the efforts that hold the machine's own weight, where nothing idles.
     bias : ndarray, shape (n,)
         h = Gᵀ (M_t Ġ θ̇ + h_t): gravity, and what the rates alone ask for.
-    rates : ndarray, shape (n,)
-        θ̇, m/s or rad/s.
 
     Examples
     --------
@@ -53,11 +51,15 @@ class Dynamics(ReadOnlyArrays):
     True
     """
 
-    jacobian: EquivalentJacobian
+    motion: Motion
     mass_matrix: Array
     gravity: Array
     bias: Array
-    rates: Array
+
+    @property
+    def rates(self) -> Array:
+        """θ̇, shape (n,), m/s or rad/s."""
+        return self.motion.rates
 
     def efforts(self, accelerations: ArrayLike, wrench: ArrayLike | None = None) -> Array:
         """Return the motor efforts that accelerate so: τ = M θ̈ + h − J_eqᵀ w (inverse dynamics).
@@ -94,7 +96,7 @@ class Dynamics(ReadOnlyArrays):
     def _of_wrench(self, wrench: ArrayLike | None) -> Array:
         if wrench is None:
             return np.zeros(self.rates.size)
-        return np.asarray(self.jacobian.J_eq.T @ as_vector(wrench, 6, "a wrench"))
+        return np.asarray(self.motion.jacobian.J_eq.T @ as_vector(wrench, 6, "a wrench"))
 
     def __repr__(self) -> str:
         return f"Dynamics({self.rates.size} motors)"
