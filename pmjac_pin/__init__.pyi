@@ -106,6 +106,7 @@ from .rates.jacobian import (
 )
 from .rates.motion import Motion as Motion
 from .rates.partition import Partition as Partition
+from .rates.polytope import Polytope as Polytope
 from .rates.singularity import Singularity as Singularity
 from .rates.split import (
     SplitJacobian as SplitJacobian,

@@ -26,7 +26,7 @@ from pmjac_pin.model.springs import spring_efforts
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.pose_rounding import PoseRounding
 from pmjac_pin.rates.allowed import AllowedJacobian, allowed_jacobian
-from pmjac_pin.rates.dynamics import Dynamics, as_vector, check_inertia, without_idle
+from pmjac_pin.rates.dynamics import Dynamics, check_inertia, without_idle
 from pmjac_pin.rates.jacobian import EquivalentJacobian, eliminated
 from pmjac_pin.rates.known_jacobian import KnownJacobian
 from pmjac_pin.rates.motion import Motion
@@ -35,7 +35,7 @@ from pmjac_pin.rates.singularity import Singularity, analyse_singularity
 from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.rates.statics import Statics, balanced
 from pmjac_pin.values.arrays import Array, read_only
-from pmjac_pin.values.checks import as_flag
+from pmjac_pin.values.checks import as_flag, as_vector
 from pmjac_pin.values.found_once import found_once
 from pmjac_pin.values.shown import Shown
 

@@ -90,13 +90,13 @@ def test_an_ankles_ratios(joints):
 def test_an_ankles_effort_limits_are_a_rhombus():
     """Motors of 1 N m: (±3.5014, 0) and (0, ±2.1429) N m; no box of pitch and roll."""
     geared = pj.transmission(ankle(), ["pitch", "roll"]).at_joints([0.0, 0.0])
-    corners = geared.effort_limits([1.0, 1.0])
+    corners = geared.effort_limits([1.0, 1.0]).vertices
     assert len(corners) == 4
     for wanted in ((3.5014, 0.0), (-3.5014, 0.0), (0.0, 2.1429), (0.0, -2.1429)):
         assert np.linalg.norm(corners - wanted, axis=1).min() < 3e-3
     turned = np.arctan2(corners[:, 1], corners[:, 0])
     assert (np.diff(np.unwrap(turned)) > 0.0).all()
-    faster = geared.rate_limits([2.0, 2.0])
+    faster = geared.rate_limits([2.0, 2.0]).vertices
     np.testing.assert_allclose(np.abs(geared.ratio @ faster.T), 2.0, atol=1e-12)
 
 

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pmjac_pin.errors import ArgumentError, NoInertiaError
+from pmjac_pin.errors import NoInertiaError
 from pmjac_pin.rates.motion import Motion
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays, read_only
-from pmjac_pin.values.checks import as_numbers
+from pmjac_pin.values.checks import as_vector
 
 _NO_INERTIA = 1e-12  # of the largest, on motions of like size: rounding
 _ROUNDING = 1e-9  # of the largest force, or of 1 N
@@ -133,14 +133,6 @@ def without_idle(mass: Array, forces: Array, n: int, scale: Array) -> tuple[Arra
     across = unit[:n, n:] @ inverse
     mass = (unit[:n, :n] - across @ unit[n:, :n]) / np.outer(scale[:n], scale[:n])
     return mass, (pushed[:n] - across @ pushed[n:]) / scale[:n, None]
-
-
-def as_vector(given: ArrayLike, size: int, what: str) -> Array:
-    """Return finite numbers (size,), or say what was expected."""
-    values = np.atleast_1d(as_numbers(given, what))
-    if values.shape != (size,):
-        raise ArgumentError(f"{what}: {size} numbers expected, got shape {values.shape}")
-    return values
 
 
 def check_inertia(mass_matrix: Array, scale: Array, massless: tuple[str, ...]) -> None:

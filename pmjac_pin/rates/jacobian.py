@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import (
     ArgumentError,
@@ -25,13 +26,14 @@ from pmjac_pin.rates.error_estimate import error_estimate
 from pmjac_pin.rates.factorisation import REFINED, Factorisation
 from pmjac_pin.rates.gradients import gradient_of
 from pmjac_pin.rates.partition import LoopRates, Partition
+from pmjac_pin.rates.polytope import Polytope, image_of_box, within_box
 from pmjac_pin.rates.second_order import hessian, passive_hessian
 from pmjac_pin.rates.singularity import Singularity, analyse_singularity, forbidden_rates
 from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.rates.tool_motion import TwistRanks
 from pmjac_pin.values.arrays import Array, norm, read_only
 from pmjac_pin.values.brief import brief
-from pmjac_pin.values.checks import check_callable, check_kind
+from pmjac_pin.values.checks import as_limits, check_callable, check_kind
 from pmjac_pin.values.ties import first_largest
 
 _STILL = 1e-6  # of the largest rate of a motion
@@ -242,6 +244,53 @@ class EquivalentJacobian(SplitJacobian):
     def angular_ellipsoid(self) -> Ellipsoid:
         """Return the tool's angular velocities of all |θ̇| = 1, in rad/s."""
         return velocity_ellipsoid(self.Jw_eq, unit="rad/s", rounding=self._rounding[1])
+
+    def velocity_polytope(
+        self, limits: ArrayLike, rows: Iterable[str] = TWIST_ROWS[:3]
+    ) -> Polytope:
+        """Return the tool velocities that motor rates |θ̇ᵢ| ≤ limit reach, a zonotope.
+
+        Parameters
+        ----------
+        limits : array_like, shape (n,)
+            Of the motors, m/s or rad/s.
+        rows : iterable of str, optional
+            The rows of the twist, all linear or all angular ones; the linear ones by default.
+
+        Raises
+        ------
+        ArgumentError
+            Rows of both kinds, or a direction that is not reached; limits that are none.
+        """
+        block, unit = self._rows_of_one_kind(rows, "m/s", "rad/s")
+        return image_of_box(block, as_limits(limits, block.shape[1]), unit)
+
+    def force_polytope(self, limits: ArrayLike, rows: Iterable[str] = TWIST_ROWS[:3]) -> Polytope:
+        """Return the forces or moments alone that motor efforts |τᵢ| ≤ limit hold.
+
+        Parameters
+        ----------
+        limits : array_like, shape (n,)
+            Of the motors, N or N m.
+        rows : iterable of str, optional
+            As of `velocity_polytope`: "vx" is for a force along x.
+
+        Raises
+        ------
+        ArgumentError
+            As `velocity_polytope`; a direction that is held at no effort.
+        """
+        block, unit = self._rows_of_one_kind(rows, "N", "N m")
+        return within_box(block, as_limits(limits, block.shape[1]), unit)
+
+    def _rows_of_one_kind(
+        self, rows: Iterable[str], linear: str, angular: str
+    ) -> tuple[Array, str]:
+        """Return rows of J_eq and their unit."""
+        which = [TWIST_ROWS.index(name) for name in checked_rows(rows)]
+        if which[0] < 3 <= which[-1]:
+            raise ArgumentError("a polytope is of linear or of angular rows, not of both")
+        return self.J_eq[which], linear if which[0] < 3 else angular
 
     def force_ellipsoid(self) -> Ellipsoid:
         """Return the tool forces, without moment, that motor efforts |τ| = 1 balance, in N."""

@@ -19,11 +19,10 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.direct_kinematics import Guess
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.rates.dynamics import as_vector
 from pmjac_pin.rates.jacobian import EquivalentJacobian
-from pmjac_pin.studies.corners import corners_of
+from pmjac_pin.rates.polytope import Polytope, image_of_box
 from pmjac_pin.values.arrays import Array, Index, read_only
-from pmjac_pin.values.checks import check_kind
+from pmjac_pin.values.checks import as_limits, as_vector, check_kind
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -165,16 +164,15 @@ class Geared:
         """Return I_x = Rᵀ I R, shape (n, n): no single number for each joint describes it."""
         return read_only(self.ratio.T @ self._matrix(motor_armature, "motor armature") @ self.ratio)
 
-    def effort_limits(self, motor_limits: ArrayLike) -> Array:
-        """Return the corners of what joint efforts |τᵢ| ≤ limit reach, shape (k, n), in order.
+    def effort_limits(self, motor_limits: ArrayLike) -> Polytope:
+        """Return the joint efforts that |τᵢ| ≤ limit reach: of two joints a rhombus, no box."""
+        limits = self._limits(motor_limits)
+        return image_of_box(self.ratio.T, limits, "joint effort")
 
-        Of two joints they go once around, the other way than a clock's hands.
-        """
-        return corners_of(self.ratio.T, self._limits(motor_limits))
-
-    def rate_limits(self, motor_limits: ArrayLike) -> Array:
-        """Return the corners of what joint rates |θ̇ᵢ| ≤ limit reach, as `effort_limits`."""
-        return corners_of(self._inverse, self._limits(motor_limits))
+    def rate_limits(self, motor_limits: ArrayLike) -> Polytope:
+        """Return the joint rates that |θ̇ᵢ| ≤ limit reach."""
+        limits = self._limits(motor_limits)
+        return image_of_box(self._inverse, limits, "joint rate")
 
     @cached_property
     def _jacobian(self) -> EquivalentJacobian:
@@ -195,10 +193,7 @@ class Geared:
         return as_vector(given, len(self.transmission.motors), what)
 
     def _limits(self, given: ArrayLike) -> Array:
-        limits = self._vector(given, "motor limits")
-        if not (limits > 0.0).all():
-            raise ArgumentError("motor limits are numbers above 0")
-        return limits
+        return as_limits(given, len(self.transmission.motors))
 
     def _matrix(self, given: ArrayLike, what: str) -> Array:
         count = len(self.transmission.motors)

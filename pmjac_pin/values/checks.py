@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.values.arrays import Array
@@ -124,3 +125,19 @@ def check_kind(given: object, kind: type) -> None:
     """
     if not isinstance(given, kind):
         raise ArgumentError(f"a {kind.__name__} is wanted, got {type(given).__name__}")
+
+
+def as_vector(given: ArrayLike, size: int, what: str) -> Array:
+    """Return finite numbers (size,), or say what was expected."""
+    values = np.atleast_1d(as_numbers(given, what))
+    if values.shape != (size,):
+        raise ArgumentError(f"{what}: {size} numbers expected, got shape {values.shape}")
+    return values
+
+
+def as_limits(given: ArrayLike, size: int) -> Array:
+    """Return limits of motors, numbers (size,) above 0, or say what was expected."""
+    limits = as_vector(given, size, "motor limits")
+    if not (limits > 0.0).all():
+        raise ArgumentError("motor limits are numbers above 0")
+    return limits
