@@ -88,7 +88,8 @@ class PoseRounding:
     def slopes(self, motions: Array) -> tuple[Array, Array]:
         """Return how the constraint and the tool Jacobian change along motions, (nv, k)."""
         here = self.configuration
-        if (along := here.mechanism._slopes) is not None:
+        along = here.mechanism._recorded.slopes() or here.mechanism._slopes
+        if along is not None:
             found = along.at(here.q, motions)
             return found.constraint, found.tool(self.frame)
         return self._by_differences(motions)

@@ -10,6 +10,7 @@ from test_catalogue_planar import PMKS_CRANK, PMKS_POINTS, watt_six_bar_at
 from transformed import moved
 
 import pmjac_pin as pj
+from pmjac_pin.closing.path_kernel import path_kernel
 
 FRAMES = ("LOCAL_WORLD_ALIGNED", "LOCAL", "WORLD")
 MEASURES = {
@@ -239,3 +240,22 @@ def test_at_a_singular_pose_nothing_is_half_computed():
     singular = mechanism.close([fold], enforce_limits=False)
     with pytest.raises(pj.SingularError):
         singular.motion([1.0])
+
+
+@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+def test_recorded_programs_and_complex_steps_are_one(name, rng):
+    """Forward mode over a program, and complex steps over the kinematics: nothing in common."""
+    configuration = somewhere(name, rng)
+    recorded = configuration.mechanism._recorded
+    if path_kernel() is None:
+        pytest.skip("no kernel was built")
+    for _ in range(30):
+        known = recorded.slopes()
+    motions = rng.normal(size=(configuration.mechanism.nv, 3))
+    one, other = (
+        each.at(configuration.q, motions) for each in (known, configuration.mechanism._slopes)
+    )
+    size = max(1.0, np.abs(other.constraint).max(initial=0.0))
+    np.testing.assert_allclose(one.constraint, other.constraint, atol=1e-13 * size)
+    for frame in FRAMES:
+        np.testing.assert_allclose(one.tool(frame), other.tool(frame), atol=1e-13 * size)

@@ -23,10 +23,12 @@ if TYPE_CHECKING:
     from pmjac_pin.closing.one_path import Ahead, OnePath
     from pmjac_pin.closing.one_pose import KnownPose, OnePose
     from pmjac_pin.closing.recorded_rates import RecordedRates
+    from pmjac_pin.closing.recorded_slopes import RecordedSlopes
 
 Made = TypeVar("Made")
 
 _CALLS = 3  # for each entry of the Jacobians of loops and tool: what it takes to record
+_CALLS_OF_SLOPES = 20  # which take longer without a program
 
 
 class Earned(Generic[Made]):
@@ -71,11 +73,16 @@ class RecordedMechanism:
         calls = _CALLS * (partition.row_scale.size + 6) * partition.column_scale.size
         self._pose = Earned(calls, self._one_pose, self._serves_many)
         self._path = Earned(calls, self._one_path, self._serves_many)
+        self._slopes = Earned(_CALLS_OF_SLOPES, self._recorded_slopes, lambda: False)
 
     def pose(self, q: Array) -> KnownPose | None:
         """Return what is certain of a pose without singular values, None where nothing is."""
         one_pose = self._pose()
         return None if one_pose is None else one_pose.at(q)
+
+    def slopes(self) -> RecordedSlopes | None:
+        """Return what says how Jacobians change along motions, None where nothing is recorded."""
+        return self._slopes()
 
     def path(self, q: Array, values: Array) -> Ahead | None:
         """Return how far a straight path from a closed q is certain, None where it is not at all.
@@ -158,6 +165,20 @@ class RecordedMechanism:
             return None
         parts = self._parts
         return OnePath(library, tapes, parts.problem, parts.coordinates)
+
+    def _recorded_slopes(self) -> RecordedSlopes | None:
+        from pmjac_pin.closing.path_kernel import path_kernel  # noqa: PLC0415
+        from pmjac_pin.closing.recorded_slopes import RecordedSlopes  # noqa: PLC0415
+
+        if (library := path_kernel()) is None:
+            return None
+        try:
+            tape, tree = self.rates.slopes_tape(), self.rates.recorder.tree
+        except ArgumentError:
+            return None
+        partition = self._parts.problem.partition
+        rows, nv = partition.row_scale.size, partition.column_scale.size
+        return RecordedSlopes(library, tape, tree, rows, nv)
 
     @property
     def _determined(self) -> bool:

@@ -16,6 +16,7 @@ import numpy as np
 from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.programs import Term, largest, objects, zeros
 from pmjac_pin.algebra.recordings import Recordings
+from pmjac_pin.algebra.tangents import tangents
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
@@ -207,6 +208,22 @@ class RecordedRates:
             return [*found.judged(), *sizes, *tool, *found.likeness.ravel()]
 
         return self.recordings.tape("measures", self.recorder.nq, make)
+
+    def slopes_tape(self) -> Tape:
+        """Return (q, q̇) ↦ how [K K*] (p, nv) and the tool change, and the tool.
+
+        In world axes; of the tool the Jacobian (6, nv) in LOCAL_WORLD_ALIGNED, the rotation (3, 3)
+        and the position.
+        """
+        nq = self.recorder.nq
+
+        def make(inputs: Sequence[Term]) -> list[Any]:
+            kinematics = self.recorder.at(inputs[:nq])
+            tool = [*kinematics.tool.ravel(), *kinematics.rotation.ravel(), *kinematics.position]
+            of = [*kinematics.in_world()[1].ravel(), *tool]
+            return [*tangents(of, inputs[:nq], inputs[nq:]), *tool]
+
+        return self.recordings.tape("slopes", 2 * nq, make)
 
     def equivalent(self, kinematics: RecordedKinematics, frame: FrameName) -> RecordedEquivalent:
         """Return J_eq in a frame, and what says whether it exists."""

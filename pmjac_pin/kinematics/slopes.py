@@ -7,7 +7,7 @@ difference. The kinematics are those of every other number type.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,6 +41,24 @@ class Slopes:
 
     constraint: Array
     _tools: tuple[tuple[Numbers, Numbers, Numbers], ...]
+
+    @classmethod
+    def of(cls, constraint: Array, tools: Sequence[Array]) -> Slopes:
+        """Return those of numbers that a program tells, `RecordedRates.slopes_tape`.
+
+        Parameters
+        ----------
+        constraint : ndarray, shape (k, p, nv)
+        tools : sequence of ndarray, shape (2 (6 nv + 12),)
+            How the entries of Jacobian, rotation and position change, and then these.
+        """
+        nv, found = constraint.shape[2], []
+        for told in tools:
+            slopes, values = told.reshape(2, -1)
+            numbers = values + 1j * _STEP * slopes
+            jacobian, rotation, position = np.split(numbers, [6 * nv, 6 * nv + 9])
+            found.append((jacobian.reshape(6, nv), rotation.reshape(3, 3), position))
+        return cls(constraint, tuple(found))
 
     def tool(self, frame: FrameName) -> Array:
         """Return that of the tool Jacobian in one of Pinocchio's frames, shape (k, 6, nv)."""
@@ -79,11 +97,7 @@ class SlopesAlongMotions:
         """Return how Jacobians change at a q (nq,) along the columns of motions (nv, k)."""
         if not motions.shape[1]:
             return Slopes(np.empty((0, self._loops.count, self._nv)), ())
-        moving = q + np.zeros((motions.shape[1], 1), dtype=complex)
-        for link in self._tree.links.values():
-            own = slice(link.column, link.column + link.kind.nv)
-            rates = link.kind.rates(moving[:, link.entries].real.copy(), motions[own].T.copy())
-            moving.imag[:, link.entries] = _STEP * rates
+        moving = q + 1j * _STEP * entry_rates(self._tree, q, motions)
         entries = np.ascontiguousarray(moving.T)[:, None]
 
         def motion(link: Link) -> Motion:
@@ -135,6 +149,19 @@ class SlopesAlongMotions:
                 jacobian[3:, one.column] = one.axis[:, 0]
         rotation = np.broadcast_to(axes[:, :, 0], (3, 3, count))
         return jacobian, rotation, np.broadcast_to(origin.value[:, 0], (3, count))
+
+
+def entry_rates(tree: Tree, q: Array, motions: Array) -> Array:
+    """Return the derivatives of q's entries along motions (nv, k), shape (k, nq)."""
+    rates = np.empty((motions.shape[1], q.size))
+    for link in tree.links.values():
+        kind, own = link.kind, slice(link.column, link.column + link.kind.nv)
+        if kind.nq == kind.nv and not kind.curved:
+            rates[:, link.entries] = motions[own].T
+        else:
+            entries = np.tile(q[link.entries], (len(rates), 1))
+            rates[:, link.entries] = kind.rates(entries, motions[own].T.copy())
+    return rates
 
 
 def _axes(poses: Poses, body: int) -> Numbers:

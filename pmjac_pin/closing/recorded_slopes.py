@@ -1,0 +1,55 @@
+"""How Jacobians change along motions, by a recorded program: `SlopesAlongMotions`, sooner."""
+
+from __future__ import annotations
+
+import ctypes
+import threading
+
+import numpy as np
+
+from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.closing.path_kernel import Memory
+from pmjac_pin.kinematics.slopes import Slopes, entry_rates
+from pmjac_pin.kinematics.tree import Tree
+from pmjac_pin.values.arrays import Array
+
+
+class RecordedSlopes:
+    """The same as `SlopesAlongMotions`.
+
+    Parameters
+    ----------
+    library : ctypes.PyDLL
+        The kernel.
+    tape : Tape
+        `RecordedRates.slopes_tape`.
+    tree : Tree
+    rows, nv : int
+        Of the constraint Jacobian.
+    """
+
+    __slots__ = ("_nv", "_rows", "_run", "_tape", "_threads", "_tree")
+
+    def __init__(self, library: ctypes.PyDLL, tape: Tape, tree: Tree, rows: int, nv: int) -> None:
+        self._run, self._tape, self._tree = library.pmjac_run_once, tape, tree
+        self._rows, self._nv, self._threads = rows, nv, threading.local()
+
+    def at(self, q: Array, motions: Array) -> Slopes:
+        """Return how Jacobians change at a q (nq,) along the columns of motions (nv, k)."""
+        try:
+            memory, argument = self._threads.memory
+        except AttributeError:
+            memory = Memory(self._tape)
+            argument = ctypes.byref(memory.struct)
+            self._threads.memory = memory, argument
+        nq, nv, entries = q.size, self._nv, self._rows * self._nv
+        rates = entry_rates(self._tree, q, motions)
+        constraint, tools = np.empty((len(rates), self._rows, nv)), []
+        memory.inputs[:nq] = q
+        for k, rate in enumerate(rates):
+            memory.inputs[nq:] = rate
+            self._run(argument)
+            told = np.array(memory.outputs)
+            constraint[k] = told[:entries].reshape(self._rows, nv)
+            tools.append(told[entries:])
+        return Slopes.of(constraint, tools)
