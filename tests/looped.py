@@ -9,8 +9,7 @@ from __future__ import annotations
 import functools
 
 import numpy as np
-
-import pmjac_pin as pj
+from mechanisms import loaded
 
 Z = "0 0 1"
 TOOL = "middle"
@@ -19,7 +18,7 @@ TOOL = "middle"
 @functools.cache
 def home():
     """The catalogue's home pose."""
-    return pj.load("four_bar").home
+    return loaded("four_bar").home
 
 
 @functools.cache

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from math import pi
 
 import numpy as np
 import pinocchio as pin
+import pytest
 
 import pmjac_pin as pj
 
@@ -39,10 +41,42 @@ CLOSED = tuple(name for name in CATALOGUE if name not in OPEN)
 NON_GRASHOF = (4.0, 3.0, 2.5, 2.0)
 
 
+# Of each kind of loop and of each freedom at least one: what long laws are tried on in the quick
+# tests; the others are left to the slow ones.
+SAMPLE = (
+    "agile_eye",
+    "ankle",
+    "bennett",
+    "five_bar",
+    "serial_2r",
+    "slider_crank",
+    "stewart_gough",
+    "three_rps_ss",
+)
+
+
+def mostly_slow(cases, quick=SAMPLE):
+    """Cases for `parametrize`, of which all but the quick ones are slow tests."""
+    return [case if case in quick else pytest.param(case, marks=pytest.mark.slow) for case in cases]
+
+
+@cache
+def _once(name):
+    return pj.load(name)
+
+
+def loaded(name):
+    """A catalogue machine, read and assembled once for all tests: nothing changes what it is.
+
+    What it learns by being used, its programs and its closed poses, each test begins without.
+    """
+    return replace(_once(name), _poses={}, _by_tool={})
+
+
 @cache
 def homotopy_of(name, seed=0):
     """All complex solutions, once for all tests: it takes seconds, and nothing changes it."""
-    return pj.parameter_homotopy(pj.load(name), rng=seed)
+    return pj.parameter_homotopy(loaded(name), rng=seed)
 
 
 def rocker_rocker():
@@ -212,7 +246,7 @@ def with_motors(mechanism, motors, **others):
 
 def over_actuated_four_bar():
     """Two motors on one degree of freedom."""
-    return with_motors(pj.load("four_bar"), ["theta1", "phi1"])
+    return with_motors(loaded("four_bar"), ["theta1", "phi1"])
 
 
 def random_closed(mechanism, rng, count, spread=0.3, start="home"):
@@ -229,7 +263,7 @@ def random_closed(mechanism, rng, count, spread=0.3, start="home"):
 
 
 def random_poses(name, seed, count):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     rng = np.random.default_rng(seed)
     starts = mechanism.poses
     return [

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 
 import numpy as np
+from mechanisms import loaded
 
 import pmjac_pin as pj
 
@@ -16,7 +17,7 @@ def go_on(out, count, workers=1, progress=None):
     """Sweep `count` times `count` poses into `out`, each a chunk, going on there."""
     lengths = np.linspace(0.85, 1.2, count)
     pj.sweep(
-        pj.load("three_rps"),
+        loaded("three_rps"),
         {"l1": lengths, "l2": lengths},
         measures=("J_eq", "q", "share"),
         out=out,

@@ -7,6 +7,7 @@ import pandas
 import pinocchio as pin
 import pytest
 import xarray
+from mechanisms import loaded
 from random_machines import random_machine
 
 import pmjac_pin as pj
@@ -24,7 +25,7 @@ def machines_and_shares():
 
 
 def machine(name):
-    return random_machine(int(name.split()[1])) if name.startswith("random ") else pj.load(name)
+    return random_machine(int(name.split()[1])) if name.startswith("random ") else loaded(name)
 
 
 def targets(mechanism, count, share, rng):
@@ -78,7 +79,7 @@ def test_the_same_as_one_by_one(name, share, rng):
 
 def test_over_actuated_motors_lead_and_are_led():
     mechanism = pj.load("five_bar", actuated=["theta1", "theta2", "phi1"])
-    end = pj.load("five_bar").close(pj.load("five_bar").home.actuated + 0.1).joint_values
+    end = loaded("five_bar").close(loaded("five_bar").home.actuated + 0.1).joint_values
     fits = [float(end[name]) for name in mechanism.actuated]
     forbidden = mechanism.home.actuated + np.array([0.01, 0.01, 0.0])
     poses = pj.batch(mechanism).close([fits, forbidden])
@@ -87,7 +88,7 @@ def test_over_actuated_motors_lead_and_are_led():
 
 
 def test_guesses_and_limits():
-    mechanism = pj.load("four_bar")
+    mechanism = loaded("four_bar")
     many, values = pj.batch(mechanism), np.array([[0.5], [1.0], [7.0]])
     assert many.close(values).status.tolist() == [*[pj.Status.CLOSED] * 2, pj.Status.LIMITS]
     free = many.close(values, enforce_limits=False)
@@ -108,7 +109,7 @@ def test_guesses_and_limits():
 @pytest.mark.parametrize("frame", ["LOCAL", "WORLD", "LOCAL_WORLD_ALIGNED"])
 @pytest.mark.parametrize("name", ["three_rps_ss", "delta", "ur5"])
 def test_in_every_frame(name, frame):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     found = pj.batch(mechanism).jacobian(mechanism.home.q[None], frame)
     expected = mechanism.home.jacobian(frame).J_eq
     np.testing.assert_allclose(found.J_eq[0], expected, atol=1e-12 * np.abs(expected).max())
@@ -163,7 +164,7 @@ def test_measures_of_open_and_singular_poses():
 
 
 def test_threads_change_no_bit(rng):
-    mechanism = pj.load("five_bar")
+    mechanism = loaded("five_bar")
     many, values = pj.batch(mechanism), targets(mechanism, 9000, 0.1, rng)
     told = []
     alone = many.close(values, threads=1, progress=lambda *done: told.append(done))
@@ -193,7 +194,7 @@ NAMED = {
 
 @pytest.mark.parametrize("kind", NAMED)
 def test_motor_values_with_names_go_by_them(kind, rng):
-    mechanism = pj.load("three_rps")
+    mechanism = loaded("three_rps")
     values = mechanism.home.actuated + 0.02 * rng.normal(size=(3, 3))
     columns = {name: values[:, mechanism.actuated.index(name)] for name in ("l3", "l1", "l2")}
     many = pj.batch(mechanism)
@@ -208,7 +209,7 @@ def test_motor_values_with_names_go_by_them(kind, rng):
 
 
 def test_columns_of_unlike_lengths():
-    many = pj.batch(pj.load("three_rps"))
+    many = pj.batch(loaded("three_rps"))
     with pytest.raises(pj.ArgumentError, match=r"got shapes \(2,\), \(1,\), \(2,\)"):
         many.close({"l1": [1.0, 1.0], "l2": [1.0], "l3": [1.0, 1.0]})
     twice = xarray.DataArray(np.ones((2, 3)), {"m": ["l1", "l1", "l2"]}, ("k", "m"))
@@ -218,7 +219,7 @@ def test_columns_of_unlike_lengths():
 
 @pytest.mark.parametrize("name", ["five_bar", "three_rps", "serial_2r"])
 def test_no_poses_at_all(name):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     many, n = pj.batch(mechanism), len(mechanism.actuated)
     poses = many.close(np.zeros((0, n)))
     assert poses.q.shape == (0, mechanism.nq)
@@ -272,7 +273,7 @@ def test_turns_in_few_digits_are_made_of_unit_length():
 
 @pytest.mark.parametrize("elbow", [0.5, 1e-5, 1e-7, 1e-9, 1e-12, 0.0])
 def test_points_that_hardly_span_a_tool_are_judged_alike(elbow):
-    arm = pj.load("serial_2r").with_tool(["base", "forearm", "forearm_end"])
+    arm = loaded("serial_2r").with_tool(["base", "forearm", "forearm_end"])
     found = pj.batch(arm).jacobian([[0.3, elbow]])
     try:
         expected = arm.configuration([0.3, elbow]).jacobian().J_eq
@@ -285,7 +286,7 @@ def test_points_that_hardly_span_a_tool_are_judged_alike(elbow):
 
 def test_near_singular_poses_have_the_digits_of_single_calls():
     """Where rates are refined: four of the forty modes are within 1e-5 of a singularity."""
-    machine = pj.load("stewart_gough_dietmaier")
+    machine = loaded("stewart_gough_dietmaier")
     modes = pj.assembly_modes(machine, machine.home.actuated, rng=0, proof=False)
     found = pj.batch(machine).jacobian([mode.q for mode in modes])
     near = [k for k, mode in enumerate(modes) if mode.singularity().smallest < 1e-5]

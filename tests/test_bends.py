@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 from numpy.polynomial import Chebyshev
 from test_certificate_rows import CASES, random_q, residuals
 
@@ -131,7 +132,7 @@ def test_rates_as_evaluated_off_closure_differ_by_the_gap_at_most(case, rng):
 
 def test_loops_with_joints_that_are_not_known_are_followed_all_the_same():
     """A four-bar with a composite joint: named by the arms, judged by what is measured alone."""
-    four_bar = pj.load("four_bar")
+    four_bar = loaded("four_bar")
     model = four_bar.model.copy()
     nothing = np.full(1, np.inf)
     joint = pin.JointModelComposite(pin.JointModelRZ())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.algebra.intervals import Intervals
@@ -15,13 +16,13 @@ LENGTHS = np.array([2 / 3, 3 / 5, 3 / 4])
 
 @pytest.fixture(scope="module")
 def problem():
-    mechanism = pj.load("three_rps_ss")
+    mechanism = loaded("three_rps_ss")
     return box_problem(mechanism, given_values(mechanism, LENGTHS), False)
 
 
 @pytest.fixture(scope="module")
 def modes(problem):
-    found = pj.assembly_modes(pj.load("three_rps_ss"), LENGTHS, rng=0, limits=False)
+    found = pj.assembly_modes(loaded("three_rps_ss"), LENGTHS, rng=0, limits=False)
     return np.array([[mode.joint_values[name] for name in problem.names] for mode in found])
 
 

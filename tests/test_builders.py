@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 
@@ -36,7 +37,7 @@ def test_inverse_jacobian_of_a_stewart_platform_are_its_leg_lines(seed, scale):
 
 
 def test_the_catalogues_platform_made_of_its_points():
-    known = pj.load("stewart_gough")
+    known = loaded("stewart_gough")
     model, data = known.model, known.model.createData()
     pin.framesForwardKinematics(model, data, known.home.q)
     world = [data.oMf[model.getFrameId(f"P{k}")].translation for k in range(1, 7)]
@@ -61,7 +62,7 @@ def test_legs_that_hang_down_are_regular():
 
 
 def test_the_catalogues_delta_made_of_its_lengths():
-    known = pj.load("delta_rods")
+    known = loaded("delta_rods")
     lengths = {name: known.parameters[name] for name in ("base", "arm", "rod", "plate")}
     made = pj.delta(**lengths, tool=0.065)
     for values in ([0.3, 0.3, 0.3], [0.1, 0.5, 0.4]):

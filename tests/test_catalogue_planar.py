@@ -9,6 +9,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.viewer.scene import SceneMaker
@@ -44,7 +45,7 @@ def test_slider_crank_is_its_closed_form(theta, sizes):
 
 def test_slider_crank_behind_the_crank():
     """The other assembly mode is the mirror image: x(θ) → −x(π − θ), in line."""
-    behind = pj.load("slider_crank").close([0.9], guess={"theta": 0.9, "beta": 2.5, "x": -0.7})
+    behind = loaded("slider_crank").close([0.9], guess={"theta": 0.9, "beta": 2.5, "x": -0.7})
     x, slope = planar.slider_crank(pi - 0.9, 0.3, 0.9, 0.0)
     assert behind.joint_values["x"] == pytest.approx(-x, abs=EXACT)
     assert in_plane(behind)[0, 0] == pytest.approx(slope, abs=EXACT)
@@ -53,7 +54,7 @@ def test_slider_crank_behind_the_crank():
 @pytest.mark.parametrize("theta", [0.0, pi])
 def test_slider_crank_at_its_dead_centres(theta):
     """The piston stands still; driven by the piston, the same pose has no J_eq."""
-    by_crank = pj.load("slider_crank").close([theta])
+    by_crank = loaded("slider_crank").close([theta])
     assert np.abs(by_crank.jacobian().J_eq).max() <= EXACT
     assert by_crank.singularity().kind == "loss"
     by_piston = pj.Mechanism.from_pinocchio(
@@ -76,7 +77,7 @@ def test_slider_crank_at_its_dead_centres(theta):
 
 @pytest.mark.parametrize("pose", ["home", "right", "elbows_left", "below"])
 def test_five_bar_is_its_closed_form(pose, rng):
-    mechanism = pj.load("five_bar")
+    mechanism = loaded("five_bar")
     side = -1 if pose == "below" else 1  # of the line from the first elbow to the second
     for configuration in mechanisms.random_closed(mechanism, rng, 10, 0.2, start=pose):
         lengths = tuple(mechanism.parameters.values())
@@ -104,7 +105,7 @@ SIZES = ("AG", "AB", "BC", "CD", "GC", "CF", "DE", "EF")
     ("pose", "sides"), [("home", (1, 1)), ("folded", (1, -1)), ("below", (-1, 1))]
 )
 def test_watt_six_bar_is_its_closed_form(pose, sides, crank):
-    mechanism = pj.load("watt_six_bar")
+    mechanism = loaded("watt_six_bar")
     given = mechanism.parameters
     angles = (given["beta"], given["gamma"])
     points = planar.watt_six_bar_points(crank, [given[name] for name in SIZES], angles, sides)
@@ -183,7 +184,7 @@ def test_six_bar_of_pmks(point, frame):
 
 @pytest.mark.parametrize("pose", ["home", "turned", "elbow_right"])
 def test_3rrr_inverts_its_textbook_jacobian(pose, rng):
-    mechanism = pj.load("planar_3rrr")
+    mechanism = loaded("planar_3rrr")
     a, b, l1, l2 = mechanism.parameters.values()
     for configuration in mechanisms.random_closed(mechanism, rng, 10, 0.1, start=pose):
         platform = platform_pose(configuration)
@@ -195,7 +196,7 @@ def test_3rrr_inverts_its_textbook_jacobian(pose, rng):
 
 @pytest.mark.parametrize("pose", ["home", "mirrored", "shifted"])
 def test_3rpr_inverts_its_textbook_jacobian(pose, rng):
-    mechanism = pj.load("planar_3rpr")
+    mechanism = loaded("planar_3rpr")
     for configuration in mechanisms.random_closed(mechanism, rng, 10, 0.03, start=pose):
         platform = platform_pose(configuration)
         inverse, lengths = planar.inverse_3rpr(platform, **mechanism.parameters)
@@ -206,7 +207,7 @@ def test_3rpr_inverts_its_textbook_jacobian(pose, rng):
 
 def test_3rpr_modes_meet_where_the_legs_meet():
     """At equal legs l the angle is ±φ with l² = a² + b² − 2ab cos φ: both vanish at l = b − a."""
-    mechanism = pj.load("planar_3rpr")
+    mechanism = loaded("planar_3rpr")
     a, b = mechanism.parameters.values()
     home, mirrored = mechanism.pose("home"), mechanism.pose("mirrored")
     np.testing.assert_allclose(home.actuated, mirrored.actuated, atol=1e-9)
@@ -311,7 +312,7 @@ PLANAR = ("slider_crank", "five_bar", "watt_six_bar", "planar_3rrr", "planar_3rp
 @pytest.mark.parametrize("name", PLANAR)
 def test_bars_end_at_joints_whatever_the_parameters(name, growth):
     """Every eye of a link is on the axis of a joint or at an anchor of a loop."""
-    given = {key: item.default + growth for key, item in pj.load(name).spec.parameters.items()}
+    given = {key: item.default + growth for key, item in loaded(name).spec.parameters.items()}
     home = pj.load(name, given).home
     model = home.mechanism.model
     data = model.createData()

@@ -9,6 +9,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.cli import main
@@ -36,7 +37,7 @@ def pose_of(configuration):
 )
 def test_mobility_by_rank_beside_gruebler(name, mobility, by_count, redundant):
     """Freedoms of the cut tree less all rows are Grübler's count; redundant rows make up for it."""
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     assert mechanism.mobility == mobility
     assert mechanism.nv - len(mechanism.rows) == by_count
     jacobian = mechanism.home.jacobian()
@@ -71,7 +72,7 @@ def test_delta_is_its_closed_form_with_hinges_and_with_rods(sizes, rng):
 
 
 def test_delta_parallelograms_stay_parallelograms(rng):
-    for configuration in mechanisms.random_closed(pj.load("delta"), rng, 5, 0.5):
+    for configuration in mechanisms.random_closed(loaded("delta"), rng, 5, 0.5):
         values = configuration.joint_values
         for leg in (1, 2, 3):
             assert values[f"sway{leg}a"] == pytest.approx(values[f"sway{leg}b"], abs=EXACT)
@@ -108,14 +109,14 @@ def assert_textbook(configuration, parameters):
 
 
 def test_stewart_times_its_textbook_inverse_is_one(rng):
-    mechanism = pj.load("stewart_gough")
+    mechanism = loaded("stewart_gough")
     assert len(mechanism.parameters) == 24
     for configuration in mechanisms.random_closed(mechanism, rng, 8, 0.05):
         assert_textbook(configuration, mechanism.parameters)
 
 
 def test_stewart_of_any_geometry(rng):
-    regular = pj.load("stewart_gough").parameters
+    regular = loaded("stewart_gough").parameters
     for _ in range(3):
         shifted = {name: value + rng.uniform(-0.05, 0.05) for name, value in regular.items()}
         mechanism = pj.load("stewart_gough", shifted)
@@ -124,7 +125,7 @@ def test_stewart_of_any_geometry(rng):
 
 
 def test_dietmaiers_platform_closes_at_its_published_lengths(rng):
-    mechanism = pj.load("stewart_gough_dietmaier")
+    mechanism = loaded("stewart_gough_dietmaier")
     assert mechanism.home.actuated.tolist() == list(spatial.DIETMAIER_LENGTHS)
     assert mechanism.home.residual_norm < 1e-12
     for configuration in (mechanism.home, *mechanisms.random_closed(mechanism, rng, 4, 0.03)):
@@ -132,7 +133,7 @@ def test_dietmaiers_platform_closes_at_its_published_lengths(rng):
 
 
 def test_dietmaiers_platform_is_the_general_one_with_his_coordinates():
-    mechanism = pj.load("stewart_gough_dietmaier")
+    mechanism = loaded("stewart_gough_dietmaier")
     general = pj.load("stewart_gough", DIETMAIER)
     twin = general.configuration(mechanism.home.q)
     np.testing.assert_allclose(twin.jacobian().J_eq, mechanism.home.jacobian().J_eq, atol=EXACT)
@@ -142,7 +143,7 @@ def test_dietmaiers_platform_is_the_general_one_with_his_coordinates():
 
 
 def test_agile_eye_is_its_closed_form(rng):
-    mechanism = pj.load("agile_eye")
+    mechanism = loaded("agile_eye")
     for configuration in mechanisms.random_closed(mechanism, rng, 8, 0.5):
         t, R = pose_of(configuration)
         np.testing.assert_allclose(t, 0.05 * R[:, 2], atol=EXACT)  # all turns about the origin
@@ -160,14 +161,14 @@ def test_agile_eyes_tool_is_as_far_in_front_of_its_centre_as_the_parameter_says(
         t, R = pose_of(configuration)
         np.testing.assert_allclose(t, front * R[:, 2], atol=1e-12)
         jacobian = configuration.jacobian()
-        default = pj.load("agile_eye").close(configuration.actuated).jacobian()
+        default = loaded("agile_eye").close(configuration.actuated).jacobian()
         np.testing.assert_allclose(jacobian.Jw_eq, default.Jw_eq, atol=EXACT)
         np.testing.assert_allclose(jacobian.Jv_eq, default.Jv_eq * front / 0.05, atol=EXACT)
         assert jacobian.velocity_ellipsoid().rank == (2 if front else 0)
 
 
 def test_agile_eye_turns_alike_in_all_directions_at_home():
-    Jw = pj.load("agile_eye").home.jacobian().Jw_eq
+    Jw = loaded("agile_eye").home.jacobian().Jw_eq
     np.testing.assert_allclose(Jw @ Jw.T, np.eye(3), atol=EXACT)
 
 
@@ -189,7 +190,7 @@ def test_bennett_half_angles_have_a_constant_product(theta, size):
 
 def test_bennett_turns_fully():
     """Through the pose where all four bars lie in one line, and back to where it came from."""
-    mechanism = pj.load("bennett")
+    mechanism = loaded("bennett")
     start = mechanism.home.joint_values
     around = mechanism.close([start["theta1"] - 2 * pi], enforce_limits=False)
     np.testing.assert_allclose(
@@ -222,7 +223,7 @@ def test_bricard_is_threefold_symmetric(theta, edge):
 def test_bricard_stops_at_thirty_degrees():
     """At sin θ₁ = −1/2 the others are at 90 degrees, where θ₁ turns back."""
     with pytest.raises(pj.ClosureError, match="meets a singularity") as caught:
-        pj.load("bricard").close([-0.6])
+        loaded("bricard").close([-0.6])
     assert caught.value.reached.actuated[0] == pytest.approx(-pi / 6, abs=1e-6)
 
 
@@ -263,7 +264,7 @@ def test_ankle_is_its_rod_rows(sizes, rng):
 @pytest.mark.parametrize("angle", [-0.4, 0.3, 0.7])
 def test_ankle_with_equal_cranks_and_heel_pitches_as_its_motors(angle):
     """Crank, rod, foot and shank are then two parallelograms side by side."""
-    configuration = pj.load("ankle").close([angle, angle])
+    configuration = loaded("ankle").close([angle, angle])
     np.testing.assert_allclose(
         configuration.tool_pose.rotation, pin.rpy.rpyToMatrix(0.0, angle, 0.0), atol=EXACT
     )

@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import transformed
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.algebra.balls import precise
@@ -70,7 +71,7 @@ def certified(name, seed, count):
 
 @pytest.mark.parametrize("name", [*mechanisms.CATALOGUE, *OTHERS])
 def test_every_named_pose_is_certified(name):
-    mechanism = OTHERS[name]() if name in OTHERS else pj.load(name)
+    mechanism = OTHERS[name]() if name in OTHERS else loaded(name)
     for pose in mechanism.poses:
         certificate = pj.certify(mechanism.pose(pose))
         assert certificate, certificate.failed
@@ -93,7 +94,7 @@ def test_the_exact_root_is_within_the_existence_radius(name):
 
 
 def test_a_pose_moved_off_its_root_gets_a_larger_radius_that_reaches_it(rng):
-    mechanism = pj.load("three_rps_ss")
+    mechanism = loaded("three_rps_ss")
     pose = mechanism.pose("lecture_a")
     before, root = pj.certify(pose), exact_angles(pose, pose.passive)
     for size in (1.5, 0.3, 2.0):
@@ -124,7 +125,7 @@ def test_no_two_assembly_modes_lie_in_one_uniqueness_ball(lengths):
         ],
         (0.5, 1.0, 2.0): [(0.4000, 0.7535, 0.2402), (1.0907, 0.5736, 0.2572)],
     }[lengths]
-    mechanism = pj.load("three_rps_ss")
+    mechanism = loaded("three_rps_ss")
     roots, radii = [], []
     for mode in (tuple(sign * angle for angle in mode) for mode in modes for sign in (1, -1)):
         lines = lecture_equations([mpmath.mpf(length) for length in lengths])
@@ -219,7 +220,7 @@ def test_threads_agree_and_leave_the_precision_alone():
 
 @pytest.mark.parametrize("joint", ["phi1", "theta1", "phi2"])
 def test_every_cut_is_certified(joint):
-    assert pj.certify(pj.recut(pj.load("four_bar"), joint).home)
+    assert pj.certify(pj.recut(loaded("four_bar"), joint).home)
 
 
 def test_joints_of_other_kinds_are_refused():
@@ -240,7 +241,7 @@ def test_held_and_left_out_are_named():
     assert len(spin.held) == 1
     assert set(spin.held) <= {"rx", "ry", "rz"}
     assert f"with {spin.held[0]} held" in spin.evidence.statement
-    planar = pj.certify(pj.load("four_bar").home)
+    planar = pj.certify(loaded("four_bar").home)
     assert planar.left_out == ("coupler_tip-rocker_tip z",)
     assert "1 dependent row" in planar.evidence.statement
 
@@ -298,7 +299,7 @@ def certified_at(mechanism, q):
 
 @pytest.mark.parametrize("name", ["four_bar", "three_rps", "delta_rods"])
 def test_a_machine_far_from_the_origin_is_certified_with_what_its_numbers_allow(name):
-    near = pj.load(name)
+    near = loaded(name)
     far = transformed.moved(near, pin.SE3(np.eye(3), np.array([1e5, -3e4, 7.0])))
     one, other = (pj.certify(mechanism.home) for mechanism in (near, far))
     assert one.existence_radius < other.existence_radius < 1e-8
@@ -308,7 +309,7 @@ def test_a_machine_far_from_the_origin_is_certified_with_what_its_numbers_allow(
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["four_bar", "five_bar", "slider_crank", "three_rps_ss"])
 def test_no_other_mode_is_within_the_uniqueness_radius(name, rng):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     length = mechanism.problem.partition.length
     turns = np.array([kind != "JointModelPX" for kind in kinds_of(mechanism, mechanism.passive)])
     for _ in range(3):
@@ -333,7 +334,7 @@ def test_what_is_proven_does_not_depend_on_the_precision_of_the_process():
     for precision in (53, 30, 200):
         flint.ctx.prec = precision
         try:
-            found.append(pj.certify(pj.load("three_rps_ss").home).existence_radius)
+            found.append(pj.certify(loaded("three_rps_ss").home).existence_radius)
         finally:
             flint.ctx.prec = 53
     assert found == [found[0]] * 3

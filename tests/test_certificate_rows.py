@@ -6,6 +6,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 from scipy.spatial.transform import Rotation
 from test_linkage import BALL
 from test_loops import LOOPS
@@ -71,14 +72,14 @@ def kinds(first, second):
 
 
 CASES = {
-    "four_bar": lambda: from_mechanism(pj.load("four_bar")),
-    "watt_six_bar": lambda: from_mechanism(pj.load("watt_six_bar")),
-    "three_rps": lambda: from_mechanism(pj.load("three_rps")),
-    "three_rps_ss": lambda: from_mechanism(pj.load("three_rps_ss")),
+    "four_bar": lambda: from_mechanism(loaded("four_bar")),
+    "watt_six_bar": lambda: from_mechanism(loaded("watt_six_bar")),
+    "three_rps": lambda: from_mechanism(loaded("three_rps")),
+    "three_rps_ss": lambda: from_mechanism(loaded("three_rps_ss")),
     "rssr": lambda: from_mechanism(mechanisms.rssr()),
     "rssr as a distance": lambda: from_mechanism(mechanisms.rssr(rod=False)),
     "yawing four-bar": lambda: from_mechanism(mechanisms.yawing_four_bar()),
-    "all loops of three_rps": lambda: (pj.load("three_rps").model, LOOPS[:-1], {"a": 0.5}),
+    "all loops of three_rps": lambda: (loaded("three_rps").model, LOOPS[:-1], {"a": 0.5}),
     "slides": lambda: (pin.buildModelFromXML(slider_above()), kinds("tip1", "tip2"), {}),
     "all joints": lambda: (all_kinds(), kinds("plate", "ground"), {}),
     "fast screw": lambda: (fast_screw(), kinds("nut", "ground"), {}),

@@ -7,6 +7,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 
@@ -31,7 +32,7 @@ def follow_by_hand(start, theta, target, steps=1000):
 @pytest.mark.slow
 @pytest.mark.parametrize("start", ["home", "lecture_a", "lecture_b"])
 def test_it_never_jumps_to_another_mode(start, rng):
-    mechanism = pj.load("three_rps_ss")
+    mechanism = loaded("three_rps_ss")
     pose = mechanism.pose(start)
     outcomes = {"closed": 0, "stopped": 0}
     for _ in range(25):
@@ -65,7 +66,7 @@ def in_short_steps(start, target, steps=250):
 @pytest.mark.parametrize("name", ["rocker_rocker", "five_bar", "planar_3rrr", "three_rps"])
 def test_long_steps_end_where_short_ones_do(name, rng):
     """Beside singularities, too, and beyond the limits: at the target or at the same fold."""
-    mechanism = mechanisms.rocker_rocker() if name == "rocker_rocker" else pj.load(name)
+    mechanism = mechanisms.rocker_rocker() if name == "rocker_rocker" else loaded(name)
     start, outcomes = mechanism.home, {"closed": 0, "stopped": 0}
     for _ in range(25):
         target = start.actuated + rng.uniform(-1.5, 1.5, len(mechanism.actuated))
@@ -88,14 +89,14 @@ def test_long_steps_end_where_short_ones_do(name, rng):
 @pytest.mark.slow
 def test_a_path_along_a_singularity_takes_long_steps():
     """The plate stays near the base's plane, σ at 4e-4; what changes is not what is weak."""
-    mechanism = pj.load("delta")
+    mechanism = loaded("delta")
     target = mechanism.home.actuated + np.array([2.07, 4.93, 1.98])
     assert mechanism.close(target, enforce_limits=False).iterations < 6000
 
 
 def test_the_lectures_poses_are_not_joined_by_a_straight_path():
     """The path from A's printed mode ends at a fold just before B; large Newton steps jump it."""
-    mechanism = pj.load("three_rps_ss")
+    mechanism = loaded("three_rps_ss")
     with pytest.raises(pj.ClosureError, match="on another assembly mode") as caught:
         mechanism.close(hand.POSE_B_L, guess="lecture_a")
     assert caught.value.share == pytest.approx(0.9893, abs=1e-4)
@@ -106,13 +107,13 @@ def test_the_lectures_poses_are_not_joined_by_a_straight_path():
 
 
 def test_the_symmetric_mode_of_pose_a():
-    configuration = pj.load("three_rps").close(hand.POSE_A_L)
+    configuration = loaded("three_rps").close(hand.POSE_A_L)
     np.testing.assert_allclose(configuration.passive[:3], hand.POSE_A_MODES[1], atol=1e-8)
 
 
 def test_steps_are_those_of_a_path_not_of_a_search():
     """There and back again, by many small closures or by one, gives the same pose."""
-    mechanism = pj.load("three_rps")
+    mechanism = loaded("three_rps")
     target = np.array([0.9, 1.1, 1.2])
     at_once = mechanism.close(target)
     in_steps = mechanism.home
@@ -124,7 +125,7 @@ def test_steps_are_those_of_a_path_not_of_a_search():
 
 
 def test_it_says_iterations_and_residual():
-    configuration = pj.load("three_rps").close([1.0, 1.03, 1.0])
+    configuration = loaded("three_rps").close([1.0, 1.03, 1.0])
     assert 1 <= configuration.iterations <= 6
     assert configuration.residual_norm < 1e-12
     assert configuration.residual_norm == pytest.approx(
@@ -138,7 +139,7 @@ def test_it_says_iterations_and_residual():
     ["home", {"theta1": 0.9, "phi1": 2.0, "phi2": 0.1}, {"phi1": 2.0, "phi2": 0.1}, {}],
 )
 def test_guesses(guess):
-    configuration = pj.load("four_bar").close([1.0], guess=guess)
+    configuration = loaded("four_bar").close([1.0], guess=guess)
     np.testing.assert_allclose(
         configuration.passive, hand.four_bar_closure(1.0, mechanisms.CRANK_ROCKER, 1), atol=1e-12
     )
@@ -147,7 +148,7 @@ def test_guesses(guess):
 def test_the_other_mode_by_its_guess():
     phi = hand.four_bar_closure(1.0, mechanisms.CRANK_ROCKER, -1)
     guess = {"phi1": phi[0] + 0.1, "phi2": phi[1] - 0.1}
-    configuration = pj.load("four_bar").close([1.0], guess=guess)
+    configuration = loaded("four_bar").close([1.0], guess=guess)
     np.testing.assert_allclose(configuration.passive, phi, atol=1e-12)
 
 
@@ -186,12 +187,12 @@ def test_an_endless_joint_goes_the_shorter_way():
 )
 def test_bad_motor_values(actuated, message):
     with pytest.raises(pj.ArgumentError) as caught:
-        pj.load("three_rps").close(actuated)
+        loaded("three_rps").close(actuated)
     assert str(caught.value) == message
 
 
 def test_limits():
-    mechanism = pj.load("three_rps")
+    mechanism = loaded("three_rps")
     with pytest.raises(pj.LimitError) as caught:
         mechanism.close([1.0, 0.05, 1.0])
     assert str(caught.value) == (
@@ -218,13 +219,13 @@ def test_limits():
 )
 def test_bad_guesses(guess, kind, message):
     with pytest.raises(kind) as caught:
-        pj.load("three_rps").close([1, 1, 1], guess=guess)
+        loaded("three_rps").close([1, 1, 1], guess=guess)
     assert str(caught.value).startswith(message)
 
 
 def test_a_guess_from_another_mechanism():
     with pytest.raises(pj.ArgumentError, match="is a pose of 'four_bar', not of 'three_rps'"):
-        pj.load("three_rps").close([1, 1, 1], guess=pj.load("four_bar").home)
+        loaded("three_rps").close([1, 1, 1], guess=loaded("four_bar").home)
 
 
 def test_out_of_reach():
@@ -237,7 +238,7 @@ def test_out_of_reach():
 
 
 def test_an_open_q_is_refused():
-    mechanism = pj.load("four_bar")
+    mechanism = loaded("four_bar")
     q = mechanism.home.q + 1e-3
     with pytest.raises(pj.ClosureError, match="are open by") as caught:
         mechanism.configuration(q)
@@ -248,7 +249,7 @@ def test_errors_survive_pickling():
     import pickle
 
     with pytest.raises(pj.ClosureError) as caught:
-        pj.load("three_rps_ss").close(hand.POSE_B_L)
+        loaded("three_rps_ss").close(hand.POSE_B_L)
     error = pickle.loads(pickle.dumps(caught.value))
     assert str(error) == str(caught.value)
     assert error.share == caught.value.share
@@ -277,13 +278,13 @@ def test_operation_modes_are_not_changed_in_passing(name):
     start = [1.7726105440804094, 0.8605549706046565, 1.1859230524887547]
     theta = [-0.8173586751759838, -1.3630438010446992, -0.40704419190327223]
     target = [1.5204306972966755, 2.1370696635997426, 2.616488539783912]
-    mechanism = pj.load("three_rps_ss")
+    mechanism = loaded("three_rps_ss")
     values = dict(zip(mechanism.actuated + mechanism.passive, (*start, *theta), strict=True))
     pose = mechanism.close(start, guess=values)
     if name == "three_rps":
         turn = pin.SE3(pin.AngleAxis(-5 * np.pi / 6, np.array([0.0, 0, 1])).matrix(), np.zeros(3))
         values["platform"] = pin.SE3ToXYZQUAT(pose.tool_pose * turn)
-        mechanism = pj.load("three_rps")
+        mechanism = loaded("three_rps")
         pose = mechanism.close(start, guess=values)
     with pytest.raises(pj.ClosureError, match="meets a singularity") as caught:
         mechanism.close(target, guess=pose)

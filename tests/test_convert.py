@@ -8,6 +8,7 @@ import looped
 import mechanisms
 import numpy as np
 import pytest
+from mechanisms import loaded
 from peer_models import peer_model
 
 import pmjac_pin as pj
@@ -52,7 +53,7 @@ def test_looped_urdf(machine, tmp_path):
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_the_catalogue(name, tmp_path):
     mine = pj.load(pj.convert(name, tmp_path / "mine.toml")[0])
-    theirs = pj.load(name)
+    theirs = loaded(name)
     same(mine, theirs)
     assert mine.spec.parameters == theirs.spec.parameters
     assert mine.poses == theirs.poses

@@ -6,6 +6,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.model.coordinates import JointCoordinates
@@ -34,7 +35,7 @@ def test_names_and_columns(coordinates):
 
 
 def test_what_turns_is_what_pinocchio_turns():
-    model = pj.load("ankle").model
+    model = loaded("ankle").model
     for joint in (pin.JointModelPlanar(), pin.JointModelHZ(0.2), pin.JointModelSphericalZYX()):
         model.addJoint(1, joint, pin.SE3.Random(), joint.shortname())
     motions = pin.computeJointJacobians(model, model.createData(), pin.neutral(model))

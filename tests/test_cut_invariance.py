@@ -6,8 +6,7 @@ import hand_derived as hand
 import mechanisms
 import numpy as np
 import pytest
-
-import pmjac_pin as pj
+from mechanisms import loaded
 
 
 def same_machine(configuration, other):
@@ -29,7 +28,7 @@ def same_machine(configuration, other):
 
 @pytest.mark.slow
 def test_contact_constraints_and_distance_loops_give_the_same_j_eq():
-    other = pj.load("three_rps")
+    other = loaded("three_rps")
     for configuration in mechanisms.random_poses("three_rps_ss", 3, 120):
         twin = same_machine(configuration, other)
         np.testing.assert_allclose(
@@ -47,7 +46,7 @@ def test_contact_constraints_and_distance_loops_give_the_same_j_eq():
 @pytest.mark.parametrize("branch", [1, -1])
 def test_four_bar_cut_at_each_joint(theta1, branch):
     phi = hand.four_bar_closure(theta1, mechanisms.CRANK_ROCKER, branch)
-    reference = pj.load("four_bar").close(
+    reference = loaded("four_bar").close(
         [theta1], guess={"theta1": theta1, "phi1": phi[0], "phi2": phi[1]}
     )
     for joint in "ABCD":

@@ -6,12 +6,13 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 
 
 def test_the_planar_loops_third_row_is_left_out():
-    jacobian = pj.load("four_bar").home.jacobian()
+    jacobian = loaded("four_bar").home.jacobian()
     assert jacobian.constraint_jacobian.shape == (3, 3)
     assert jacobian.rows.tolist() == [0, 1]
     assert jacobian.K.shape == (2, 1)
@@ -97,7 +98,7 @@ def test_forbidden_motor_rates_are_named():
         configuration.jacobian()
     forbidden = caught.value.forbidden_rates[:, 0]
     # The rates that the four-bar allows are orthogonal to what is forbidden.
-    ratio = pj.load("four_bar").home.jacobian().passive_rates[0, 0]
+    ratio = loaded("four_bar").home.jacobian().passive_rates[0, 0]
     assert forbidden @ [1.0, ratio] == pytest.approx(0.0, abs=1e-12)
     np.testing.assert_allclose(configuration.singularity().forbidden_rates[:, 0], forbidden)
     assert configuration.singularity().kind == "regular"

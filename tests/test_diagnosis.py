@@ -10,7 +10,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
-from mechanisms import Z
+from mechanisms import Z, loaded
 
 import pmjac_pin as pj
 
@@ -40,7 +40,7 @@ SOUND = [*pj.list_mechanisms(), "rssr", "three_crank_parallelogram", "yawing_fou
 @pytest.fixture(scope="module", params=SOUND)
 def sound(request):
     name = request.param
-    return pj.load(name) if name in pj.list_mechanisms() else getattr(mechanisms, name)()
+    return loaded(name) if name in pj.list_mechanisms() else getattr(mechanisms, name)()
 
 
 def moving(rates):
@@ -96,7 +96,7 @@ def test_dependent_rows_follow_from_what_they_are_said_to(sound):
 
 @pytest.mark.parametrize("joint", [None, "theta1", "phi1", "phi2"])
 def test_the_count_in_groups_does_not_depend_on_the_cut(joint):
-    bar = pj.load("four_bar")
+    bar = loaded("four_bar")
     loop = pj.RevoluteLoop(frames=bar.spec.loops[0].frames)
     arguments = (bar.model, [loop], ["theta1"], "coupler_midpoint")
     mechanism = pj.Mechanism.from_pinocchio(*arguments, home=bar.home.q)
@@ -125,7 +125,7 @@ def test_a_planar_loop_closed_in_space():
 
 
 def test_nothing_is_wrong_with_the_3_rps():
-    diagnosis = pj.check(pj.load("three_rps"))
+    diagnosis = pj.check(loaded("three_rps"))
     assert diagnosis.severity == "note"
     assert codes(diagnosis, "ok") == {
         "assembles", "actuation", "conditioning", "independent-rows", "mobility",
@@ -235,7 +235,7 @@ def test_idle_motions_of_several_rods_come_apart():
 
 def test_over_actuation_is_put_into_words():
     mechanism = mechanisms.over_actuated_four_bar()
-    home = pj.load("four_bar").close([2.0]).q
+    home = loaded("four_bar").close([2.0]).q
     away = mechanisms.with_motors(mechanism, ["theta1", "phi1"], home=home)
     diagnosis = pj.check(away)
     [forbidden], [allowed] = (
@@ -243,7 +243,7 @@ def test_over_actuation_is_put_into_words():
         diagnosis.actuation.allowed_rates,
     )
     assert sum(forbidden[name] * allowed[name] for name in forbidden) == pytest.approx(0, abs=1e-12)
-    ratio = pj.load("four_bar").close([2.0]).jacobian().passive_rates[0, 0]
+    ratio = loaded("four_bar").close([2.0]).jacobian().passive_rates[0, 0]
     assert allowed["phi1"] / allowed["theta1"] == pytest.approx(ratio, rel=1e-9)
     found = finding(diagnosis, "over-actuated")
     assert found.severity == "error"
@@ -266,7 +266,7 @@ def test_a_structure_cannot_move():
 
 
 def test_a_five_bar_with_one_motor_is_under_actuated():
-    five_bar = pj.load("five_bar")
+    five_bar = loaded("five_bar")
     mechanism = mechanisms.with_motors(five_bar, five_bar.actuated[:1])
     diagnosis = pj.check(mechanism)
     assert (diagnosis.mobility.mobility, diagnosis.actuation.idle) == (2, 1)
@@ -324,9 +324,9 @@ def test_a_loose_base_is_one_finding_with_advice_that_is_taken(tmp_path, kind, f
 
 def test_a_home_pose_open_by_a_metre():
     """The file's rocker points elsewhere; the page says by how much and what moved."""
-    model, home = pj.load("four_bar").model, {"theta1": 0.9, "phi1": 1.0, "phi2": 0.0}
+    model, home = loaded("four_bar").model, {"theta1": 0.9, "phi1": 1.0, "phi2": 0.0}
     mechanism = pj.Mechanism.from_pinocchio(
-        model, pj.load("four_bar").spec.loops, ["theta1"], "coupler_midpoint", home=home
+        model, loaded("four_bar").spec.loops, ["theta1"], "coupler_midpoint", home=home
     )
     diagnosis = pj.check(mechanism)
     [loop], [pose] = diagnosis.loops, diagnosis.poses
@@ -379,7 +379,7 @@ def test_a_singular_home_is_not_taken_for_the_general_case():
     """The folded parallelogram: redundant rows and idle motions are those of the poses near it."""
     flat = {"l0": 2.0, "l1": 1.0, "l2": 2.0, "l3": 1.0}
     model = pj.load("four_bar", flat).model
-    loops = pj.load("four_bar").spec.loops
+    loops = loaded("four_bar").spec.loops
     mechanism = pj.Mechanism.from_pinocchio(
         model, loops, ["theta1"], "coupler_midpoint", home=[0.0, 0.0, 0.0]
     )
@@ -474,10 +474,10 @@ def test_a_value_outside_a_passive_joints_limits(model_file):
 
 
 def test_a_motor_without_limits():
-    model = pj.load("four_bar").model
+    model = loaded("four_bar").model
     model.lowerPositionLimit[:], model.upperPositionLimit[:] = -np.inf, np.inf
-    arguments = (pj.load("four_bar").spec.loops, ["theta1"], "coupler_midpoint")
-    mechanism = pj.Mechanism.from_pinocchio(model, *arguments, home=pj.load("four_bar").home.q)
+    arguments = (loaded("four_bar").spec.loops, ["theta1"], "coupler_midpoint")
+    mechanism = pj.Mechanism.from_pinocchio(model, *arguments, home=loaded("four_bar").home.q)
     assert finding(pj.check(mechanism), "no-limits").message == "The motor 'theta1' has no limits."
 
 

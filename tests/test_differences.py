@@ -9,11 +9,12 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from differences import difference_quotient
+from mechanisms import loaded
 
 import pmjac_pin as pj
 
 MECHANISMS = {
-    **{name: (lambda name=name: pj.load(name)) for name in mechanisms.CATALOGUE},
+    **{name: (lambda name=name: loaded(name)) for name in mechanisms.CATALOGUE},
     "rocker_rocker": mechanisms.rocker_rocker,
     "yawing_four_bar": mechanisms.yawing_four_bar,
     "rssr": mechanisms.rssr,
@@ -132,7 +133,7 @@ def test_power_is_the_same_at_the_motors_and_at_the_tool(poses, rng):
 
 def test_linear_rows_come_first():
     """A unit test on row order: the 2R arm turns about z at 1 rad/s for each motor."""
-    J_eq = pj.load("serial_2r").close([0.0, 0.0]).jacobian().J_eq
+    J_eq = loaded("serial_2r").close([0.0, 0.0]).jacobian().J_eq
     np.testing.assert_allclose(
         J_eq, [[0, 0], [1.8, 0.8], [0, 0], [0, 0], [0, 0], [1, 1]], atol=1e-15
     )
@@ -140,7 +141,7 @@ def test_linear_rows_come_first():
 
 @pytest.mark.parametrize("name", ["serial_2r", "ur5"])
 def test_open_chains_are_the_trivial_case(name):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     jacobian = mechanism.home.jacobian()
     assert jacobian.K.shape == (0, len(mechanism.actuated))
     assert jacobian.K_star.shape == (0, 0)

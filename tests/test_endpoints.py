@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.studies.homotopy.endpoints import proven
@@ -12,7 +13,7 @@ from pmjac_pin.studies.homotopy.machines import Machines
 
 def four_bar(theta):
     """The equations, the motor's numbers, and both solutions."""
-    machines = Machines(pj.load("four_bar"))
+    machines = Machines(loaded("four_bar"))
     _, form = machines.at([theta])
     modes = pj.assembly_modes(machines.mechanism, [theta], rng=0)
     x = machines.loops.unknowns(np.array([mode.q for mode in modes]))

@@ -7,6 +7,7 @@ from functools import partial
 from typing import get_args, get_type_hints
 
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.cli import main
@@ -35,7 +36,7 @@ def test_every_answer_that_is_exported_is_tried():
 @pytest.mark.parametrize("name", ["four_bar", "slider_crank"])
 @pytest.mark.parametrize("kind", STUDIES, ids=lambda kind: kind.__name__)
 def test_what_an_answer_rests_on(kind, name):
-    machine = pj.load(name)
+    machine = loaded(name)
     answer = STUDIES[kind](machine, machine.home.actuated)
     evidence = answer.evidence
     assert isinstance(answer, kind)
@@ -64,7 +65,7 @@ def test_the_command_and_its_json_say_it_in_the_same_words(parameters, capsys):
 
 
 def test_an_answer_of_yes_or_no_is_true_where_it_is_proven():
-    machine = pj.load("four_bar")
+    machine = loaded("four_bar")
     folding = pj.load("four_bar", {"l0": 4.0, "l1": 1.0, "l2": 2.0, "l3": 3.0})
     answers = [
         *(pj.prove(machine, [0.9], budget=pj.Budget(boxes=boxes)) for boxes in (1, 1000)),

@@ -9,6 +9,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.viewer.tool_ranks import ToolRanks
@@ -18,7 +19,7 @@ FRAMES = ("LOCAL_WORLD_ALIGNED", "LOCAL", "WORLD")
 
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_ellipsoids_are_as_flat_as_the_ranks_of_the_tools_motion(name, rng):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     poses = [mechanism.home, *mechanisms.random_closed(mechanism, rng, 3, spread=0.1)]
     for pose in poses:
         jacobian, singularity = pose.jacobian(), pose.singularity()
@@ -37,7 +38,7 @@ def test_ellipsoids_are_as_flat_as_the_ranks_of_the_tools_motion(name, rng):
 
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_the_frame_does_not_decide_how_many_ways_the_tool_can_move(name):
-    jacobians = {frame: pj.load(name).home.jacobian(frame) for frame in FRAMES}
+    jacobians = {frame: loaded(name).home.jacobian(frame) for frame in FRAMES}
     assert len({jacobian.tool_ranks.twist for jacobian in jacobians.values()}) == 1
     assert len({jacobian.tool_ranks.angular for jacobian in jacobians.values()}) == 1
     aligned, local, _ = jacobians.values()
@@ -61,7 +62,7 @@ def test_a_tool_at_rest_has_no_velocity_and_bears_every_force(rng):
 
 @pytest.mark.parametrize("name", ["delta", "delta_rods", "sarrus"])
 def test_a_plate_that_never_turns_has_no_angular_velocity(name, rng):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     for pose in mechanisms.random_closed(mechanism, rng, 5, spread=0.1):
         assert pose.jacobian().angular_ellipsoid().radii.tolist() == [0.0] * 3
     ranks = ToolRanks.of(mechanism)
@@ -72,7 +73,7 @@ def test_a_plate_that_never_turns_has_no_angular_velocity(name, rng):
 @pytest.mark.parametrize("distance", [1e-2, 1e-5, 1e-8])
 def test_a_large_motion_hides_no_small_one(distance):
     """Beside a singularity of K* one radius grows beyond bounds; the others stay, and count."""
-    mechanism = pj.load("three_rps_ss")
+    mechanism = loaded("three_rps_ss")
     with pytest.raises(pj.ClosureError) as caught:
         mechanism.close(hand.POSE_B_L, guess="lecture_a")
     end, start = caught.value.reached.actuated, mechanism.pose("lecture_a").actuated
@@ -86,7 +87,7 @@ def test_a_large_motion_hides_no_small_one(distance):
 @pytest.mark.parametrize("angle", [1e-3, 1e-7, 1e-8])
 def test_a_radius_is_shown_as_long_as_it_is_no_rounding(angle):
     """Two links in line but for an angle: J is sin(angle) from losing a rank."""
-    jacobian = pj.load("serial_2r").configuration([0.3, angle]).jacobian()
+    jacobian = loaded("serial_2r").configuration([0.3, angle]).jacobian()
     values = np.linalg.svd(jacobian.Jv_eq, compute_uv=False)
     np.testing.assert_allclose(jacobian.velocity_ellipsoid().radii[:2], values[:2], rtol=1e-6)
     assert 0.0 < values[1] < 2.0 * angle

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.algebra.intervals import Intervals
@@ -20,7 +21,7 @@ POSES = {
 
 
 def at_pose(name, pose):
-    configuration = pj.load(name).pose(pose)
+    configuration = loaded(name).pose(pose)
     mechanism = configuration.mechanism
     motors = given_values(mechanism, configuration.actuated)
     problem = box_problem(mechanism, motors, False)
@@ -60,8 +61,8 @@ def test_rows_are_off_where_the_loops_gape(name, rng):
 
 def test_a_platform_turned_over_is_no_pose_of_the_plane():
     """Its three distances alone would allow the mirror image, which the rows exclude."""
-    with_platform = pj.prove(pj.load("planar_3rpr"), [0.34, 0.3, 0.4], limits=False)
-    modes = pj.assembly_modes(pj.load("planar_3rpr"), [0.34, 0.3, 0.4], rng=0)
+    with_platform = pj.prove(loaded("planar_3rpr"), [0.34, 0.3, 0.4], limits=False)
+    modes = pj.assembly_modes(loaded("planar_3rpr"), [0.34, 0.3, 0.4], rng=0)
     assert with_platform
     assert len(with_platform.enclosures) == len(modes)
 

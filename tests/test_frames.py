@@ -6,6 +6,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.model.frames import find_frame
@@ -37,7 +38,7 @@ def test_a_name_that_a_joint_and_a_link_share_is_the_links():
 
 
 def test_recutting_keeps_what_a_shared_name_means():
-    mechanism = pj.load("four_bar")
+    mechanism = loaded("four_bar")
     model = mechanism.model
     add(model, "theta1", "phi1", pin.SE3.Random(), pin.FrameType.BODY)
     named = pj.Mechanism.from_pinocchio(

@@ -8,6 +8,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 from random_machines import Tree, at
 
 import pmjac_pin as pj
@@ -259,7 +260,7 @@ def test_ranks_that_rest_on_the_nearest_poses_alone_are_told():
 
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_the_joints_of_the_catalogue_are_seen_to_move(name):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     assert mechanism.problem.partition.reach >= FARTHEST
     assert "seen no further" not in repr(mechanism)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 
@@ -36,7 +37,7 @@ def check(mechanism, found, guess):
     ],
 )
 def test_each_cell_is_closed_from_the_one_beside_it(name, over):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     found = pj.batch(mechanism).grid(over)
     assert found.status.shape == tuple(len(axis) for axis in over.values())
     for axis, (motor, values) in enumerate(over.items()):
@@ -50,7 +51,7 @@ def test_each_cell_is_closed_from_the_one_beside_it(name, over):
 
 def test_a_fold_between_cells_stops_it_and_is_walked_around():
     """A five-bar whose arms stretch: no cell beyond is reached but by poses that are closed."""
-    mechanism = pj.load("five_bar")
+    mechanism = loaded("five_bar")
     axis = np.linspace(-3.0, 3.0, 21)
     found = pj.batch(mechanism).grid({"theta1": axis, "theta2": axis}, enforce_limits=False)
     closed = found.status == pj.Status.CLOSED
@@ -76,7 +77,7 @@ def test_a_fold_between_cells_stops_it_and_is_walked_around():
 
 
 def test_limits_are_not_walked_through():
-    mechanism = pj.load("three_rps")
+    mechanism = loaded("three_rps")
     lower, _ = mechanism.coordinates.limits("l1")
     axis = np.linspace(lower - 0.2, lower + 0.3, 6)
     found = pj.batch(mechanism).grid({"l1": axis})
@@ -84,7 +85,7 @@ def test_limits_are_not_walked_through():
 
 
 def test_where_no_cell_is_reached():
-    mechanism = pj.load("three_rps")
+    mechanism = loaded("three_rps")
     found = pj.batch(mechanism).grid({"l1": np.linspace(5.0, 9.0, 70)}, enforce_limits=False)
     assert (found.status == pj.Status.STOPPED).all()
     assert (found.source == -1).all()
@@ -106,4 +107,4 @@ def test_where_no_cell_is_reached():
 )
 def test_what_is_refused(over, guess, message):
     with pytest.raises(pj.PmjacError, match=message):
-        pj.batch(pj.load("three_rps")).grid(over, guess)
+        pj.batch(loaded("three_rps")).grid(over, guess)

@@ -7,6 +7,7 @@ from importlib import util
 import hand_spatial
 import numpy as np
 import pytest
+from mechanisms import loaded
 from test_modes import same_sets
 
 import pmjac_pin as pj
@@ -55,7 +56,7 @@ def places(study):
 @pytest.mark.parametrize(("name", "motors"), SMALL)
 def test_real_solutions_are_the_assembly_modes(oracle, name, motors):
     found = oracle(SYSTEMS[name](motors))
-    modes = [by_hand(name, mode) for mode in pj.assembly_modes(pj.load(name), motors, rng=0)]
+    modes = [by_hand(name, mode) for mode in pj.assembly_modes(loaded(name), motors, rng=0)]
     if not found.lost:
         same_sets(found.real, modes, 1e-8)
     for point in found.real:
@@ -74,7 +75,7 @@ def test_counts_of_complex_solutions_agree(name, motors):
     installed = [oracle for module, oracle in ORACLES.items() if util.find_spec(module)]
     if not installed:
         pytest.skip("no peer is installed")
-    ours = pj.parameter_homotopy(pj.load(name), rng=0).at(motors)
+    ours = pj.parameter_homotopy(loaded(name), rng=0).at(motors)
     for oracle in installed:
         found = oracle(SYSTEMS[name](motors))
         assert (len(found.points), len(found.real), found.lost) == (ours.count, len(ours.real), 0)
@@ -84,7 +85,7 @@ def test_dietmaiers_forty_are_all_there_are(oracle):
     """The 40 that the search finds are the 40 of all complex solutions."""
     lengths = hand_spatial.DIETMAIER_LENGTHS
     found = oracle(SYSTEMS["stewart_gough_dietmaier"](lengths))
-    modes = pj.assembly_modes(pj.load("stewart_gough_dietmaier"), lengths, rng=0, limits=False)
+    modes = pj.assembly_modes(loaded("stewart_gough_dietmaier"), lengths, rng=0, limits=False)
     expected = np.array([mode.joint_values["platform"][:3] for mode in modes])
     assert len(found.points) <= 40 <= len(found.points) + found.lost
     if not found.lost:
@@ -96,7 +97,7 @@ def test_dietmaiers_forty_are_all_there_are(oracle):
 def test_a_gough_platform_with_flat_base_and_platform():
     """Twenty-eight; further eight of the polynomials have |e|² = 0 and are no poses."""
     pytest.importorskip("bertini", reason="a peer, of the extra `peers`")
-    mechanism = pj.load("stewart_gough")
+    mechanism = loaded("stewart_gough")
     values = mechanism.parameters
     names = [f"{letter}{leg}" for letter in "bp" for leg in range(1, 7)]
     points = [tuple(values.get(f"{name}{axis}", 0.0) for axis in "xyz") for name in names]

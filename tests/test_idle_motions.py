@@ -9,6 +9,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 from test_tables import drawn
 
 import pmjac_pin as pj
@@ -233,7 +234,7 @@ def test_a_planar_four_bar_whose_coupler_spins(lengths):
 @pytest.mark.parametrize("seed", [0, 1])
 def test_a_delta_whose_six_rods_spin(seed):
     """Wherever close meets a singularity, the plate moves as it does without spinning rods."""
-    plain = pj.load("delta_rods")
+    plain = loaded("delta_rods")
     rods = with_rods(plain, plain.urdf.text)
     assert rods.home.singularity().idle == 6
     rng, met = np.random.default_rng(seed), 0
@@ -277,14 +278,14 @@ def test_regular_poses_nearby_tell_the_same(seed):
 
 
 def test_regular_poses_gain_nothing_and_keep_their_idle_motions():
-    plain = pj.load("delta_rods")
+    plain = loaded("delta_rods")
     home = with_rods(plain, plain.urdf.text).home
     singularity = home.singularity()
     assert singularity.free_motions.shape == (24, 0)
     assert singularity.free_motion() == {}
     by_hand = dimensionless(home, spins(home, 6))
     assert distance_between(dimensionless(home, singularity.idle_motions), by_hand) < 1e-12
-    assert pj.load("four_bar").home.singularity().idle_motions.shape == (2, 0)
+    assert loaded("four_bar").home.singularity().idle_motions.shape == (2, 0)
 
 
 def test_a_report_tells_them_apart():

@@ -6,6 +6,7 @@ import idling_machines
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 from test_same_machine import QUICKLY, THETA, rusr
 
 import pmjac_pin as pj
@@ -74,7 +75,7 @@ def test_a_mode_is_known_however_far_it_has_idled(case, placed):
 @pytest.mark.parametrize("axis", [(0, 0, 1), (0, 1, 0), (0.48, 0.6, 0.64)])
 @pytest.mark.parametrize("name", ["four_bar", pytest.param("watt_six_bar", marks=pytest.mark.slow)])
 def test_an_idle_turntable_changes_no_count(name, axis):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     theta = mechanism.home.actuated
     expected = pj.assembly_modes(mechanism, theta, rng=0)
     turning = idling_machines.on_a_turntable(mechanism, axis)

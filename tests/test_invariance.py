@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import transformed
+from mechanisms import loaded
 from random_machines import random_machine
 
 import pmjac_pin as pj
@@ -23,7 +24,7 @@ TURN = pin.SE3(pin.exp3(np.array([0.4, -1.1, 0.7])), np.zeros(3))
 def machine(name):
     if name.startswith("random "):
         return random_machine(int(name.split()[1]))
-    return pj.load(name)
+    return loaded(name)
 
 
 def far(distance):

@@ -6,6 +6,7 @@ import hand_derived as hand
 import mechanisms
 import numpy as np
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 
@@ -15,7 +16,7 @@ EXACT = 1e-10
 
 @pytest.fixture(scope="module")
 def three_rps_ss():
-    return pj.load("three_rps_ss")
+    return loaded("three_rps_ss")
 
 
 def test_pose_a_agrees_with_the_print(three_rps_ss):
@@ -42,7 +43,7 @@ def test_all_modes_of_pose_a_are_reached_from_their_angles(three_rps_ss, mode):
 
 @pytest.mark.parametrize("name", ["three_rps", "three_rps_ss"])
 def test_pose_b_by_direct_kinematics(name):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     configuration = mechanism.close(hand.POSE_B_L, guess="lecture_b")
     np.testing.assert_allclose(configuration.passive[:3], hand.POSE_B_THETA, atol=PRINT)
     ellipsoid = configuration.jacobian().velocity_ellipsoid()
@@ -98,7 +99,7 @@ def test_four_bar_against_the_closed_formulas_at_200_poses(lengths):
 
 
 def test_four_bar_direct_kinematics_is_the_circle_intersection():
-    mechanism = pj.load("four_bar")
+    mechanism = loaded("four_bar")
     configuration = mechanism.home
     branch = np.sign(configuration.jacobian().det_K_star)
     for theta1 in np.linspace(0.9, 2 * np.pi, 25):

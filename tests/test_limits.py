@@ -12,6 +12,7 @@ import looped
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.files import model_file
@@ -134,7 +135,7 @@ def test_many_entries(tmp_path, what, entry, most):
 
 
 def test_many_loops_from_pinocchio():
-    mechanism = pj.load("four_bar")
+    mechanism = loaded("four_bar")
     loops = [pj.PointLoop(frames=("coupler_tip", "rocker_tip"))] * (MAXIMAL_LOOPS + 1)
     message = refusal(
         pj.Mechanism.from_pinocchio, mechanism.model, loops, ["theta1"], "coupler_midpoint"

@@ -10,6 +10,7 @@ import msgspec
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.closing.assembly import build_parts
@@ -21,12 +22,12 @@ from pmjac_pin.words.plain import to_json
 from pmjac_pin.words.tables import report_blocks
 from pmjac_pin.words.terminal import draw, new_console
 
-NAMES = [name for name in pj.list_mechanisms() if pj.load(name).passive]
+NAMES = [name for name in pj.list_mechanisms() if loaded(name).passive]
 
 
 def limited(name, joint, lower, upper, home=None):
     """Return a machine of the catalogue with other limits of one joint."""
-    machine = pj.load(name)
+    machine = loaded(name)
     model, spec = machine.model, machine.spec
     entry = model.joints[model.getJointId(joint)].idx_q
     model.lowerPositionLimit[entry], model.upperPositionLimit[entry] = lower, upper
@@ -51,7 +52,7 @@ def test_a_configuration_knows(bar):
 @pytest.mark.parametrize("name", NAMES)
 def test_close_refuses_on_wish(name):
     """Of whatever machine: the first passive joint that moves is held to where home has it."""
-    plain = pj.load(name)
+    plain = loaded(name)
     motors = plain.home.actuated + 0.02
     try:
         closed = plain.close(motors)
@@ -152,7 +153,7 @@ def test_nothing_is_said_to_be_the_only_way():
 def test_catalogue_machines_keep_their_limits():
     rng = np.random.default_rng(0)
     for name in NAMES:
-        machine = pj.load(name)
+        machine = loaded(name)
         for _ in range(3):
             try:
                 theta = machine.home.actuated + rng.uniform(-0.3, 0.3, len(machine.actuated))

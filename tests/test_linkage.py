@@ -6,6 +6,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.model.linkage import build, edges_of, with_spherical
@@ -21,7 +22,7 @@ BALL = mechanisms.tree(
 
 @pytest.mark.parametrize("name", [*mechanisms.CATALOGUE, "all kinds"])
 def test_rebuilding_changes_no_pose_and_no_twist(name, rng):
-    model = pin.buildModelFromXML(BALL) if name == "all kinds" else pj.load(name).model
+    model = pin.buildModelFromXML(BALL) if name == "all kinds" else loaded(name).model
     twin = build(model, edges_of(model).values(), {})
     assert list(twin.names) == list(model.names)
     np.testing.assert_array_equal(twin.lowerPositionLimit, model.lowerPositionLimit)

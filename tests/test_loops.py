@@ -8,6 +8,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.closing.scales import column_scale, row_scale
@@ -39,7 +40,7 @@ LOOPS = [
 
 @pytest.fixture(scope="module")
 def model():
-    return pj.load("three_rps").model
+    return loaded("three_rps").model
 
 
 @pytest.fixture(scope="module")

@@ -6,10 +6,10 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 from test_linkage import BALL
 from test_loops import LOOPS
 
-import pmjac_pin as pj
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.many import ManyLoops, ManyPoses
 
@@ -23,7 +23,7 @@ def random_rows(model, rng, count=7):
 
 @pytest.mark.parametrize("name", [*mechanisms.CATALOGUE, "all kinds"])
 def test_poses_and_motions_are_pinocchios(name, rng):
-    model = pin.buildModelFromXML(BALL) if name == "all kinds" else pj.load(name).model
+    model = pin.buildModelFromXML(BALL) if name == "all kinds" else loaded(name).model
     tree, data = ManyPoses(model), model.createData()
     q = random_rows(model, rng)
     poses = tree.poses(q)
@@ -40,7 +40,7 @@ def test_poses_and_motions_are_pinocchios(name, rng):
 
 @pytest.mark.parametrize("name", ["three_rps", "ur5", "all kinds"])
 def test_moved_is_pinocchios_integrate(name, rng):
-    model = pin.buildModelFromXML(BALL) if name == "all kinds" else pj.load(name).model
+    model = pin.buildModelFromXML(BALL) if name == "all kinds" else loaded(name).model
     q, v = random_rows(model, rng), rng.normal(size=(7, model.nv))
     # A turning slide in SE(2) or SE(3) is Pinocchio's way; ours slides straight, then turns.
     small = 1e-4 * v
@@ -52,7 +52,7 @@ def test_moved_is_pinocchios_integrate(name, rng):
 @pytest.mark.parametrize("gear_first", [False, True])
 def test_rows_are_pinocchios_in_the_order_of_the_loops(gear_first, rng):
     """Exact off closure, seen from the base that carries all of them here, the world."""
-    model = pj.load("three_rps").model
+    model = loaded("three_rps").model
     loops = LOOPS[-1:] + LOOPS[:-1] if gear_first else LOOPS
     values = {"a": 0.5}
     system, tree = LoopSystem(model, loops, values), ManyPoses(model)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from mechanisms import loaded
 from test_batch import single, targets
 
 import pmjac_pin as pj
@@ -25,7 +26,7 @@ SAME = 1e-8  # of the way: steps on both sides become shorter than can be resolv
 )
 def test_where_paths_end(name, count, rng):
     """Nothing that the program settles is walked again, so all of it must be right."""
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     assert mechanism.problem.partition.full
     values = targets(mechanism, count, 0.6, rng)
     start = np.tile(mechanism.home.q, (count, 1))
@@ -42,7 +43,7 @@ def test_where_paths_end(name, count, rng):
 
 
 def test_what_is_not_settled_in_few_steps_is_said_to_be_so(rng):
-    mechanism = pj.load("five_bar")
+    mechanism = loaded("five_bar")
     many, values = pj.batch(mechanism), targets(mechanism, 200, 0.6, rng)
     start = np.tile(mechanism.home.q, (200, 1))
     q, share, settled = many._closing.together(start, values)

@@ -12,6 +12,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 from recording import recorded, unrecorded
 
 import pmjac_pin as pj
@@ -20,7 +21,7 @@ from pmjac_pin.closing import assembly
 
 @pytest.fixture(scope="module")
 def three_rps():
-    return unrecorded(pj.load("three_rps"))
+    return unrecorded(loaded("three_rps"))
 
 
 TARGETS = np.random.default_rng(11).uniform(0.85, 1.15, (200, 3))
@@ -43,7 +44,7 @@ def same(results, expected):
 
 @pytest.mark.parametrize("programs", [recorded, unrecorded])
 def test_eight_threads_give_the_numbers_of_one(programs):
-    three_rps = programs(pj.load("three_rps"))
+    three_rps = programs(loaded("three_rps"))
     three_rps.configuration(three_rps.home.q)
     expected = solve_many(three_rps, TARGETS)
     with concurrent.futures.ThreadPoolExecutor(8) as pool:
@@ -62,7 +63,7 @@ def test_worker_processes_give_the_same_numbers(three_rps):
 
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_pickling(name):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     again = pickle.loads(pickle.dumps(mechanism))
     assert again == mechanism
     assert hash(again) == hash(mechanism)
@@ -74,7 +75,7 @@ def test_pickling(name):
 def test_a_mechanism_with_parameters_survives_pickling():
     mechanism = pj.load("four_bar", parameters={"l1": 1.2})
     again = pickle.loads(pickle.dumps(mechanism))
-    assert again == mechanism != pj.load("four_bar")
+    assert again == mechanism != loaded("four_bar")
     assert again.parameters == mechanism.parameters
     assert again.spec == mechanism.spec
 
@@ -116,13 +117,13 @@ def test_a_pickle_made_by_hand_is_no_open_configuration():
     def opened(argument):
         return argument + 1e-6 if isinstance(argument, np.ndarray) else argument
 
-    pickled = pickle.dumps(ByHand(pj.load("five_bar").home, opened))
+    pickled = pickle.dumps(ByHand(loaded("five_bar").home, opened))
     with pytest.raises(pj.ClosureError, match="are open by"):
         pickle.loads(pickled)
 
 
 def test_a_pickle_made_by_hand_has_turns_of_unit_length():
-    home = pj.load("three_rps").home
+    home = loaded("three_rps").home
 
     def longer(argument):
         return 1.1 * argument if isinstance(argument, np.ndarray) else argument
@@ -170,7 +171,7 @@ def arrays_within(value, seen):
 
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_nothing_that_a_user_reaches_is_mutable(name):
-    configuration = pj.load(name).home
+    configuration = loaded(name).home
     jacobian = configuration.jacobian()
     values = [configuration, jacobian, configuration.singularity(), jacobian.velocity_ellipsoid()]
     values += [configuration.mechanism, configuration.mechanism.spec]
@@ -205,7 +206,7 @@ def test_the_model_is_a_copy(three_rps):
 
 
 def test_the_q_given_is_copied():
-    mechanism = pj.load("four_bar")
+    mechanism = loaded("four_bar")
     q = mechanism.home.q.copy()
     configuration = mechanism.configuration(q)
     q[:] = 0.0
@@ -228,7 +229,7 @@ def test_public_facts(three_rps):
 
 @pytest.mark.parametrize("name", ["three_rps", "bricard", "delta_rods"])
 def test_limits_of_all_that_has_a_unit(name):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     for freedom in mechanism.units:
         lower, upper = mechanism.limits(freedom)
         assert lower < upper
@@ -260,7 +261,7 @@ def test_reprs_are_short(three_rps):
 )
 def test_bad_q(q, message):
     with pytest.raises(pj.ArgumentError) as caught:
-        pj.load("four_bar").configuration(q)
+        loaded("four_bar").configuration(q)
     assert str(caught.value) == message
 
 
@@ -303,14 +304,14 @@ def test_joint_values_are_a_guess(three_rps):
 
 
 def test_a_configuration_at_other_parameters_is_a_guess():
-    before = pj.load("four_bar").close([2.0])
+    before = loaded("four_bar").close([2.0])
     after = pj.load("four_bar", parameters={"l1": 1.1}).close([2.0], guess=before)
     assert np.abs(after.passive - before.passive).max() < 0.2
 
 
 class TestFromPinocchio:
     def four_bar(self, **changes):
-        mechanism = pj.load("four_bar")
+        mechanism = loaded("four_bar")
         arguments = {
             "loops": [pj.PointLoop(frames=("coupler_tip", "rocker_tip"))],
             "actuated": ["theta1"],
@@ -321,7 +322,7 @@ class TestFromPinocchio:
         return pj.Mechanism.from_pinocchio(mechanism.model, **{**arguments, **changes})
 
     def test_same_as_the_model_file(self):
-        expected = pj.load("four_bar").home.jacobian()
+        expected = loaded("four_bar").home.jacobian()
         jacobian = self.four_bar().home.jacobian()
         np.testing.assert_allclose(jacobian.J_eq, expected.J_eq, atol=1e-14)
         np.testing.assert_allclose(jacobian.K_star, expected.K_star, atol=1e-14)
@@ -329,7 +330,7 @@ class TestFromPinocchio:
         np.testing.assert_allclose(again.home.jacobian().J_eq, expected.J_eq, atol=1e-14)
 
     def test_later_changes_of_the_model_do_not_reach_it(self):
-        model = pj.load("serial_2r").model
+        model = loaded("serial_2r").model
         mechanism = pj.Mechanism.from_pinocchio(model, [], ["theta1", "theta2"], "tip")
         before = mechanism.close([0.1, 0.2]).tool_pose.homogeneous
         model.jointPlacements[2] = pin.SE3.Random()
@@ -401,19 +402,19 @@ class TestFromPinocchio:
         "kind", [pin.PointAnchorConstraintModel, pin.RigidConstraintModel, "wrapped"]
     )
     def test_constraints_that_a_user_already_has(self, kind):
-        model = pj.load("four_bar").model
+        model = loaded("four_bar").model
         wrapped = kind == "wrapped"
         constraint = self.anchor(pin.PointAnchorConstraintModel if wrapped else kind, model)
         loop = pin.ConstraintModel(constraint) if wrapped else constraint
         mechanism = self.four_bar(loops=[loop])
-        expected = pj.load("four_bar").home.jacobian()
+        expected = loaded("four_bar").home.jacobian()
         np.testing.assert_allclose(mechanism.home.jacobian().K, expected.K, atol=1e-14)
         np.testing.assert_allclose(mechanism.home.jacobian().J_eq, expected.J_eq, atol=1e-14)
         assert pickle.loads(pickle.dumps(mechanism)) == mechanism
 
     def test_a_frame_anchor(self):
         """The rocker's own joint as a weld: the four-bar cut behind a hub."""
-        recut = pj.recut(pj.load("four_bar"), "theta1")
+        recut = pj.recut(loaded("four_bar"), "theta1")
         model = recut.model
         ends = [model.frames[model.getFrameId(name)] for name in recut.spec.loops[-1].frames]
         places = [part for end in ends for part in (end.parentJoint, end.placement)]
@@ -426,15 +427,15 @@ class TestFromPinocchio:
         )
 
     def test_a_robot_wrapper(self):
-        robot = pin.RobotWrapper(pj.load("four_bar").model)
+        robot = pin.RobotWrapper(loaded("four_bar").model)
         loops = [pj.PointLoop(frames=("coupler_tip", "rocker_tip"))]
         mechanism = pj.Mechanism.from_pinocchio(
-            robot, loops, ["theta1"], "coupler_midpoint", home=pj.load("four_bar").home.q
+            robot, loops, ["theta1"], "coupler_midpoint", home=loaded("four_bar").home.q
         )
         assert mechanism.mobility == 1
 
     def test_constraints_that_would_be_misread(self):
-        model = pj.load("four_bar").model
+        model = loaded("four_bar").model
         constraint = self.anchor(pin.PointAnchorConstraintModel, model)
         constraint.desired_constraint_offset = np.array([0.0, 0.1, 0.0])
         with pytest.raises(pj.ArgumentError, match="with a desired offset"):
@@ -460,7 +461,7 @@ class TestFromPinocchio:
             make()
 
     def test_numbers_that_are_none(self):
-        model = pj.load("four_bar").model
+        model = loaded("four_bar").model
         model.jointPlacements[1] = pin.SE3(np.eye(3), np.array([np.nan, 0.0, 0.0]))
         with pytest.raises(pj.ArgumentError, match="is not finite"):
             pj.Mechanism.from_pinocchio(model, [], list(model.names)[1:], "coupler")
@@ -468,7 +469,7 @@ class TestFromPinocchio:
             self.four_bar(tolerance="x")
 
     def test_two_joints_of_one_name(self):
-        model = pj.load("serial_2r").model
+        model = loaded("serial_2r").model
         model.names[2] = "theta1"
         with pytest.raises(pj.ArgumentError, match="two joints of the model are named 'theta1'"):
             pj.Mechanism.from_pinocchio(model, [], ["theta1"], "tip")

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.files.catalog import find_model_file
@@ -41,7 +42,7 @@ def test_a_users_own_file(files):
     mechanism = pj.load(files())
     assert mechanism.name == "mine"
     np.testing.assert_array_equal(
-        mechanism.home.jacobian().J_eq, pj.load("four_bar").home.jacobian().J_eq
+        mechanism.home.jacobian().J_eq, loaded("four_bar").home.jacobian().J_eq
     )
     assert pj.load(str(files())) == mechanism
 
@@ -180,7 +181,7 @@ def test_home_assembles_from_near_it_with_its_motors_where_they_are(files):
     model = changed(MODEL, "phi1 = 2.0236", "phi1 = 1.2")
     home = pj.load(files(model)).home
     assert home.actuated[0] == 0.9
-    np.testing.assert_allclose(home.q, pj.load("four_bar").home.q, atol=1e-12)
+    np.testing.assert_allclose(home.q, loaded("four_bar").home.q, atol=1e-12)
 
 
 def test_home_moves_its_motors_only_as_far_as_it_takes():
@@ -253,7 +254,7 @@ class TestParameters:
 
     @pytest.mark.parametrize("name", ["four_bar", "serial_2r", "three_rps", "three_rps_ss"])
     def test_each_parameter_moves_something_or_sets_a_length(self, name):
-        default = pj.load(name)
+        default = loaded(name)
         for parameter, value in default.parameters.items():
             changed = pj.load(name, parameters={parameter: 1.07 * value})
             difference = (

@@ -7,6 +7,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 from random_machines import Tree
 
 import pmjac_pin as pj
@@ -37,7 +38,7 @@ def same_sets(found, expected, atol):
 
 @pytest.mark.parametrize("name", ["three_rps_ss", "three_rps"])
 def test_the_lectures_modes(name):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     modes = pj.assembly_modes(mechanism, [2 / 3, 3 / 5, 3 / 4], rng=1)
     same_sets(angles(modes), np.vstack([LECTURE_A, -LECTURE_A]), 1e-8)
     modes = pj.assembly_modes(mechanism, [0.5, 1.0, 2.0], rng=1)
@@ -45,7 +46,7 @@ def test_the_lectures_modes(name):
 
 
 def test_mirror_images_have_opposite_angles():
-    modes = pj.assembly_modes(pj.load("three_rps_ss"), [2 / 3, 3 / 5, 3 / 4], rng=2)
+    modes = pj.assembly_modes(loaded("three_rps_ss"), [2 / 3, 3 / 5, 3 / 4], rng=2)
     found = angles(modes)
     for index, image in enumerate(modes.mirror_images):
         np.testing.assert_allclose(found[image], -found[index], atol=1e-9)
@@ -54,7 +55,7 @@ def test_mirror_images_have_opposite_angles():
 
 @pytest.mark.parametrize("theta1", [0.9, -2.0, 3.0])
 def test_the_four_bars_two_modes(theta1):
-    modes = pj.assembly_modes(pj.load("four_bar"), [theta1], rng=3)
+    modes = pj.assembly_modes(loaded("four_bar"), [theta1], rng=3)
     expected = [
         hand.four_bar_closure(theta1, mechanisms.CRANK_ROCKER, branch)[:2] for branch in (1, -1)
     ]
@@ -74,13 +75,13 @@ def test_out_of_reach_there_are_none():
 
 @pytest.mark.parametrize("name", ["serial_2r", "ur5"])
 def test_an_open_chain_has_one(name):
-    home = pj.load(name).home
+    home = loaded(name).home
     [mode] = pj.assembly_modes(home.mechanism, home.actuated, rng=0)
     np.testing.assert_allclose(mode.tool_pose.homogeneous, home.tool_pose.homogeneous, atol=1e-12)
 
 
 def test_the_order_does_not_depend_on_the_seed():
-    mechanism = pj.load("three_rps")
+    mechanism = loaded("three_rps")
     one, other = (pj.assembly_modes(mechanism, [0.9, 1.0, 1.1], rng=seed) for seed in (1, 2))
     assert len(one) == len(other)
     for a, b in zip(one, other, strict=True):
@@ -89,7 +90,7 @@ def test_the_order_does_not_depend_on_the_seed():
 
 def test_every_mode_is_closed_at_these_motors_and_certified():
     theta = np.array([0.9, 1.0, 1.1])
-    for mode in pj.assembly_modes(pj.load("three_rps"), theta, rng=0):
+    for mode in pj.assembly_modes(loaded("three_rps"), theta, rng=0):
         np.testing.assert_array_equal(mode.actuated, theta)
         assert mode.residual_norm <= 1e-12
 
@@ -107,7 +108,7 @@ def test_idle_motions_make_no_modes_of_their_own():
 
 @pytest.mark.slow
 def test_the_modes_do_not_depend_on_the_cut():
-    mechanism = pj.load("three_rps")
+    mechanism = loaded("three_rps")
     theta = [0.9, 1.0, 1.1]
     expected = pj.assembly_modes(mechanism, theta, rng=0)
     found = pj.assembly_modes(pj.recut(mechanism, "theta1"), theta, rng=0)
@@ -119,7 +120,7 @@ def test_the_modes_do_not_depend_on_the_cut():
 
 
 def test_limits_leave_modes_out():
-    mechanism = pj.load("three_rps_ss")
+    mechanism = loaded("three_rps_ss")
     model = mechanism.model
     for name in ("theta1", "theta2", "theta3"):
         entry = model.joints[model.getJointId(name)].idx_q
@@ -150,7 +151,7 @@ def test_limits_leave_modes_out():
     ],
 )
 def test_what_completeness_rests_on(name, count, kind):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     modes = pj.assembly_modes(mechanism, mechanism.home.actuated, rng=0)
     assert len(modes) == count
     assert modes.evidence.kind == kind
@@ -162,7 +163,7 @@ def test_what_completeness_rests_on(name, count, kind):
 
 def test_a_universal_joint_turned_over_makes_no_mode_of_its_own():
     """The proof counts joint values: sixteen of them are the ankle's four modes."""
-    mechanism = pj.load("ankle")
+    mechanism = loaded("ankle")
     theta = mechanism.home.actuated
     modes = pj.assembly_modes(mechanism, theta, rng=0, limits=False)
     assert (len(modes), modes.evidence.kind) == (4, "proof")
@@ -176,7 +177,7 @@ def test_a_universal_joint_turned_over_makes_no_mode_of_its_own():
 
 
 def test_a_small_budget_is_admitted():
-    modes = pj.assembly_modes(pj.load("three_rps"), [1, 1, 1.1], rng=0, most_starts=10, proof=False)
+    modes = pj.assembly_modes(loaded("three_rps"), [1, 1, 1.1], rng=0, most_starts=10, proof=False)
     assert modes.evidence.kind == "nothing"
     assert "new modes were met among the last of" in str(modes.evidence)
 
@@ -196,7 +197,7 @@ def test_the_bound_holds_where_it_can_be_checked():
 
 
 def test_a_machine_that_moves_by_itself_has_no_separate_modes():
-    mechanism = pj.load("planar_3rrr")
+    mechanism = loaded("planar_3rrr")
     loose = mechanisms.with_motors(mechanism, mechanism.actuated[:1])
     with pytest.raises(pj.IdleMotionError, match="the tool is moved by a passive motion"):
         pj.assembly_modes(loose, mechanism.home.actuated[:1], rng=0, limits=False)
@@ -216,13 +217,13 @@ def test_a_machine_that_moves_by_itself_has_no_separate_modes():
 def test_bad_arguments(arguments, message):
     arguments = {"actuated": [1.0, 1.0, 1.0], "rng": 0, **arguments}
     with pytest.raises(pj.ArgumentError, match=message):
-        pj.assembly_modes(pj.load("three_rps"), arguments.pop("actuated"), **arguments)
+        pj.assembly_modes(loaded("three_rps"), arguments.pop("actuated"), **arguments)
 
 
 @pytest.mark.parametrize("limits", [True, False])
 def test_dietmaiers_forty(limits):
     """All forty are real, twenty with each sign of the determinant (Dietmaier 1998)."""
-    mechanism = pj.load("stewart_gough_dietmaier")
+    mechanism = loaded("stewart_gough_dietmaier")
     modes = pj.assembly_modes(mechanism, mechanism.home.actuated, rng=1, limits=limits)
     assert len(modes) == 40
     signs = [np.sign(np.linalg.det(mode.split_jacobian().K_star)) for mode in modes]
@@ -237,7 +238,7 @@ def test_a_leg_is_a_rod_only_where_it_can_point_everywhere():
     from pmjac_pin.studies.modes.legs import find_legs
 
     for name, count in (("three_rps", 0), ("four_bar", 0), ("ur5", 0), ("stewart_gough", 6)):
-        mechanism = pj.load(name)
+        mechanism = loaded(name)
         legs = find_legs(mechanism, mechanism.home.q)
         assert len(legs) == count
         lengths = [leg.length for leg in legs]
@@ -246,7 +247,7 @@ def test_a_leg_is_a_rod_only_where_it_can_point_everywhere():
 
 def test_poses_that_pinocchio_closes_to_one_are_one_mode(monkeypatch):
     """Beside a fold the search may keep two poses apart that are the same when closed exactly."""
-    mechanism = pj.load("four_bar")
+    mechanism = loaded("four_bar")
     expected = pj.assembly_modes(mechanism, [0.9], rng=0, proof=False)
     one = closed_pose(mechanism, expected[0].q, limits=True)
     monkeypatch.setattr(find, "closed_pose", lambda *_: one)
@@ -276,7 +277,7 @@ def test_beside_a_singularity_there_are_two_modes_still(lengths, theta):
 @pytest.mark.slow
 def test_a_motion_with_locked_motors_is_told_and_left_out():
     """Sarrus' linkage folded flat: one panel spins; the two modes beside that are found."""
-    modes = pj.assembly_modes(pj.load("sarrus"), [0.7], rng=0)
+    modes = pj.assembly_modes(loaded("sarrus"), [0.7], rng=0)
     assert (len(modes), modes.evidence.kind) == (2, "nothing")
     assert "the loops also move with all motors locked" in str(modes.evidence)
     assert all(not mode.singularity().is_singular for mode in modes)

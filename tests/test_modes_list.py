@@ -8,6 +8,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from mechanisms import loaded
 from test_same_machine import QUICKLY, THETA, rusr
 
 import pmjac_pin as pj
@@ -84,7 +85,7 @@ def test_the_list_says_in_how_many_ways_a_mode_fits(tmp_path):
 
 @pytest.mark.skipif(NODE is None, reason="there is no Node")
 def test_one_way_is_not_worth_a_word(tmp_path):
-    mechanism = pj.load("four_bar")
+    mechanism = loaded("four_bar")
     page = shown(tmp_path, mechanism, mechanism.home.actuated)
     assert [cells[0] for cells in page["cells"]] == ["1", "2"]
     assert not any("way" in text for text in [*page["labels"], page["text"]])

@@ -7,6 +7,7 @@ import json
 import mechanisms
 import numpy as np
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.words.modes_report import make_modes_report
@@ -19,7 +20,7 @@ def refuse(token):
 
 @pytest.fixture(scope="module")
 def lecture():
-    mechanism = pj.load("three_rps_ss")
+    mechanism = loaded("three_rps_ss")
     theta = mechanism.pose("lecture_a").actuated
     modes = pj.assembly_modes(mechanism, theta, rng=0)
     return modes, make_modes_report(mechanism, theta, modes)
@@ -80,7 +81,7 @@ def test_the_named_pose_is_found_once(lecture):
 
 
 def test_other_motor_values_have_no_names():
-    mechanism = pj.load("three_rps_ss")
+    mechanism = loaded("three_rps_ss")
     theta = mechanism.pose("lecture_a").actuated + np.array([0.0, 1e-6, 0.0])
     report = make_modes_report(mechanism, theta, pj.assembly_modes(mechanism, theta, rng=0))
     assert {mode.poses for mode in report.modes} == {()}
@@ -118,7 +119,7 @@ def test_a_singular_mode_has_no_sign():
 
 
 def test_without_loops_there_is_one_mode_and_no_smallest_singular_value():
-    mechanism = pj.load("serial_2r")
+    mechanism = loaded("serial_2r")
     report = make_modes_report(
         mechanism, [0.1, 0.2], pj.assembly_modes(mechanism, [0.1, 0.2], rng=0)
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import mechanisms
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.words.blocks import Heading, Paragraph, Table
@@ -22,7 +23,7 @@ def texts(blocks):
 
 
 def test_one_row_a_mode():
-    blocks = blocks_of(pj.load("four_bar"), [0.9])
+    blocks = blocks_of(loaded("four_bar"), [0.9])
     first, second = (block for block in blocks if isinstance(block, Table))
     assert [row[0] for row in first.rows] == [row[0] for row in second.rows] == ["1", "2"]
     assert [row[3] for row in first.rows] == ["-", "+"]
@@ -32,7 +33,7 @@ def test_one_row_a_mode():
 
 
 def test_the_last_word_is_on_completeness():
-    blocks = blocks_of(pj.load("four_bar"), [0.9])
+    blocks = blocks_of(loaded("four_bar"), [0.9])
     assert texts(blocks)[-1].startswith(
         "That there are no more rests on proof: exactly 2, by interval"
     )
@@ -46,7 +47,7 @@ def test_the_last_word_is_on_completeness():
     ],
 )
 def test_how_many_and_whether_within_limits(limits, expected):
-    assert expected in texts(blocks_of(pj.load("four_bar"), [0.9], limits=limits))
+    assert expected in texts(blocks_of(loaded("four_bar"), [0.9], limits=limits))
 
 
 def test_none_are_none():

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from mechanisms import loaded
 
-import pmjac_pin as pj
 from pmjac_pin.studies.homotopy.curve import Curve, Planes
 from pmjac_pin.studies.homotopy.machines import Line, Machines
 from pmjac_pin.studies.homotopy.monodromy import STRAIGHT, PlaneSection
@@ -100,7 +100,7 @@ def test_the_trace_of_a_part_is_bent(rng):
 
 
 def test_the_trace_of_the_four_bars_curve_knows_a_missing_point(rng):
-    machines = Machines(pj.load("four_bar"))
+    machines = Machines(loaded("four_bar"))
     loops = machines.loops
     x = loops.somewhere(rng)
     start = machines.offset(machines.home.near(rng), x)

@@ -9,6 +9,7 @@ from types import MappingProxyType
 import numpy as np
 import pandas
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.cli import main
@@ -107,7 +108,7 @@ KINDS = {
 
 @pytest.fixture(scope="module")
 def three_rps():
-    return pj.load("three_rps")
+    return loaded("three_rps")
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -128,7 +129,7 @@ def test_unknown_and_missing_names_are_refused(three_rps, kind):
 
 @pytest.mark.parametrize("kind", ["dict", "Series", "named tuple"])
 def test_everywhere(kind):
-    mechanism = pj.load("five_bar")
+    mechanism = loaded("five_bar")
     theta = mechanism.home.actuated
     named = KINDS[kind]({"theta2": float(theta[1]), "theta1": float(theta[0])})
     modes = pj.assembly_modes(mechanism, theta, rng=0)
@@ -141,7 +142,7 @@ def test_everywhere(kind):
 
 
 def test_of_a_homotopy():
-    mechanism = pj.load("four_bar")
+    mechanism = loaded("four_bar")
     homotopy = pj.parameter_homotopy(mechanism, rng=0)
     assert homotopy.at({"theta1": 0.9}).count == homotopy.at([0.9]).count
     with pytest.raises(pj.UnknownNameError):
@@ -160,7 +161,7 @@ def test_labels_that_are_no_names(three_rps):
 
 
 def test_a_passive_joint_is_no_motor(three_rps):
-    bar = pj.load("four_bar")
+    bar = loaded("four_bar")
     with pytest.raises(pj.ArgumentError, match="'phi1' is passive; motors are: theta1"):
         bar.close(bar.home.joint_values)
 
@@ -168,13 +169,13 @@ def test_a_passive_joint_is_no_motor(three_rps):
 @pytest.mark.parametrize("value", ["1", None, [1.0, 2.0], float("nan"), 1j])
 def test_values_by_name_are_numbers(value):
     with pytest.raises(pj.ArgumentError, match="motor 'theta1'"):
-        pj.load("four_bar").close({"theta1": value})
+        loaded("four_bar").close({"theta1": value})
 
 
 @pytest.mark.parametrize("kind", ["Series", "named tuple", "row of a database"])
 def test_what_goes_by_order_takes_no_names(kind):
     """A q has no names, and a wrong order would be silent."""
-    bar = pj.load("four_bar")
+    bar = loaded("four_bar")
     named = KINDS[kind]({"phi1": 2.0, "theta1": 0.9, "phi2": 0.0})
     with pytest.raises(pj.ArgumentError, match="plain numbers"):
         bar.loop_equations(named)
@@ -197,7 +198,7 @@ def test_on_the_command_line(capsys):
 
 @pytest.mark.parametrize("rows", [1, 2])
 def test_of_a_table_one_row_is_wanted(rows):
-    mechanism = pj.load("five_bar")
+    mechanism = loaded("five_bar")
     frame = pandas.DataFrame([mechanism.home.actuated] * rows, columns=mechanism.actuated)
     with pytest.raises(
         pj.ArgumentError, match=r"a table; give one row of it, e.g. frame.iloc\[0\]"

@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import transformed
+from mechanisms import loaded
 
 import pmjac_pin as pj
 
@@ -26,7 +27,7 @@ QUICK = ("four_bar", "slider_crank", "five_bar")
 
 def tilted(name):
     """The machine with one hinge tilted, which its tolerance lets pass."""
-    exact = pj.load(name)
+    exact = loaded(name)
     model = exact.model
     joint = model.getJointId(JOINTS[name])
     turn = pin.SE3(pin.exp3(TILT * np.array([1.0, 0.33, 0.0])), np.zeros(3))
@@ -106,7 +107,7 @@ def fold(mechanism):
 @pytest.mark.parametrize("name", ["five_bar", pytest.param("planar_3rrr", marks=pytest.mark.slow)])
 def test_a_fold_that_is_missed_by_less_than_the_tolerance_is_no_crowd_of_modes(name):
     """Beyond the fold at most one pose nearly closes where two met; it is singular."""
-    exact = pj.load(name)
+    exact = loaded(name)
     end, first = fold(exact)
     spec = exact.spec
     mechanism = pj.Mechanism.from_pinocchio(
@@ -144,7 +145,7 @@ def count(mechanism):
 
 @cache
 def count_of(name):
-    return count(pj.load(name))
+    return count(loaded(name))
 
 
 @pytest.mark.parametrize("way", [*PLACES, "in mm", "in km"])
@@ -159,7 +160,7 @@ def count_of(name):
     ],
 )
 def test_how_many_modes_there_are_does_not_depend_on_how_a_machine_is_written(name, way):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     if way in PLACES:
         other = transformed.moved(mechanism, PLACES[way])
     else:

@@ -6,6 +6,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 
@@ -52,7 +53,7 @@ def test_the_two_operation_modes_of_the_3_rps(three_rps):
 
 @pytest.mark.parametrize(("name", "sizes"), [("four_bar", (2,)), ("slider_crank", (2,))])
 def test_irreducible_mechanisms_have_one(name, sizes):
-    found = pj.parameter_homotopy(pj.load(name), rng=0).operation_modes(rng=0)
+    found = pj.parameter_homotopy(loaded(name), rng=0).operation_modes(rng=0)
     assert (found.sizes, len(found), found.evidence.kind) == (sizes, 1, "tolerance")
 
 
@@ -77,7 +78,7 @@ def test_a_parallelogram_has_two():
 @pytest.mark.slow
 def test_the_agile_eyes_four_and_four_times_one():
     """Bonev, Chablat and Wenger (2006): four modes in which the motors do not move the eye."""
-    mechanism = pj.load("agile_eye")
+    mechanism = loaded("agile_eye")
     homotopy = pj.parameter_homotopy(mechanism, rng=0)
     found = homotopy.operation_modes(rng=0)
     assert found.sizes == (4, 1, 1, 1, 1)
@@ -111,7 +112,7 @@ def test_too_few_rounds_are_admitted():
 
 @pytest.mark.slow
 def test_an_incomplete_homotopy_knows_no_operation_modes():
-    homotopy = pj.parameter_homotopy(pj.load("three_rps_ss"), rng=0, most_rounds=2)
+    homotopy = pj.parameter_homotopy(loaded("three_rps_ss"), rng=0, most_rounds=2)
     found = homotopy.operation_modes(rng=0, most_rounds=5)
     assert found.evidence.kind == "nothing"
     assert "solutions are missing" in str(found.evidence)
@@ -119,7 +120,7 @@ def test_an_incomplete_homotopy_knows_no_operation_modes():
 
 @pytest.mark.slow
 def test_they_are_those_of_one_homotopy():
-    mechanism = pj.load("four_bar")
+    mechanism = loaded("four_bar")
     one, other = (pj.parameter_homotopy(mechanism, rng=seed) for seed in (0, 1))
     found = one.operation_modes(rng=0)
     assert found.of(one.at([0.9])) == (0, 0)

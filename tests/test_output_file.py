@@ -13,6 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.cli import main
@@ -30,7 +31,7 @@ def umask():
 
 
 def save_html(path):
-    with pj.view(pj.load("serial_2r").home, open_browser=False, port=0) as viewer:
+    with pj.view(loaded("serial_2r").home, open_browser=False, port=0) as viewer:
         viewer.save_html(path)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import mechanisms
 import numpy as np
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.closing.over_actuation import lead, ties_in_words
@@ -31,7 +32,7 @@ def evaluations(monkeypatch):
 @pytest.mark.parametrize("name", mechanisms.CLOSED)
 def test_one_motor_too_many_is_told_soon_and_values_that_fit_close(name, evaluations):
     """With each passive joint of the catalogue as a further motor."""
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     way = np.full(len(mechanism.actuated), 0.01)
     fitting = mechanism.close(mechanism.home.actuated + way, enforce_limits=False)
     for joint in set(mechanism.passive) & set(mechanism.model.names):
@@ -69,10 +70,10 @@ def rates_that_the_loops_allow_are_those_of_the_ties(machine):
 
 
 def test_the_first_thing_told_is_which_motors_are_tied_and_how():
-    machine = mechanisms.with_motors(pj.load("four_bar"), ["theta1", "phi2"])
+    machine = mechanisms.with_motors(loaded("four_bar"), ["theta1", "phi2"])
     with pytest.raises(pj.ClosureError) as caught:
         machine.close(machine.home.actuated + np.array([0.3, 0.0]))
-    rate = pj.load("four_bar").home.jacobian().passive_rates[1, 0]
+    rate = loaded("four_bar").home.jacobian().passive_rates[1, 0]
     tie = f"the rate of 'theta1' is {1.0 / rate:+.3g} that of 'phi2'"
     turned = f"the rate of 'phi2' is {rate:+.3g} that of 'theta1'"
     told = "over-actuated by 1, the loops tie motors to each other: here "
@@ -94,7 +95,7 @@ def test_a_motor_that_the_loops_hold_is_told_to_be_held():
 
 
 def test_motors_that_are_free_are_not_called_tied():
-    home = pj.load("four_bar").home
+    home = loaded("four_bar").home
     assert ties_in_words(home.mechanism.problem, home._point) == ""
 
 
@@ -112,7 +113,7 @@ def test_it_says_where_the_loops_lead_the_motor_that_does_not_fit():
 
 
 def test_a_target_that_no_path_of_so_many_steps_reaches_is_refused_at_once():
-    mechanism = pj.load("four_bar")
+    mechanism = loaded("four_bar")
     with pytest.raises(pj.ClosureError, match=r"is too long for the 20000 steps .*; go there by m"):
         mechanism.close([1e9], enforce_limits=False)
 
@@ -120,7 +121,7 @@ def test_a_target_that_no_path_of_so_many_steps_reaches_is_refused_at_once():
 def test_values_that_fit_but_on_no_straight_path_of_some_motors_are_told_so():
     """theta1 and phi2 lead, straight, past where the five-bar of two motors goes: theta2 strays."""
     five_bar, machine = (
-        pj.load("five_bar"),
+        loaded("five_bar"),
         pj.load("five_bar", actuated=["theta1", "theta2", "phi2"]),
     )
     far = five_bar.close([0.7683, 1.6913], enforce_limits=False)
@@ -133,7 +134,7 @@ def test_values_that_fit_but_on_no_straight_path_of_some_motors_are_told_so():
 
 def test_a_path_that_is_too_long_for_one_call_goes_on_from_where_it_ended(monkeypatch):
     monkeypatch.setattr("pmjac_pin.closing.closure.MOST_STEPS", 600)
-    mechanism = pj.load("four_bar")
+    mechanism = loaded("four_bar")
     target = mechanism.home.actuated + 2 * np.pi * 20
     calls, guess = 0, mechanism.home
     while True:

@@ -11,6 +11,7 @@ import time
 import numpy as np
 import pytest
 from bench_page import RATE
+from mechanisms import loaded
 
 import pmjac_pin as pj
 
@@ -87,7 +88,7 @@ def open_page(browser):
 
 @pytest.fixture
 def mechanism():
-    return pj.load("three_rps")
+    return loaded("three_rps")
 
 
 def numbers(text):
@@ -311,7 +312,7 @@ def test_snapshot_and_reset_view(viewer, open_page, tmp_path):
 
 
 def test_reset_view_frames_what_is_shown_now(open_page):
-    with pj.view(pj.load("four_bar").home, open_browser=False, port=0) as viewer:
+    with pj.view(loaded("four_bar").home, open_browser=False, port=0) as viewer:
         page = open_page(viewer)
         before = picture(page)
         page.fill("#motor-0-value", "3.1")
@@ -366,7 +367,7 @@ def pictures():
 @pytest.mark.parametrize("name", pj.list_mechanisms())
 def test_every_mechanism_is_framed_and_labelled(open_page, pictures, name):
     """On both screens: to open a page takes seconds, to give it another size does not."""
-    with pj.view(pj.load(name).home, open_browser=False, port=0) as viewer:
+    with pj.view(loaded(name).home, open_browser=False, port=0) as viewer:
         page = open_page(viewer)
         for screen, others in pictures.items():
             if screen == "telephone":
@@ -463,7 +464,7 @@ def test_keyboard_alone(viewer, open_page):
 
 
 def test_angles_in_degrees(open_page):
-    ankle = pj.load("ankle")
+    ankle = loaded("ankle")
     with pj.view(ankle.home, open_browser=False, port=0) as viewer:
         page = open_page(viewer)
         page.check("#degrees")
@@ -529,7 +530,7 @@ OVERLAPS = """() => {
 @pytest.mark.parametrize("size", [DESKTOP, TELEPHONE], ids=["desktop", "telephone"])
 @pytest.mark.parametrize("name", ["three_rps", "four_bar", "ur5"])
 def test_nothing_overlaps_and_nothing_is_too_wide(open_page, name, size):
-    with pj.view(pj.load(name).home, open_browser=False, port=0) as viewer:
+    with pj.view(loaded(name).home, open_browser=False, port=0) as viewer:
         page = open_page(viewer, size)
         assert page.evaluate("document.documentElement.scrollWidth") == size["width"]
         assert page.evaluate(OVERLAPS) == []
@@ -557,7 +558,7 @@ def test_numbers_do_not_jump(viewer, open_page):
 
 
 def test_when_python_ends_the_page_says_so_and_goes_on_when_it_is_back(open_page):
-    viewer = pj.view(pj.load("four_bar").home, open_browser=False, port=0)
+    viewer = pj.view(loaded("four_bar").home, open_browser=False, port=0)
     page = open_page(viewer)
     page.focus("#motor-0")
     viewer.close()
@@ -565,7 +566,7 @@ def test_when_python_ends_the_page_says_so_and_goes_on_when_it_is_back(open_page
     assert "connection to Python has ended" in page.inner_text("#notice")
     assert page.is_disabled("#motor-0")
     wait(page, "pmjac.idle()")
-    there = pj.load("three_rps").close([1.1, 1.0, 0.9])
+    there = loaded("three_rps").close([1.1, 1.0, 0.9])
     with pj.view(there, open_browser=False, port=viewer.port) as again:
         assert again.url == viewer.url
         wait(page, "pmjac.state.about?.mechanism === 'three_rps'")
@@ -631,7 +632,7 @@ def test_a_slider_that_is_held_beyond_the_end_stays_there(viewer, open_page):
 def test_the_legend_names_what_is_there(open_page):
     texts = {}
     for name in ("serial_2r", "three_rps", "three_rps_ss"):
-        with pj.view(pj.load(name).home, open_browser=False, port=0) as viewer:
+        with pj.view(loaded(name).home, open_browser=False, port=0) as viewer:
             page = open_page(viewer)
             texts[name] = page.locator("#legend li").all_inner_texts()
             page.close()
@@ -658,7 +659,7 @@ def test_without_webgl_the_picture_is_words_and_all_else_works(browser, viewer):
 
 
 def test_a_saved_page_needs_no_server(browser, tmp_path):
-    with pj.view(pj.load("four_bar").home, open_browser=False, port=0) as viewer:
+    with pj.view(loaded("four_bar").home, open_browser=False, port=0) as viewer:
         viewer.save_html(tmp_path / "x.html")
         (tmp_path / "notebook.html").write_text(viewer._repr_html_(), encoding="utf-8")
     complaints = []

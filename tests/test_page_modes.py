@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from mechanisms import loaded
 from test_page import TELEPHONE, browser, open_page, quiet, wait  # noqa: F401 - fixtures
 
 import pmjac_pin as pj
@@ -15,7 +16,7 @@ FOUND = "document.getElementById('modes').dataset.status === 'found'"
 
 @pytest.fixture
 def viewer():
-    with pj.view(pj.load("three_rps_ss").pose("lecture_a"), open_browser=False, port=0) as viewer:
+    with pj.view(loaded("three_rps_ss").pose("lecture_a"), open_browser=False, port=0) as viewer:
         yield viewer
 
 

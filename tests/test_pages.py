@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
-from mechanisms import CATALOGUE
+from mechanisms import CATALOGUE, loaded
 
 import pmjac_pin as pj
 
@@ -20,7 +20,7 @@ def parsed(html):
 
 @pytest.mark.parametrize("name", ONES)
 def test_every_page_is_html(name):
-    home = pj.load(name).home
+    home = loaded(name).home
     report = pj.report(home)
     for value in (home, report, report.table("K_star"), pj.check(home.mechanism)):
         page = parsed(value._repr_html_())
@@ -31,7 +31,7 @@ def test_every_page_is_html(name):
 
 @pytest.mark.parametrize("name", ONES)
 def test_a_table_has_the_numbers_of_the_jacobian(name):
-    home = pj.load(name).home
+    home = loaded(name).home
     report, jacobian = pj.report(home), home.jacobian()
     for which, expected in (("J_eq", jacobian.J_eq), ("K", jacobian.K), ("Jv", jacobian.Jv)):
         table = report.table(which)
@@ -42,7 +42,7 @@ def test_a_table_has_the_numbers_of_the_jacobian(name):
 
 def test_a_table_as_data_frame():
     pytest.importorskip("pandas")
-    home = pj.load("three_rps").pose("lecture_b")
+    home = loaded("three_rps").pose("lecture_b")
     frame = pj.report(home).table("Jv_eq").dataframe()
     assert list(frame.columns) == ["l1 [m/s]", "l2 [m/s]", "l3 [m/s]"]
     assert list(frame.index) == ["v_x [m/s]", "v_y [m/s]", "v_z [m/s]"]
@@ -50,14 +50,14 @@ def test_a_table_as_data_frame():
 
 
 def test_names_in_latex_are_text():
-    home = pj.load("four_bar").home
+    home = loaded("four_bar").home
     lines = pj.report(home).table("K").latex().splitlines()
     assert r"\text{theta1}" in lines[1]
     assert lines[2].startswith(r"\text{coupler\_tip-rocker\_tip x} & ")
 
 
 def test_what_is_no_table_is_told():
-    report = pj.report(pj.load("five_bar").home)
+    report = pj.report(loaded("five_bar").home)
     with pytest.raises(pj.UnknownNameError, match="no matrix 'J_eg'; did you mean 'J_eq'"):
         report.table("J_eg")
 
@@ -73,7 +73,7 @@ def test_a_table_that_does_not_exist_at_a_singularity():
 
 
 def test_a_diagnosis_and_a_report_print_as_their_pages():
-    five_bar = pj.load("five_bar")
+    five_bar = loaded("five_bar")
     page = str(pj.check(five_bar))
     assert page.startswith("five_bar: 3 notes\n")
     assert "Degrees of freedom\n" in page
@@ -83,20 +83,20 @@ def test_a_diagnosis_and_a_report_print_as_their_pages():
 
 
 def test_assembly_modes_show_what_they_rest_on():
-    five_bar = pj.load("five_bar")
+    five_bar = loaded("five_bar")
     modes = pj.assembly_modes(five_bar, five_bar.home.actuated, rng=0)
     page = parsed(modes._repr_html_())
     assert page.find("h3").text == "2 assembly modes"
     assert "rests on" in page.find("p").text
-    none = pj.assembly_modes(pj.load("three_rps"), [0.1, 3.0, 0.1], rng=0)
+    none = pj.assembly_modes(loaded("three_rps"), [0.1, 3.0, 0.1], rng=0)
     assert parsed(none._repr_html_()).find("h3").text == "0 assembly modes"
 
 
 def test_markup_in_names_is_text():
-    model = pj.load("five_bar").model.copy()
+    model = loaded("five_bar").model.copy()
     loops = [pj.PointLoop(frames=("tip", "tip2"))]
     made = pj.Mechanism.from_pinocchio(
-        model, loops, ["theta1", "theta2"], "tip", home=pj.load("five_bar").home.q, name="<b>&"
+        model, loops, ["theta1", "theta2"], "tip", home=loaded("five_bar").home.q, name="<b>&"
     )
     assert "&lt;b&gt;&amp;" in pj.report(made.home)._repr_html_()
     parsed(pj.report(made.home)._repr_html_())

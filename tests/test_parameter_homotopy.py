@@ -7,6 +7,7 @@ import pickle
 import mechanisms
 import numpy as np
 import pytest
+from mechanisms import loaded
 from test_modes import LECTURE_A, LECTURE_B, angles, same_sets
 
 import pmjac_pin as pj
@@ -27,7 +28,7 @@ def gough():
     [("serial_2r", 1), ("four_bar", 2), ("slider_crank", 2), ("five_bar", 2), ("watt_six_bar", 4)],
 )
 def test_small_mechanisms(name, count):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     homotopy = pj.parameter_homotopy(mechanism, rng=0)
     assert homotopy.count == count
     found = homotopy.at(mechanism.home.actuated)
@@ -39,8 +40,8 @@ def test_small_mechanisms(name, count):
 @pytest.mark.slow
 def test_similar_triangles_have_fewer_solutions():
     """Six for a 3-RRR or 3-RPR; four at most where platform and base are similar."""
-    assert pj.parameter_homotopy(pj.load("planar_3rrr"), rng=0).count == 6
-    similar = pj.parameter_homotopy(pj.load("planar_3rpr"), rng=0)
+    assert pj.parameter_homotopy(loaded("planar_3rrr"), rng=0).count == 6
+    similar = pj.parameter_homotopy(loaded("planar_3rpr"), rng=0)
     assert similar.count == 4
     found = similar.at([0.34, 0.34, 0.34])
     assert (found.count, found.at_infinity, found.singular) == (2, 2, 0)
@@ -106,7 +107,7 @@ def test_at_other_lengths_most_of_the_forty_are_complex(gough, rng):
 
 @pytest.mark.slow
 def test_few_rounds_leave_a_bent_trace():
-    homotopy = pj.parameter_homotopy(pj.load("three_rps_ss"), rng=0, most_rounds=2)
+    homotopy = pj.parameter_homotopy(loaded("three_rps_ss"), rng=0, most_rounds=2)
     found = homotopy.at([1.0, 1.0, 1.1])
     assert homotopy.bend > 1e-6
     assert found.evidence.kind == "nothing"
@@ -128,7 +129,7 @@ def test_it_settles_what_a_short_search_leaves_open(gough):
 
 def limited_four_bar():
     """With a rocker that stays above the ground."""
-    mechanism = pj.load("four_bar")
+    mechanism = loaded("four_bar")
     model = mechanism.model
     entry = model.joints[model.getJointId("phi1")].idx_q
     model.lowerPositionLimit[entry], model.upperPositionLimit[entry] = 0.0, np.pi
@@ -153,7 +154,7 @@ def test_limits_leave_solutions_out():
 @pytest.mark.slow
 def test_a_homotopy_of_another_mechanism_is_refused(three_rps):
     with pytest.raises(pj.ArgumentError, match="another mechanism"):
-        pj.assembly_modes(pj.load("four_bar"), [0.9], rng=0, homotopy=three_rps)
+        pj.assembly_modes(loaded("four_bar"), [0.9], rng=0, homotopy=three_rps)
 
 
 @pytest.mark.parametrize("values", [[1.0], [1.0, np.nan, 1.0], "abc"])
@@ -180,8 +181,8 @@ def test_motors_that_cannot_move_one_by_one_are_refused():
     ("arguments", "message"),
     [
         (("four_bar",), "a Mechanism is wanted, got str"),
-        ((pj.load("four_bar"), 0), "most_rounds is a whole number ≥ 1, got 0"),
-        ((pj.load("four_bar"), 2.5), "most_rounds is a whole number ≥ 1, got 2.5"),
+        ((loaded("four_bar"), 0), "most_rounds is a whole number ≥ 1, got 0"),
+        ((loaded("four_bar"), 2.5), "most_rounds is a whole number ≥ 1, got 2.5"),
     ],
 )
 def test_bad_arguments(arguments, message):
@@ -193,7 +194,7 @@ def test_bad_arguments(arguments, message):
 
 def test_what_is_no_homotopy_is_refused():
     with pytest.raises(pj.ArgumentError, match="or none at all"):
-        pj.assembly_modes(pj.load("four_bar"), [0.9], rng=0, homotopy=True)
+        pj.assembly_modes(loaded("four_bar"), [0.9], rng=0, homotopy=True)
 
 
 def test_the_solutions_solve_the_equations(three_rps):
@@ -215,6 +216,6 @@ def test_the_solutions_solve_the_equations(three_rps):
 @pytest.mark.parametrize("name", ["three_rps_ss", "delta_rods"])
 def test_the_count_is_that_of_solutions_that_are_not_far_away(name):
     """Rounded lengths bring some of infinity within reach: they do not count."""
-    motors = pj.load(name).home.actuated * 1.01
+    motors = loaded(name).home.actuated * 1.01
     counts = {mechanisms.homotopy_of(name, seed).at(motors).count for seed in range(2)}
     assert counts == {16} if name == "three_rps_ss" else counts == {28}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 
@@ -17,7 +18,7 @@ def titles(figure):
 
 @pytest.mark.parametrize("name", ["four_bar", "five_bar", "planar_3rrr", "watt_six_bar"])
 def test_planar_machines_have_one_panel_beside_them(name):
-    home = pj.load(name).home
+    home = loaded(name).home
     figure = pj.plot(home)
     assert titles(figure) == ["X–Y plane"]
     assert len(figure.axes) == 2
@@ -26,20 +27,20 @@ def test_planar_machines_have_one_panel_beside_them(name):
 @pytest.mark.parametrize("name", ["three_rps", "sarrus", "agile_eye", "ur5"])
 @pytest.mark.parametrize("quantity", ["linear", "angular"])
 def test_others_are_seen_in_space_and_in_three_planes(name, quantity):
-    figure = pj.plot(pj.load(name).home, quantity)
+    figure = pj.plot(loaded(name).home, quantity)
     assert titles(figure) == ALL
     assert len(figure.axes) == 5
 
 
 @pytest.mark.parametrize("planes", ["xy", ["zx"], ["xy", "zy"], ["zy", "zx", "xy"]])
 def test_planes_are_those_asked_for(planes):
-    figure = pj.plot(pj.load("three_rps").pose("lecture_b"), planes=planes)
+    figure = pj.plot(loaded("three_rps").pose("lecture_b"), planes=planes)
     wanted = [planes] if isinstance(planes, str) else planes
     assert titles(figure) == [f"{'–'.join(plane.upper())} plane" for plane in wanted]
 
 
 def test_size_and_picture():
-    figure = pj.plot(pj.load("five_bar").home, size=(5.0, 3.0))
+    figure = pj.plot(loaded("five_bar").home, size=(5.0, 3.0))
     assert figure.get_size_inches().tolist() == [5.0, 3.0]
     assert figure._repr_png_().startswith(b"\x89PNG")
     drawn = io.BytesIO()
@@ -48,7 +49,7 @@ def test_size_and_picture():
 
 
 def test_force_in_newtons_and_its_words():
-    figure = pj.plot(pj.load("three_rps").pose("lecture_b"), "force")
+    figure = pj.plot(loaded("three_rps").pose("lecture_b"), "force")
     assert any("f_x" in axes.get_xlabel() and "N" in axes.get_xlabel() for axes in figure.axes)
 
 
@@ -68,14 +69,14 @@ def test_force_in_newtons_and_its_words():
 )
 def test_what_cannot_be_drawn(keywords, said):
     with pytest.raises(pj.ArgumentError, match=said):
-        pj.plot(pj.load("five_bar").home, **keywords)
+        pj.plot(loaded("five_bar").home, **keywords)
 
 
 def test_only_poses_are_drawn():
     with pytest.raises(pj.ArgumentError, match="a Configuration is wanted, got Mechanism"):
-        pj.plot(pj.load("five_bar"))
+        pj.plot(loaded("five_bar"))
 
 
 def test_an_unbounded_ellipsoid_is_refused():
     with pytest.raises(pj.ArgumentError, match="unbounded"):
-        pj.plot(pj.load("five_bar").home, "force")
+        pj.plot(loaded("five_bar").home, "force")

@@ -6,6 +6,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.studies.homotopy.machines import Machines
@@ -14,7 +15,7 @@ from pmjac_pin.studies.modes.search_problem import search_problem, without_legs
 
 
 def machines_of(name):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     try:
         return mechanism, Machines(mechanism)
     except pj.ArgumentError as error:

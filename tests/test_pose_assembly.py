@@ -9,6 +9,7 @@ import msgspec
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.closing.assembly import build_parts
@@ -19,7 +20,7 @@ from pmjac_pin.closing.pose_assembly import motor_weights
 
 def four_bar(home, limits=(-100.0, 100.0), loops=None, **changes):
     """The four-bar with its rocker limited, from an open start."""
-    model = pj.load("four_bar").model
+    model = loaded("four_bar").model
     column = model.joints[model.getJointId("phi1")].idx_q
     model.lowerPositionLimit[column], model.upperPositionLimit[column] = limits
     loops = loops or [pj.PointLoop(frames=("coupler_tip", "rocker_tip"))]
@@ -30,7 +31,7 @@ def four_bar(home, limits=(-100.0, 100.0), loops=None, **changes):
 
 @pytest.mark.parametrize("open_by", [1e-6, 1e-3, 0.1, 1.0])
 def test_an_open_pose_is_closed_with_the_motors_at_rest(open_by, rng):
-    closed = pj.load("four_bar").home
+    closed = loaded("four_bar").home
     for _ in range(5):
         start = closed.q + open_by * rng.uniform(-1, 1, 3)
         start[list(closed.mechanism.model.names).index("theta1") - 1] = closed.actuated[0]
@@ -46,7 +47,7 @@ def test_an_open_pose_is_closed_with_the_motors_at_rest(open_by, rng):
 
 def test_the_joints_stay_within_their_limits():
     """From the other side of a limit, the loops close on the mode that respects it."""
-    closed = pj.load("four_bar").home
+    closed = loaded("four_bar").home
     phi1 = closed.joint_values["phi1"]
     other = four_bar({"theta1": closed.actuated[0], "phi1": -phi1 + 0.3, "phi2": -1.0})
     assert other.home.joint_values["phi1"] < 0
@@ -95,13 +96,13 @@ def test_the_loop_that_stays_open_is_named():
 @pytest.mark.parametrize("tilt", [3.7e-6, 1e-4])
 def test_rounded_angles_need_a_tolerance_and_say_so(tilt):
     """An axis that is off by the rounding of rpy="1.5708": the loop cannot quite close."""
-    model = pj.load("four_bar").model
+    model = loaded("four_bar").model
     joint = model.getJointId("phi2")
     model.jointPlacements[joint] = model.jointPlacements[joint] * pin.SE3(
         pin.exp3(np.array([tilt, 0.4 * tilt, 0.0])), np.zeros(3)
     )
     arguments = (model, [pj.PointLoop(frames=("coupler_tip", "rocker_tip"))], ["theta1"])
-    home = pj.load("four_bar").home
+    home = loaded("four_bar").home
     with pytest.raises(pj.ClosureError, match="`tolerance`"):
         pj.Mechanism.from_pinocchio(*arguments, "coupler_midpoint", home=home.q)
     mechanism = pj.Mechanism.from_pinocchio(
@@ -113,7 +114,7 @@ def test_rounded_angles_need_a_tolerance_and_say_so(tilt):
     np.testing.assert_allclose(J_eq, expected, atol=20 * tilt)
     far = mechanism.close([2.0])
     np.testing.assert_allclose(
-        far.jacobian().J_eq, pj.load("four_bar").close([2.0]).jacobian().J_eq, atol=20 * tilt
+        far.jacobian().J_eq, loaded("four_bar").close([2.0]).jacobian().J_eq, atol=20 * tilt
     )
 
 
@@ -168,7 +169,7 @@ def at(mechanism, **poses):
 @pytest.mark.parametrize("name", ["planar_3rrr", "three_rps"])
 def test_motors_keep_their_values_where_the_loops_close_there(name, rng):
     """A poor guess of the passive joints is no reason to move the motors."""
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     homes = [at_guess(mechanism, q).home for q in guesses(mechanism, rng, 30)]
     moved = [np.abs(home.actuated - mechanism.home.actuated).max() > 0.0 for home in homes]
     assert sum(moved) <= 1
@@ -176,7 +177,7 @@ def test_motors_keep_their_values_where_the_loops_close_there(name, rng):
 
 
 def test_a_poor_guess_in_words_is_closed_with_the_motors_at_rest(rng):
-    mechanism = pj.load("planar_3rrr")
+    mechanism = loaded("planar_3rrr")
     names = mechanism.spec.passive
     motors, refused = mechanism.home.actuated, 0
     for q in guesses(mechanism, rng, 30):
@@ -189,7 +190,7 @@ def test_a_poor_guess_in_words_is_closed_with_the_motors_at_rest(rng):
 
 
 def test_a_named_pose_keeps_its_motors_too(rng):
-    mechanism = pj.load("planar_3rrr")
+    mechanism = loaded("planar_3rrr")
     poses = {f"p{k}": q for k, q in enumerate(guesses(mechanism, rng, 30))}
     again = pj.Mechanism(build_parts(mechanism.model, at(mechanism, **poses), {}))
     moved = [any(again.moved(name)[motor] for motor in again.spec.actuated) for name in poses]
@@ -198,7 +199,7 @@ def test_a_named_pose_keeps_its_motors_too(rng):
 
 def test_what_closes_at_once_costs_no_more(rng):
     """Counted in evaluations of the loops: further starts are for what stays wide open."""
-    mechanism = pj.load("planar_3rrr")
+    mechanism = loaded("planar_3rrr")
     problem, counts = mechanism.problem, []
 
     def counted(q):
@@ -216,7 +217,7 @@ def test_what_closes_at_once_costs_no_more(rng):
 
 def test_the_end_of_the_reach_is_not_left_for_another_mode():
     """A motor value rounded beyond a fold moves by that much, and the pose stays where it is."""
-    mechanism = pj.load("planar_3rrr")
+    mechanism = loaded("planar_3rrr")
     with pytest.raises(pj.ClosureError) as caught:
         mechanism.close(mechanism.home.actuated + 2.0)
     end = caught.value.reached

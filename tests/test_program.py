@@ -8,7 +8,7 @@ import subprocess
 
 import numpy as np
 import pytest
-from mechanisms import CATALOGUE
+from mechanisms import CATALOGUE, loaded
 
 import pmjac_pin as pj
 
@@ -71,7 +71,7 @@ def in_python(text):
 
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_of_every_mechanism(name, rng):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     recorded, many = pj.program(mechanism), poses(mechanism, rng)
     assert len(recorded.inputs) == mechanism.nq
     together = recorded([pose.q for pose in many])
@@ -84,7 +84,7 @@ def test_of_every_mechanism(name, rng):
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler here")
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_in_c(name, rng, tmp_path):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     function = in_c(pj.program(mechanism), tmp_path)
     for configuration in poses(mechanism, rng):
         check(function(configuration.q), configuration)
@@ -94,7 +94,7 @@ def test_in_c(name, rng, tmp_path):
 def test_in_jax(name, rng):
     jax = pytest.importorskip("jax")
     jax.config.update("jax_enable_x64", True)
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     function = jax.jit(in_python(pj.program(mechanism).jax("written")))
     for configuration in poses(mechanism, rng):
         check(function(configuration.q), configuration)
@@ -103,7 +103,7 @@ def test_in_jax(name, rng):
 @pytest.mark.parametrize("frame", FRAMES)
 @pytest.mark.parametrize("name", DIFFERENT)
 def test_in_every_frame(name, frame, rng):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     recorded = pj.program(mechanism, frame)
     for configuration in poses(mechanism, rng):
         check(recorded(configuration.q), configuration, frame)
@@ -114,19 +114,19 @@ def test_where_there_is_no_jacobian():
     with pytest.raises(pj.ForbiddenRatesError):
         pj.program(over)
     with pytest.raises(pj.ArgumentError, match="frame must be"):
-        pj.program(pj.load("four_bar"), "base")
+        pj.program(loaded("four_bar"), "base")
 
 
 @pytest.mark.parametrize("name", ["1st", "a b", "", 3, "\u00e9"])
 def test_names_that_no_function_has(name):
-    recorded = pj.program(pj.load("four_bar"))
+    recorded = pj.program(loaded("four_bar"))
     for write in (recorded.c, recorded.numpy, recorded.jax):
         with pytest.raises(pj.ArgumentError, match="a function's name is letters, digits and _"):
             write(name)
 
 
 def test_names_that_are_words():
-    recorded = pj.program(pj.load("four_bar"))
+    recorded = pj.program(loaded("four_bar"))
     with pytest.raises(pj.ArgumentError, match="'double' is a word of the language"):
         recorded.c("double")
     with pytest.raises(pj.ArgumentError, match="'lambda' is a word of the language"):
@@ -136,4 +136,4 @@ def test_names_that_are_words():
 @pytest.mark.parametrize("shape", [(), (2,), (5, 2)])
 def test_poses_of_another_shape(shape):
     with pytest.raises(pj.ArgumentError, match=r"q of shape \(\.\.\., 3\) expected"):
-        pj.program(pj.load("four_bar"))(np.zeros(shape))
+        pj.program(loaded("four_bar"))(np.zeros(shape))

@@ -9,6 +9,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.studies.modes.branch_and_prune import Budget
@@ -42,14 +43,14 @@ def assert_one_to_one(proof, configurations):
     [((2 / 3, 3 / 5, 3 / 4), 8), ((0.5, 1.0, 2.0), 4), ((3.0, 3.0, 3.0), 16), ((5.0, 1.0, 1.0), 0)],
 )
 def test_the_three_rps(name, lengths, count):
-    proof = proof_of(pj.load(name), lengths)
+    proof = proof_of(loaded(name), lengths)
     assert proof
     assert len(proof.enclosures) == count
     assert proof.evidence.statement.startswith(f"exactly {count}, by interval arithmetic")
 
 
 def test_the_lectures_modes():
-    proof = proof_of(pj.load("three_rps_ss"), hand.POSE_A_L)
+    proof = proof_of(loaded("three_rps_ss"), hand.POSE_A_L)
     modes = np.array(hand.POSE_A_MODES)
     expected = np.vstack([modes, -modes])
     found = middles(proof)
@@ -76,7 +77,7 @@ NAMED = {
 @pytest.mark.parametrize("name", NAMED)
 def test_the_search_found_all_that_is_proven(name):
     motors, count = NAMED[name]
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     proof = proof_of(mechanism, motors, limits=True)
     assert proof
     assert len(proof.enclosures) == count
@@ -86,7 +87,7 @@ def test_the_search_found_all_that_is_proven(name):
 @pytest.mark.parametrize("name", NAMED)
 def test_proven_modes_are_configurations(name):
     motors, _ = NAMED[name]
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     proof = proof_of(mechanism, motors)
     for q, enclosure in zip(proof.q, proof.enclosures, strict=True):
         configuration = mechanism.configuration(q)
@@ -132,7 +133,7 @@ def test_a_planar_three_rpr_has_six_modes():
 @pytest.mark.parametrize(("name", "joint"), [("planar_3rpr", "platform"), ("slider_crank", "x")])
 def test_the_number_does_not_depend_on_the_cut(name, joint):
     motors, count = NAMED[name]
-    recut = pj.recut(pj.load(name), joint)
+    recut = pj.recut(loaded(name), joint)
     proof = proof_of(recut, motors)
     assert (bool(proof), len(proof.enclosures)) == (True, count)
     assert_one_to_one(proof, pj.assembly_modes(recut, motors, rng=0))
@@ -171,7 +172,7 @@ def test_random_four_bars_against_the_closed_form(rng):
 
 @pytest.mark.parametrize("count", [4, pytest.param(12, marks=pytest.mark.slow)])
 def test_random_three_rps_against_the_search(count, rng):
-    mechanism = pj.load("three_rps_ss")
+    mechanism = loaded("three_rps_ss")
     for _ in range(count):
         lengths = rng.uniform(0.3, 2.0, 3)
         proof = proof_of(mechanism, lengths)
@@ -183,7 +184,7 @@ def test_random_three_rps_against_the_search(count, rng):
 
 
 def test_rows_that_are_left_out_are_named_by_those_that_are_kept():
-    for enclosure in proof_of(pj.load("four_bar"), [0.9]).enclosures:
+    for enclosure in proof_of(loaded("four_bar"), [0.9]).enclosures:
         assert enclosure.kept == ("coupler_tip-rocker_tip x", "coupler_tip-rocker_tip y")
         assert enclosure.left_out < 1e-3
 
@@ -206,7 +207,7 @@ def test_three_of_six_rows_redundant():
 
 def test_half_a_turn_from_closure_is_no_mode():
     """Bricard's hinge also has poses where its axis points the other way."""
-    mechanism = pj.load("bricard")
+    mechanism = loaded("bricard")
     for motor in (0.0, 0.3):
         proof = proof_of(mechanism, [motor])
         assert (bool(proof), len(proof.enclosures)) == (True, 2)
@@ -244,7 +245,7 @@ def test_a_mode_where_the_full_turn_is_cut_is_neither_lost_nor_counted_twice(col
 
 
 def limited_three_rps(lower, upper):
-    mechanism = pj.load("three_rps_ss")
+    mechanism = loaded("three_rps_ss")
     model = mechanism.model
     for name in ("theta1", "theta2", "theta3"):
         entry = model.joints[model.getJointId(name)].idx_q
@@ -268,7 +269,7 @@ def test_limits_leave_modes_out():
 
 
 def test_a_mode_on_a_limit_counts():
-    exact = proof_of(pj.load("three_rps_ss"), hand.POSE_A_L)
+    exact = proof_of(loaded("three_rps_ss"), hand.POSE_A_L)
     top = max(row.max() for row in middles(exact))
     inside = proof_of(limited_three_rps(-2.0, top), hand.POSE_A_L, limits=True)
     assert (bool(inside), len(inside.enclosures)) == (True, 8)
@@ -279,7 +280,7 @@ def test_a_mode_on_a_limit_counts():
 @pytest.mark.parametrize("half", [0.0, 5e-13])
 def test_a_mode_that_may_be_beyond_a_limit_is_not_settled(half):
     """Poses count as within a limit up to 1e-9 beyond it; this one is right there."""
-    exact = proof_of(pj.load("three_rps_ss"), hand.POSE_A_L)
+    exact = proof_of(loaded("three_rps_ss"), hand.POSE_A_L)
     top = max(row.max() for row in middles(exact)) - 1e-9 + half
     proof = proof_of(limited_three_rps(-2.0, top), hand.POSE_A_L, limits=True)
     assert not proof or len(proof.enclosures) == 8
@@ -287,7 +288,7 @@ def test_a_mode_that_may_be_beyond_a_limit_is_not_settled(half):
 
 
 def test_slides_without_limits_are_bounded_by_their_loop():
-    slider = pj.load("slider_crank")
+    slider = loaded("slider_crank")
     model = slider.model
     entry = model.joints[model.getJointId("x")].idx_q
     model.lowerPositionLimit[entry], model.upperPositionLimit[entry] = -np.inf, np.inf
@@ -324,7 +325,7 @@ def test_next_to_a_double_root_there_are_two_or_none(beyond):
 
 @pytest.mark.slow
 def test_a_double_root_of_the_three_rps_is_not_settled(rng):
-    mechanism = pj.load("three_rps_ss")
+    mechanism = loaded("three_rps_ss")
     for lengths, theta in hand.rps_singular_poses(rng, 2):
         proof = proof_of(mechanism, lengths)
         assert not proof
@@ -351,7 +352,7 @@ def test_a_pose_that_moves_with_locked_motors_is_not_settled():
 
 @pytest.mark.parametrize("budget", [Budget(boxes=20), Budget(seconds=0.0)])
 def test_a_spent_budget_is_said(budget):
-    proof = proof_of(pj.load("three_rps_ss"), hand.POSE_A_L, budget=budget)
+    proof = proof_of(loaded("three_rps_ss"), hand.POSE_A_L, budget=budget)
     assert not proof
     assert "not looked at within the budget" in proof.failed
     for row in hand.POSE_A_MODES:
@@ -374,7 +375,7 @@ def geared():
         (geared, [0.3], "joints 'one' and 'two' are geared"),
         (mechanisms.rssr, [0.4], "passive joints can move with all motors locked"),
         (
-            lambda: pj.recut(pj.load("five_bar"), "phi1"),
+            lambda: pj.recut(loaded("five_bar"), "phi1"),
             [2.1874829, 0.95410976],
             "passive joint 'tip-tip2' is spherical",
         ),
@@ -387,13 +388,13 @@ def test_where_intervals_do_not_apply_this_is_said(mechanism, motors, why):
 
 
 def test_an_open_chain_has_one_mode():
-    mechanism = pj.load("serial_2r")
+    mechanism = loaded("serial_2r")
     proof = proof_of(mechanism, [0.3, 0.4])
     assert (bool(proof), len(proof.enclosures)) == (True, 1)
     np.testing.assert_array_equal(mechanism.configuration(proof.q[0]).actuated, [0.3, 0.4])
 
 
 def test_match_finds_nothing_between_modes():
-    proof = proof_of(pj.load("four_bar"), [0.9])
+    proof = proof_of(loaded("four_bar"), [0.9])
     first = middles(proof)[0]
     assert proof.match([first, first + 1.0, first + 2.0 * np.pi]) == (0, None, 0)

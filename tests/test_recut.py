@@ -6,11 +6,12 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 
 MECHANISMS = {
-    **{name: (lambda name=name: pj.load(name)) for name in mechanisms.CLOSED},
+    **{name: (lambda name=name: loaded(name)) for name in mechanisms.CLOSED},
     "yawing_four_bar": mechanisms.yawing_four_bar,
     "rssr": mechanisms.rssr,
     "rssr_rod": lambda: mechanisms.rssr(rod=False),
@@ -47,7 +48,7 @@ def test_j_eq_is_the_same_cut_at_every_joint(name, rng):
 
 @pytest.mark.parametrize("name", ["three_rps", "three_rps_ss"])
 def test_named_poses_stay_on_their_assembly_modes(name):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     recut = pj.recut(mechanism, "theta2")
     for pose in mechanism.poses:
         np.testing.assert_allclose(
@@ -127,14 +128,14 @@ def test_every_kind_of_loop_becomes_a_joint(kind, order):
 
 
 def test_a_recut_mechanism_can_be_recut():
-    mechanism = pj.load("three_rps")
+    mechanism = loaded("three_rps")
     recut = pj.recut(pj.recut(mechanism, "theta1"), "theta3")
     J_eq = mechanism.home.jacobian().J_eq
     np.testing.assert_allclose(recut.home.jacobian().J_eq, J_eq, atol=1e-10)
 
 
 def test_names_of_new_frames_do_not_collide():
-    mechanism = pj.load("four_bar")
+    mechanism = loaded("four_bar")
     J_eq = mechanism.home.jacobian().J_eq
     again = pj.recut(pj.recut(mechanism, "theta1"), "theta1")
     np.testing.assert_allclose(again.home.jacobian().J_eq, J_eq, atol=1e-10)
@@ -148,15 +149,15 @@ def test_names_of_new_frames_do_not_collide():
 
 
 def test_bad_joints():
-    mechanism = pj.load("three_rps")
+    mechanism = loaded("three_rps")
     with pytest.raises(pj.UnknownNameError, match="did you mean 'theta1'"):
         pj.recut(mechanism, "thet1")
     with pytest.raises(pj.ArgumentError, match="'elbow_joint' is in no loop"):
-        pj.recut(pj.load("ur5"), "elbow_joint")
+        pj.recut(loaded("ur5"), "elbow_joint")
 
 
 def test_limits_of_a_joint_that_is_cut_are_said_to_be_lost():
-    mechanism = pj.load("five_bar")
+    mechanism = loaded("five_bar")
     model = mechanism.model.copy()
     index = model.joints[model.getJointId("phi1")].idx_q
     model.lowerPositionLimit[index], model.upperPositionLimit[index] = -2.5, 2.5

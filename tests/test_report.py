@@ -8,6 +8,7 @@ import math
 import mechanisms
 import numpy as np
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.words.labelled import common_unit, metric_unit, quotient, row_powers, unit
@@ -35,7 +36,7 @@ def fold():
 
 @pytest.fixture(scope="module")
 def homes():
-    return {name: pj.load(name).home for name in mechanisms.CATALOGUE}
+    return {name: loaded(name).home for name in mechanisms.CATALOGUE}
 
 
 @pytest.mark.parametrize("frame", FRAMES)
@@ -288,5 +289,5 @@ def test_writing_units():
     assert common_unit([], []) is None
     assert common_unit([(1, 0)], [(1, 0), (0, 1)]) is None
     assert metric_unit((1, 0), (1, 0)) == "m/s"
-    assert row_powers(pj.load("four_bar")) == ((1, 0), (1, 0), (1, 0))
-    assert row_powers(pj.load("three_rps_ss")) == ((2, 0), (2, 0), (2, 0))
+    assert row_powers(loaded("four_bar")) == ((1, 0), (1, 0), (1, 0))
+    assert row_powers(loaded("three_rps_ss")) == ((2, 0), (2, 0), (2, 0))

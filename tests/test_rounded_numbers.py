@@ -7,6 +7,7 @@ import re
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 from transformed import scaled
 
 import pmjac_pin as pj
@@ -16,7 +17,7 @@ OVERCONSTRAINED = ("bennett", "bricard", "sarrus", "slider_crank", "four_bar", "
 
 def rounded(name, size, tolerance=None, seed=0, scale=1.0):
     """Return a machine whose axes are tilted at random, but for home, which stays closed."""
-    machine = scaled(pj.load(name), scale)
+    machine = scaled(loaded(name), scale)
     model, rng = machine.model, np.random.default_rng(seed)
     for joint in range(1, model.njoints):
         if model.names[joint] in machine.actuated:
@@ -39,7 +40,7 @@ def rounded(name, size, tolerance=None, seed=0, scale=1.0):
 @pytest.mark.parametrize("name", OVERCONSTRAINED)
 def test_the_tolerance_that_is_named_does(name, scale):
     """A few questions and answers lead to a machine that closes, whatever its size."""
-    machine = scaled(pj.load(name), scale)
+    machine = scaled(loaded(name), scale)
     slides = np.array([machine.units[motor] == "m" for motor in machine.actuated])
     target = machine.home.actuated + 0.05 * np.where(slides, scale, 1.0)
     tolerance = None
@@ -59,7 +60,7 @@ def test_the_tolerance_that_is_named_does(name, scale):
 
 def one_axis(tolerance=None, tilt=2e-8):
     """A four-bar that closes exactly at home, and whose rod is tilted elsewhere, rad."""
-    machine = pj.load("four_bar")
+    machine = loaded("four_bar")
     model, home = machine.model, machine.home.q
     joint = model.getJointId("phi2")
     angle = home[model.joints[joint].idx_q]

@@ -9,6 +9,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.closing.assembly import build_parts
@@ -79,7 +80,7 @@ def turned_over(pose, legs):
 
 def deltas(motors=(0.3, 0.45, 0.2)):
     """The delta in the eight ways of one pose."""
-    pose = pj.load("delta").close(motors)
+    pose = loaded("delta").close(motors)
     subsets = itertools.chain(*(itertools.combinations((1, 2, 3), k) for k in range(4)))
     return [turned_over(pose, legs) for legs in subsets]
 
@@ -205,7 +206,7 @@ def test_a_small_turn_is_not_half_a_turn(angle, same):
 
 @pytest.mark.parametrize("name", [*QUICK, *SLOWER])
 def test_where_nothing_turns_over_poses_are_modes(name, monkeypatch):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     modes, poses = found_of(mechanism, mechanism.home.actuated, monkeypatch)
     assert sum(modes.ways) == len(poses) == len(modes)
     assert "turned over unseen" not in str(modes.evidence)
@@ -213,7 +214,7 @@ def test_where_nothing_turns_over_poses_are_modes(name, monkeypatch):
 
 @pytest.mark.slow
 def test_the_deltas_four_modes():
-    mechanism = pj.load("delta")
+    mechanism = loaded("delta")
     modes = pj.assembly_modes(mechanism, mechanism.home.actuated, rng=0)
     assert modes.ways == (8, 8, 8, 8)
     assert str(modes.evidence).endswith("; 32 poses are 4 modes, with bodies turned over unseen")

@@ -9,6 +9,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.files.catalog import find_model_file, find_urdf
@@ -66,7 +67,7 @@ def mechanism(request, tmp_path):
 
 @pytest.fixture(scope="module")
 def three_rps():
-    return pj.load("three_rps")
+    return loaded("three_rps")
 
 
 @pytest.fixture(scope="module")
@@ -278,7 +279,7 @@ def test_a_slide_without_visuals_is_drawn_by_its_rail(tmp_path):
 
 
 def test_meshes_of_an_arm_become_bars_from_joint_to_joint():
-    mechanism = pj.load("ur5")
+    mechanism = loaded("ur5")
     model, home = mechanism.model, mechanism.home
     data = model.createData()
     pin.forwardKinematics(model, data, home.q)
@@ -366,7 +367,7 @@ def test_the_gap_is_what_the_loop_leaves_open(loop, expected):
 @pytest.mark.parametrize("joint", ["x", "beta"])
 def test_anchors_show_the_axis_of_their_loop(joint):
     """The joint of the tree, and the loop that it becomes where it is cut."""
-    mechanism = pj.load("slider_crank")
+    mechanism = loaded("slider_crank")
     recut = pj.recut(mechanism, joint)
     for theta in (0.9, 2.0):
         data = mechanism.model.createData()
@@ -384,7 +385,7 @@ def test_anchors_show_the_axis_of_their_loop(joint):
 
 @pytest.mark.parametrize("ratio", [-0.5, -3.0, 2.0])
 def test_gears_are_wheels_as_large_as_their_ratio_says(ratio):
-    model = pj.load("serial_2r").model
+    model = loaded("serial_2r").model
     gear = pj.JointLoop(joints=("theta1", "theta2"), ratio=ratio)
     mechanism = pj.Mechanism.from_pinocchio(model, [gear], ["theta1"], "tip")
     home, moved = (by_name(scene(pose)) for pose in (mechanism.home, mechanism.close([0.4])))
@@ -434,7 +435,7 @@ def test_arrows_do_not_jump_while_a_motor_turns(name):
     At the home of the 3-RPS two radii are equal: there and beside it only the span of their arrows
     stays, not each.
     """
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     maker = SceneMaker(mechanism)
     values = mechanism.home.actuated
     directions, axes, arrows, apart = {}, [], [], []
@@ -496,7 +497,7 @@ def test_arrows_of_a_ball_stay(rng):
 @pytest.mark.parametrize("name", ["three_rps", "agile_eye", "delta", "planar_3rrr"])
 def test_arrows_at_a_symmetric_home_do_not_depend_on_rounding(name, rng):
     """Neither alone nor after another picture, though the Jacobian is a different one each time."""
-    jacobian = pj.load(name).home.jacobian()
+    jacobian = loaded(name).home.jacobian()
     before = np.linalg.qr(rng.standard_normal((3, 3)))[0]
     for block in (jacobian.Jv_eq, jacobian.Jw_eq):
         alone, following = [], []
@@ -513,7 +514,7 @@ def test_arrows_at_a_symmetric_home_do_not_depend_on_rounding(name, rng):
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 @pytest.mark.parametrize("scale", [1.0, 0.3])
 def test_the_ellipsoid_is_the_jacobians(name, scale, rng):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     maker = SceneMaker(mechanism)
     options = SceneOptions(angular=True, scale=scale)
     home = mechanism.home.jacobian()
@@ -563,7 +564,7 @@ def test_labels_keep_their_width():
 
 
 def test_an_unbounded_force_is_clipped_and_marked():
-    mechanism = pj.load("four_bar")
+    mechanism = loaded("four_bar")
     size = items_size(mechanism)
     items = by_name(scene(mechanism.home, SceneOptions(force=True)))
     surface = items["ellipsoids/force/surface"].transform[:3, :3]

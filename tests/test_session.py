@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import scipy.optimize
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.model.tool_rows import TWIST_ROWS
@@ -30,7 +31,7 @@ from pmjac_pin.viewer.session import Session
 
 
 def session_of(name="three_rps", **options):
-    return Session(pj.load(name).home, SceneOptions(**options))
+    return Session(loaded(name).home, SceneOptions(**options))
 
 
 def test_a_move_goes_to_the_values():
@@ -82,7 +83,7 @@ def test_motors_that_are_tied_are_told_and_not_called_the_end_of_a_range():
 
 
 def test_tied_motors_move_together_on_the_page():
-    single = pj.load("five_bar")
+    single = loaded("five_bar")
     there = single.close(single.home.actuated + 0.1)
     session = Session(
         pj.load("five_bar", actuated=["theta1", "theta2", "phi1"]).home, SceneOptions()
@@ -107,7 +108,7 @@ def test_the_end_of_the_range_can_be_left_again():
 @pytest.mark.parametrize(
     ("mechanism", "beyond", "back"),
     [
-        (pj.load("three_rps"), [1.0, 3.0, 1.0], [1.0, 1.5, 1.0]),
+        (loaded("three_rps"), [1.0, 3.0, 1.0], [1.0, 1.5, 1.0]),
         (mechanisms.rocker_rocker(), [3.0], [1.0]),
     ],
     ids=lambda value: getattr(value, "name", None),
@@ -179,7 +180,7 @@ def test_a_mechanism_without_a_jacobian_is_shown_all_the_same():
 
 
 def test_a_pose_that_does_not_close_is_left_out(monkeypatch):
-    mechanism = pj.load("three_rps")
+    mechanism = loaded("three_rps")
     pose = type(mechanism).pose
 
     def broken(self, name):
@@ -242,12 +243,12 @@ def test_options_choose_what_is_drawn():
 def test_another_mechanism_is_refused():
     session = session_of()
     with pytest.raises(pj.ArgumentError, match="four_bar"):
-        session.show(pj.load("four_bar").home)
+        session.show(loaded("four_bar").home)
 
 
 def test_the_same_mechanism_loaded_twice_is_welcome():
     session = session_of()
-    session.show(pj.load("three_rps").close([1.1, 1.0, 1.0]))
+    session.show(loaded("three_rps").close([1.1, 1.0, 1.0]))
     assert session.configuration.actuated[0] == pytest.approx(1.1)
     session.obey(MoveMotors(values=[1.2, 1.0, 1.0]))
 
@@ -268,7 +269,7 @@ def test_an_update_computes_jacobian_and_ellipsoids_once(monkeypatch):
 
 @pytest.mark.parametrize("name", pj.list_mechanisms())
 def test_the_readout_is_the_library_s(name):
-    configuration = pj.load(name).home
+    configuration = loaded(name).home
     readout = make_readout(configuration)
     jacobian = configuration.jacobian()
     for frame, rows in readout.J_eq.items():
@@ -328,7 +329,7 @@ def test_at_a_singularity_there_is_no_jacobian_and_the_readout_says_why():
 
 
 def test_a_loss_singularity_is_said_and_seen_coming():
-    mechanism = pj.load("ur5")
+    mechanism = loaded("ur5")
     near, there = (mechanism.close([0.3, -1.2, elbow, -0.9, -1.2, 0.2]) for elbow in (0.01, 0.0))
     assert make_readout(near).warning.level == "near"
     warning = make_readout(there).warning
@@ -348,7 +349,7 @@ def test_a_stretched_arm_has_lost_a_direction_of_velocity(elbow, words):
 
 @pytest.mark.parametrize(("elbow", "level"), [(0.0, "singular"), (0.01, "near"), (1.0, "regular")])
 def test_an_arm_that_is_there_to_move_its_tip_loses_a_motion(elbow, level):
-    readout = make_readout(pj.load("serial_2r").close([0.5, elbow]))
+    readout = make_readout(loaded("serial_2r").close([0.5, elbow]))
     assert readout.warning.level == level
     assert (readout.tool_rank, readout.generic_tool_rank) == (2 if elbow else 1, 2)
     assert readout.judged == ("vx, vy", "judged on vx, vy in the tool's own axes")
@@ -388,7 +389,7 @@ def test_a_warning_does_not_depend_on_the_size(size):
 
 @pytest.mark.parametrize(("smallest", "level"), [(0.0101, "regular"), (0.0099, "near")])
 def test_near_means_within_a_hundredth(smallest, level):
-    mechanism = pj.load("three_rps")
+    mechanism = loaded("three_rps")
 
     def excess(l2):
         return mechanism.close([1.0, l2, 1.0]).singularity().smallest - smallest

@@ -10,7 +10,7 @@ import threading
 import numpy as np
 import pinocchio as pin
 import pytest
-from mechanisms import CATALOGUE
+from mechanisms import CATALOGUE, loaded
 from random_machines import random_machine
 from recording import recorded, unrecorded
 
@@ -25,7 +25,7 @@ MACHINES = [*CATALOGUE, *(f"random {seed}" for seed in range(10))]
 
 
 def machine(name):
-    return random_machine(int(name.split()[1])) if name.startswith("random ") else pj.load(name)
+    return random_machine(int(name.split()[1])) if name.startswith("random ") else loaded(name)
 
 
 def cases():
@@ -139,7 +139,7 @@ def test_what_is_not_certain_is_said_by_singular_values():
 
 def test_half_a_turn_away_is_open():
     """Where tilts and turns vanish by mistake."""
-    mechanism = recorded(pj.load("delta"))
+    mechanism = recorded(loaded("delta"))
     home = mechanism.home.q
     mechanism.configuration(home)
     assert mechanism.configuration(home)._known is not None
@@ -152,10 +152,10 @@ def test_half_a_turn_away_is_open():
 
 
 def test_the_other_matrices_are_found_when_asked_for():
-    mechanism = recorded(pj.load("three_rps"))
+    mechanism = recorded(loaded("three_rps"))
     jacobian = mechanism.configuration(mechanism.home.q).jacobian()
     assert not {"tool_jacobian", "constraint_jacobian"} & set(vars(jacobian))
-    expected = unrecorded(pj.load("three_rps")).home.jacobian()
+    expected = unrecorded(loaded("three_rps")).home.jacobian()
     assert repr(jacobian) == repr(expected)
     for name in ("K", "K_star", "Jv_star", "motion_map", "sizes"):
         np.testing.assert_allclose(getattr(jacobian, name), getattr(expected, name), rtol=1e-9)
@@ -172,15 +172,15 @@ def test_the_other_matrices_are_found_when_asked_for():
 
 def test_without_a_kernel_nothing_is_recorded(monkeypatch):
     monkeypatch.setattr("pmjac_pin.closing.path_kernel.path_kernel", lambda: None)
-    mechanism = recorded(pj.load("four_bar"))
+    mechanism = recorded(loaded("four_bar"))
     pose = mechanism.close([1.0])
     assert pose._known is None
     assert not {"rates", "point", "step"} & set(vars(mechanism._recorded))
-    np.testing.assert_allclose(pose.q, pj.load("four_bar").close([1.0]).q, atol=0.0)
+    np.testing.assert_allclose(pose.q, loaded("four_bar").close([1.0]).q, atol=0.0)
 
 
 def test_after_a_batch_the_first_call_goes_by_the_program():
-    mechanism = pj.load("four_bar")
+    mechanism = loaded("four_bar")
     pj.batch(mechanism)
     assert mechanism.configuration(mechanism.home.q)._known is not None
     assert "_point" not in vars(mechanism.close([1.0]))
@@ -195,14 +195,14 @@ def test_joints_that_pinocchio_alone_knows_are_closed_without():
 
 
 def test_few_calls_record_nothing():
-    mechanism = pj.load("stewart_gough")
+    mechanism = loaded("stewart_gough")
     for _ in range(20):
         mechanism.close(mechanism.home.actuated).jacobian()
     assert not {"rates", "point", "step"} & set(vars(mechanism._recorded))
 
 
 def test_many_calls_record_once_and_pickles_record_anew():
-    mechanism = pj.load("four_bar")
+    mechanism = loaded("four_bar")
     for _ in range(200):
         mechanism.configuration(mechanism.home.q)
         mechanism.close([1.0])
@@ -214,7 +214,7 @@ def test_many_calls_record_once_and_pickles_record_anew():
 
 
 def test_threads_do_not_share_memory():
-    mechanism = recorded(pj.load("three_rps"))
+    mechanism = recorded(loaded("three_rps"))
     mechanism.close(mechanism.home.actuated)
     values = [mechanism.home.actuated + 0.002 * k for k in range(40)]
     expected = [mechanism.close(one) for one in values]
@@ -239,7 +239,7 @@ def test_threads_do_not_share_memory():
 def test_loose_joints_of_any_kind_move_as_pinocchio_moves_them(rng):
     """Endless motors, planar and free bodies: the same poses a full turn on."""
     for name in ("planar_3rrr", "three_rps", "delta"):
-        mechanism, by_values = recorded(pj.load(name)), unrecorded(pj.load(name))
+        mechanism, by_values = recorded(loaded(name)), unrecorded(loaded(name))
         for values in targets(mechanism, 3, 0.05, rng):
             found, expected = (
                 m.close(values, enforce_limits=False) for m in (mechanism, by_values)

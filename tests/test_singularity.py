@@ -7,6 +7,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.model.tool_rows import TWIST_ROWS
@@ -129,7 +130,7 @@ def test_the_rockers_dead_point_is_no_error():
     # Crank and coupler in one line: the rocker is at the end of its swing.
     reach = l1 + l2
     theta1 = np.arccos((l0**2 + reach**2 - l3**2) / (2 * l0 * reach))
-    configuration = pj.load("four_bar").close([theta1])
+    configuration = loaded("four_bar").close([theta1])
     assert configuration.passive[1] == pytest.approx(0.0, abs=1e-9)
     jacobian = configuration.jacobian()
     assert jacobian.passive_rates[0, 0] == pytest.approx(0.0, abs=1e-9)
@@ -142,7 +143,7 @@ def singular_rps():
 
 
 def test_three_rps_ss_at_singular_poses(singular_rps):
-    mechanism = pj.load("three_rps_ss")
+    mechanism = loaded("three_rps_ss")
     for lengths, theta in singular_rps:
         values = dict(zip(mechanism.actuated + mechanism.passive, (*lengths, *theta), strict=True))
         configuration = mechanism.configuration(as_q(mechanism, values))
@@ -161,7 +162,7 @@ def test_three_rps_ss_at_singular_poses(singular_rps):
 
 def test_three_rps_is_singular_where_three_rps_ss_is(singular_rps):
     """The contact-constraint model sees the same singularities, though its K* is 9 × 9."""
-    legs, platform = pj.load("three_rps_ss"), pj.load("three_rps")
+    legs, platform = loaded("three_rps_ss"), loaded("three_rps")
     for lengths, theta in singular_rps:
         values = dict(zip(legs.actuated + legs.passive, (*lengths, *theta), strict=True))
         tool = legs.configuration(as_q(legs, values)).tool_pose
@@ -183,7 +184,7 @@ def test_three_rps_is_singular_where_three_rps_ss_is(singular_rps):
 
 
 def test_three_rps_is_reached_close_to_its_singular_poses():
-    mechanism = pj.load("three_rps_ss")
+    mechanism = loaded("three_rps_ss")
     with pytest.raises(pj.ClosureError) as caught:
         mechanism.close(hand.POSE_B_L, guess="lecture_a")
     start, end = mechanism.pose("lecture_a").actuated, caught.value.reached.actuated
@@ -195,14 +196,14 @@ def test_three_rps_is_reached_close_to_its_singular_poses():
 
 
 def test_loss_of_a_tool_motion_is_told_apart():
-    stretched = pj.load("serial_2r").close([0.3, 0.0])
+    stretched = loaded("serial_2r").close([0.3, 0.0])
     singularity = stretched.singularity()
     # Its tip moves along one line only; as a whole twist the arm keeps both motions.
     assert (singularity.kind, singularity.lost) == ("loss", 1)
     assert stretched.jacobian().velocity_ellipsoid().rank == 1
     whole = pj.load("serial_2r", tool_rows=TWIST_ROWS).close([0.3, 0.0])
     assert (whole.singularity().kind, whole.singularity().lost) == ("regular", 0)
-    wrist = pj.load("ur5")
+    wrist = loaded("ur5")
     straight = wrist.close([0.3, -1.2, 1.4, -0.9, 0.0, 0.2])
     assert straight.singularity().kind == "loss"
     assert straight.singularity().lost == 1
@@ -264,7 +265,7 @@ def test_a_path_through_a_branch_point_stops_there():
 
 @pytest.mark.parametrize("name", ["four_bar", "three_rps", "delta"])
 def test_jacobian_and_singularity_share_one_factorisation_of_K_star(name, monkeypatch):
-    home = pj.load(name).home
+    home = loaded(name).home
     partition = home.mechanism.problem.partition
     scaled = partition.scaled(home.split_jacobian().constraint_jacobian)
     configuration, looked_at = home.mechanism.configuration(home.q), []

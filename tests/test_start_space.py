@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import transformed
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.model.frames import find_frame
@@ -229,7 +230,7 @@ def test_parallel_slides_are_cut_off_and_say_so():
 @pytest.mark.parametrize("name", SLIDING)
 def test_every_mode_is_in_the_start_space(name, rng):
     """Of the machine, and of the machine moved, which changes no range."""
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     legs = search_problem(mechanism, mechanism.home.q)[1]
     for configuration in mechanisms.random_closed(mechanism, rng, 3):
         problem, _ = search_problem(mechanism, configuration.q)
@@ -249,7 +250,7 @@ def test_every_mode_is_in_the_start_space(name, rng):
 
 @pytest.mark.parametrize("name", SLIDING)
 def test_ranges_are_those_of_the_machine_not_of_its_place(name):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     problem, _ = search_problem(mechanism, mechanism.home.q)
     away = pin.SE3(pin.rpy.rpyToMatrix(0.3, -0.8, 2.0), np.array([3e3, -2e3, 1e3]))
     moved = problem.model.copy()
@@ -272,7 +273,7 @@ def test_ranges_are_those_of_the_machine_not_of_its_place(name):
 
 def small_platform(ratio):
     """A Gough platform whose base and plate are so much smaller, its legs as long as before."""
-    mechanism = pj.load("stewart_gough")
+    mechanism = loaded("stewart_gough")
     sizes = {name: one.default / ratio for name, one in mechanism.spec.parameters.items()}
     return pj.load("stewart_gough", sizes)
 
@@ -293,7 +294,7 @@ def test_no_mode_hides_where_legs_are_much_longer_than_what_they_carry(ratio):
 @pytest.mark.parametrize("ratio", [30, 100, 300, 1000])
 def test_legs_driven_out_far_lead_to_eight_modes(ratio):
     """Tolerance and lengths are those of the machine at home; beyond, rounding decides."""
-    mechanism = pj.load("stewart_gough")
+    mechanism = loaded("stewart_gough")
     values = ratio * mechanism.home.actuated
     modes = pj.assembly_modes(mechanism, values, rng=0, limits=False)
     assert len(modes) == 8
@@ -323,7 +324,7 @@ def domain_of_slides(mechanism):
     return np.array([problem.domain.lower[sliding], problem.domain.upper[sliding]])
 
 
-@pytest.mark.parametrize("machine", [far_slide(), pj.load("slider_crank")], ids=["far", "crank"])
+@pytest.mark.parametrize("machine", [far_slide(), loaded("slider_crank")], ids=["far", "crank"])
 def test_a_proof_bounds_slides_as_a_search_does_wherever_the_machine_stands(machine):
     ends = domain_of_slides(machine)
     problem, _ = search_problem(machine, machine.home.q)

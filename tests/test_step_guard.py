@@ -8,6 +8,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.closing.step_guard import StepGuard
@@ -286,7 +287,7 @@ def test_what_lies_between_measured_poses_is_bounded(name, monkeypatch, rng):
 
     Neither may be left out: the bounds are within a few powers of ten of what there is.
     """
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     problem, model = mechanism.problem, mechanism.kinematics.model
     slides = np.array([mechanism.units[motor] == "m" for motor in mechanism.actuated])
     size = 0.2 * np.where(slides, mechanism.characteristic_length, 1.0)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import mechanisms
 import numpy as np
 import pytest
+from mechanisms import loaded
 
-import pmjac_pin as pj
 from pmjac_pin.pictures.stick_figure import TOOL_LENGTH, StickFigures
 
 
@@ -21,7 +21,7 @@ def lengths(figure, kind):
 
 
 def test_the_bars_of_a_four_bar_have_the_links_lengths():
-    mechanism = pj.load("four_bar")
+    mechanism = loaded("four_bar")
     values = mechanism.parameters
     figure = figure_of(mechanism.close([0.7]))
     np.testing.assert_allclose(lengths(figure, "ground"), values["l0"])
@@ -31,7 +31,7 @@ def test_the_bars_of_a_four_bar_have_the_links_lengths():
 
 
 def test_a_ternary_link_is_a_plate_and_the_tool_within_it_no_corner():
-    mechanism = pj.load("three_rps")
+    mechanism = loaded("three_rps")
     [plate] = [s for s in figure_of(mechanism.home).strokes if s.kind == "link" and s.is_plate]
     sides = np.linalg.norm(plate.points - np.roll(plate.points, 1, axis=0), axis=1)
     np.testing.assert_allclose(sides, 3**0.5 * mechanism.parameters["a"])
@@ -40,18 +40,18 @@ def test_a_ternary_link_is_a_plate_and_the_tool_within_it_no_corner():
 
 
 def test_motors_that_slide_are_as_long_as_their_values():
-    configuration = pj.load("three_rps").close([1.1, 0.9, 1.0])
+    configuration = loaded("three_rps").close([1.1, 0.9, 1.0])
     np.testing.assert_allclose(lengths(figure_of(configuration), "motor rail"), [0.9, 1.0, 1.1])
 
 
 def test_distance_loops_are_rods():
-    figure = figure_of(pj.load("three_rps_ss").home)
+    figure = figure_of(loaded("three_rps_ss").home)
     np.testing.assert_allclose(lengths(figure, "rod"), 0.75**0.5)
 
 
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_every_mechanism_has_a_figure_with_its_tool(name):
-    home = pj.load(name).home
+    home = loaded(name).home
     figure = figure_of(home)
     pose = home.tool_pose
     np.testing.assert_allclose(figure.tool[0], pose.translation)

@@ -12,6 +12,7 @@ import mechanisms
 import numpy as np
 import pytest
 import xarray
+from mechanisms import loaded
 from swept_for_kill import PRELOADED, go_on, swept_for_kill
 
 import pmjac_pin as pj
@@ -26,7 +27,7 @@ ALL = ("J_eq", "q", "share")
 
 def swept(**given):
     return pj.sweep(
-        pj.load("three_rps"), {"l1": LENGTHS, "l3": LENGTHS}, measures=ALL, workers=1, **given
+        loaded("three_rps"), {"l1": LENGTHS, "l3": LENGTHS}, measures=ALL, workers=1, **given
     )
 
 
@@ -56,7 +57,7 @@ def check(point, mechanism, values):
 
 
 def test_each_point_of_a_grid():
-    mechanism, found = pj.load("three_rps"), swept(chunk=7)
+    mechanism, found = loaded("three_rps"), swept(chunk=7)
     assert found.J_eq.dims == ("l1", "l3", "row", "motor")
     np.testing.assert_array_equal(found.l1, LENGTHS)
     for l1 in LENGTHS:
@@ -66,7 +67,7 @@ def test_each_point_of_a_grid():
 
 def test_measures():
     measures = ("velocity_radii", "angular_radii", "smallest", "condition", "position", "rotation")
-    mechanism = pj.load("three_rps")
+    mechanism = loaded("three_rps")
     found = pj.sweep(mechanism, {"l1": [*LENGTHS, 3.0]}, measures=measures, workers=1)
     closed = found.status == pj.Status.CLOSED
     assert closed.any()
@@ -106,7 +107,7 @@ def test_a_machine_that_does_not_assemble():
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_few_poses_are_what_many_are(name, rng):
     """Where it does not pay to record a mechanism, single calls say the same."""
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     targets = mechanism.home.actuated + rng.uniform(-0.3, 0.3, (6, len(mechanism.actuated)))
     few, many = FewPoses(mechanism), pj.batch(mechanism)
     mine, theirs = few.close(targets), many.close(targets)
@@ -126,7 +127,7 @@ def assert_alike(found, expected):
 def test_what_few_poses_say_does_not_depend_on_calls_before(monkeypatch):
     """Not even by rounding: a sweep that goes on is the one that was not interrupted."""
     monkeypatch.setattr(recorded_mechanism, "_CALLS", 0.05)
-    mechanism = pj.load("three_rps")
+    mechanism = loaded("three_rps")
     targets = mechanism.home.actuated + np.linspace(-0.1, 0.1, 12)[:, None]
     first = FewPoses(mechanism)
     expected = first.close(targets)
@@ -169,7 +170,7 @@ def test_a_store_of_another_sweep(tmp_path):
     with pytest.raises(pj.ArgumentError, match="another sweep: it differs in its chunk; give"):
         swept(out=out, chunk=5, resume=True)
     with pytest.raises(pj.ArgumentError, match="differs in its name, mechanism, dim"):
-        pj.sweep(pj.load("four_bar"), {"theta1": [0.9]}, out=out, resume=True)
+        pj.sweep(loaded("four_bar"), {"theta1": [0.9]}, out=out, resume=True)
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "notes").write_text("mine")
     for resume in (True, False):
@@ -249,7 +250,7 @@ def test_killed_and_resumed_is_as_never_interrupted(
 )
 def test_what_is_refused(given, message):
     with pytest.raises(pj.PmjacError, match=message):
-        pj.sweep(pj.load("three_rps"), **{"workers": 1, **given})
+        pj.sweep(loaded("three_rps"), **{"workers": 1, **given})
 
 
 def test_places_where_no_store_can_be(tmp_path):
@@ -319,7 +320,7 @@ def test_the_command(tmp_path, capsys):
     assert main(["sweep", str(path), "--resume", "--workers", "1"]) == 0
     found = xarray.open_zarr(tmp_path / "map.zarr", consolidated=False, chunks=None)
     np.testing.assert_allclose(found.l1, [0.9, 1.0, 1.1])
-    assert found.q.shape == (3, 2, pj.load("three_rps").nq)
+    assert found.q.shape == (3, 2, loaded("three_rps").nq)
 
 
 @pytest.mark.parametrize(

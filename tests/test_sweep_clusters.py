@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import xarray
+from mechanisms import loaded
 
 import pmjac_pin as pj
 
@@ -13,7 +14,7 @@ LENGTHS = np.linspace(0.85, 1.2, 6)
 
 def swept(**given):
     over = {"l1": LENGTHS, "l2": LENGTHS}
-    return pj.sweep(pj.load("three_rps"), over, measures=("J_eq", "q"), chunk=4, **given).load()
+    return pj.sweep(loaded("three_rps"), over, measures=("J_eq", "q"), chunk=4, **given).load()
 
 
 @pytest.fixture(scope="module")

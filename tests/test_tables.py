@@ -8,6 +8,7 @@ import re
 
 import mechanisms
 import pytest
+from mechanisms import loaded
 from rich.cells import cell_len
 from rich.console import Console
 
@@ -43,7 +44,7 @@ def table(count, width_of_name=4, rows=3):
 
 @pytest.fixture(scope="module")
 def reports():
-    return {name: pj.report(pj.load(name).home, pose="home") for name in mechanisms.CATALOGUE}
+    return {name: pj.report(loaded(name).home, pose="home") for name in mechanisms.CATALOGUE}
 
 
 @pytest.mark.parametrize("width", [24, 30, 40, 60, 80, 120])
@@ -229,7 +230,7 @@ def test_no_color(monkeypatch, no_color, colored):
 
 def test_directions_that_are_any_are_not_shown():
     """A Delta's plate never turns: three radii are zero, and have no directions."""
-    home = pj.load("delta").home
+    home = loaded("delta").home
     table = ellipsoid_table("turning", pj.report(home).ellipsoids["angular"])
     assert [row[2:] for row in table.rows] == [("-", "-", "-")] * 3
     velocity = ellipsoid_table("moving", pj.report(home).ellipsoids["velocity"])

@@ -6,6 +6,7 @@ import mechanisms
 import numpy as np
 import pytest
 import scipy.linalg
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.model.linkage import aligned
@@ -76,7 +77,7 @@ def test_bases_across_an_axis_do_not_depend_on_rounding(axis, rng):
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_what_is_free_is_told_alike_after_rounding(name, rng):
     """At home, or where the catalogue's own singular poses are."""
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     partition = mechanism.problem.partition
     for pose in mechanism.poses:
         split = mechanism.pose(pose).split_jacobian()
@@ -96,7 +97,7 @@ def test_what_is_free_is_told_alike_after_rounding(name, rng):
 
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_rows_and_motors_that_are_chosen_stay_after_rounding(name, rng):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     partition = mechanism.problem.partition
     for pose in mechanism.poses:
         split = mechanism.pose(pose).split_jacobian()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.kinematics.tool import tool_kinematics
@@ -20,7 +21,7 @@ def at(model, tool, q):
 
 @pytest.mark.parametrize("points", [("S1", "S2", "S3"), ("S2", "base", "leg1_rod")])
 def test_points_tool_against_differences_while_the_triangle_deforms(points, rng):
-    model = pj.load("three_rps_ss").model
+    model = loaded("three_rps_ss").model
     tool = tool_kinematics(model, Tool(points=points))
     h = 1e-6
     for _ in range(20):
@@ -38,7 +39,7 @@ def test_points_tool_against_differences_while_the_triangle_deforms(points, rng)
 
 def test_points_of_one_body_give_that_bodys_twist(rng):
     """On a rigid triangle, a three-point tool is a frame at the centroid."""
-    model = pj.load("three_rps").model
+    model = loaded("three_rps").model
     q = pin.integrate(model, pin.neutral(model), rng.normal(size=model.nv))
     by_points = at(model, tool_kinematics(model, Tool(points=("S1", "S2", "S3"))), q)
     by_frame = at(model, tool_kinematics(model, Tool(frame="tool")), q)
@@ -47,7 +48,7 @@ def test_points_of_one_body_give_that_bodys_twist(rng):
 
 
 def test_three_points_in_one_line_span_no_frame():
-    mechanism = pj.load("four_bar")
+    mechanism = loaded("four_bar")
     with pytest.raises(pj.SingularError, match="in one line"):
         pj.Mechanism.from_pinocchio(
             mechanism.model,
@@ -59,7 +60,7 @@ def test_three_points_in_one_line_span_no_frame():
 
 
 def test_tool_pose_is_a_copy():
-    configuration = pj.load("four_bar").home
+    configuration = loaded("four_bar").home
     before = configuration.tool_pose.homogeneous
     configuration.tool_pose.translation[:] = 99.0
     np.testing.assert_array_equal(configuration.tool_pose.homogeneous, before)

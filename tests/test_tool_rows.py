@@ -10,6 +10,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 from test_tables import drawn
 
 import pmjac_pin as pj
@@ -35,7 +36,7 @@ STATED = {
 
 def with_joint_at(name, **values):
     """A closed pose with passive joints at these values: the leg straight, for instance."""
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     held = pj.Mechanism.from_pinocchio(
         mechanism.model,
         mechanism.spec.loops,
@@ -54,7 +55,7 @@ def stretched_five_bar():
     reach = hypot(x, y)
     theta2 = atan2(y, x) - acos((l1**2 + reach**2 - l2**2) / (2 * l1 * reach))
     phi2 = acos((reach**2 - l1**2 - l2**2) / (2 * l1 * l2))
-    mechanism = pj.load("five_bar")
+    mechanism = loaded("five_bar")
     q, model = np.zeros(4), mechanism.model
     for name, value in {"theta1": theta1, "phi1": 0.0, "theta2": theta2, "phi2": phi2}.items():
         q[model.joints[model.getJointId(name)].idx_q] = value
@@ -64,7 +65,7 @@ def stretched_five_bar():
 def delta_rods_stretched():
     """The plate and the motors of the Delta with hinges, its first leg straight."""
     values = with_joint_at("delta", elbow1=0.0).joint_values
-    mechanism = pj.load("delta_rods")
+    mechanism = loaded("delta_rods")
     motors = [values[name] for name in mechanism.actuated]
     return mechanism.close(motors, guess={"platform": values["platform"]})
 
@@ -72,14 +73,14 @@ def delta_rods_stretched():
 LOSSES = {
     "five_bar": stretched_five_bar,
     "five_bar, both legs": lambda: with_joint_at("five_bar", phi1=0.0, phi2=0.0),
-    "serial_2r": lambda: pj.load("serial_2r").close([0.3, 0.0]),
-    "serial_2r, folded": lambda: pj.load("serial_2r").close([0.3, pi]),
+    "serial_2r": lambda: loaded("serial_2r").close([0.3, 0.0]),
+    "serial_2r, folded": lambda: loaded("serial_2r").close([0.3, pi]),
     "planar_3rrr": lambda: with_joint_at("planar_3rrr", phi1=0.0),
     "delta": lambda: with_joint_at("delta", elbow1=0.0),
     "delta_rods": delta_rods_stretched,
     "agile_eye": lambda: with_joint_at("agile_eye", psi1=-pi / 2, theta3=0.5),
-    "slider_crank": lambda: pj.load("slider_crank").close([0.0]),
-    "ur5": lambda: pj.load("ur5").close([0.3, -1.2, 1.4, -0.9, 0.0, 0.2]),
+    "slider_crank": lambda: loaded("slider_crank").close([0.0]),
+    "ur5": lambda: loaded("ur5").close([0.3, -1.2, 1.4, -0.9, 0.0, 0.2]),
 }
 
 
@@ -101,7 +102,7 @@ def judged_by_hand(pose):
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_the_catalogue_states_what_counts(name):
     rows = STATED.get(name)
-    tool = pj.load(name).spec.tool
+    tool = loaded(name).spec.tool
     assert tool.rows == (tuple(rows.split()) if rows else None)
     assert tool.axes == ("LOCAL" if name in PLANAR else "LOCAL_WORLD_ALIGNED")
 
@@ -109,7 +110,7 @@ def test_the_catalogue_states_what_counts(name):
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_regular_poses_are_told_as_the_judged_rows_of_j_eq_have_it(name, rng):
     """And the generic rank is the largest of all."""
-    for pose in mechanisms.random_closed(pj.load(name), rng, 3, spread=0.1):
+    for pose in mechanisms.random_closed(loaded(name), rng, 3, spread=0.1):
         singularity = pose.singularity()
         rank, _ = judged_by_hand(pose)
         assert singularity.tool_rank == rank == singularity.generic_tool_rank
@@ -150,7 +151,7 @@ def test_any_rows_of_any_machine_are_judged_as_they_are(name, axes, rng):
         rank, values = judged_by_hand(pose)
         if values[min(values.size, max(rank, 1)) - 1] > 1e-4 * mechanism.characteristic_length:
             assert singularity.tool_rank == rank
-        plain = pj.load(name).configuration(pose.q)
+        plain = loaded(name).configuration(pose.q)
         np.testing.assert_array_equal(pose.jacobian().J_eq, plain.jacobian().J_eq)
         assert singularity.linear_rank == plain.singularity().linear_rank
 
@@ -189,7 +190,7 @@ def test_a_machine_on_a_tilted_base_is_judged_alike(name, rng):
 
 def test_in_the_worlds_axes_a_tilted_plane_is_another():
     upright = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
-    arm = turned(pj.load("serial_2r"), upright)
+    arm = turned(loaded("serial_2r"), upright)
     given = (arm.model, [], arm.actuated, "tip")
     world = pj.Mechanism.from_pinocchio(*given, home=[0.5, 1.0], tool_rows=["vx", "vy"])
     assert world.home.singularity().generic_tool_rank == 1
@@ -224,7 +225,7 @@ def test_rows_that_are_none_are_refused(rows, axes, words):
     with pytest.raises(pj.ArgumentError, match=words) as caught:
         pj.load("four_bar", tool_rows=rows, tool_axes=axes)
     assert len(str(caught.value)) < 300
-    model = pj.load("four_bar").model
+    model = loaded("four_bar").model
     with pytest.raises(pj.ArgumentError, match=words):
         pj.Mechanism.from_pinocchio(
             model, [], ["theta1"], "coupler_midpoint", tool_rows=rows, tool_axes=axes
@@ -245,7 +246,7 @@ def test_rows_that_are_none_are_refused(rows, axes, words):
     ],
 )
 def test_a_model_file_says_it_right_or_is_refused(lines, words, tmp_path):
-    text = pj.load("serial_2r").urdf.text
+    text = loaded("serial_2r").urdf.text
     (tmp_path / "arm.urdf").write_text(text)
     (tmp_path / "arm.toml").write_text(
         f'urdf = "arm.urdf"\nactuated = ["theta1", "theta2"]\n[tool]\nframe = "tip"\n{lines}\n'
@@ -274,7 +275,7 @@ def test_another_tool_has_rows_of_its_own():
 
 @pytest.mark.parametrize("name", ["five_bar", "delta"])
 def test_they_survive_whatever_is_done_to_a_mechanism(name, tmp_path):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     tool = mechanism.spec.tool
     assert decode_spec(encode_spec(mechanism.spec)).tool == tool
     assert pickle.loads(pickle.dumps(mechanism)).spec.tool == tool
@@ -298,7 +299,7 @@ def test_every_report_says_what_was_judged():
     text = drawn(report_blocks(report), 100)
     assert "judged on" in text
     assert "vx, vy in the tool's own axes" in text
-    whole = drawn(report_blocks(pj.report(pj.load("four_bar").home)), 100)
+    whole = drawn(report_blocks(pj.report(loaded("four_bar").home)), 100)
     assert "the whole twist" in whole
 
 

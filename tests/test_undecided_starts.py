@@ -8,6 +8,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from mechanisms import loaded
 from random_machines import Tree, at
 
 import pmjac_pin as pj
@@ -95,7 +96,7 @@ def test_a_solution_of_a_homotopy_that_rounding_keeps_open_is_a_row():
 @pytest.mark.parametrize("name", mechanisms.CLOSED)
 def test_hardly_a_start_stays_undecided(name):
     """Each start closes, or is where no step brings it nearer, or is counted."""
-    first, second = ends(pj.load(name), 200)
+    first, second = ends(loaded(name), 200)
     assert len(first.closed) + len(first.open) + len(first.spent) == 200
     assert len(second.closed) + len(second.open) + len(second.spent) >= len(first.spent)
     assert len(second.spent) <= 0.15 * 200

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import msgspec
 import numpy as np
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.files.shapes import Sphere, Text, scaled
@@ -21,7 +22,7 @@ from pmjac_pin.viewer.scene import SceneMaker, SceneOptions
 
 @pytest.fixture
 def mechanism():
-    return pj.load("four_bar")
+    return loaded("four_bar")
 
 
 def decoded(commands):
@@ -41,7 +42,7 @@ def test_update(viewer, mechanism):
     viewer.update(there)
     assert viewer.configuration is there
     with pytest.raises(pj.ArgumentError, match="serial_2r"):
-        viewer.update(pj.load("serial_2r").home)
+        viewer.update(loaded("serial_2r").home)
     with pytest.raises(pj.ArgumentError, match="ndarray"):
         viewer.update(there.q)
     assert viewer.configuration is there
@@ -153,7 +154,7 @@ def test_in_a_notebook(viewer):
 @pytest.mark.parametrize("name", ['a"><script>alert(1)</script>', "</title>", "</script>", "ü"])
 def test_names_are_escaped(name):
     other = pj.Mechanism.from_pinocchio(
-        pj.load("serial_2r").model, [], ["theta1", "theta2"], "tip", name=name
+        loaded("serial_2r").model, [], ["theta1", "theta2"], "tip", name=name
     )
     with pj.view(other.home, open_browser=False, port=0) as viewer:
         html = viewer._repr_html_()

@@ -8,6 +8,7 @@ import threading
 import mechanisms
 import numpy as np
 import pytest
+from mechanisms import loaded
 from viewer_clients import connected
 
 import pmjac_pin as pj
@@ -56,7 +57,7 @@ def running(work):
 
 @running
 async def test_it_says_searching_then_what_was_found():
-    finder = Finder(pj.load("three_rps_ss").pose("lecture_a"))
+    finder = Finder(loaded("three_rps_ss").pose("lecture_a"))
     assert finder.finder.message().status == "unknown"
     finder.finder.obey(FindModes())
     assert finder.finder.message().status == "searching"
@@ -69,7 +70,7 @@ async def test_it_says_searching_then_what_was_found():
 
 @running
 async def test_showing_a_mode_goes_there_and_dragging_stays_on_it():
-    mechanism = pj.load("three_rps_ss")
+    mechanism = loaded("three_rps_ss")
     finder = Finder(mechanism.close(LECTURE, guess="lecture_a"))
     finder.finder.obey(FindModes())
     message = await finder.found()
@@ -86,7 +87,7 @@ async def test_showing_a_mode_goes_there_and_dragging_stays_on_it():
 
 @running
 async def test_a_mode_with_a_name_is_that_pose():
-    finder = Finder(pj.load("four_bar").home)
+    finder = Finder(loaded("four_bar").home)
     finder.finder.obey(FindModes())
     message = await finder.found()
     names = {mode["number"]: mode["poses"] for mode in message.modes}
@@ -102,7 +103,7 @@ async def test_a_mode_with_a_name_is_that_pose():
 
 @running
 async def test_moved_motors_make_the_list_void():
-    finder = Finder(pj.load("four_bar").home)
+    finder = Finder(loaded("four_bar").home)
     finder.finder.obey(FindModes())
     await finder.found()
     finder.move([1.0])
@@ -132,7 +133,7 @@ def test_a_move_cancels_a_search_and_its_answer_comes_to_nothing(held):
     release, wanted = held
 
     async def work():
-        finder = Finder(pj.load("four_bar").home)
+        finder = Finder(loaded("four_bar").home)
         finder.finder.obey(FindModes())
         while not wanted:
             await asyncio.sleep(0.01)
@@ -151,7 +152,7 @@ def test_it_can_be_stopped_and_begun_anew(held):
     release, wanted = held
 
     async def work():
-        finder = Finder(pj.load("four_bar").home)
+        finder = Finder(loaded("four_bar").home)
         finder.finder.obey(StopSearch())
         assert finder.told == []
         finder.finder.obey(FindModes())
@@ -168,7 +169,7 @@ def test_it_can_be_stopped_and_begun_anew(held):
 
 @running
 async def test_a_machine_without_separate_modes_says_so():
-    machine = pj.load("planar_3rrr")
+    machine = loaded("planar_3rrr")
     loose = mechanisms.with_motors(machine, machine.actuated[:1])
     finder = Finder(loose.home)
     finder.finder.obey(FindModes())
@@ -215,7 +216,7 @@ def test_the_page_is_answered_while_a_search_goes_on_and_all_pages_are_told(held
             async with connected(viewer) as late:
                 assert (await told(late, "modes"))["modes"] == found["modes"]
 
-    with pj.view(pj.load("four_bar").home, open_browser=False, port=0) as viewer:
+    with pj.view(loaded("four_bar").home, open_browser=False, port=0) as viewer:
         asyncio.run(work(viewer))
         assert viewer.configuration.actuated == pytest.approx([0.9])
         assert viewer.configuration.passive[0] < 0
@@ -229,13 +230,13 @@ def test_what_is_no_mode_is_refused(number):
             await page.send({"command": "mode", "number": number, "id": 5})
             assert (await told(page, "error"))["message"]
 
-    with pj.view(pj.load("four_bar").home, open_browser=False, port=0) as viewer:
+    with pj.view(loaded("four_bar").home, open_browser=False, port=0) as viewer:
         asyncio.run(work(viewer))
 
 
 def test_closing_the_viewer_ends_the_search(held):
     _, wanted = held
-    viewer = pj.view(pj.load("four_bar").home, open_browser=False, port=0)
+    viewer = pj.view(loaded("four_bar").home, open_browser=False, port=0)
 
     async def work():
         async with connected(viewer) as page:

@@ -7,7 +7,7 @@ import pickle
 import numpy as np
 import pinocchio as pin
 import pytest
-from mechanisms import CATALOGUE
+from mechanisms import CATALOGUE, loaded
 
 import pmjac_pin as pj
 
@@ -47,20 +47,20 @@ def jacobian_or_error(configuration):
 
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_another_tool_is_that_of_a_mechanism_loaded_with_it(name):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     for frame in frames(mechanism, 3):
-        other, loaded = mechanism.with_tool(frame), pj.load(name, tool=frame)
-        np.testing.assert_array_equal(other.home.q, loaded.home.q)
-        assert other.problem.partition.generic_ranks == loaded.problem.partition.generic_ranks
-        assert other.home.singularity().kind == loaded.home.singularity().kind
-        one, two = jacobian_or_error(other.home), jacobian_or_error(loaded.home)
+        other, expected = mechanism.with_tool(frame), pj.load(name, tool=frame)
+        np.testing.assert_array_equal(other.home.q, expected.home.q)
+        assert other.problem.partition.generic_ranks == expected.problem.partition.generic_ranks
+        assert other.home.singularity().kind == expected.home.singularity().kind
+        one, two = jacobian_or_error(other.home), jacobian_or_error(expected.home)
         np.testing.assert_array_equal(one, two)
 
 
 @pytest.mark.parametrize("name", ["three_rps", "delta_rods", "watt_six_bar"])
 @pytest.mark.parametrize("frame", ["LOCAL_WORLD_ALIGNED", "LOCAL", "WORLD"])
 def test_its_jacobian_is_the_derivative_of_its_pose(name, frame):
-    mechanism = pj.load(name)
+    mechanism = loaded(name)
     home = mechanism.home
     for tool in frames(mechanism, 3)[1:]:
         try:
@@ -85,7 +85,7 @@ def test_its_jacobian_is_the_derivative_of_its_pose(name, frame):
 
 
 def test_three_frames_span_a_tool():
-    mechanism = pj.load("three_rps")
+    mechanism = loaded("three_rps")
     spanned = mechanism.with_tool(["S1", "S2", "S3"])
     data = mechanism.model.createData()
     pin.framesForwardKinematics(mechanism.model, data, spanned.home.q)
@@ -95,7 +95,7 @@ def test_three_frames_span_a_tool():
 
 
 def test_a_tool_is_made_once_and_its_own_is_itself():
-    mechanism = pj.load("five_bar")
+    mechanism = loaded("five_bar")
     assert mechanism.with_tool("tip2") is mechanism.with_tool("tip2")
     own = mechanism.spec.tool
     assert mechanism.with_tool(own.frame, rows=own.rows, axes=own.axes) is mechanism
@@ -116,7 +116,7 @@ def test_a_tool_is_made_once_and_its_own_is_itself():
     ],
 )
 def test_what_is_no_tool(tool, kind, said):
-    mechanism = pj.load("five_bar")
+    mechanism = loaded("five_bar")
     for ask in (mechanism.with_tool, mechanism.home.with_tool):
         with pytest.raises(kind, match=said):
             ask(tool)
