@@ -56,8 +56,14 @@ SAMPLE = (
 
 
 def mostly_slow(cases, quick=SAMPLE):
-    """Cases for `parametrize`, of which all but the quick ones are slow tests."""
-    return [case if case in quick else pytest.param(case, marks=pytest.mark.slow) for case in cases]
+    """Cases for `parametrize`, of one value or a tuple, of which all but the quick are slow."""
+    return [
+        pytest.param(
+            *(case if isinstance(case, tuple) else (case,)),
+            marks=[] if case in quick else pytest.mark.slow,
+        )
+        for case in cases
+    ]
 
 
 @cache

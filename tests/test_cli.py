@@ -141,7 +141,7 @@ def test_report_without_options_shows_home(shown):
 
 
 @pytest.mark.parametrize("columns", [80, 120])
-@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+@pytest.mark.parametrize("name", mechanisms.mostly_slow(mechanisms.CATALOGUE))
 def test_reports_fit_the_terminal(monkeypatch, shown, name, columns):
     monkeypatch.setenv("COLUMNS", str(columns))
     text = shown("report", name)
@@ -223,7 +223,7 @@ def test_a_singular_pose_is_no_error(shown, reported):
 
 
 @pytest.mark.parametrize("columns", [80, 120])
-@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+@pytest.mark.parametrize("name", mechanisms.mostly_slow(mechanisms.CATALOGUE))
 def test_checks_fit_the_terminal(monkeypatch, shown, name, columns):
     monkeypatch.setenv("COLUMNS", str(columns))
     text = shown("check", name)

@@ -50,7 +50,7 @@ def test_looped_urdf(machine, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["given", "mine.toml", "mine.urdf"]
 
 
-@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+@pytest.mark.parametrize("name", mechanisms.mostly_slow(mechanisms.CATALOGUE))
 def test_the_catalogue(name, tmp_path):
     mine = pj.load(pj.convert(name, tmp_path / "mine.toml")[0])
     theirs = loaded(name)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import re
 
 import hand_derived
@@ -20,20 +22,30 @@ def demo(tmp_path_factory):
     return run_demo(tmp_path_factory.mktemp("demo") / "figure.png")
 
 
-@pytest.fixture
-def told(capsys, monkeypatch, tmp_path):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "80")
-    assert main(["demo"]) == 0
-    captured = capsys.readouterr()
-    assert captured.err == ""
-    return captured.out
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("told")
+
+
+@pytest.fixture(scope="module")
+def told(folder):
+    out, err = io.StringIO(), io.StringIO()
+    with (
+        pytest.MonkeyPatch.context() as patch,
+        contextlib.redirect_stdout(out),
+        contextlib.redirect_stderr(err),
+    ):
+        patch.chdir(folder)
+        patch.setenv("COLUMNS", "80")
+        assert main(["demo"]) == 0
+    assert err.getvalue() == ""
+    return out.getvalue()
 
 
 def test_where_its_figure_cannot_be_written_all_else_is_told(told, capsys, monkeypatch, tmp_path):
-    folder = tmp_path / "elsewhere"
-    (folder / FIGURE).mkdir(parents=True)
-    monkeypatch.chdir(folder)
+    (tmp_path / FIGURE).mkdir()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "80")
     assert main(["demo"]) == 0
     tables, _, last = capsys.readouterr().out.rpartition("\n\n")
     assert tables == told.rpartition("\n\n")[0]
@@ -78,9 +90,9 @@ def test_the_other_cut_gives_the_same_jacobian(told, demo):
     assert re.search(r"^three_rps +9 × 3 +9 × 9 ", told, re.MULTILINE)
 
 
-def test_the_figure_is_in_the_current_folder_and_not_blank(told, tmp_path):
+def test_the_figure_is_in_the_current_folder_and_not_blank(told, folder):
     assert told.splitlines()[-1] == str(FIGURE) == "three_rps_lecture_b.png"
-    pixels = matplotlib.image.imread(tmp_path / FIGURE)[..., :3]
+    pixels = matplotlib.image.imread(folder / FIGURE)[..., :3]
     assert min(pixels.shape[:2]) >= 1000
     colored = np.ptp(pixels, axis=2) > 0.2
     quarters = [half for part in np.array_split(colored, 2) for half in np.array_split(part, 2, 1)]

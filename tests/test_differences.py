@@ -43,7 +43,10 @@ def near_singular(mechanism, rng):
     return poses
 
 
-@pytest.fixture(scope="module", params=MECHANISMS)
+QUICK = {*mechanisms.SAMPLE, "four_bar", "yawing_four_bar", "rssr", "three_crank_parallelogram"}
+
+
+@pytest.fixture(scope="module", params=mechanisms.mostly_slow(MECHANISMS, QUICK))
 def mechanism(request):
     return MECHANISMS[request.param]()
 

@@ -85,9 +85,12 @@ def test_no_module_imports_itself_by_way_of_others():
 
 def of_parts(path):
     """Return whether a file asks for what a mechanism is made of: `Parts`, or `_parts` of one."""
+    text = path.read_text(encoding="utf-8")
+    if "parts" not in text:
+        return False
     asked = any(
         isinstance(node, ast.Attribute) and node.attr == "_parts"
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in ast.walk(ast.parse(text))
     )
     return asked or any(name.startswith("pmjac_pin.closing.parts") for name in imported(path))
 

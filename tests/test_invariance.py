@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import transformed
-from mechanisms import loaded
+from mechanisms import SAMPLE, loaded, mostly_slow
 from random_machines import random_machine
 
 import pmjac_pin as pj
@@ -107,7 +107,8 @@ def machines_and_ways():
     """Every machine of the catalogue written in every way; each random one in three of them."""
     for name in NAMES:
         for way in WAYS:
-            yield pytest.param(name, way, marks=[] if way in QUICK else pytest.mark.slow)
+            quick = way in QUICK and name in SAMPLE
+            yield pytest.param(name, way, marks=[] if quick else pytest.mark.slow)
     for seed in range(50):
         for way in list(WAYS)[seed % 3 :: 3]:
             quick = seed < 5 and way in QUICK
@@ -126,7 +127,7 @@ def test_how_a_machine_is_written_changes_nothing(name, way):
     compare_paths(mechanism, other, way)
 
 
-@pytest.mark.parametrize("name", NAMES + RANDOM)
+@pytest.mark.parametrize("name", mostly_slow(NAMES + RANDOM, {*SAMPLE, *RANDOM[:3]}))
 def test_where_the_loops_are_cut_changes_nothing(name):
     mechanism = machine(name)
     for joint in mechanism.model.names[1:]:

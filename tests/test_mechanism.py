@@ -46,9 +46,10 @@ def same(results, expected):
 def test_eight_threads_give_the_numbers_of_one(programs):
     three_rps = programs(loaded("three_rps"))
     three_rps.configuration(three_rps.home.q)
-    expected = solve_many(three_rps, TARGETS)
+    targets = TARGETS if programs is recorded else TARGETS[:40]  # these take ten times as long
+    expected = solve_many(three_rps, targets)
     with concurrent.futures.ThreadPoolExecutor(8) as pool:
-        futures = [pool.submit(solve_many, three_rps, TARGETS) for _ in range(8)]
+        futures = [pool.submit(solve_many, three_rps, targets) for _ in range(8)]
         for future in futures:
             same(future.result(), expected)
 

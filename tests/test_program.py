@@ -8,7 +8,7 @@ import subprocess
 
 import numpy as np
 import pytest
-from mechanisms import CATALOGUE, loaded
+from mechanisms import CATALOGUE, loaded, mostly_slow
 
 import pmjac_pin as pj
 
@@ -69,7 +69,7 @@ def in_python(text):
     return names["written"]
 
 
-@pytest.mark.parametrize("name", CATALOGUE)
+@pytest.mark.parametrize("name", mostly_slow(CATALOGUE))
 def test_of_every_mechanism(name, rng):
     mechanism = loaded(name)
     recorded, many = pj.program(mechanism), poses(mechanism, rng)
@@ -82,7 +82,7 @@ def test_of_every_mechanism(name, rng):
 
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler here")
-@pytest.mark.parametrize("name", CATALOGUE)
+@pytest.mark.parametrize("name", mostly_slow(CATALOGUE))
 def test_in_c(name, rng, tmp_path):
     mechanism = loaded(name)
     function = in_c(pj.program(mechanism), tmp_path)

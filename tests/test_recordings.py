@@ -14,7 +14,7 @@ from pmjac_pin.algebra.recordings import Recordings
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import run
 
-QUICK = ("four_bar", "slider_crank", "three_rps")
+QUICK = ("four_bar", "slider_crank")
 WITH_PARAMETERS = [
     pytest.param(name, marks=() if name in QUICK else pytest.mark.slow)
     for name in mechanisms.CATALOGUE

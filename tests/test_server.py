@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mechanisms import loaded
 from tornado.websocket import WebSocketClosedError
 from viewer_clients import connected, fetch
 
@@ -31,7 +32,7 @@ HOME = {"command": "home"}
 
 @pytest.fixture
 def mechanism():
-    return pj.load("three_rps")
+    return loaded("three_rps")
 
 
 def test_the_files_of_the_page(viewer):
@@ -86,6 +87,13 @@ def test_other_files_are_not_served(viewer, path):
     assert fetch(viewer.url + path)[0] in (403, 404)
 
 
+@pytest.fixture(scope="module")
+def lasting():
+    """A viewer that strangers ask in vain: whatever they ask for leaves it as it is."""
+    with pj.view(loaded("three_rps").home, open_browser=False, port=0) as viewer:
+        yield viewer
+
+
 PATHS = ["", "page/app.js", "static/main.min.js", "control", "scene", "nothing"]
 
 
@@ -107,9 +115,9 @@ PATHS = ["", "page/app.js", "static/main.min.js", "control", "scene", "nothing"]
     ],
     ids=str,
 )
-def test_strangers_are_refused_everywhere(viewer, path, headers):
-    headers = {name: value.format(port=viewer.port) for name, value in headers.items()}
-    assert fetch(viewer.url + path, **headers)[0] == 403
+def test_strangers_are_refused_everywhere(lasting, path, headers):
+    headers = {name: value.format(port=lasting.port) for name, value in headers.items()}
+    assert fetch(lasting.url + path, **headers)[0] == 403
 
 
 @pytest.mark.parametrize("path", ["control", "scene"])
@@ -125,8 +133,8 @@ def test_strangers_are_refused_everywhere(viewer, path, headers):
     ],
     ids=str,
 )
-def test_strangers_get_no_websocket(viewer, path, headers):
-    host = f"127.0.0.1:{viewer.port}"
+def test_strangers_get_no_websocket(lasting, path, headers):
+    host = f"127.0.0.1:{lasting.port}"
     headers = {
         "Origin": f"http://{host}",
         "Upgrade": "websocket",
@@ -136,7 +144,7 @@ def test_strangers_get_no_websocket(viewer, path, headers):
         **headers,
     }
     headers = {name: value for name, value in headers.items() if value is not None}
-    assert fetch(viewer.url + path, **headers)[0] == 403
+    assert fetch(lasting.url + path, **headers)[0] == 403
 
 
 def test_localhost_is_ours(viewer):
@@ -285,7 +293,7 @@ def _nonsense(rng):
 def test_nonsense_changes_nothing(viewer, mechanism, rng):
     viewer.update(mechanism.close([1.1, 1.0, 0.9]))
     before = viewer.configuration
-    count = 5000
+    count = 1000
 
     async def run():
         async with connected(viewer) as page:
@@ -425,7 +433,7 @@ def _update_for_ever(viewer, configuration, endings):
 
 def test_an_update_while_it_is_closed_never_hangs(mechanism):
     """Whether it still gets through or not, it comes back."""
-    for _ in range(10):
+    for _ in range(4):
         viewer = pj.view(mechanism.home, open_browser=False, port=0)
         endings = []
         arguments = (viewer, mechanism.home, endings)

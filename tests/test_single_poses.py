@@ -10,7 +10,7 @@ import threading
 import numpy as np
 import pinocchio as pin
 import pytest
-from mechanisms import CATALOGUE, loaded
+from mechanisms import CATALOGUE, SAMPLE, loaded, mostly_slow
 from random_machines import random_machine
 from recording import recorded, unrecorded
 
@@ -96,7 +96,7 @@ def near_and_at_folds(mechanism, rng):
     return poses
 
 
-@pytest.mark.parametrize("name", MACHINES)
+@pytest.mark.parametrize("name", mostly_slow(MACHINES, {*SAMPLE, *LONG, "random 4"}))
 def test_jacobians_are_those_by_singular_values(name, rng):
     mechanism, by_values = recorded(machine(name)), unrecorded(machine(name))
     values = targets(by_values, 12, 0.03, rng)

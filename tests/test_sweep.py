@@ -104,7 +104,7 @@ def test_a_machine_that_does_not_assemble():
     assert np.isnan(found.q.isel(l2=1)).all()
 
 
-@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+@pytest.mark.parametrize("name", mechanisms.mostly_slow(mechanisms.CATALOGUE))
 def test_few_poses_are_what_many_are(name, rng):
     """Where it does not pay to record a mechanism, single calls say the same."""
     mechanism = loaded(name)

@@ -141,7 +141,7 @@ def test_beside_a_loss_there_is_none(offset):
 
 
 @pytest.mark.parametrize("axes", ["LOCAL", "LOCAL_WORLD_ALIGNED"])
-@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+@pytest.mark.parametrize("name", mechanisms.mostly_slow(mechanisms.CATALOGUE))
 def test_any_rows_of_any_machine_are_judged_as_they_are(name, axes, rng):
     rows = tuple(np.array(TWIST_ROWS)[np.sort(rng.choice(6, rng.integers(1, 6), replace=False))])
     mechanism = pj.load(name, tool_rows=rows, tool_axes=axes)

@@ -56,7 +56,10 @@ def test_slides_that_have_far_to_go_get_there(angle, theta):
     assert modes.evidence.kind == "statistics"
 
 
-@pytest.mark.parametrize(("angle", "theta"), [(1e-3, 0.5), (1e-3, 1.5), (1e-5, 0.5)])
+@pytest.mark.parametrize(
+    ("angle", "theta"),
+    mechanisms.mostly_slow([(1e-3, 0.5), (1e-3, 1.5), (1e-5, 0.5)], [(1e-5, 0.5)]),
+)
 def test_starts_that_do_not_end_give_no_confidence(angle, theta):
     """What they lead to is not known: that nothing was met rests on nothing."""
     modes = pj.assembly_modes(slides(angle), [theta], rng=0, proof=False)
@@ -93,7 +96,7 @@ def test_a_solution_of_a_homotopy_that_rounding_keeps_open_is_a_row():
     assert census.found_as([]) == [None]
 
 
-@pytest.mark.parametrize("name", mechanisms.CLOSED)
+@pytest.mark.parametrize("name", mechanisms.mostly_slow(mechanisms.CLOSED))
 def test_hardly_a_start_stays_undecided(name):
     """Each start closes, or is where no step brings it nearer, or is counted."""
     first, second = ends(loaded(name), 200)

@@ -7,7 +7,7 @@ import pickle
 import numpy as np
 import pinocchio as pin
 import pytest
-from mechanisms import CATALOGUE, loaded
+from mechanisms import CATALOGUE, loaded, mostly_slow
 
 import pmjac_pin as pj
 
@@ -45,7 +45,7 @@ def jacobian_or_error(configuration):
         return str(error)
 
 
-@pytest.mark.parametrize("name", CATALOGUE)
+@pytest.mark.parametrize("name", mostly_slow(CATALOGUE))
 def test_another_tool_is_that_of_a_mechanism_loaded_with_it(name):
     mechanism = loaded(name)
     for frame in frames(mechanism, 3):
