@@ -76,7 +76,7 @@ def loaded(name):
 
     What it learns by being used, its programs and its closed poses, each test begins without.
     """
-    return replace(_once(name), _poses={}, _by_tool={})
+    return replace(_once(name), _poses={}, _siblings={})
 
 
 @cache

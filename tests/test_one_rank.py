@@ -14,6 +14,9 @@ REVEALING = {
 #: Where something else is asked than a rank, and what.
 OTHERWISE = {
     "rates/factorisation.py": {"svd"},
+    "rates/dynamics.py": {"eigvalsh", "pinv"},  # whether all that is driven, or idles, has mass
+    "rates/gradients.py": {"svd"},  # the singular values that are measured
+    "rates/polytope.py": {"svd"},  # whether a hull is flat, by a tolerance of its own
     "rates/jacobian.py": {"qr"},  # unit vectors along columns that are independent
     "rates/singularity.py": {"qr"},  # the same
     "rates/ellipse.py": {"svd"},  # the axes of an ellipsoid; flat by a tolerance of its own

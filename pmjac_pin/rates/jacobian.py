@@ -74,14 +74,14 @@ class EquivalentJacobian(SplitJacobian):
         return read_only(motion)
 
     @cached_property
-    def loop_rates(self) -> LoopRates:
+    def _loops(self) -> LoopRates:
         """What the loops allow here: [K K*] without dimension, K* factorised."""
         return self.partition.loop_rates(self.constraint_jacobian)
 
     @cached_property
     def idle_map(self) -> Array:
         """N, shape (nv, i): what idles, orthonormal on dimensionless rates; C N = 0 and J N = 0."""
-        partition, passive = self.partition, self.loop_rates.passive
+        partition, passive = self.partition, self._loops.passive
         idle = np.zeros((self.tool_jacobian.shape[1], partition.passive.size - passive.rank))
         idle[partition.passive] = passive.null_space
         return read_only(partition.column_scale[:, None] * idle)
@@ -172,13 +172,13 @@ class EquivalentJacobian(SplitJacobian):
         [-0.8, -0.8]
         """
         slopes, G = self.slopes(self.motion_map), self.motion_map
-        return read_only(hessian(slopes, self.tool_jacobian, G, self.loop_rates, self.partition))
+        return read_only(hessian(slopes, self.tool_jacobian, G, self._loops, self.partition))
 
     @cached_property
     def passive_hessian(self) -> Array:
         """∂Φ/∂θ of the passive rates φ̇ = Φ θ̇, shape (m_p, n, n), as `hessian` is of J_eq."""
         slopes, G = self.slopes(self.motion_map), self.motion_map
-        return read_only(passive_hessian(slopes[0], G, self.loop_rates, self.partition))
+        return read_only(passive_hessian(slopes[0], G, self._loops, self.partition))
 
     def slopes(self, motions: Array) -> tuple[Array, Array]:
         """Return how the constraint and the tool Jacobian change along motions, (nv, k).

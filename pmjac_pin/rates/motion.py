@@ -51,7 +51,7 @@ class Motion(ReadOnlyArrays):
     def bias(self) -> Array:
         """Ġ θ̇, shape (nv,): what the rates alone accelerate. −K*⁺ γ, and 0 of motors."""
         partition, (constraint, _) = self.jacobian.partition, self._slopes
-        loops = self.jacobian.loop_rates
+        loops = self.jacobian._loops
         bias = np.zeros(self.v.shape)
         opening = (constraint @ self.v)[:, None]  # γ = K̇ θ̇ + K̇* φ̇
         bias[partition.passive] = following_rates(opening, loops, partition)[:, 0]
