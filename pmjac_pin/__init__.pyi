@@ -47,6 +47,9 @@ from .errors import (
     NoJacobianError as NoJacobianError,
 )
 from .errors import (
+    NoToolError as NoToolError,
+)
+from .errors import (
     OutputError as OutputError,
 )
 from .errors import (

@@ -161,7 +161,14 @@ class Configuration(Shown):
 
     @property
     def tool_pose(self) -> pin.SE3:
-        """The tool's pose in the world; a copy."""
+        """The tool's pose in the world; a copy.
+
+        Raises
+        ------
+        NoToolError
+            No frame is named as one: `with_tool` names it.
+        """
+        self._need_tool()
         return pin.SE3(self._snapshot.rotation, self._snapshot.position + self._parts.place)
 
     def with_tool(self, tool: str | Sequence[str]) -> Configuration:
@@ -201,6 +208,8 @@ class Configuration(Shown):
             The loops forbid some motor rates; `allowed_jacobian` answers for the others.
         IdleMotionError
             The tool feels a passive motion that no motor commands.
+        NoToolError
+            No frame is named as the tool.
 
         References
         ----------
@@ -214,6 +223,7 @@ class Configuration(Shown):
         """
         if tool is not None:
             return self.with_tool(tool).jacobian(frame)
+        self._need_tool()
         name, known, partition = frame_name(frame), self._known, self._problem.partition
         find: Callable[[], EquivalentJacobian]
         if known is not None and partition is self._parts.problem.partition:
@@ -253,6 +263,7 @@ class Configuration(Shown):
         """
         if tool is not None:
             return self.with_tool(tool).allowed_jacobian(frame)
+        self._need_tool()
         split = self.split_jacobian(frame)
         return allowed_jacobian(split, self.singularity, loops=self._loop_rates)
 
@@ -272,7 +283,7 @@ class Configuration(Shown):
     def split_jacobian(
         self, frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED"
     ) -> SplitJacobian:
-        """Return K, K*, J and J*, which exist at singular poses too.
+        """Return K, K*, J and J*, which exist at singular poses too; J and J* NaN without a tool.
 
         Parameters
         ----------
@@ -288,6 +299,8 @@ class Configuration(Shown):
         name = frame_name(frame)
         constraint, tool = self._jacobians(self._snapshot, name)
         partition = self._problem.partition
+        if self._parts.spec.tool.is_none:
+            tool = np.full_like(tool, np.nan)
         return SplitJacobian(constraint, tool, name, partition, pose=PoseRounding(self, name))
 
     def motion(
@@ -424,6 +437,9 @@ class Configuration(Shown):
             functools.partial(gained_and_idle, problem, self.q),
             loops=self._loop_rates,
         )
+
+    def _need_tool(self) -> None:
+        self.mechanism.need_tool()
 
     def _jacobians(self, snapshot: Snapshot, frame: FrameName) -> tuple[Array, Array]:
         """Return the constraint and the tool Jacobian of a snapshot, the latter in a frame."""

@@ -61,12 +61,9 @@ class ModelFileError(PmjacError, ValueError):
     ----------
     path : str
         The file at fault, where there is one.
-    tools : tuple of str
-        Where the file does not say which frame is the tool: what may be, ends of chains first.
     """
 
     path: str = ""
-    tools: tuple[str, ...] = ()
 
 
 class UnknownNameError(PmjacError, KeyError):
@@ -140,7 +137,7 @@ class ClosureError(PmjacError, RuntimeError):
 
 
 class NoJacobianError(PmjacError, ArithmeticError):
-    """There is no equivalent Jacobian: base of the three reasons below."""
+    """There is no equivalent Jacobian: base of the four reasons below."""
 
 
 class NoEquilibriumError(PmjacError, ArithmeticError):
@@ -184,6 +181,18 @@ class IdleMotionError(NoJacobianError):
     """
 
     idle_motion: dict[str, float]
+
+
+class NoToolError(NoJacobianError):
+    """The mechanism has no tool, whose twist J_eq would give.
+
+    Attributes
+    ----------
+    frames : tuple of str
+        What may be named as one, ends of chains first.
+    """
+
+    frames: Any
 
 
 class ForbiddenRatesError(NoJacobianError):

@@ -69,7 +69,7 @@ def load(
         No such mechanism, parameter, motor or frame.
     ModelFileError
         The file or its URDF cannot be read, contradicts itself, or does not say which joints
-        are motors and which frame is the tool.
+        are motors.
     ArgumentError
         A parameter outside its range, or neither a name nor a path.
     ClosureError

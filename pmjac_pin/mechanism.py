@@ -64,7 +64,7 @@ class Mechanism(MechanismSiblings):
         model: pin.Model | RobotWrapper,
         loops: Iterable[Loop | Constraint],
         actuated: Iterable[str],
-        tool: str | Sequence[str],
+        tool: str | Sequence[str] | None = None,
         *,
         passive: Iterable[str] | None = None,
         home: ArrayLike | Mapping[str, JointValue] | None = None,
@@ -86,8 +86,9 @@ class Mechanism(MechanismSiblings):
             ``pin.ConstraintModel``, and ``pin.RigidConstraintModel``.
         actuated : iterable of str
             Motor joints, in the order of the columns of K and J.
-        tool : str or three str
-            A frame, or the three frames whose origins span the tool.
+        tool : str or three str, optional
+            A frame, or the three frames whose origins span the tool. Without one there is no J_eq,
+            until `with_tool` or `jacobian(tool=...)` names it.
         passive : iterable of str, optional
             The other joints in the order of the columns of K* and J*; Pinocchio's when None.
         home : array_like (nq,) or mapping of str to float, optional

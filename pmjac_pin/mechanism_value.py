@@ -14,12 +14,16 @@ from pmjac_pin.closing.blueprint import Blueprint
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.nearby_poses import FARTHEST
 from pmjac_pin.closing.parts import Parts
-from pmjac_pin.errors import ArgumentError
+from pmjac_pin.errors import ArgumentError, NoToolError, enumerated
 from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.kinematics.pinocchio import Kinematics
 from pmjac_pin.model.coordinates import JointCoordinates
+from pmjac_pin.model.frames import frames_from_the_ends
+from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.values.arrays import Array, read_only
+
+_MOST_FRAMES = 12  # listed in one message
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -104,6 +108,26 @@ class MechanismValue:
     def passive(self) -> tuple[str, ...]:
         """Names of the m_p passive degrees of freedom: the columns of K* and J*."""
         return self._parts.problem.partition.passive_names
+
+    @property
+    def possible_tools(self) -> tuple[str, ...]:
+        """The links, those at the ends of chains first: what a tool may be named of."""
+        loops = self.spec.loops
+        anchors = {
+            name for loop in loops if not isinstance(loop, JointLoop) for name in loop.frames
+        }
+        return frames_from_the_ends(self._parts.model, anchors)
+
+    def need_tool(self) -> None:
+        """Raise NoToolError where no frame is named as the tool."""
+        if self.spec.tool.is_none:
+            frames = self.possible_tools
+            listed = enumerated(frames, _MOST_FRAMES)
+            raise NoToolError(
+                f"{self.name} has no tool: name a frame by `tool`, as in jacobian(tool=...), of: "
+                f"{listed}",
+                frames=frames,
+            )
 
     @property
     def rows(self) -> tuple[str, ...]:

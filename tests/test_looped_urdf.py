@@ -207,8 +207,8 @@ def test_what_the_file_does_not_tell_is_asked_for(write):
     path = write(looped.two_parents())
     with pytest.raises(pj.ModelFileError, match="which joints are motors; give `actuated`, of: t"):
         pj.load(path)
-    with pytest.raises(pj.ModelFileError, match="which frame is the tool; give `tool`, of: middle"):
-        pj.load(path, actuated=["theta1"])
+    with pytest.raises(pj.NoToolError, match=r"has no tool: name a frame .*, of: middle"):
+        pj.load(path, actuated=["theta1"]).home.jacobian()
     with pytest.raises(pj.UnknownNameError, match="unknown joint 'theta2'; did you mean 'theta1'"):
         pj.load(path, actuated=["theta2"], tool=TOOL)
     with pytest.raises(pj.UnknownNameError, match="unknown frame 'midle'; did you mean 'middle'"):

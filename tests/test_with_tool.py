@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from mechanisms import CATALOGUE, loaded, mostly_slow
+from transformed import resolved
 
 import pmjac_pin as pj
 
@@ -145,8 +146,62 @@ def test_check_needs_no_tool(folder):
 
 
 def test_elsewhere_the_error_names_the_ends_of_chains_first(folder):
-    with pytest.raises(pj.ModelFileError, match="which frame is the tool; give `tool`, of: far_e"):
-        pj.load(folder / "bar.urdf", actuated=["a"])
+    home = pj.load(folder / "bar.urdf", actuated=["a"]).home
+    with pytest.raises(pj.NoToolError, match=r"bar has no tool: .*jacobian\(tool=.*, of: far_e"):
+        home.jacobian()
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_a_mechanism_without_a_tool_is_the_same_machine(name, rng):
+    """It closes, has ranks and modes; J_eq comes with a frame that is named then."""
+    whole = loaded(name)
+    spec = whole.spec
+    alone = pj.Mechanism.from_pinocchio(
+        whole.model,
+        resolved(whole),
+        spec.actuated,
+        passive=spec.passive,
+        home=whole.home.q,
+        tolerance=spec.tolerance,
+    )
+    assert alone.mobility == whole.mobility
+    for one in (alone.home, alone.close(alone.home.actuated)):
+        here, there = one.singularity(), whole.configuration(one.q).singularity()
+        assert (here.kind, here.rank, here.generic_rank) == (
+            there.kind,
+            there.rank,
+            there.generic_rank,
+        )
+    tool = spec.tool.frame or spec.tool.points
+    found = alone.home.jacobian(tool=tool).J_eq
+    np.testing.assert_allclose(found, whole.home.jacobian().J_eq, atol=1e-13)
+    split = alone.home.split_jacobian()
+    assert np.isfinite(split.K_star).all()
+    assert np.isnan(split.Jv).all()
+    for ask in (
+        alone.home.jacobian,
+        alone.home.allowed_jacobian,
+        alone.home.dynamics,
+        alone.home.statics,
+        lambda: alone.home.tool_pose,
+        lambda: str(pj.report(alone.home)),
+        lambda: pj.view(alone.home, open_browser=False, port=0),
+        lambda: pj.batch(alone).jacobian([alone.home.q]),
+    ):
+        with pytest.raises(pj.NoToolError, match="has no tool"):
+            ask()
+    assert {f.code for f in pj.check(alone).findings} >= {"no-tool"}
+
+
+@pytest.mark.parametrize("name", ["four_bar", "five_bar"])
+def test_modes_without_a_tool(name):
+    whole = loaded(name)
+    alone = pj.Mechanism.from_pinocchio(
+        whole.model, resolved(whole), whole.spec.actuated, home=whole.home.q
+    )
+    modes = pj.assembly_modes(alone, alone.home.actuated, rng=0)
+    assert len(modes) == len(pj.assembly_modes(whole, whole.home.actuated, rng=0))
+    assert "mode" in modes._repr_html_()
 
 
 def test_a_folder_or_its_yaml_stands_for_the_urdf_in_it(folder):

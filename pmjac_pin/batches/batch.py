@@ -187,6 +187,7 @@ class Batch:
         threads, progress
             As for `close`.
         """
+        self.mechanism.need_tool()
         poses, name = self._poses(q), frame_name(frame)
         tape, count, n = self._recorded.jacobian(name), len(poses), len(self.mechanism.actuated)
 
@@ -215,6 +216,7 @@ class Batch:
         >>> bool(abs(found.smallest[0] - home.singularity().smallest) < 1e-12)
         True
         """
+        self.mechanism.need_tool()
         poses, tape, n = self._poses(q), self._recorded.measures, len(self.mechanism.actuated)
         shapes = ((6, n), (), (3,), (3,), (), (), (3,), (3, 3))  # in the order of ManyMeasures
 

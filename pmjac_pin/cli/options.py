@@ -91,7 +91,9 @@ class Choice:
 
     def load(self, name: str) -> Mechanism:
         """Return the mechanism of this name or file."""
-        return load(name, self.parameters(), **self.reading.keywords())
+        mechanism = load(name, self.parameters(), **self.reading.keywords())
+        mechanism.need_tool()  # for what is shown
+        return mechanism
 
 
 @Parameter(name="*")

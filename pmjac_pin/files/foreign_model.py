@@ -11,7 +11,7 @@ from pmjac_pin.files.urdf.checks import VELOCITIES
 from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.files.user_path import readable
 from pmjac_pin.model.loop_spec import MAXIMAL_LOOPS, JointLoop, Loop
-from pmjac_pin.model.spec import JointValue, MechanismSpec, Tool
+from pmjac_pin.model.spec import NO_TOOL, JointValue, MechanismSpec, Tool
 
 _NO_VALUES: Mapping[str, JointValue] = MappingProxyType({})
 _NO_PITCHES: Mapping[str, float] = MappingProxyType({})
@@ -69,8 +69,7 @@ class ForeignModel:
         Raises
         ------
         ModelFileError
-            Neither says which joints are motors, or which frame is the tool; the message lists
-            the candidates.
+            Neither says which joints are motors; the message lists the candidates.
         UnknownNameError
             A joint or frame that the model does not have.
         """
@@ -79,15 +78,13 @@ class ForeignModel:
         frame = self.tool if tool is None else tool
         if not motors:
             raise _missing(path, "which joints are motors", "actuated", self._possible_motors())
-        if not frame:
-            links = links_from_the_ends(self.urdf)
-            raise _missing(path, "which frame is the tool", "tool", links, tools=links)
         checked_motors(self.urdf, motors)
-        check_frame(self.urdf, frame)
+        if frame or tool is not None:
+            check_frame(self.urdf, frame)
         return MechanismSpec(
             name=readable(self.name),
             actuated=motors,
-            tool=Tool(frame=frame),
+            tool=Tool(frame=frame) if frame else NO_TOOL,
             loops=self.loops,
             spherical=self.spherical,
             helical=dict(self.helical),
@@ -155,9 +152,7 @@ def links_from_the_ends(urdf: Urdf) -> tuple[str, ...]:
     return tuple(sorted(urdf.links, key=lambda link: (link in held, -depth(link))))
 
 
-def _missing(
-    path: str, what: str, option: str, candidates: tuple[str, ...], **more: tuple[str, ...]
-) -> ModelFileError:
+def _missing(path: str, what: str, option: str, candidates: tuple[str, ...]) -> ModelFileError:
     listed = enumerated(candidates, _MOST_CANDIDATES) or "none"
     message = f"{path}: the file does not say {what}; give `{option}`, of: {listed}"
-    return ModelFileError(message, path=path, **more)
+    return ModelFileError(message, path=path)

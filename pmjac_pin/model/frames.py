@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -95,6 +95,23 @@ def carrying_columns(model: pin.Model, names: Sequence[str]) -> NDArray[np.bool_
             joint = model.joints[k]
             carrying[joint.idx_v : joint.idx_v + joint.nv] = k > 0
     return carrying
+
+
+def frames_from_the_ends(model: pin.Model, loops: Collection[str]) -> tuple[str, ...]:
+    """Return the links, those at the ends of chains first, of these the farthest from the root.
+
+    Frames of loops come last: many are there for these alone.
+    """
+    holding = set(model.parents.tolist()[1:])
+    links = [frame for frame in model.frames if frame.type == pin.FrameType.BODY]
+    above = {frame.parentFrame for frame in model.frames}
+
+    def place(frame: pin.Frame) -> tuple[bool, bool, int, bool]:
+        joint = frame.parentJoint
+        held = model.getFrameId(frame.name) in above
+        return frame.name in loops, joint in holding, -len(model.supports[joint]), held
+
+    return tuple(frame.name for frame in sorted(links, key=place))
 
 
 def _at_one_place(one: pin.Frame, other: pin.Frame) -> bool:

@@ -15,6 +15,7 @@ from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.joint_kinds import pitch_of
 from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop
 from pmjac_pin.model.spec import (
+    NO_TOOL,
     JointValue,
     MechanismSpec,
     Tool,
@@ -38,7 +39,7 @@ def own_model(
     model: pin.Model | RobotWrapper,
     loops: Iterable[Loop | Constraint],
     actuated: Iterable[str],
-    tool: str | Sequence[str],
+    tool: str | Sequence[str] | None,
     *,
     passive: Iterable[str] | None,
     home: ArrayLike | Mapping[str, JointValue] | None,
@@ -68,7 +69,7 @@ def own_model(
             passive=None
             if passive is None
             else as_names(passive, "passive is a list of joint names"),
-            tool=checked_tool(tool),
+            tool=NO_TOOL if tool is None else checked_tool(tool),
             loops=_checked_loops(own, loops),
             poses={"home": _home_pose(own, home)},
             tolerance=tolerance,

@@ -32,6 +32,11 @@ else:
 MAXIMAL_ENTRIES = 1000  # poses, and parameters: each pose is assembled, and takes milliseconds
 
 
+#: Pinocchio's name of the world's own frame, which rests: a tool there is none.
+_THE_WORLD = "universe"
+_NO_ROWS = ToolRows(())
+
+
 class Tool(TomlTable, frozen=True, kw_only=True):
     """The tool: a frame of the URDF, or the frame that three points span.
 
@@ -62,15 +67,24 @@ class Tool(TomlTable, frozen=True, kw_only=True):
             raise ArgumentError("the tool has `axes` but no `rows` that would be in these")
 
     @property
+    def is_none(self) -> bool:
+        """Whether no frame is the tool: what nobody names, or the world's."""
+        return self.frame == _THE_WORLD
+
+    @property
     def names(self) -> tuple[str, ...]:
         """The frame, or the three whose origins span the tool."""
         return (self.frame,) if self.frame else self.points or ()
 
     @property
     def judged(self) -> ToolRows:
-        """The rows that count where ranks are judged."""
+        """The rows that count where ranks are judged; none without a tool."""
+        if self.is_none:
+            return _NO_ROWS
         return WHOLE_TWIST if self.rows is None else ToolRows(self.rows, checked_axes(self.axes))
 
+
+NO_TOOL = Tool(frame=_THE_WORLD)
 
 JointValue = float | tuple[float, ...]
 
@@ -91,6 +105,7 @@ class MechanismSpec(TomlTable, frozen=True, kw_only=True):
         Joints in the order of the columns of K, J and K*, J*. Without `passive`: every other
         joint that moves, in Pinocchio's order.
     tool : Tool
+        `NO_TOOL` where no frame is named.
     loops : tuple of PointLoop, DistanceLoop, ...
         ``[[loop]]`` in the file; `pmjac_pin.model.loop_spec` has all kinds.
     locked : mapping of str to float
@@ -118,7 +133,7 @@ class MechanismSpec(TomlTable, frozen=True, kw_only=True):
     urdf: str = ""
     actuated: tuple[Name, ...]
     passive: tuple[Name, ...] | None = None
-    tool: Tool
+    tool: Tool = NO_TOOL
     loops: Loops = msgspec.field(default=(), name="loop")
     locked: dict[Name, JointValue] = msgspec.field(default_factory=dict)
     spherical: tuple[Name, ...] = ()
@@ -208,6 +223,8 @@ class MechanismSpec(TomlTable, frozen=True, kw_only=True):
             No such rows or axes; axes, but no rows.
         """
         tool = self.tool
+        if tool.is_none and not (rows is None and axes is None):
+            raise ArgumentError("rows of the tool's twist are given, and no tool: name its frame")
         if rows is not None:
             tool = replace(tool, rows=checked_rows(rows))
         if axes is not None:

@@ -65,8 +65,8 @@ class ToolRows:
         return self.names == TWIST_ROWS
 
     def __str__(self) -> str:
-        if self.is_whole:
-            return "the whole twist"
+        if self.is_whole or not self.names:
+            return "the whole twist" if self.names else "no tool"
         listed = ", ".join(self.names)
         in_any_axes = all(set(block) & set(self.names) in (set(), set(block)) for block in _BLOCKS)
         return listed if in_any_axes else f"{listed} in {_IN_WORDS[self.axes]}"

@@ -332,6 +332,8 @@ def equivalent_jacobian(
     if not isinstance(split, SplitJacobian):
         raise ArgumentError(f"a SplitJacobian is needed, got {quoted(split)}")
     partition, constraint, J = split.partition, split.constraint_jacobian, split.tool_jacobian
+    if np.isnan(J).any():
+        raise ArgumentError("a tool Jacobian of numbers is needed: this one is of no tool")
     check_callable(singularity, "singularity")
     if loops is not None:
         check_kind(loops, LoopRates)

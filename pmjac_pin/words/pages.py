@@ -62,7 +62,15 @@ def _pose(found: Report) -> Iterator[Block]:
 
 def _modes(modes: AssemblyModes) -> Iterator[Block]:
     yield Heading(f"{len(modes)} assembly mode{'s' * (len(modes) != 1)}")
-    if modes:
+    if modes and modes[0].mechanism.spec.tool.is_none:
+        kinds = (
+            (str(number), mode.singularity().kind, f"{100.0 * share:.3g}", str(ways))
+            for number, (mode, share, ways) in enumerate(
+                zip(modes, modes.shares, modes.ways, strict=True), start=1
+            )
+        )
+        yield Table("", ("mode", "kind", "share\n[%]", "ways"), tuple(kinds), "><>>")
+    elif modes:
         size = modes[0].mechanism.characteristic_length
         places = matrix_numbers([mode.tool_pose.translation for mode in modes], size)
         rows = (

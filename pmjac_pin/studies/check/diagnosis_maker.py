@@ -13,7 +13,8 @@ from pmjac_pin.closing.assembly import unassembled
 from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.nearby_poses import nearby
 from pmjac_pin.closing.pose_assembly import motor_weights
-from pmjac_pin.errors import ClosureError, LimitError, ModelFileError, PmjacError
+from pmjac_pin.errors import ClosureError, LimitError, PmjacError
+from pmjac_pin.files.foreign_model import links_from_the_ends
 from pmjac_pin.files.source import Source
 from pmjac_pin.loading import load
 from pmjac_pin.mechanism import Mechanism
@@ -85,17 +86,25 @@ def check(source: str | Path | Mechanism | PmjacError, **options: Any) -> Diagno
     'home-open'
     """
     if isinstance(source, Mechanism):
-        return _of_mechanism(source)
+        return _judged(source)
     if isinstance(source, PmjacError):
         return _of_error(source)
     try:
-        return _of_mechanism(load(source, **options))
-    except ModelFileError as error:
-        if error.tools:
-            return _without_tool(check(source, **{**options, "tool": error.tools[0]}))
-        return _of_error(error)
+        mechanism = load(source, **options)
     except PmjacError as error:
+        if error.source is not None and error.source.spec.tool.is_none:
+            tool = links_from_the_ends(error.source.urdf)[0]
+            return _without_tool(check(source, **{**options, "tool": tool}))
         return _of_error(error)
+    return _judged(mechanism)
+
+
+def _judged(mechanism: Mechanism) -> Diagnosis:
+    """Return the diagnosis, by the end of the longest chain where no frame is the tool."""
+    if not mechanism.spec.tool.is_none:
+        return _of_mechanism(mechanism)
+    tool = mechanism.possible_tools[0]
+    return _without_tool(_of_mechanism(mechanism.with_tool(tool)))
 
 
 def _without_tool(diagnosis: Diagnosis) -> Diagnosis:

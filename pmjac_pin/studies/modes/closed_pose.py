@@ -49,7 +49,12 @@ def open_by(mechanism: Mechanism, q: Array) -> float:
 
 
 def order(configuration: Configuration, length: float) -> tuple[float, ...]:
-    """Return what modes are sorted by: the tool's height first, highest first."""
+    """Return what modes are sorted by: the tool's height first, highest first.
+
+    Without a tool they are by the joints' values.
+    """
+    if configuration.mechanism.spec.tool.is_none:
+        return tuple((np.round(configuration.passive, 6) + 0.0).tolist())
     pose = configuration.tool_pose
     x, y, z = np.round(pose.translation / length, 6) + 0.0
     return (-z, x, y, *(np.round(pose.rotation.ravel(), 6) + 0.0))

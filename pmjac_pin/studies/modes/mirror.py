@@ -26,7 +26,7 @@ def mirror_images(mechanism: Mechanism, modes: Sequence[Configuration]) -> tuple
     none = (None,) * len(modes)
     length = mechanism.problem.partition.length
     plane = _plane(_base_points(mechanism), length)
-    if plane is None or not modes:
+    if plane is None or not modes or not _points(mechanism, modes[0]).size:
         return none
     middle, normal = plane
     points = np.array([_points(mechanism, mode) for mode in modes])
@@ -79,4 +79,5 @@ def _points(mechanism: Mechanism, mode: Configuration) -> Array:
         for name in loop.frames
     ]
     anchors = [data.oMi[frame.joint].act(frame.placement.translation) for frame in frames]
-    return np.array([mode.tool_pose.translation, *anchors])
+    tool = [] if mechanism.spec.tool.is_none else [mode.tool_pose.translation]
+    return np.array([*tool, *anchors]).reshape(-1, 3)
