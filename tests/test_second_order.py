@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from test_catalogue_planar import PMKS_CRANK, PMKS_POINTS, watt_six_bar_at
+from test_one_kinematics import JOINTS, LOOPS, closed_frame, machine
 from transformed import moved
 
 import pmjac_pin as pj
@@ -259,3 +260,36 @@ def test_recorded_programs_and_complex_steps_are_one(name, rng):
     np.testing.assert_allclose(one.constraint, other.constraint, atol=1e-13 * size)
     for frame in FRAMES:
         np.testing.assert_allclose(one.tool(frame), other.tool(frame), atol=1e-13 * size)
+
+
+@pytest.mark.parametrize("joint", JOINTS)
+@pytest.mark.parametrize("kind", LOOPS)
+def test_of_every_kind_of_loop_and_joint(kind, joint, rng):
+    """γ = dC[v] v is η's second derivative along q ⊕ t v where C v = 0: η is Pinocchio's."""
+    model = machine(JOINTS[joint], rng)
+    q = pin.integrate(model, pin.neutral(model), rng.normal(size=model.nv))
+    loop = LOOPS[kind](("one", closed_frame(model, q)))
+    if kind == "distance":
+        data = model.createData()
+        pin.framesForwardKinematics(model, data, q)
+        ends = [data.oMf[model.getFrameId(name)].translation for name in ("one", "two")]
+        loop = pj.DistanceLoop(
+            frames=("one", "two"), length=float(np.linalg.norm(ends[0] - ends[1]))
+        )
+    elif kind == "universal":
+        loop = pj.UniversalLoop(frames=loop.frames, axes=((1, 0, 0), (0, 0, 1)))
+    mechanism = pj.Mechanism.from_pinocchio(model, [loop], ["base"], "on base", home=q)
+    configuration = mechanism.home
+    _, values, right = np.linalg.svd(configuration.split_jacobian().constraint_jacobian)
+    allowed = right[np.count_nonzero(values > 1e-9 * values[0]) :].T
+    v = allowed @ rng.normal(size=allowed.shape[1])
+    v /= np.linalg.norm(v)
+    gamma = mechanism._slopes.at(configuration.q, v[:, None]).constraint[0] @ v
+    h = 2e-3
+
+    def eta(t):
+        return mechanism.loop_equations(pin.integrate(mechanism.model, configuration.q, t * v))[0]
+
+    near, far = eta(h) + eta(-h), eta(2 * h) + eta(-2 * h)
+    found = (16 * near - far - 30 * eta(0.0)) / (12 * h * h)
+    np.testing.assert_allclose(gamma, found, atol=1e-6 * max(1.0, np.abs(gamma).max()))
