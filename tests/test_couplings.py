@@ -73,6 +73,14 @@ def test_the_joint_that_is_not_independent_follows(load):
     assert mechanism.passive == ("q_leg",)
 
 
+def test_the_joint_that_says_it_is_independent_leads_one_that_says_nothing(load):
+    mechanism = load(geared(coupling(), leg="", rotor=TRUE, hip=""))
+    (gear,) = mechanism.spec.loops
+    assert (gear.joints, gear.ratio) == (("q_rotor", "q_leg"), pytest.approx(-1 / 6))
+    assert "q_rotor" in mechanism.actuated
+    assert "q_leg" in mechanism.passive
+
+
 def test_without_a_word_on_independence_the_successor_follows(load):
     mechanism = load(geared(coupling(), leg="", rotor="", hip="").replace(TRUE, ""))
     assert mechanism.actuated == ("q_hip", "q_leg", "q_foot")

@@ -70,7 +70,9 @@ def _gear(
     element = only(where, coupling, "ratio")
     default = "1" if element is None else None
     (ratio,) = numbers(f"{where}, <ratio>", element, "value", default=default)
-    if independent.get(second, False) and not independent.get(first, True) and ratio:
+    # Independent is what says so, then what says nothing.
+    leads = [(independent.get(name, True), name in independent) for name in (first, second)]
+    if leads[1] > leads[0] and ratio:
         return JointLoop(joints=(second, first), ratio=1.0 / ratio)
     return JointLoop(joints=(first, second), ratio=ratio)
 
