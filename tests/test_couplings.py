@@ -68,7 +68,7 @@ def test_links_that_are_fixed_behind_joints_turn_with_them(load):
 def test_the_joint_that_is_not_independent_follows(load):
     mechanism = load(geared(coupling(), leg=FALSE, rotor=TRUE))
     (gear,) = mechanism.spec.loops
-    assert (gear.joints, gear.ratio) == (("q_rotor", "q_leg"), pytest.approx(-1 / 6))
+    assert (gear.joints, gear.ratio) == (("q_leg", "q_rotor"), -6.0)
     assert mechanism.actuated == ("q_hip", "q_rotor", "q_foot")
     assert mechanism.passive == ("q_leg",)
 
@@ -76,7 +76,7 @@ def test_the_joint_that_is_not_independent_follows(load):
 def test_the_joint_that_says_it_is_independent_leads_one_that_says_nothing(load):
     mechanism = load(geared(coupling(), leg="", rotor=TRUE, hip=""))
     (gear,) = mechanism.spec.loops
-    assert (gear.joints, gear.ratio) == (("q_rotor", "q_leg"), pytest.approx(-1 / 6))
+    assert (gear.joints, gear.ratio) == (("q_leg", "q_rotor"), -6.0)
     assert "q_rotor" in mechanism.actuated
     assert "q_leg" in mechanism.passive
 
@@ -135,3 +135,13 @@ def test_a_link_in_a_loop_of_joints_has_no_angle(load):
     )
     with pytest.raises(pj.ModelFileError, match="link 'leg' is in a loop of joints"):
         load(text)
+
+
+def test_a_shaft_without_end_may_be_the_one_that_leads(load):
+    """Its turns need no counting where the hinge's value tells its own: shaft = 6 hinge."""
+    text = geared(coupling(), leg="", rotor=TRUE, hip="").replace("revolute", "continuous")
+    mechanism = load(text)
+    assert "q_rotor" in mechanism.actuated
+    assert "q_leg" in mechanism.passive
+    at = mechanism.close({name: 0.3 * (name == "q_rotor") for name in mechanism.actuated})
+    assert at.joint_values["q_leg"] == pytest.approx(-0.05)

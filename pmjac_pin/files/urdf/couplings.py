@@ -25,9 +25,7 @@ TAG = "coupling"
 _ENDS = ("predecessor", "successor")
 
 
-def take_couplings(
-    robot: Element, joints: Sequence[Element], independent: Mapping[str, bool]
-) -> tuple[JointLoop, ...]:
+def take_couplings(robot: Element, joints: Sequence[Element]) -> tuple[JointLoop, ...]:
     """Take the <coupling> elements out of a robot; return them as gears.
 
     Parameters
@@ -35,8 +33,6 @@ def take_couplings(
     robot : Element
     joints : sequence of Element
         Its joints, all of them.
-    independent : mapping of str to bool
-        What the file says of its joints: the one that is not independent follows.
 
     Raises
     ------
@@ -47,18 +43,29 @@ def take_couplings(
     if not couplings:
         return ()
     links = [link.get("name", "") for link in robot.iterfind("link")]
-    gears = [_gear(coupling, joints, links, independent) for coupling in couplings]
+    gears = [_gear(coupling, joints, links) for coupling in couplings]
     for coupling in couplings:
         robot.remove(coupling)
     return tuple(gears)
 
 
-def _gear(
-    coupling: Element,
-    joints: Sequence[Element],
-    links: Collection[str],
-    independent: Mapping[str, bool],
-) -> JointLoop:
+def follower(gear: JointLoop, independent: Mapping[str, bool]) -> str:
+    """Return which of two joints that a coupling ties follows the other.
+
+    Independent is the one that says so, then the one that says nothing; of two alike the first.
+
+    Parameters
+    ----------
+    gear : JointLoop
+    independent : mapping of str to bool
+        What the file says of its joints.
+    """
+    first, second = gear.joints
+    says = [(independent.get(name, True), name in independent) for name in gear.joints]
+    return first if says[1] > says[0] and gear.ratio else second
+
+
+def _gear(coupling: Element, joints: Sequence[Element], links: Collection[str]) -> JointLoop:
     where = label(coupling)
     ends = [checked_end(where, coupling, tag, links) for tag in _ENDS]
     chains = [_chain(where, joints, end) for end in ends]
@@ -70,10 +77,6 @@ def _gear(
     element = only(where, coupling, "ratio")
     default = "1" if element is None else None
     (ratio,) = numbers(f"{where}, <ratio>", element, "value", default=default)
-    # Independent is what says so, then what says nothing.
-    leads = [(independent.get(name, True), name in independent) for name in (first, second)]
-    if leads[1] > leads[0] and ratio:
-        return JointLoop(joints=(second, first), ratio=1.0 / ratio)
     return JointLoop(joints=(first, second), ratio=ratio)
 
 

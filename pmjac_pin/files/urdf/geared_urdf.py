@@ -55,7 +55,7 @@ def read_geared_urdf(path: Path) -> GearedUrdf:
         take_mimics(robot, joints)
         followers = [joint.get("name", "") for joint in joints if joint.find("mimic") is not None]
         notes = idle_mimics(joints)
-        gears = (*read_gears(joints), *take_couplings(robot, joints, {}))
+        gears = (*read_gears(joints), *take_couplings(robot, joints))
         urdf = Urdf.of(robot, str(path), (*unread, *doubtful(robot, followers)))
     return GearedUrdf(urdf, gears, tuple(notes))
 

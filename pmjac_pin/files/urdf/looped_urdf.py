@@ -7,7 +7,7 @@ write it: see `pmjac_pin.files.urdf.ties`.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -27,7 +27,7 @@ from pmjac_pin.files.sdf.vocabulary import SDF_WORDS
 from pmjac_pin.files.text_file import at_file, read_text
 from pmjac_pin.files.urdf.checks import VELOCITIES, check_size, checked_names
 from pmjac_pin.files.urdf.control_mimics import doubtful
-from pmjac_pin.files.urdf.couplings import take_couplings
+from pmjac_pin.files.urdf.couplings import follower, take_couplings
 from pmjac_pin.files.urdf.joint_tree import UrdfJoint
 from pmjac_pin.files.urdf.loop_elements import Closing, idle_mimics, read_closings, read_gears
 from pmjac_pin.files.urdf.robot import MAXIMAL_URDF, Urdf
@@ -41,7 +41,6 @@ from pmjac_pin.files.urdf.ties import (
 )
 from pmjac_pin.files.urdf.vocabulary import URDF_WORDS
 from pmjac_pin.files.xml_text import parse_xml
-from pmjac_pin.model.loop_spec import JointLoop
 
 
 def read_looped_urdf(path: Path, motors: Collection[str] = ()) -> ForeignModel:
@@ -101,7 +100,10 @@ def read_robot(
     limit_notes, balls = opened_limits(elements), floating_balls(elements)
     limit_notes += idle_mimics(elements)
     independent = independence(elements)
-    gears = (*read_gears(elements), *take_couplings(robot, elements, independent))
+    mimics, couplings = read_gears(elements), take_couplings(robot, elements)
+    led = {follower(gear, independent) for gear in couplings}
+    led |= {gear.joints[1] for gear in mimics}
+    gears = (*mimics, *couplings)
     geared = {name for gear in gears for name in gear.joints}
     wanted = {name for name, given in independent.items() if given}
     cut = CutJoints.of(elements, names, balls, {*motors, *wanted, *geared})
@@ -121,7 +123,7 @@ def read_robot(
         loops=tuple(loop for loop in loops if loop is not None),
         spherical=tuple(joint.name for joint in cut.kept if joint.name in balls),
         home=home,
-        actuated=_actuated(cut.kept, independent, gears),
+        actuated=_actuated(cut.kept, independent, led),
         notes=(*limit_notes, *home_notes, *cut.notes(), *tie_notes, *closing_notes, *massless),
         unread=(*unread, *doubtful(robot, followers)),
     )
@@ -163,12 +165,11 @@ def _declared(
 
 
 def _actuated(
-    tree: Sequence[UrdfJoint], independent: Mapping[str, bool], gears: Iterable[JointLoop]
+    tree: Sequence[UrdfJoint], independent: Mapping[str, bool], followers: Collection[str]
 ) -> tuple[str, ...]:
     """Return the independent joints, once one joint says whether it is: true is the default."""
     if not independent:
         return ()
-    followers = {gear.joints[1] for gear in gears}
     single = [joint.name for joint in tree if VELOCITIES[joint.type] == 1]
     return tuple(name for name in single if name not in followers and independent.get(name, True))
 
