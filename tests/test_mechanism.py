@@ -358,7 +358,6 @@ class TestFromPinocchio:
                 "'coupler_end' is no joint that moves",
             ),
             ({"loops": None}, pj.ArgumentError, "loops is a list of PointLoop, RevoluteLoop"),
-            ({"tool": None}, pj.ArgumentError, "a tool is one frame or three, got None"),
             (
                 {"loops": [pj.PointLoop(frames=("coupler", "coupler_tip"))]},
                 pj.ArgumentError,
