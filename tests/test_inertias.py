@@ -261,20 +261,63 @@ def test_bodies_of_a_urdf_without_mass_are_told(tmp_path):
     assert read_looped_urdf(path).notes[-1] == "no mass is given for 'rocker': it is 0 in `model`"
 
 
-def test_inertias_of_rotors_are_left_out_and_said(tmp_path):
-    told = "the inertia of rotors is not read: `model.armature` is 0 for"
+def test_rotors_are_read(tmp_path):
+    """MuJoCo's armature, and Drake's rotor by the square of its gear."""
     rotor = '<default><joint armature="0.2"/></default>'
     bodies = mjcf_models.body("a", '<joint name="i"/>') + mjcf_models.body(
         "b", '<joint name="j" armature="0"/>'
     )
     (tmp_path / "robot.xml").write_text(mjcf_models.mjcf(bodies, before=rotor))
-    assert f"{told} 'i'" in read_mjcf(tmp_path / "robot.xml").notes
+    assert dict(read_mjcf(tmp_path / "robot.xml").armature) == {"i": 0.2}
     path, text = tmp_path / "robot.urdf", looped.with_drake("")
-    for element in ('<dynamics armature="0.1"/>', '<drake:rotor_inertia value="1e-3"/>'):
+    drakes = '<drake:rotor_inertia value="1e-3"/><drake:gear_ratio value="10"/>'
+    for element, armature in (
+        ('<dynamics armature="0.1"/>', 0.1),
+        ('<drake:rotor_inertia value="1e-3"/>', 1e-3),
+        (drakes, 0.1),
+    ):
         path.write_text(text.replace("</joint>", f"{element}</joint>", 1))
-        assert any(note.startswith(told) for note in read_looped_urdf(path).notes), element
+        [found] = read_looped_urdf(path).armature.values()
+        assert found == pytest.approx(armature)
     path.write_text(text.replace("</joint>", '<dynamics armature="0"/></joint>', 1))
-    assert not any(note.startswith(told) for note in read_looped_urdf(path).notes)
+    assert not read_looped_urdf(path).armature
+    for wrong in ("-1", "x"):
+        path.write_text(text.replace("</joint>", f'<dynamics armature="{wrong}"/></joint>', 1))
+        with pytest.raises(pj.ModelFileError, match=r"below 0|armature"):
+            read_looped_urdf(path)
+
+
+def test_rotors_are_in_the_mass_matrix(tmp_path):
+    """Of MuJoCo's own, of a model file, and of what `convert` writes."""
+    inertial = '<inertial pos="0.3 0 0" mass="2" diaginertia="0.1 0.2 0.3"/>'
+    tip = mjcf_models.body("b", f'{inertial}<joint name="j" axis="0 0 1"/>')
+    text = mjcf_models.mjcf(
+        mjcf_models.body("a", f'{inertial}<joint name="i" axis="0 1 0" armature="0.5"/>{tip}')
+    )
+    path = tmp_path / "arm.xml"
+    path.write_text(text)
+    mechanism = pj.load(path, actuated=["i", "j"], tool="b")
+    theirs = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(theirs)
+    mujoco.mj_forward(theirs, data)
+    wanted = np.eye(2)
+    for column in wanted:
+        mujoco.mj_mulM(theirs, data, result := np.zeros(2), column.copy())
+        column[:] = result
+    np.testing.assert_allclose(mechanism.home.dynamics().mass_matrix, wanted, atol=1e-12)
+    pj.convert(path, tmp_path / "arm.toml", actuated=["i", "j"], tool="b")
+    again = pj.load(tmp_path / "arm.toml")
+    assert again.spec.armature == {"i": 0.5}
+    np.testing.assert_allclose(again.home.dynamics().mass_matrix, wanted, atol=1e-9)
+    text = (tmp_path / "arm.toml").read_text()
+    (tmp_path / "arm.toml").write_text(text.replace("0.5", "0.7"))
+    more = pj.load(tmp_path / "arm.toml").home.dynamics().mass_matrix
+    assert more[0, 0] - wanted[0, 0] == pytest.approx(0.2)
+    assert pj.load(tmp_path / "arm.toml", locked=["j"], actuated=["i"]).model.armature == 0.7
+    for wrong, said in (("i = -1", "below 0"), ("k = 1", "unknown joint 'k'")):
+        (tmp_path / "arm.toml").write_text(text.replace("i = 0.5", wrong))
+        with pytest.raises(pj.PmjacError, match=said):
+            pj.load(tmp_path / "arm.toml")
 
 
 def test_a_moment_that_is_not_given_is_said(tmp_path):

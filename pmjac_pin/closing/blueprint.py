@@ -11,7 +11,7 @@ import pinocchio as pin
 from pmjac_pin.closing.assembly import assembled, unassembled
 from pmjac_pin.closing.home_on_the_way import HomePose, followed, home_pose
 from pmjac_pin.closing.parts import Parts
-from pmjac_pin.errors import ArgumentError, ClosureError, ModelFileError, PmjacError
+from pmjac_pin.errors import ArgumentError, ClosureError, ModelFileError, PmjacError, unknown_name
 from pmjac_pin.files.urdf.locking import lock_joints
 from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.model.linkage import with_helical, with_spherical
@@ -109,4 +109,10 @@ def _pinocchio_model(urdf: Urdf, spec: MechanismSpec) -> pin.Model:
     if balls := tuple(name for name in spec.spherical if name not in spec.locked):
         model = with_spherical(model, balls)
     helical = {name: pitch for name, pitch in spec.helical.items() if name not in spec.locked}
-    return with_helical(model, helical) if helical else model
+    model = with_helical(model, helical) if helical else model
+    for name in spec.armature.keys() - spec.locked.keys():
+        if not model.existJointName(name):
+            raise unknown_name("joint", name, tuple(model.names[1:]))
+        joint = model.joints[model.getJointId(name)]
+        model.armature[joint.idx_v : joint.idx_v + joint.nv] = spec.armature[name]
+    return model

@@ -32,6 +32,8 @@ class ForeignModel:
         Joints that `urdf` writes as ``floating`` and that only turn.
     helical : mapping of str to float
         Joints that `urdf` writes as ``revolute`` and that slide as they turn, m/rad.
+    armature : mapping of str to float
+        As in `MechanismSpec`.
     home : mapping of str to float or tuple of float
         Joint values near which the loops are closed; neutral for the others.
     actuated : tuple of str
@@ -51,6 +53,7 @@ class ForeignModel:
     loops: tuple[Loop, ...] = ()
     spherical: tuple[str, ...] = ()
     helical: Mapping[str, float] = field(default_factory=lambda: _NO_PITCHES)
+    armature: Mapping[str, float] = field(default_factory=lambda: _NO_PITCHES)
     home: Mapping[str, JointValue] = field(default_factory=lambda: _NO_VALUES)
     actuated: tuple[str, ...] = ()
     tool: str = ""
@@ -88,6 +91,7 @@ class ForeignModel:
             loops=self.loops,
             spherical=self.spherical,
             helical=dict(self.helical),
+            armature=dict(self.armature),
             tolerance=self.tolerance,
             poses={"home": dict(self.home)},
         )

@@ -15,19 +15,12 @@ def without_mass(names: Sequence[str]) -> list[str]:
     return [f"no mass is given for {listed(names)}: it is 0 in `model`"] if names else []
 
 
-def without_rotors(names: Sequence[str]) -> list[str]:
-    """Return a note on joints whose rotors' inertia is left out, if there are any."""
-    what = "the inertia of rotors is not read: `model.armature` is 0 for"
-    return [f"{what} {listed(names)}"] if names else []
-
-
 def mass_notes(urdf: Urdf, names: Collection[str]) -> list[str]:
     """Return what is to be said of the bodies of a URDF, or of those that are among these links."""
     heavy = _heavy(urdf)
     if not heavy and any(joint.type != "fixed" for joint in urdf.joints):
-        return [_NONE, *without_rotors(_with_rotors(urdf))]
-    massless = without_mass(_massless(urdf, heavy, names))
-    return [*massless, *without_rotors(_with_rotors(urdf))]
+        return [_NONE]
+    return without_mass(_massless(urdf, heavy, names))
 
 
 def _heavy(urdf: Urdf) -> set[str]:
@@ -55,20 +48,3 @@ def _massless(urdf: Urdf, heavy: Collection[str], names: Collection[str]) -> lis
         if body and not set(heavy) & set(body):
             found += [link for link in body if link in names][:1]
     return found
-
-
-def _with_rotors(urdf: Urdf) -> list[str]:
-    """Return the joints to which a URDF gives a rotor's inertia, in MuJoCo's or Drake's way."""
-    places = (("dynamics", "armature"), ("{*}rotor_inertia", "value"))
-    return [
-        joint.get("name", "")
-        for joint in urdf.robot().iterfind("joint")
-        if any(_is_given(element.get(key)) for at, key in places for element in joint.iterfind(at))
-    ]
-
-
-def _is_given(number: str | None) -> bool:
-    try:
-        return number is not None and float(number) != 0.0
-    except ValueError:  # nobody reads it
-        return True

@@ -17,6 +17,7 @@ from pmjac_pin.files.robot_folder import urdf_of
 from pmjac_pin.files.text_file import at_file
 from pmjac_pin.files.urdf.geared_urdf import read_geared_urdf, with_gears
 from pmjac_pin.files.urdf.robot import Urdf
+from pmjac_pin.files.urdf.rotors import rotors
 from pmjac_pin.files.urdf.ties import closing_frames
 from pmjac_pin.files.user_path import shown_path, user_path
 from pmjac_pin.model.spec import MechanismSpec, Tool
@@ -88,7 +89,11 @@ def read_source(
     geared = read_geared_urdf(find_urdf(spec.urdf, path))
     urdf = geared.urdf
     with at_file(urdf.path):
-        spec = msgspec.structs.replace(spec, loops=with_gears(spec.loops, geared.gears))
+        spec = msgspec.structs.replace(
+            spec,
+            loops=with_gears(spec.loops, geared.gears),
+            armature={**rotors(urdf), **spec.armature},
+        )
     if motors is not None:
         # The order of the passive joints was given for other motors.
         spec = msgspec.structs.replace(spec, actuated=checked_motors(urdf, motors), passive=None)

@@ -117,6 +117,8 @@ class MechanismSpec(TomlTable, frozen=True, kw_only=True):
     helical : mapping of str to float
         Joints that the URDF writes as ``revolute`` or ``continuous`` for want of a screw: how far
         they slide along their axes as they turn, m/rad.
+    armature : mapping of str to float
+        Of motors' rotors: what they add to the inertia of a joint, kg m² or kg, gears included.
     tolerance : float or None
         The gap in m up to which the loops count as closed, for models whose loops cannot close
         exactly because their numbers are rounded; None for 1e-12 of the mechanism's length.
@@ -138,6 +140,7 @@ class MechanismSpec(TomlTable, frozen=True, kw_only=True):
     locked: dict[Name, JointValue] = msgspec.field(default_factory=dict)
     spherical: tuple[Name, ...] = ()
     helical: dict[Name, float] = msgspec.field(default_factory=dict)
+    armature: dict[Name, float] = msgspec.field(default_factory=dict)
     tolerance: float | None = None
     enforce_limits: bool = True
     poses: dict[Name, dict[Name, JointValue]]
@@ -153,6 +156,9 @@ class MechanismSpec(TomlTable, frozen=True, kw_only=True):
         _refuse_repeated("spherical", self.spherical)
         for name, pitch in self.helical.items():
             checked_pitch(name, pitch)
+        for name, inertia in self.armature.items():
+            if not as_number(inertia, f"the armature of joint {quoted(name)}") >= 0.0:
+                raise ArgumentError(f"the armature of joint {quoted(name)} is below 0: {inertia:g}")
         if not isinstance(self.tolerance, Real | None):
             raise ArgumentError(f"`tolerance` is a number in m, got {quoted(self.tolerance)}")
         if self.tolerance is not None and not 0.0 < self.tolerance <= sys.float_info.max:

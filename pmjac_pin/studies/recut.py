@@ -127,6 +127,7 @@ def _recut(
         passive=None,
         spherical=(),
         helical={},
+        armature={},
         parameters={},
         poses={name: pose(q) for name, q in poses.items()},
     )

@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.files.joint_dialects import listed
-from pmjac_pin.files.massless import without_mass, without_rotors
+from pmjac_pin.files.massless import without_mass
 from pmjac_pin.files.mjcf.bodies import place
 from pmjac_pin.files.mjcf.kept import NO_MASS
 from pmjac_pin.files.mjcf.mujoco import Compiled
@@ -44,8 +44,7 @@ def inertias(
     if points:
         notes.append(f"no moments of inertia are given for {listed(points)}: they are 0 in `model`")
     none = [name for _, name in bodies if name in moving and name not in {*known, *guessed}]
-    rotors = [names.joints[joint] for joint in compiled.rotors]
-    return known, [*notes, *without_mass(none), *without_rotors(rotors)]
+    return known, [*notes, *without_mass(none)]
 
 
 def _compiled_inertia(compiled: Compiled, number: int) -> pin.Inertia:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -36,15 +36,15 @@ class Compiled:
         The geoms that would need another file.
     unknown_mass : frozenset of int
         Bodies of which a mesh would make the mass.
-    rotors : tuple of int
-        Joints that have an inertia of their own.
+    rotors : mapping of int to float
+        Armatures of joints that have one, kg m² or kg.
     """
 
     model: Any
     equalities: tuple[str, ...]
     meshes: frozenset[int]
     unknown_mass: frozenset[int]
-    rotors: tuple[int, ...]
+    rotors: Mapping[int, float]
 
 
 def compiled(file: MjcfFile) -> Compiled:
@@ -63,7 +63,7 @@ def compiled(file: MjcfFile) -> Compiled:
     _check_names(mujoco, spec, labels)
     _check_values(spec)
     meshes = _without_meshes(mujoco, spec)
-    rotors = [joint for joint in spec.joints if joint.armature]
+    rotors = [(joint, float(joint.armature)) for joint in spec.joints if joint.armature]
     for joint in spec.joints:
         joint.armature = _HEAVY  # the mass matrix, which nobody reads, must not be singular
     with _refusals(root):
@@ -73,7 +73,7 @@ def compiled(file: MjcfFile) -> Compiled:
         equalities=labels,
         meshes=frozenset(geom.id for geom, _ in meshes),
         unknown_mass=frozenset(geom.parent.id for geom, heavy in meshes if heavy),
-        rotors=tuple(joint.id for joint in rotors),
+        rotors={joint.id: armature for joint, armature in rotors},
     )
 
 

@@ -81,6 +81,11 @@ def _model_of_kept(kept: Kept, path: Path) -> ForeignModel:
         urdf=lock_joints(Urdf.of(tree.urdf.robot, str(path)), held),
         loops=(*closures, *couplings),
         spherical=tuple(joint.name for joint in joints.values() if joint.kind == "ball"),
+        armature={
+            names.joints[joint]: armature
+            for joint, armature in found.rotors.items()
+            if names.joints[joint] not in held
+        },
         home=home,
         actuated=motors,
         notes=(*left_out, *fixed, *idle, *moved, *mass_notes),

@@ -31,6 +31,7 @@ from pmjac_pin.files.urdf.couplings import follower, take_couplings
 from pmjac_pin.files.urdf.joint_tree import UrdfJoint
 from pmjac_pin.files.urdf.loop_elements import Closing, idle_mimics, read_closings, read_gears
 from pmjac_pin.files.urdf.robot import MAXIMAL_URDF, Urdf
+from pmjac_pin.files.urdf.rotors import rotors
 from pmjac_pin.files.urdf.ties import (
     closing_frames,
     joints_of_gazebo,
@@ -122,6 +123,7 @@ def read_robot(
         urdf=urdf,
         loops=tuple(loop for loop in loops if loop is not None),
         spherical=tuple(joint.name for joint in cut.kept if joint.name in balls),
+        armature=rotors(urdf),
         home=home,
         actuated=_actuated(cut.kept, independent, led),
         notes=(*limit_notes, *home_notes, *cut.notes(), *tie_notes, *closing_notes, *massless),
