@@ -22,7 +22,7 @@ from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.loops import Loops, by_twists, riding
 from pmjac_pin.kinematics.tree import Poses, Tree
 from pmjac_pin.model.frames import find_frame
-from pmjac_pin.model.joint_kind import Motion
+from pmjac_pin.model.joint_kind import JointMotion
 from pmjac_pin.model.joint_kinds import JOINT_KINDS
 
 SLANTED = (0.6, 0.0, 0.8)
@@ -149,7 +149,7 @@ def as_numbers(motion, of):
 
     def mapped(link):
         floats = motion(link)
-        return Motion(tuple(map(of, floats.slides)), tuple(map(of, floats.turn)))
+        return JointMotion(tuple(map(of, floats.slides)), tuple(map(of, floats.turn)))
 
     return mapped
 
@@ -212,7 +212,7 @@ def by_polynomials(loops, model, q):
         if link.edge.child == first:
             point.extend(float(x[0, 0]) for x in (*floats.slides, *floats.turn))
             exact = [symbols([variables[k]])[None] for k in range(len(exact))]
-        return Motion(tuple(exact[: len(floats.slides)]), tuple(exact[len(floats.slides) :]))
+        return JointMotion(tuple(exact[: len(floats.slides)]), tuple(exact[len(floats.slides) :]))
 
     poses = Poses(loops.tree, rational, mapped, range(model.nv))
     blocks = riding(loops.pairs[0], poses)

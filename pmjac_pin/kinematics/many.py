@@ -16,7 +16,7 @@ from pmjac_pin.kinematics.loops import Loops, by_twists
 from pmjac_pin.kinematics.places import through
 from pmjac_pin.kinematics.tree import Link, Poses, Tree
 from pmjac_pin.model.coupling import Coupling
-from pmjac_pin.model.joint_kind import Motion
+from pmjac_pin.model.joint_kind import JointMotion
 from pmjac_pin.model.loop_spec import Loop
 from pmjac_pin.values.arrays import Array
 
@@ -78,7 +78,7 @@ class ManyPoses:
         """Return the poses at rows of q, shape (b, nq)."""
         entries = np.ascontiguousarray(q.T)[:, None]
 
-        def motion(link: Link) -> Motion:
+        def motion(link: Link) -> JointMotion:
             return link.kind.motion(_FLOATS, entries[link.entries], link.edge.pitch)
 
         return Poses(self.tree, _FLOATS, motion)

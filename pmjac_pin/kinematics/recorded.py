@@ -18,7 +18,7 @@ from pmjac_pin.kinematics.places import through
 from pmjac_pin.kinematics.tree import Link, Poses, Tree
 from pmjac_pin.model.coupling import Coupling
 from pmjac_pin.model.frames import find_frame
-from pmjac_pin.model.joint_kind import Motion
+from pmjac_pin.model.joint_kind import JointMotion
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.values.arrays import Array
 
@@ -97,7 +97,7 @@ class Recorder:
         """Record it at entries of q."""
         entries = _PROGRAMS.numbers(q)
 
-        def motion(link: Link) -> Motion:
+        def motion(link: Link) -> JointMotion:
             return link.kind.motion(_PROGRAMS, entries[link.entries], link.edge.pitch)
 
         poses = Poses(self._loops.tree, _PROGRAMS, motion)

@@ -20,7 +20,7 @@ from pmjac_pin.kinematics.places import through
 from pmjac_pin.kinematics.tool import spanned_jacobian, spanned_rotation
 from pmjac_pin.kinematics.tree import Link, Poses, Tree
 from pmjac_pin.model.frames import Frame, find_frame
-from pmjac_pin.model.joint_kind import Motion
+from pmjac_pin.model.joint_kind import JointMotion
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.values.arrays import Array
@@ -100,7 +100,7 @@ class SlopesAlongMotions:
         moving = q + 1j * _STEP * entry_rates(self._tree, q, motions)
         entries = np.ascontiguousarray(moving.T)[:, None]
 
-        def motion(link: Link) -> Motion:
+        def motion(link: Link) -> JointMotion:
             return link.kind.motion(_COMPLEX, entries[link.entries], link.edge.pitch)
 
         poses, count = Poses(self._tree, _COMPLEX, motion), len(moving)

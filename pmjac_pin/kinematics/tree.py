@@ -17,7 +17,7 @@ from pmjac_pin.algebra import Algebra, Number
 from pmjac_pin.algebra.jets import Columns, Jet
 from pmjac_pin.kinematics.places import Place, Pose, standing, steps, through
 from pmjac_pin.model.frames import Frame
-from pmjac_pin.model.joint_kind import JointKind, Motion, rotation_of
+from pmjac_pin.model.joint_kind import JointKind, JointMotion, rotation_of
 from pmjac_pin.model.linkage import Edge, edges_of
 from pmjac_pin.values.arrays import Array
 
@@ -149,16 +149,16 @@ class Poses:
         self,
         tree: Tree,
         algebra: Algebra,
-        motion: Callable[[Link], Motion],
+        motion: Callable[[Link], JointMotion],
         riding: Collection[int] = (),
     ) -> None:
         self.tree, self.algebra = tree, algebra
         self._motion, self._riding = motion, frozenset(riding)
-        self._motions: dict[int, Motion] = {}
+        self._motions: dict[int, JointMotion] = {}
         self._bodies: dict[tuple[int, int], tuple[Pose, Columns]] = {}
         self._freedoms: dict[tuple[int, int], list[Freedom]] = {}
 
-    def motion(self, link: Link) -> Motion:
+    def motion(self, link: Link) -> JointMotion:
         """Return how a joint moves."""
         body = link.edge.child
         if body not in self._motions:
@@ -233,7 +233,7 @@ class Poses:
         return pose
 
 
-def moved(algebra: Algebra, pose: Pose, kind: JointKind, motion: Motion) -> Pose:
+def moved(algebra: Algebra, pose: Pose, kind: JointKind, motion: JointMotion) -> Pose:
     """Return pose · M, M the motion of a joint."""
     x, y, z, p = pose
     for axis, slide in zip(kind.along, motion.slides, strict=True):

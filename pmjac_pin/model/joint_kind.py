@@ -24,7 +24,7 @@ from pmjac_pin.values.arrays import Array
 _Z = 2
 
 
-class Motion(NamedTuple):
+class JointMotion(NamedTuple):
     """The numbers by which a joint moves.
 
     Attributes
@@ -174,26 +174,26 @@ class JointKind:
         whole[:3, 3:] = pitch * self.screw * np.eye(3)
         return whole[:, [*self.along[: self.slides], *(3 + k for k in self.about)]]
 
-    def motion(self, algebra: Entries, entries: Number, pitch: float = 0.0) -> Motion:
+    def motion(self, algebra: Entries, entries: Number, pitch: float = 0.0) -> JointMotion:
         """Return the motion at entries of q, their components."""
         slides = tuple(entries[k] for k in range(self.slides))
         if not self.turns:
-            return Motion(slides, ())
+            return JointMotion(slides, ())
         if not self.angle:
             turn = algebra.unit(entries[self.slides :])
-            return Motion(slides, tuple(turn[k] for k in range(len(turn))))
+            return JointMotion(slides, tuple(turn[k] for k in range(len(turn))))
         whole = self._turning(algebra, entries[self.slides], pitch)
-        return Motion(slides + whole.slides, whole.turn)
+        return JointMotion(slides + whole.slides, whole.turn)
 
-    def at(self, algebra: Waves, value: Number, pitch: float = 0.0) -> Motion:
+    def at(self, algebra: Waves, value: Number, pitch: float = 0.0) -> JointMotion:
         """Return the motion of a joint of one freedom at its value, rad or m."""
-        return self._turning(algebra, value, pitch) if self.turns else Motion((value,), ())
+        return self._turning(algebra, value, pitch) if self.turns else JointMotion((value,), ())
 
-    def _turning(self, algebra: Waves, angle: Number, pitch: float) -> Motion:
+    def _turning(self, algebra: Waves, angle: Number, pitch: float) -> JointMotion:
         turn = (algebra.cos(angle), algebra.sin(angle))
         if not self.screw:
-            return Motion((), turn)
-        return Motion((algebra.times(np.array([[pitch]]), angle[None])[0],), turn)
+            return JointMotion((), turn)
+        return JointMotion((algebra.times(np.array([[pitch]]), angle[None])[0],), turn)
 
     def entries(self, motion: pin.SE3, pitch: float = 0.0) -> tuple[float, ...]:
         """Return the entries of q at a motion; of a screw, those of the turn next to its slide."""

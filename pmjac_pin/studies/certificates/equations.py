@@ -16,7 +16,7 @@ from pmjac_pin.algebra.jets import Jets
 from pmjac_pin.kinematics.loops import Loops
 from pmjac_pin.kinematics.tree import Link, Poses, Tree
 from pmjac_pin.model.coupling import Coupling
-from pmjac_pin.model.joint_kind import Motion
+from pmjac_pin.model.joint_kind import JointMotion
 from pmjac_pin.model.loop_spec import Loop
 from pmjac_pin.studies.certificates.chains import BALLS, BOXES, Chain
 from pmjac_pin.studies.certificates.neighbourhoods import Neighbourhoods
@@ -86,7 +86,7 @@ class LoopEquations:
         """Return the poses at q, in balls."""
         entries = exactly(q)[:, None, None]
 
-        def motion(link: Link) -> Motion:
+        def motion(link: Link) -> JointMotion:
             return link.kind.motion(BALLS, entries[link.entries], link.edge.pitch)
 
         return Poses(self._tree, BALLS, motion)

@@ -16,7 +16,7 @@ from pmjac_pin.algebra.boxes import Boxes
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.kinematics.places import Pose
 from pmjac_pin.kinematics.tree import Link, Poses
-from pmjac_pin.model.joint_kind import Motion
+from pmjac_pin.model.joint_kind import JointMotion
 from pmjac_pin.values.arrays import Array
 
 
@@ -45,9 +45,9 @@ class Neighbourhoods(Poses):
         super().__init__(at.tree, algebra, self._enclosed, unknown)
         self.at, self.turns, self.slides = at, turns, slides
 
-    def _enclosed(self, link: Link) -> Motion:
+    def _enclosed(self, link: Link) -> JointMotion:
         slides, turn = self.at.motion(link)
-        return Motion(tuple(map(enclosing, slides)), tuple(map(enclosing, turn)))
+        return JointMotion(tuple(map(enclosing, slides)), tuple(map(enclosing, turn)))
 
     def _reached(self, pose: Pose, link: Link) -> Pose:
         """Return all poses that a joint's slides and then its turns reach."""

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.algebra.polynomials import Symbols
 from pmjac_pin.errors import ArgumentError
-from pmjac_pin.model.joint_kind import JointKind, Motion
+from pmjac_pin.model.joint_kind import JointKind, JointMotion
 from pmjac_pin.model.linkage import Edge
 from pmjac_pin.values.arrays import Array, Complex
 
@@ -84,13 +84,13 @@ class JointUnknowns:
         """Whether the variables and their negatives are the same pose."""
         return self.kind.turns == 3
 
-    def motion(self, variables: Symbols) -> Motion:
+    def motion(self, variables: Symbols) -> JointMotion:
         """Return the joint's motion in polynomials, lengths in characteristic lengths."""
         own = [variables[k : k + 1, None] for k in range(self.columns.start, self.columns.stop)]
         slides, turn = own[: self.slides], own[self.slides :]
         if self.floating:
             slides = _times_conjugate(slides, turn)[:3]
-        return Motion(tuple(slides), tuple(turn))
+        return JointMotion(tuple(slides), tuple(turn))
 
     def numbers(self, q: Array) -> Complex:
         """Return the joint's numbers (b, size) at rows of q."""

@@ -16,7 +16,7 @@ from pmjac_pin.algebra.polynomials import Polynomials, Symbols, rational
 from pmjac_pin.kinematics.loops import Pair
 from pmjac_pin.kinematics.tree import Link, Poses, Tree
 from pmjac_pin.model.frames import Frame
-from pmjac_pin.model.joint_kind import Motion
+from pmjac_pin.model.joint_kind import JointMotion
 from pmjac_pin.model.rows import Distance
 from pmjac_pin.studies.homotopy.joint_unknowns import JointUnknowns, quaternion_of_gap
 
@@ -92,7 +92,7 @@ class PolynomialRows:
     def _floating(self, base: int, frame: Frame) -> bool:
         return frame.joint != base and self._joints[frame.joint].floating
 
-    def _motion(self, link: Link) -> Motion:
+    def _motion(self, link: Link) -> JointMotion:
         return self._joints[link.edge.child].motion(self._variables)
 
     def _placed(self, placement: pin.SE3) -> pin.SE3:

@@ -12,7 +12,7 @@ import pinocchio as pin
 from pmjac_pin.algebra.boxes import Boxes
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.kinematics.tree import Link, Poses, Tree
-from pmjac_pin.model.joint_kind import Motion
+from pmjac_pin.model.joint_kind import JointMotion
 
 _BOXES = Boxes()
 
@@ -49,7 +49,7 @@ class IntervalTree:
     def poses(self, box: Intervals, rates: bool) -> Poses:
         """Return the poses over boxes (b, k) of the unknowns' values, m or rad."""
 
-        def motion(link: Link) -> Motion:
+        def motion(link: Link) -> JointMotion:
             name = link.edge.name
             place = self._unknowns.get(name)
             value = self._given[name] if place is None else box[None, :, place]
