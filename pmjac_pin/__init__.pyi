@@ -99,13 +99,11 @@ from .pictures.plot import plot as plot
 from .rates.allowed import AllowedJacobian as AllowedJacobian
 from .rates.allowed import allowed_jacobian as allowed_jacobian
 from .rates.dynamics import Dynamics as Dynamics
+from .rates.elimination import equivalent_jacobian as equivalent_jacobian
 from .rates.ellipse import Ellipse as Ellipse
 from .rates.ellipsoid import Ellipsoid as Ellipsoid
 from .rates.jacobian import (
     EquivalentJacobian as EquivalentJacobian,
-)
-from .rates.jacobian import (
-    equivalent_jacobian as equivalent_jacobian,
 )
 from .rates.motion import Motion as Motion
 from .rates.partition import Partition as Partition

@@ -27,7 +27,8 @@ from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.pose_rounding import PoseRounding
 from pmjac_pin.rates.allowed import AllowedJacobian, allowed_jacobian
 from pmjac_pin.rates.dynamics import Dynamics, check_inertia, without_idle
-from pmjac_pin.rates.jacobian import EquivalentJacobian, eliminated
+from pmjac_pin.rates.elimination import eliminated
+from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.known_jacobian import KnownJacobian
 from pmjac_pin.rates.motion import Motion
 from pmjac_pin.rates.partition import LoopRates

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import ArgumentError, ForbiddenRatesError, quoted
 from pmjac_pin.rates.actuation import analyse_actuation
-from pmjac_pin.rates.jacobian import refuse_felt_idle_motion, refuse_singular
+from pmjac_pin.rates.elimination import refuse_felt_idle_motion, refuse_singular
 from pmjac_pin.rates.partition import LoopRates
 from pmjac_pin.rates.singularity import Singularity, analyse_singularity
 from pmjac_pin.rates.split import SplitJacobian

@@ -15,7 +15,7 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.direct_kinematics import check_limits
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.rates.jacobian import refuse_felt_idle_motion
+from pmjac_pin.rates.elimination import refuse_felt_idle_motion
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.modes.aim import Aim
 from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
