@@ -10,33 +10,27 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from pmjac_pin.closing.closed import Closed, closed_point
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.generic_ranks import on_branch_of
 from pmjac_pin.closing.idle_motions import gained_and_idle
-from pmjac_pin.closing.motor_values import MotorValues, motor_rates
+from pmjac_pin.closing.loaded_pose import LoadedPose
 from pmjac_pin.closing.parts import Parts
 from pmjac_pin.errors import ArgumentError, ClosureError, quoted
 from pmjac_pin.kinematics.pinocchio import Snapshot
-from pmjac_pin.model.inertias import massless
 from pmjac_pin.model.limits import Violation, violations
-from pmjac_pin.model.springs import spring_efforts
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.pose_rounding import PoseRounding
 from pmjac_pin.rates.allowed import AllowedJacobian, allowed_jacobian
-from pmjac_pin.rates.dynamics import Dynamics, check_inertia, without_idle
 from pmjac_pin.rates.elimination import eliminated
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.known_jacobian import KnownJacobian
-from pmjac_pin.rates.motion import Motion
 from pmjac_pin.rates.partition import LoopRates
 from pmjac_pin.rates.singularity import Singularity, analyse_singularity
 from pmjac_pin.rates.split import SplitJacobian
-from pmjac_pin.rates.statics import Statics, balanced
 from pmjac_pin.values.arrays import Array, read_only
-from pmjac_pin.values.checks import as_flag, as_vector
 from pmjac_pin.values.found_once import found_once
 from pmjac_pin.values.shown import Shown
 
@@ -46,7 +40,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Configuration(Shown):
+class Configuration(LoadedPose, Shown):
     """A pose of a mechanism whose loops are closed.
 
     Made by `Mechanism.close`, `Mechanism.home`, `Mechanism.pose` and `Mechanism.configuration`
@@ -303,123 +297,6 @@ class Configuration(Shown):
         if self._parts.spec.tool.is_none:
             tool = np.full_like(tool, np.nan)
         return SplitJacobian(constraint, tool, name, partition, pose=PoseRounding(self, name))
-
-    def motion(
-        self,
-        rates: MotorValues,
-        accelerations: MotorValues | None = None,
-        frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED",
-    ) -> Motion:
-        """Return all that follows from motor rates and accelerations.
-
-        Parameters
-        ----------
-        rates, accelerations : array_like, shape (n,), or mapping of str to float
-            θ̇ and θ̈ (0 when None), m or rad per s and s².
-        frame : {"LOCAL_WORLD_ALIGNED", "LOCAL", "WORLD"} or pin.ReferenceFrame
-            Of the tool's twist and of its rate.
-
-        Raises
-        ------
-        SingularError, ForbiddenRatesError, IdleMotionError
-            As `jacobian`.
-        UnknownNameError, ArgumentError
-            Other rates than one for each motor.
-
-        Examples
-        --------
-        >>> import pmjac_pin as pj
-        >>> pj.load("slider_crank").home.motion([10.0]).acceleration.shape
-        (6,)
-        """
-        given = [self._motor_rates(each) for each in (rates, accelerations)]
-        return Motion(self.jacobian(frame), *given)
-
-    def dynamics(self, rates: MotorValues | None = None) -> Dynamics:
-        """Return the equations of motion in motor coordinates, M θ̈ + h = τ + J_eqᵀ w.
-
-        Parameters
-        ----------
-        rates : array_like, shape (n,), or mapping of str to float, optional
-            θ̇, m/s or rad/s; at rest when None.
-
-        Raises
-        ------
-        SingularError, ForbiddenRatesError, IdleMotionError
-            As `jacobian`.
-        NoInertiaError
-            Some motion of the motors moves no mass.
-
-        Examples
-        --------
-        >>> import pmjac_pin as pj
-        >>> pj.load("ur5").home.dynamics().mass_matrix.shape
-        (6, 6)
-        """
-        tree, partition = self._parts.kinematics, self._problem.partition
-        motion = self.motion(self._motor_rates(rates))
-        G, still = motion.jacobian.motion_map, np.zeros(motion.v.shape)
-        ways = np.hstack([G, motion.jacobian.idle_map])
-        natural = partition.column_scale[partition.actuated]
-        scale = np.concatenate([natural, np.ones(ways.shape[1] - natural.size)])
-        forces = [tree.efforts(self.q, still, still), tree.efforts(self.q, motion.v, motion.bias)]
-        mass, reduced = without_idle(
-            ways.T @ tree.mass_matrix(self.q) @ ways,
-            ways.T @ np.array(forces).T,
-            natural.size,
-            scale,
-        )
-        check_inertia(mass, natural, massless(tree.model))
-        gravity, bias = reduced.T
-        return Dynamics(motion, 0.5 * (mass + mass.T), gravity, bias)
-
-    def statics(
-        self,
-        wrench: ArrayLike | None = None,
-        *,
-        gravity: bool = True,
-        springs: Mapping[str, tuple[float, float]] | None = None,
-    ) -> Statics:
-        """Return the motor efforts, and the forces in the loops, that balance a load at rest.
-
-        Parameters
-        ----------
-        wrench : array_like, shape (6,), optional
-            That acts on the tool: a force in N, and a moment in N m about its origin, by the
-            world's axes.
-        gravity : bool
-            Whether the bodies' weight acts.
-        springs : mapping of str to (float, float), optional
-            Of joints of one degree of freedom: stiffness in N/m or N m/rad, and the value in m or
-            rad where it is at rest.
-
-        Raises
-        ------
-        SingularError, IdleMotionError
-            As `jacobian`; at poses where loops forbid some motor rates there is an answer still.
-        NoEquilibriumError
-            The load drives what idles.
-        UnknownNameError, ArgumentError
-            No such joint, or values that are none.
-
-        Examples
-        --------
-        >>> import pmjac_pin as pj
-        >>> pj.load("four_bar").home.statics([0, -10.0, 0, 0, 0, 0]).efforts.round(3).tolist()
-        [3.126]
-        """
-        allowed, model = self.allowed_jacobian(), self._parts.kinematics.model
-        load = spring_efforts(self._parts.coordinates, self.q, springs or {})
-        if as_flag(gravity, "gravity"):
-            load += self._parts.kinematics.efforts(self.q, *np.zeros((2, model.nv)))
-        if wrench is not None:
-            load -= allowed.tool_jacobian.T @ as_vector(wrench, 6, "a wrench")
-        return balanced(load, self._loop_rates, self._problem.partition)
-
-    def _motor_rates(self, given: MotorValues | None) -> Array:
-        if given is None:
-            return np.zeros(len(self.mechanism.actuated))
-        return motor_rates(self._parts.spec, self._parts.coordinates, given)
 
     def singularity(self) -> Singularity:
         """Return the ranks here, the kind of singularity and what moves freely.
