@@ -15,7 +15,9 @@ BAD = (
     np.zeros((2, 3, 4)), np.array("a"), float, 1 + 2j, {1: 2}, {"theta1": "x"}, range(3),
 )  # fmt: skip
 #: Those that take nothing at all, three numbers, or the names of a mapping.
-ANSWERED = {"parameters", "locked", "guess", "directions", "section", "actuated"}
+ANSWERED = {
+    "parameters", "locked", "guess", "directions", "section", "actuated", "springs", "driven_by",
+}  # fmt: skip
 RING = np.arange(18.0).reshape(6, 3)
 
 
@@ -31,7 +33,9 @@ def asked():
     """Public functions of one argument, by a name each; other arguments are good."""
     mechanism = pj.load("five_bar")
     home, many = mechanism.home, pj.batch(mechanism)
-    report, ellipsoid = pj.report(home), home.jacobian().velocity_ellipsoid()
+    report, jacobian = pj.report(home), home.jacobian()
+    ellipsoid, heavy = jacobian.velocity_ellipsoid(), pj.load("ur5").home
+    geared = pj.transmission(mechanism, ["phi1", "phi2"]).at(home)
     return {
         "load": pj.load,
         "parameters": lambda x: pj.load("five_bar", x),
@@ -69,6 +73,24 @@ def asked():
         "base": lambda x: pj.delta(x, 0.3, 0.7, 0.06),
         "arm": lambda x: pj.delta(0.2, x, 0.7, 0.06),
         "directions": lambda x: pj.delta(0.2, 0.3, 0.7, 0.06, directions=x),
+        "motion": lambda x: home.motion(x if x is not None else "x"),
+        "accelerated": lambda x: home.motion([1.0, 1.0], x if x is not None else "x"),
+        "dynamics": lambda x: heavy.dynamics(x if x is not None else "x"),
+        "efforts": heavy.dynamics().efforts,
+        "driven": heavy.dynamics().accelerations,
+        "wrench": lambda x: home.statics(x if x is not None else "x"),
+        "springs": lambda x: home.statics(springs=x),
+        "measure": jacobian.gradient,
+        "measured": lambda x: jacobian.gradient("log det", x),
+        "rates": lambda x: jacobian.velocity_polytope(x, ["vx", "vy"]),
+        "forces": lambda x: jacobian.force_polytope([1.0, 1.0], x),
+        "point": jacobian.velocity_polytope([1.0, 1.0], ["vx", "vy"]).contains,
+        "transmission": lambda x: pj.transmission(mechanism, x),
+        "driven_by": mechanism.driven_by,
+        "at_joints": geared.transmission.at_joints,
+        "geared": geared.motor_rates,
+        "gains": geared.stiffness,
+        "limits": geared.effort_limits,
     }
 
 

@@ -146,7 +146,7 @@ class LoadedPose:
         [3.126]
         """
         allowed, model = self.allowed_jacobian(), self._parts.kinematics.model
-        load = spring_efforts(self._parts.coordinates, self.q, springs or {})
+        load = spring_efforts(self._parts.coordinates, self.q, {} if springs is None else springs)
         if as_flag(gravity, "gravity"):
             load += self._parts.kinematics.efforts(self.q, *np.zeros((2, model.nv)))
         if wrench is not None:

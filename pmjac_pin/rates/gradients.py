@@ -36,7 +36,7 @@ def gradient_of(measure: str, block: Array, slopes: Array) -> Array:
     NoGradientError
         A singular value that is not simple, or is zero where that has no derivative.
     """
-    if measure not in MEASURES:
+    if not isinstance(measure, str) or measure not in MEASURES:
         raise unknown_name("measure", measure, tuple(MEASURES))
     left, values, right = np.linalg.svd(block, full_matrices=False)
     rates = np.einsum("ri,rjk,ij->ik", left, slopes, right)

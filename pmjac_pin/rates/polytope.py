@@ -13,9 +13,11 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays
+from pmjac_pin.values.checks import as_vector
 
 _MOST = 16  # motors: 65,536 corners of a box
 _FLAT = 1e-9  # of the largest singular value: a direction that is not reached
@@ -50,9 +52,10 @@ class Polytope(ReadOnlyArrays):
     offsets: Array
     unit: str
 
-    def contains(self, point: Array) -> bool:
+    def contains(self, point: ArrayLike) -> bool:
         """Tell whether a point (d,) is in it."""
-        return bool((self.normals @ np.asarray(point, dtype=float) <= self.offsets).all())
+        given = as_vector(point, self.vertices.shape[1], "a point")
+        return bool((self.normals @ given <= self.offsets).all())
 
     def __add__(self, other: Polytope) -> Polytope:
         """Return all sums of a point of each: what two tools that push together can do."""
