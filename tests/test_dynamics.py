@@ -79,7 +79,13 @@ def test_what_idles_is_driven_by_nobody(spinning, rng):
         model.inertias[joint] = pin.Inertia(mass, centre, mass * 0.02 * np.eye(3))
     mechanism = rebuilt(mechanism, model)
     assert mechanism.home.singularity().idle_motions.shape[1] == 1
-    check_by_multipliers(mechanism.close([0.7]), rng)
+    configuration = mechanism.close([0.7])
+    check_by_multipliers(configuration, rng)
+    dynamics = configuration.dynamics([2.0])
+    moving = pin.computeKineticEnergy(
+        mechanism.model, mechanism.model.createData(), configuration.q, dynamics.motion.v
+    )
+    assert dynamics.kinetic_energy == pytest.approx(moving)
 
 
 def check_by_multipliers(configuration, rng):
@@ -245,3 +251,20 @@ def test_an_armature_that_is_lost_with_its_joint_is_said(rng):
     assert "joint 'phi1' is cut: its armature is lost, and no mass matrix has it" in (
         pj.recut(mechanism, "phi1").notes
     )
+
+
+def test_forces_on_idle_motions_without_mass_are_refused_at_any_size():
+    mechanism = mechanisms.rssr()
+    model = mechanism.model
+    for joint in range(1, model.njoints):
+        model.inertias[joint] = pin.Inertia(2.0, np.array([0.1, 0.2, 0.0]), 0.02 * np.eye(3))
+    for name in ("rx", "ry", "rz"):
+        model.inertias[model.getJointId(name)] = pin.Inertia.Zero()
+    massless = rebuilt(mechanism, model)
+    massless.home.dynamics([1.0])  # nothing drives what idles
+    rod = model.getJointId("rz")
+    for size in (1.0, 1e-12):
+        heavy_rod = model.copy()
+        heavy_rod.inertias[rod] = pin.Inertia(size, np.array([1.0, 0.2, 0.0]), np.zeros((3, 3)))
+        found = rebuilt(mechanism, heavy_rod).home.dynamics([1.0])
+        assert np.isfinite(found.bias).all()

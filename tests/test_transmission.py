@@ -206,3 +206,20 @@ def test_where_the_joints_do_not_determine_the_motors():
     stuck = pj.transmission(mechanism, ["phi1"]).at(mechanism.close([dead]))
     with pytest.raises(pj.SingularError):
         stuck.motor_rates([1.0])
+
+
+def test_motors_that_idle_are_not_determined():
+    """The spin of a rod: no pose of crank and rocker tells it."""
+    mechanism = mechanisms.rssr()
+    spun = pj.Mechanism.from_pinocchio(
+        mechanism.model, mechanism.spec.loops, ["rz"], "rocker_tip", home=mechanism.home.q
+    )
+    geared = pj.transmission(spun, ["theta"]).at(spun.home)
+    with pytest.raises(pj.ArgumentError, match="do not determine what idles: rz"):
+        geared.motor_rates([1.0])
+
+
+def test_a_ragged_matrix_is_told():
+    geared = pj.transmission(ankle(), ["pitch", "roll"]).at_joints([0.0, 0.0])
+    with pytest.raises(pj.ArgumentError, match="motor stiffness"):
+        geared.stiffness([[1.0, 2.0], [3.0]])

@@ -100,15 +100,18 @@ class LoadedPose:
         natural = partition.column_scale[partition.actuated]
         scale = np.concatenate([natural, np.ones(ways.shape[1] - natural.size)])
         forces = [tree.efforts(self.q, still, still), tree.efforts(self.q, motion.v, motion.bias)]
+        whole, on_tree = tree.mass_matrix(self.q), np.array(forces).T
         mass, reduced = without_idle(
-            ways.T @ tree.mass_matrix(self.q) @ ways,
-            ways.T @ np.array(forces).T,
+            ways.T @ whole @ ways,
+            ways.T @ on_tree,
+            np.abs(ways).T @ np.abs(on_tree),
             natural.size,
             scale,
         )
         check_inertia(mass, natural, massless(tree.model))
         gravity, bias = reduced.T
-        return Dynamics(motion, 0.5 * (mass + mass.T), gravity, bias)
+        energy = 0.5 * float(motion.v @ whole @ motion.v)
+        return Dynamics(motion, 0.5 * (mass + mass.T), gravity, bias, energy)
 
     def statics(
         self,
@@ -146,12 +149,13 @@ class LoadedPose:
         [3.126]
         """
         allowed, model = self.allowed_jacobian(), self._parts.kinematics.model
-        load = spring_efforts(self._parts.coordinates, self.q, {} if springs is None else springs)
+        given = {} if springs is None else springs
+        loads = [spring_efforts(self._parts.coordinates, self.q, given)]
         if as_flag(gravity, "gravity"):
-            load += self._parts.kinematics.efforts(self.q, *np.zeros((2, model.nv)))
+            loads.append(self._parts.kinematics.efforts(self.q, *np.zeros((2, model.nv))))
         if wrench is not None:
-            load -= allowed.tool_jacobian.T @ as_vector(wrench, 6, "a wrench")
-        return balanced(load, self._loop_rates, self._problem.partition)
+            loads.append(-allowed.tool_jacobian.T @ as_vector(wrench, 6, "a wrench"))
+        return balanced(np.array(loads), self._loop_rates, self._problem.partition)
 
     def _motor_rates(self, given: MotorValues | None) -> Array:
         if given is None:

@@ -19,7 +19,7 @@ from pmjac_pin.values.arrays import Array, ReadOnlyArrays, read_only
 from pmjac_pin.values.checks import as_vector
 
 _NO_INERTIA = 1e-12  # of the largest, on motions of like size: rounding
-_ROUNDING = 1e-9  # of the largest force, or of 1 N
+_ROUNDING = 1e-9  # of the forces that add up to one on an idle motion
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -39,6 +39,8 @@ class Dynamics(ReadOnlyArrays):
         Gᵀ g: the efforts that hold the machine's own weight, where nothing idles.
     bias : ndarray, shape (n,)
         h = Gᵀ (M_t Ġ θ̇ + h_t): gravity, and what the rates alone ask for.
+    kinetic_energy : float
+        ½ vᵀ M_t v of v = G θ̇, J.
 
     Examples
     --------
@@ -55,6 +57,7 @@ class Dynamics(ReadOnlyArrays):
     mass_matrix: Array
     gravity: Array
     bias: Array
+    kinetic_energy: float
 
     @property
     def rates(self) -> Array:
@@ -88,11 +91,6 @@ class Dynamics(ReadOnlyArrays):
         driving = given - self.bias + self._of_wrench(wrench)
         return read_only(np.asarray(np.linalg.solve(self.mass_matrix, driving), dtype=np.float64))
 
-    @property
-    def kinetic_energy(self) -> float:
-        """½ θ̇ᵀ M θ̇, J."""
-        return float(0.5 * self.rates @ self.mass_matrix @ self.rates)
-
     def _of_wrench(self, wrench: ArrayLike | None) -> Array:
         if wrench is None:
             return np.zeros(self.rates.size)
@@ -102,7 +100,9 @@ class Dynamics(ReadOnlyArrays):
         return f"Dynamics({self.rates.size} motors)"
 
 
-def without_idle(mass: Array, forces: Array, n: int, scale: Array) -> tuple[Array, Array]:
+def without_idle(
+    mass: Array, forces: Array, sizes: Array, n: int, scale: Array
+) -> tuple[Array, Array]:
     """Return mass matrix (n, n) and forces (n, k) of what is driven, idle motions eliminated.
 
     Idle ones accelerate so that nothing drives them: M = M₁₁ − M₁₂ M₂₂⁻¹ M₂₁ and
@@ -112,7 +112,8 @@ def without_idle(mass: Array, forces: Array, n: int, scale: Array) -> tuple[Arra
     ----------
     mass : ndarray, shape (n + i, n + i)
         Of the n driven motions and then of i idle ones.
-    forces : ndarray, shape (n + i, k)
+    forces, sizes : ndarray, shape (n + i, k)
+        And of what these are sums: what rounding is compared with.
     n : int
     scale : ndarray, shape (n + i,)
         Natural rates of these motions.
@@ -127,8 +128,8 @@ def without_idle(mass: Array, forces: Array, n: int, scale: Array) -> tuple[Arra
     unit = mass * np.outer(scale, scale)
     pushed = forces * scale[:, None]
     inverse = np.linalg.pinv(unit[n:, n:], rcond=_NO_INERTIA, hermitian=True)
-    held = pushed[n:] - unit[n:, n:] @ inverse @ pushed[n:]
-    if np.abs(held).max(initial=0.0) > _ROUNDING * max(1.0, np.abs(pushed).max(initial=0.0)):
+    held = np.abs(pushed[n:] - unit[n:, n:] @ inverse @ pushed[n:])
+    if (held > _ROUNDING * (sizes * scale[:, None]).max(axis=0)).any():
         raise NoInertiaError("forces act on idle motions that move no mass: add inertia")
     across = unit[:n, n:] @ inverse
     mass = (unit[:n, :n] - across @ unit[n:, :n]) / np.outer(scale[:n], scale[:n])

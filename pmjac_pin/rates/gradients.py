@@ -46,7 +46,7 @@ def gradient_of(measure: str, block: Array, slopes: Array) -> Array:
 def _simple(values: Array, which: int) -> None:
     others = np.delete(values, which)
     if not values[which] > _ZERO * values[0]:
-        raise NoGradientError("the smallest singular value is 0 here, where it has no gradient")
+        raise NoGradientError("a singular value is 0 here, where it has no gradient")
     if others.size and np.abs(others - values[which]).min() <= _EQUAL * values[0]:
         raise NoGradientError("singular values are equal here: each alone has no gradient")
 

@@ -49,7 +49,10 @@ class Motion(ReadOnlyArrays):
 
     @cached_property
     def bias(self) -> Array:
-        """Ġ θ̇, shape (nv,): what the rates alone accelerate. −K*⁺ γ, and 0 of motors."""
+        """Ġ θ̇, shape (nv,): what the rates alone accelerate. −K*⁺ γ, and 0 of motors.
+
+        Of what idles any acceleration keeps the loops closed: this is the smallest.
+        """
         partition, (constraint, _) = self.jacobian.partition, self._slopes
         loops = self.jacobian._loops
         bias = np.zeros(self.v.shape)

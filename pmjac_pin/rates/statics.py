@@ -20,7 +20,7 @@ from pmjac_pin.rates.factorisation import Factorisation
 from pmjac_pin.rates.partition import LoopRates, Partition
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays, norm
 
-_BALANCED = 1e-9  # of the load, without dimension: what rounding may leave on idle motions
+_BALANCED = 1e-9  # of the loads, without dimension: what rounding may leave on idle motions
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -64,13 +64,13 @@ class Statics(ReadOnlyArrays):
         return f"Statics({self.efforts.size} motors, {self.loop_forces.size} rows, {known})"
 
 
-def balanced(load: Array, loops: LoopRates, partition: Partition) -> Statics:
-    """Return what balances a load.
+def balanced(loads: Array, loops: LoopRates, partition: Partition) -> Statics:
+    """Return what balances loads together.
 
     Parameters
     ----------
-    load : ndarray, shape (nv,)
-        b: what motors and loops have to exert on the tree's freedoms, N or N m.
+    loads : ndarray, shape (k, nv)
+        b, in parts: what motors and loops have to exert on the tree's freedoms, N or N m.
     loops, partition
         As of `pmjac_pin.rates.second_order.following_rates`.
 
@@ -80,11 +80,12 @@ def balanced(load: Array, loops: LoopRates, partition: Partition) -> Statics:
         The load drives what idles.
     """
     scale, actuated, passive = partition.column_scale, partition.actuated, partition.passive
-    needed, rank = load * scale, partition.passive_rank
+    needed, rank = loads.sum(axis=0) * scale, partition.passive_rank
     left, values, right = (
         getattr(loops.passive, name) for name in ("left", "singular_values", "right")
     )
-    _refuse_driven_idle(right[rank:], needed[passive], needed, partition)
+    size = float(np.linalg.norm(loads * scale, axis=1).sum())
+    _refuse_driven_idle(right[rank:], needed[passive], size, partition)
     forces = left[:, :rank] @ ((right[:rank] @ needed[passive]) / values[:rank])
     driving = loops.scaled[:, actuated]
     efforts, open_ways = needed[actuated] - driving.T @ forces, left[:, rank:]
@@ -102,17 +103,14 @@ def balanced(load: Array, loops: LoopRates, partition: Partition) -> Statics:
     )
 
 
-def _refuse_driven_idle(
-    idle: Array, passive_load: Array, load: Array, partition: Partition
-) -> None:
-    driven = idle @ passive_load
-    if norm(driven) <= _BALANCED * max(norm(load), 1.0):
+def _refuse_driven_idle(idle: Array, load: Array, size: float, partition: Partition) -> None:
+    driven = idle @ load
+    if norm(driven) <= _BALANCED * size:
         return
     motion = np.abs(idle.T @ driven)
-    names = [
-        partition.passive_names[k] for k in np.argsort(-motion)[:3].tolist() if motion[k] > 0.0
-    ]
+    moving = [k for k in np.argsort(-motion)[:3].tolist() if motion[k] > 0.0]
+    names = ", ".join(partition.passive_names[k] for k in moving)
     raise NoEquilibriumError(
-        f"the load drives what idles ({', '.join(names)}), which neither motors nor loops hold: "
-        "there is no equilibrium"
+        f"the load drives what idles ({names}), which neither motors nor loops hold: there is no "
+        "equilibrium"
     )

@@ -22,7 +22,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.polytope import Polytope, image_of_box
 from pmjac_pin.values.arrays import Array, Index, read_only
-from pmjac_pin.values.checks import as_limits, as_vector, check_kind
+from pmjac_pin.values.checks import as_limits, as_numbers, as_vector, check_kind
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -57,8 +57,8 @@ class Transmission:
         ------
         ClosureError, LimitError, UnknownNameError, ArgumentError
             As `Mechanism.close`.
-        SingularError
-            The joints do not determine the motors there.
+        SingularError, ArgumentError
+            The joints do not determine the motors: there, or anywhere.
         """
         return Geared(self, self.by_joints.close(values, guess))
 
@@ -176,7 +176,11 @@ class Geared:
 
     @cached_property
     def _jacobian(self) -> EquivalentJacobian:
-        return self.configuration.jacobian()
+        found = self.configuration.jacobian()
+        moving = np.abs(found.idle_map[self._columns]).any(axis=1)
+        if idle := [self.transmission.motors[k] for k in np.flatnonzero(moving).tolist()]:
+            raise ArgumentError(f"the joints do not determine what idles: {', '.join(idle)}")
+        return found
 
     @property
     def _columns(self) -> Index:
@@ -197,10 +201,8 @@ class Geared:
 
     def _matrix(self, given: ArrayLike, what: str) -> Array:
         count = len(self.transmission.motors)
-        values = np.asarray(given)
-        if values.shape == (count, count):
-            return as_vector(values.ravel(), count * count, what).reshape(count, count)
-        return np.diag(self._vector(given, what))
+        values = as_numbers(given, what)
+        return values if values.shape == (count, count) else np.diag(self._vector(given, what))
 
     def __repr__(self) -> str:
         joints = ", ".join(
