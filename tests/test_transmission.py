@@ -217,6 +217,9 @@ def test_motors_that_idle_are_not_determined():
     geared = pj.transmission(spun, ["theta"]).at(spun.home)
     with pytest.raises(pj.ArgumentError, match="do not determine what idles: rz"):
         geared.motor_rates([1.0])
+    crank = pj.transmission(mechanism, ["psi"]).at(mechanism.home)
+    ratio = mechanisms.rssr(rod=False).home.jacobian().passive_rates  # ψ̇ by θ̇
+    assert crank.ratio[0, 0] * ratio[0, 0] == pytest.approx(1.0, rel=1e-6)
 
 
 def test_a_ragged_matrix_is_told():
