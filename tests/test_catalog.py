@@ -99,3 +99,10 @@ def test_home_follows_the_parameters_alike_in_both_cuts(a, b):
 def test_home_refuses_to_leave_the_motors_limits():
     with pytest.raises(pj.ClosureError, match=r"closes where 'l1' = .* is outside its limits"):
         pj.load("three_rps", parameters={"a": 1000.0})
+
+
+def test_a_folder_of_that_name_is_hinted_at(tmp_path, monkeypatch):
+    (tmp_path / "leg").mkdir()
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(pj.UnknownNameError, match=r"for the folder of this name write '\./leg'"):
+        pj.load("leg")

@@ -49,7 +49,7 @@ def test_where_its_figure_cannot_be_written_all_else_is_told(told, capsys, monke
     assert main(["demo"]) == 0
     tables, _, last = capsys.readouterr().out.rpartition("\n\n")
     assert tables == told.rpartition("\n\n")[0]
-    assert sentence(last).startswith(f"None: {FIGURE} was not written (")
+    assert sentence(last).startswith(f"{FIGURE} was not written (")
     assert main(["demo", "-o", str(FIGURE)]) == 2
 
 

@@ -80,7 +80,7 @@ def test_followers_are_none(write):
     text = in_sdf(sdf_model(*ARM[:2], follower)).replace('"1.9"', '"1.11"')
     mechanism = pj.load(write(text), tool="d")
     assert (mechanism.actuated, mechanism.passive) == (("i", "j"), ("k",))
-    assert any("but those that follow another counts as a motor" in n for n in mechanism.notes)
+    assert any("but those that follow another, counts as a motor" in n for n in mechanism.notes)
 
 
 def test_where_a_loop_closes_motors_are_asked_for(write):

@@ -173,7 +173,7 @@ def test_a_slider_is_dragged_with_the_mouse(viewer, open_page):
     assert configuration.actuated[0] == pytest.approx(1.3, abs=0.03)
     np.testing.assert_allclose(configuration.actuated[1:], 1.0)
     check_numbers(page, configuration)
-    assert page.evaluate("pmjac.updates") > 3
+    assert page.evaluate("pmjac.updates") > 1  # how many more is the machine's load
     assert picture(page) != before[0]
     assert all(new != old for new, old in zip(outlines(page), before[1], strict=True))
     assert page.input_value("#pose") == ""

@@ -6,8 +6,10 @@ import sys
 
 import matplotlib.image
 import numpy as np
+import pinocchio as pin
 import pytest
 
+import pmjac_pin as pj
 from pmjac_pin.errors import ArgumentError, MissingDependencyError, OutputError
 from pmjac_pin.pictures import plotting
 from pmjac_pin.pictures.figures import save_figure
@@ -239,3 +241,15 @@ def test_without_matplotlib_the_message_says_what_to_install(monkeypatch):
         "plotting needs matplotlib: pip install 'pmjac_pin[plot]' ("
     )
     assert isinstance(caught.value, ImportError)
+
+
+@pytest.mark.parametrize("kind", ["linear", "angular"])
+@pytest.mark.parametrize("count", [1, 2])
+def test_machines_of_fewer_than_three_points(count, kind):
+    """One joint, and the tool at it or away: no plane is told by so few points."""
+    model = pin.Model()
+    joint = model.addJoint(0, pin.JointModelRZ(), pin.SE3.Identity(), "turn")
+    place = pin.SE3(np.eye(3), np.array([count - 1.0, 0.0, 0.0]))
+    model.addFrame(pin.Frame("tip", joint, 0, place, pin.FrameType.OP_FRAME))
+    mechanism = pj.Mechanism.from_pinocchio(model, [], ["turn"], "tip")
+    assert pj.plot(mechanism.home, kind) is not None

@@ -58,6 +58,8 @@ def find_model_file(name_or_path: str | Path) -> Path:
     hint = did_you_mean(path.name, names)
     if is_file(path):
         hint = f"; for the file of this name write './{path.name}'"
+    elif path.name and path.is_dir():
+        hint = f"; for the folder of this name write './{path.name}'"
     raise UnknownNameError(
         f"unknown mechanism {quoted(str(name_or_path))}{hint}",
         name=str(name_or_path),

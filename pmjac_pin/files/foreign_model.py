@@ -107,7 +107,7 @@ class ForeignModel:
         motors = tuple(name for name in self._possible_motors() if name not in followers)
         if not motors:
             return self
-        followed = ", but those that follow another" if followers else ""
+        followed = ", but those that follow another," if followers else ""
         note = f"no loop closes: every joint of one degree of freedom{followed} counts as a motor"
         return replace(self, actuated=motors, notes=(*self.notes, note))
 

@@ -125,7 +125,7 @@ def demo_blocks(demo: Demo) -> Iterator[Block]:
     yield Heading("Figure: the ellipsoid in space and in the Z-Y, Z-X and X-Y planes")
     if demo.unwritten:
         why = f"{demo.figure} was not written ({demo.unwritten})"
-        yield Paragraph(f"None: {why}; -o takes another place.")
+        yield Paragraph(f"{why}; -o takes another place.")
     else:
         yield Verbatim(str(demo.figure))
 

@@ -64,10 +64,13 @@ def frame_of(figures: Sequence[StickFigure], view: Array) -> tuple[Array, Array]
 
 
 def _across(figures: Sequence[StickFigure]) -> Array | None:
-    """Return the normal of the plane in which all is: with z or x positive, or y negative."""
+    """Return the normal of the plane in which all is: with z or x positive, or y negative.
+
+    None where there is no one plane: of less than three points, too.
+    """
     points = np.concatenate([stroke.points for figure in figures for stroke in figure.strokes])
     sizes, axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[1:]
-    if sizes[2] > _IN_A_PLANE * sizes[0]:
+    if sizes.size < len(axes[0]) or sizes[2] > _IN_A_PLANE * sizes[0]:
         return None
     largest = int(first_largest(axes[2]))
     normal: Array = axes[2] * np.sign(axes[2][largest]) * (-1.0 if largest == 1 else 1.0)
