@@ -14,7 +14,7 @@ from pmjac_pin.errors import (
     shortened,
 )
 from pmjac_pin.files.text_file import at_file
-from pmjac_pin.files.user_path import followed, is_file, shown_path, user_path
+from pmjac_pin.files.user_path import followed, is_file, is_folder, shown_path, user_path
 
 SUFFIXES = (".toml", ".urdf", ".yaml", ".sdf", ".world", ".xml", ".mjcf")  # of a mechanism
 _EXAMPLE_ROBOTS = "example-robot-data:"
@@ -58,7 +58,7 @@ def find_model_file(name_or_path: str | Path) -> Path:
     hint = did_you_mean(path.name, names)
     if is_file(path):
         hint = f"; for the file of this name write './{path.name}'"
-    elif path.name and path.is_dir():
+    elif path.name and is_folder(path):
         hint = f"; for the folder of this name write './{path.name}'"
     raise UnknownNameError(
         f"unknown mechanism {quoted(str(name_or_path))}{hint}",
