@@ -126,7 +126,19 @@ def ended(pid, seconds):
     return False
 
 
+@pytest.fixture
+def no_nohup():
+    """The signals as a terminal's shell leaves them, though the tests run by `nohup` or by `&`."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGHUP, signal.SIGINT)}
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
 @LINUX
+@pytest.mark.usefixtures("no_nohup")
 @pytest.mark.parametrize(
     ("prefix", "stays"),
     [
@@ -140,7 +152,8 @@ def test_a_killed_parent(prefix, stays):
     """It ends, too, unless it was started to stay."""
     after = "" if prefix != "& " else "& wait"
     command = f"{'' if prefix == '& ' else prefix}{VIEW} {after}; true"
-    shell, url, _ = started("sh", "-c", command)
+    # A session of its own has no terminal, in whose background these tests may run.
+    shell, url, _ = started("sh", "-c", command, start_new_session=True)
     [pid] = map(int, Path(f"/proc/{shell.pid}/task/{shell.pid}/children").read_text().split())
     with shell.stdout, shell.stderr:
         try:
@@ -154,6 +167,8 @@ def test_a_killed_parent(prefix, stays):
                 os.kill(pid, signal.SIGKILL)
 
 
+@LINUX
+@pytest.mark.usefixtures("no_nohup")
 def test_in_the_background_of_a_terminal(monkeypatch):
     """A job of an interactive shell, as with `&` and perhaps `disown`, stays."""
     monkeypatch.setattr(serving.os, "getsid", lambda _: 0)
