@@ -14,7 +14,7 @@ from pmjac_pin.closing.motor_values import MotorValues, motor_rates
 from pmjac_pin.closing.parts import Parts
 from pmjac_pin.model.inertias import massless
 from pmjac_pin.model.springs import spring_efforts
-from pmjac_pin.rates.dynamics import Dynamics, check_inertia, without_idle
+from pmjac_pin.rates.dynamics import Dynamics, check_inertia, least_inertia, without_idle
 from pmjac_pin.rates.motion import Motion
 from pmjac_pin.rates.partition import LoopRates
 from pmjac_pin.rates.statics import Statics, balanced
@@ -96,7 +96,8 @@ class LoadedPose:
         tree, partition = self._parts.kinematics, self._problem.partition
         motion = self.motion(self._motor_rates(rates))
         G, still = motion.jacobian.motion_map, np.zeros(motion.v.shape)
-        ways = np.hstack([G, motion.jacobian.idle_map])
+        idle = motion.jacobian.idle_map
+        ways = np.hstack([G, idle])
         natural = partition.column_scale[partition.actuated]
         scale = np.concatenate([natural, np.ones(ways.shape[1] - natural.size)])
         forces = [tree.efforts(self.q, still, still), tree.efforts(self.q, motion.v, motion.bias)]
@@ -105,8 +106,9 @@ class LoadedPose:
             ways.T @ whole @ ways,
             ways.T @ on_tree,
             np.abs(ways).T @ np.abs(on_tree),
-            natural.size,
             scale,
+            n=natural.size,
+            least=least_inertia(whole, idle, partition.column_scale),
         )
         check_inertia(mass, natural, massless(tree.model))
         gravity, bias = reduced.T

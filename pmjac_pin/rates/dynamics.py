@@ -19,6 +19,7 @@ from pmjac_pin.values.arrays import Array, ReadOnlyArrays, read_only
 from pmjac_pin.values.checks import as_vector
 
 _NO_INERTIA = 1e-12  # of the largest, on motions of like size: rounding
+_ROUNDED_RATES = 1e-9  # of rates: what rounding may leave of those that an idle motion has not
 _ROUNDING = 1e-9  # of the forces that add up to one on an idle motion
 
 
@@ -101,7 +102,7 @@ class Dynamics(ReadOnlyArrays):
 
 
 def without_idle(
-    mass: Array, forces: Array, sizes: Array, n: int, scale: Array
+    mass: Array, forces: Array, sizes: Array, scale: Array, *, n: int, least: float
 ) -> tuple[Array, Array]:
     """Return mass matrix (n, n) and forces (n, k) of what is driven, idle motions eliminated.
 
@@ -114,9 +115,11 @@ def without_idle(
         Of the n driven motions and then of i idle ones.
     forces, sizes : ndarray, shape (n + i, k)
         And of what these are sums: what rounding is compared with.
-    n : int
     scale : ndarray, shape (n + i,)
         Natural rates of these motions.
+    n : int
+    least : float
+        What `least_inertia` says of the idle motions.
 
     Raises
     ------
@@ -127,13 +130,36 @@ def without_idle(
         return mass, forces
     unit = mass * np.outer(scale, scale)
     pushed = forces * scale[:, None]
-    inverse = np.linalg.pinv(unit[n:, n:], rcond=_NO_INERTIA, hermitian=True)
+    values, vectors = np.linalg.eigh(unit[n:, n:])
+    heavy = vectors[:, values > least]
+    inverse = (heavy / values[values > least]) @ heavy.T
     held = np.abs(pushed[n:] - unit[n:, n:] @ inverse @ pushed[n:])
     if (held > _ROUNDING * (sizes * scale[:, None]).max(axis=0)).any():
         raise NoInertiaError("forces act on idle motions that move no mass: add inertia")
     across = unit[:n, n:] @ inverse
     mass = (unit[:n, :n] - across @ unit[n:, :n]) / np.outer(scale[:n], scale[:n])
     return mass, (pushed[:n] - across @ pushed[n:]) / scale[:n, None]
+
+
+def least_inertia(mass: Array, idle: Array, scale: Array) -> float:
+    """Return the inertia of idle motions that is none, but rounding of masses and of motions.
+
+    Rates that an idle motion does not have are left at some ε by rounding, and ε² of the machine's
+    inertia with them: taken for an inertia, it would be as mighty as any, since M₁₂ M₂₂⁻¹ M₂₁ is
+    of the size of ε m ⋅ ε m / ε² m.
+
+    Parameters
+    ----------
+    mass : ndarray, shape (nv, nv)
+        Of the cut tree.
+    idle : ndarray, shape (nv, i)
+        Idle motions, orthonormal on dimensionless rates.
+    scale : ndarray, shape (nv,)
+        Natural rates.
+    """
+    sizes, rates = np.abs(mass) * np.outer(scale, scale), np.abs(idle / scale[:, None])
+    own = float((rates.T @ sizes @ rates).max(initial=0.0))
+    return max(_NO_INERTIA * own, _ROUNDED_RATES**2 * float(np.linalg.norm(sizes)))
 
 
 def check_inertia(mass_matrix: Array, scale: Array, massless: tuple[str, ...]) -> None:
