@@ -9,6 +9,8 @@ import pinocchio as pin
 import pytest
 from mujoco_oracle import Pair, mujoco
 from peer_models import peer_model
+from test_sdf_ties import RHOMBUS, sdf
+from test_sdf_ties import joint as sdf_joint
 
 import pmjac_pin as pj
 from pmjac_pin.files.mjcf.reader import read_mjcf
@@ -261,30 +263,121 @@ def test_bodies_of_a_urdf_without_mass_are_told(tmp_path):
     assert read_looped_urdf(path).notes[-1] == "no mass is given for 'rocker': it is 0 in `model`"
 
 
-def test_rotors_are_read(tmp_path):
-    """MuJoCo's armature, and Drake's rotor by the square of its gear."""
+def test_mujocos_rotors_are_read(tmp_path):
     rotor = '<default><joint armature="0.2"/></default>'
     bodies = mjcf_models.body("a", '<joint name="i"/>') + mjcf_models.body(
         "b", '<joint name="j" armature="0"/>'
     )
     (tmp_path / "robot.xml").write_text(mjcf_models.mjcf(bodies, before=rotor))
     assert dict(read_mjcf(tmp_path / "robot.xml").armature) == {"i": 0.2}
-    path, text = tmp_path / "robot.urdf", looped.with_drake("")
-    drakes = '<drake:rotor_inertia value="1e-3"/><drake:gear_ratio value="10"/>'
-    for element, armature in (
-        ('<dynamics armature="0.1"/>', 0.1),
-        ('<drake:rotor_inertia value="1e-3"/>', 1e-3),
-        (drakes, 0.1),
-    ):
-        path.write_text(text.replace("</joint>", f"{element}</joint>", 1))
-        [found] = read_looped_urdf(path).armature.values()
-        assert found == pytest.approx(armature)
-    path.write_text(text.replace("</joint>", '<dynamics armature="0"/></joint>', 1))
-    assert not read_looped_urdf(path).armature
-    for wrong in ("-1", "x"):
-        path.write_text(text.replace("</joint>", f'<dynamics armature="{wrong}"/></joint>', 1))
-        with pytest.raises(pj.ModelFileError, match=r"below 0|armature"):
-            read_looped_urdf(path)
+
+
+def urdf_with_rotor(element, name="theta1", before="", after=""):
+    """The lecture's four-bar with something in one of its joints, or beside them."""
+    text = looped.with_drake(before)
+    end = text.index("</joint>", text.index(f'<joint name="{name}"'))
+    return text[:end] + element + text[end:].replace("</robot>", f"{after}</robot>")
+
+
+TRANSMISSION = (
+    '<transmission name="t"><type>transmission_interface/SimpleTransmission</type>'
+    '<joint name="{}"/><actuator name="motor">{}</actuator></transmission>'
+)
+DRAKES = '<drake:rotor_inertia value="1e-3"/><drake:gear_ratio value="10"/>'
+
+
+@pytest.mark.parametrize(
+    ("inside", "after", "armature"),
+    [
+        ('<dynamics armature="0.1"/>', "", {"theta1": 0.1}),
+        ('<dynamics armature="0"/>', "", {}),
+        ('<drake:rotor_inertia value="1e-3"/>', "", {"theta1": 1e-3}),
+        (DRAKES, "", {"theta1": 0.1}),
+        ("", TRANSMISSION.format("theta1", DRAKES), {"theta1": 0.1}),
+        ("", TRANSMISSION.format("phi1", DRAKES), {"phi1": 0.1}),
+        (DRAKES, TRANSMISSION.format("theta1", DRAKES), {"theta1": 0.2}),
+        ("", TRANSMISSION.format("nobody", ""), {}),
+    ],
+)
+def test_rotors_of_a_urdf_are_read(tmp_path, inside, after, armature):
+    """Drake's are in the actuator of a transmission, and count by the square of their gear."""
+    path = tmp_path / "robot.urdf"
+    path.write_text(urdf_with_rotor(inside, after=after))
+    assert read_looped_urdf(path).armature == pytest.approx(armature)
+
+
+@pytest.mark.parametrize(
+    ("inside", "after", "said"),
+    [
+        ('<dynamics armature="-1"/>', "", "joint 'theta1', <dynamics>: `armature` is below 0: -1"),
+        ('<dynamics armature="x"/>', "", "`armature` is 'x', not a finite number"),
+        (
+            '<drake:gear_ratio value="x"/>' + DRAKES[: DRAKES.index("/>") + 2],
+            "",
+            "gear_ratio>: `va",
+        ),
+        (DRAKES + DRAKES, "", "2 <.*rotor_inertia>; give one"),
+        ("", TRANSMISSION.format("thta1", DRAKES), "unknown joint 'thta1'; did you mean 'theta1'"),
+        ("", TRANSMISSION.format('a"/><joint name="b', DRAKES), "'t' has rotors and 2 joints"),
+    ],
+)
+def test_rotors_that_cannot_be(tmp_path, inside, after, said):
+    path = tmp_path / "robot.urdf"
+    path.write_text(urdf_with_rotor(inside, after=after))
+    with pytest.raises(pj.ModelFileError, match=said):
+        read_looped_urdf(path)
+
+
+def test_a_rotor_that_is_cut_with_its_joint_is_said(tmp_path):
+    path = tmp_path / "robot.urdf"
+    text = looped.two_parents()
+    at = text.index("</joint>", text.index('<joint name="hinge"'))
+    path.write_text(f'{text[:at]}<dynamics armature="0.1"/>{text[at:]}')
+    cut = read_looped_urdf(path)
+    assert not cut.armature
+    assert any("joint 'hinge' is cut: its armature is lost" in note for note in cut.notes)
+    kept = read_looped_urdf(path, ["hinge"])
+    assert kept.armature == {"hinge": 0.1}
+    assert not any("armature" in note for note in kept.notes)
+
+
+def sdf_with_rotor(name, inside="", kind="revolute"):
+    """A four-bar whose last joint closes it, and a motor in one of its joints."""
+    rotor = f"<drake:rotor_inertia>1e-3</drake:rotor_inertia>{inside}"
+    text = sdf(RHOMBUS + sdf_joint("c", "coupler", "rocker", kind=kind))
+    end = text.index("</joint>", text.index(f'<joint name="{name}"'))
+    return text[:end] + rotor + text[end:]
+
+
+@pytest.mark.parametrize("kind", ["revolute", "screw"])
+def test_rotors_of_sdformat_are_read(tmp_path, kind):
+    """A screw that is cut stays in the tree before its hub, and so does its rotor."""
+    path, gear = tmp_path / "robot.sdf", "<drake:gear_ratio>10</drake:gear_ratio>"
+    path.write_text(sdf_with_rotor("a"))
+    assert read_sdf(path).armature == {"a": 1e-3}
+    path.write_text(sdf_with_rotor("a", gear))
+    assert read_sdf(path).armature == pytest.approx({"a": 0.1})
+    pitch = "<screw_thread_pitch>0.1</screw_thread_pitch>" if kind == "screw" else ""
+    path.write_text(sdf_with_rotor("c", gear + pitch, kind=kind))
+    cut, lost = read_sdf(path), "joint 'c' is cut: its armature is lost"
+    assert any(lost in note for note in cut.notes) == (kind == "revolute")
+    assert cut.armature == pytest.approx({"c": 0.1} if kind == "screw" else {})
+    assert read_sdf(path, ["c"]).armature == pytest.approx({"c": 0.1})
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (sdf_with_rotor("a").replace("1e-3", "-1"), "<drake:rotor_inertia> is below 0: -1"),
+        (sdf_with_rotor("a").replace("1e-3", "x"), "<drake:rotor_inertia> is 'x'"),
+        (sdf_with_rotor("c", kind="ball"), "which is not read of a ball joint"),
+    ],
+)
+def test_rotors_of_sdformat_that_cannot_be(tmp_path, text, said):
+    path = tmp_path / "robot.sdf"
+    path.write_text(text)
+    with pytest.raises(pj.ModelFileError, match=said):
+        read_sdf(path)
 
 
 def test_rotors_are_in_the_mass_matrix(tmp_path):

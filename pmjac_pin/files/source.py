@@ -92,7 +92,7 @@ def read_source(
         spec = msgspec.structs.replace(
             spec,
             loops=with_gears(spec.loops, geared.gears),
-            armature={**rotors(urdf), **spec.armature},
+            armature={**rotors(urdf.robot()), **spec.armature},
         )
     if motors is not None:
         # The order of the passive joints was given for other motors.

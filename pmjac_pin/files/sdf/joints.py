@@ -69,6 +69,8 @@ class SdfJoint:
         What else the file says of it.
     pitch : float
         Of a screw, m/rad.
+    armature : float
+        What its motor's rotor adds to its inertia, kg m² or kg.
     """
 
     name: str
@@ -79,6 +81,7 @@ class SdfJoint:
     axes: tuple[Axis, ...]
     element: Element
     pitch: float = 0.0
+    armature: float = 0.0
 
 
 def read_joint(element: Element, frames: Frames, version: tuple[int, int]) -> SdfJoint:
@@ -105,7 +108,11 @@ def read_joint(element: Element, frames: Frames, version: tuple[int, int]) -> Sd
     if assumed := _assumed_axis(element, kind):
         _refuse_parallel(where, assumed, axes)
     pitch = _pitch(where, element) if kind == "screw" else 0.0
-    return SdfJoint(name, kind, parent, child, placement, axes, element, pitch)
+    armature = _armature(where, element)
+    if armature and len(axes) != 1:
+        got = f"{where} has a <drake:rotor_inertia>"
+        raise ModelFileError(f"{got}, which is not read of a {kind} joint; remove it")
+    return SdfJoint(name, kind, parent, child, placement, axes, element, pitch, armature)
 
 
 def _assumed_axis(joint: Element, kind: str) -> str | None:
@@ -168,6 +175,16 @@ def _pitch(where: str, joint: Element) -> float:
                 raise ModelFileError(f"{where}, <{tag}> {limits}")
             return given / math.tau if tag == "screw_thread_pitch" else -1.0 / given
     raise ModelFileError(f"{where} is a screw and has no <screw_thread_pitch>, in m per turn")
+
+
+def _armature(where: str, joint: Element) -> float:
+    """Return Drake's rotor inertia times the square of its gear ratio, 1 where there is none."""
+    rotor, gear = (text_of(where, joint, f"{{*}}{tag}") for tag in ("rotor_inertia", "gear_ratio"))
+    (inertia,) = numbers_in(f"{where}, <drake:rotor_inertia>", "0" if rotor is None else rotor)
+    (ratio,) = numbers_in(f"{where}, <drake:gear_ratio>", "1" if gear is None else gear)
+    if inertia < 0.0:
+        raise ModelFileError(f"{where}, <drake:rotor_inertia> is below 0: {inertia:g}")
+    return inertia * ratio**2
 
 
 def _joint_axis(

@@ -20,6 +20,7 @@ from pmjac_pin.files.sdf.tree import SdfTree
 from pmjac_pin.files.spanning_tree import SpanningTree, spanning_tree
 from pmjac_pin.files.text_file import at_file, read_text
 from pmjac_pin.files.urdf.robot import Urdf
+from pmjac_pin.files.urdf.rotors import lost_rotors
 from pmjac_pin.files.xml_text import parse_xml
 from pmjac_pin.model.loop_spec import JointLoop
 
@@ -96,10 +97,15 @@ def _foreign_model(model: SdfModel, path: Path, motors: Collection[str]) -> Fore
         loops=(*tree.loops, *couplings, *_within_tree(mimics, kept)),
         spherical=tuple(tree.spherical),
         helical=tree.helical,
+        armature={n: inertia for n, inertia in _armatures(joints).items() if n in tree.moving},
         home=tree.home,
         notes=(*model.notes, *assumed_axes(joints), *_notes(graph, joints, tree)),
         unread=model.unread,
     )
+
+
+def _armatures(joints: Iterable[SdfJoint]) -> dict[str, float]:
+    return {joint.name: joint.armature for joint in joints if joint.armature}
 
 
 def _within_tree(mimics: Iterable[JointLoop], kept: Sequence[SdfJoint]) -> Iterator[JointLoop]:
@@ -151,5 +157,6 @@ def _notes(graph: SpanningTree, joints: Sequence[SdfJoint], tree: SdfTree) -> It
         if joint.kind == "screw":
             cut = f"joint {joint.name!r} is cut behind its hub, which a frame loop holds"
         yield f"{cut}: {other} holds its child {joint.child!r} already"
+    yield from lost_rotors(_armatures(joints[number] for number in graph.cut), tree.moving)
     for name, value in tree.home.items():
         yield f"the file has joint {name!r} at 0, outside its limits: home starts at {value:g}"

@@ -52,6 +52,8 @@ class SdfTree:
         The screws' pitches, m/rad.
     home : dict of str to float
         The nearest to zero, for joints whose limits leave zero out.
+    moving : list of str
+        Joints of one degree of freedom.
     """
 
     def __init__(self, model: SdfModel, counted: Container[str] = ()) -> None:
@@ -63,6 +65,7 @@ class SdfTree:
         self.spherical: list[str] = []
         self.helical: dict[str, float] = {}
         self.home: dict[str, float] = {}
+        self.moving: list[str] = []
 
     def add(self, joint: SdfJoint, branch: Branch) -> None:
         """Add a joint of the tree and the link that it carries."""
@@ -131,6 +134,7 @@ class SdfTree:
         self._moving(joint.name, kind, ends, axis)
 
     def _moving(self, name: str, kind: str, ends: tuple[str, str], axis: Axis) -> None:
+        self.moving.append(name)
         kind = "revolute" if kind == "continuous" and name in self._counted else kind
         limits = None if kind == "continuous" else axis.limits
         self.urdf.joint(name, kind, ends, MovingAxis(axis.direction, limits))

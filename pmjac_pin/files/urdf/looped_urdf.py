@@ -31,7 +31,7 @@ from pmjac_pin.files.urdf.couplings import follower, take_couplings
 from pmjac_pin.files.urdf.joint_tree import UrdfJoint
 from pmjac_pin.files.urdf.loop_elements import Closing, idle_mimics, read_closings, read_gears
 from pmjac_pin.files.urdf.robot import MAXIMAL_URDF, Urdf
-from pmjac_pin.files.urdf.rotors import rotors
+from pmjac_pin.files.urdf.rotors import lost_rotors, rotors
 from pmjac_pin.files.urdf.ties import (
     closing_frames,
     joints_of_gazebo,
@@ -109,6 +109,7 @@ def read_robot(
     wanted = {name for name, given in independent.items() if given}
     cut = CutJoints.of(elements, names, balls, {*motors, *wanted, *geared})
     declared, tie_notes = _declared(robot, names, cut, joined)
+    armature, kept = rotors(robot), [joint.name for joint in cut.kept]
     cut.remove_from(robot)
     anchors = Anchors(robot)
     cut.turn(anchors)
@@ -123,10 +124,13 @@ def read_robot(
         urdf=urdf,
         loops=tuple(loop for loop in loops if loop is not None),
         spherical=tuple(joint.name for joint in cut.kept if joint.name in balls),
-        armature=rotors(urdf),
+        armature={name: inertia for name, inertia in armature.items() if name in kept},
         home=home,
         actuated=_actuated(cut.kept, independent, led),
-        notes=(*limit_notes, *home_notes, *cut.notes(), *tie_notes, *closing_notes, *massless),
+        notes=(
+            *(*limit_notes, *home_notes, *cut.notes(), *lost_rotors(armature, kept)),
+            *(*tie_notes, *closing_notes, *massless),
+        ),
         unread=(*unread, *doubtful(robot, followers)),
     )
 

@@ -2,45 +2,80 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterator, Mapping
 from xml.etree.ElementTree import Element
 
-from pmjac_pin.errors import ModelFileError
-from pmjac_pin.files.urdf.robot import Urdf
-from pmjac_pin.files.xml_text import label, numbers
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
+from pmjac_pin.files.xml_text import label, numbers, only
 
 
-def rotors(urdf: Urdf) -> dict[str, float]:
-    """Return the armatures of joints that move, kg m² or kg, in MuJoCo's or in Drake's way.
+def rotors(robot: Element) -> dict[str, float]:
+    """Return the armatures of a <robot>'s joints that move, kg m² or kg.
 
-    ``<dynamics armature>`` as it is; a ``<drake:rotor_inertia>`` times the square of the
-    ``<drake:gear_ratio>``, 1 where there is none.
+    ``<dynamics armature>`` as MuJoCo has it, and Drake's ``<drake:rotor_inertia>``, in the joint or
+    in the actuator of its transmission, times the square of the ``<drake:gear_ratio>`` beside it,
+    1 where there is none.
 
     Raises
     ------
     ModelFileError
-        A value that is no number, or below 0.
+        A value that is no number, or below 0; a transmission whose joint is not in the file, or
+        that has several joints.
     """
-    moving = {joint.name for joint in urdf.joints if joint.type != "fixed"}
-    found = {}
-    for joint in urdf.robot().iterfind("joint"):
-        if (name := joint.get("name", "")) in moving and (armature := _armature(joint)):
-            found[name] = armature
-    return found
+    joints = {joint.get("name", ""): joint for joint in robot.iterfind("joint")}
+    found = {name: _of_dynamics(joint) + _reflected(joint) for name, joint in joints.items()}
+    for name, armature in _of_transmissions(robot):
+        if name not in found:
+            known = did_you_mean(name, found)
+            raise ModelFileError(
+                f"a transmission with a rotor: unknown joint {quoted(name)}{known}"
+            )
+        found[name] += armature
+    return {
+        name: armature
+        for name, armature in found.items()
+        if armature and joints[name].get("type") != "fixed"
+    }
 
 
-def _armature(joint: Element) -> float:
-    where, armature = label(joint), _value(joint, "dynamics", "armature", 0.0)
-    armature += _value(joint, "{*}rotor_inertia", "value", 0.0) * (
-        _value(joint, "{*}gear_ratio", "value", 1.0) ** 2
+def _of_transmissions(robot: Element) -> Iterator[tuple[str, float]]:
+    for transmission in robot.iterfind("transmission"):
+        actuators, joints = transmission.findall("actuator"), transmission.findall("joint")
+        armature = sum(map(_reflected, actuators))
+        if not armature:
+            continue
+        if len(actuators) != 1 or len(joints) != 1:
+            got = f"{label(transmission)} has rotors and {len(joints)} joints"
+            raise ModelFileError(f"{got}; those of one actuator and one joint are read")
+        yield joints[0].get("name", ""), armature
+
+
+def _of_dynamics(joint: Element) -> float:
+    dynamics = joint.find("dynamics")
+    return (
+        0.0 if dynamics is None else _inertia(f"{label(joint)}, <dynamics>", dynamics, "armature")
     )
-    if armature < 0.0:
-        raise ModelFileError(f"{where}: the inertia of its rotor is below 0: {armature:g}")
-    return armature
 
 
-def _value(joint: Element, tag: str, key: str, default: float) -> float:
-    element = joint.find(tag)
-    if element is None or element.get(key) is None:
-        return default
-    (value,) = numbers(f"{label(joint)}, <{tag.removeprefix('{*}')}>", element, key)
-    return value
+def _reflected(holder: Element) -> float:
+    """Return the inertia of Drake's rotor as its joint feels it."""
+    where = label(holder)
+    rotor, gear = (only(where, holder, f"{{*}}{tag}") for tag in ("rotor_inertia", "gear_ratio"))
+    if rotor is None:
+        return 0.0
+    (ratio,) = numbers(f"{where}, <drake:gear_ratio>", gear, "value", default="1")
+    return _inertia(f"{where}, <drake:rotor_inertia>", rotor, "value") * ratio**2
+
+
+def _inertia(where: str, element: Element, attribute: str) -> float:
+    (inertia,) = numbers(where, element, attribute, default="0")
+    if inertia < 0.0:
+        raise ModelFileError(f"{where}: `{attribute}` is below 0: {inertia:g}")
+    return inertia
+
+
+def lost_rotors(armature: Mapping[str, float], kept: Collection[str]) -> list[str]:
+    """Say which armatures no mass matrix has, since their joints are not among the kept ones."""
+    lost = [name for name in armature if name not in kept]
+    why = "its armature is lost, and no mass matrix has it; name it as a motor to keep it"
+    return [f"joint {name!r} is cut: {why}" for name in lost]

@@ -35,7 +35,7 @@ child link
 limit lower upper effort velocity acceleration* jerk* command_effort* current* gear_velocity*
   drake:acceleration*
 dynamics damping friction D* K* mu_coulomb* mu_viscous* armature* stiffness* spring_reference*
-  spring_stiffness* rotor_inertia*
+  spring_stiffness*
 mimic joint multiplier offset
 loop name type : predecessor successor parent child parent_origin child_origin axis parent_axis
   child_axis
