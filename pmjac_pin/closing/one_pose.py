@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import ctypes
 import struct
-import threading
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +14,7 @@ import pinocchio as pin
 
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.closure_problem import ClosureProblem
-from pmjac_pin.closing.path_kernel import Memory
+from pmjac_pin.closing.path_kernel import ThreadMemory
 from pmjac_pin.closing.recorded_rates import DOUBTS, SPREAD
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.model.unit_turns import UNIT
@@ -64,13 +63,13 @@ class OnePose:
     model : pin.Model
     """
 
-    __slots__ = ("_least_size", "_model", "_motors", "_run", "_tape", "_threads", "_tolerances")
+    __slots__ = ("_least_size", "_model", "_motors", "_run", "_thread", "_tolerances")
 
     def __init__(
         self, library: ctypes.PyDLL, tape: Tape, problem: ClosureProblem, model: pin.Model
     ) -> None:
         partition = problem.partition
-        self._run, self._tape, self._threads = library.pmjac_run_once, tape, threading.local()
+        self._run, self._thread = library.pmjac_run_once, ThreadMemory(tape)
         self._model = model if model.nq > model.nv else None  # else nothing has unit length
         self._motors, self._least_size = partition.actuated.size, partition.least_size
         self._tolerances = SURELY * problem.tolerance, partition.rank_tolerance
@@ -79,14 +78,9 @@ class OnePose:
         """Return what is known at a q, None where that is not certain."""
         if self._model is not None and not pin.isNormalized(self._model, q, UNIT):
             return None
-        try:
-            memory, argument = self._threads.memory
-        except AttributeError:
-            memory = Memory(self._tape)
-            argument = ctypes.byref(memory.struct)
-            self._threads.memory = memory, argument
+        memory = self._thread.memory
         memory.inputs[:] = q
-        self._run(argument)
+        self._run(self._thread.argument)
         told = memory.outputs.tobytes()
         gap, inverse, size, forbidden, _, _, spread = _DOUBTS.unpack_from(told)
         closed, tolerance = self._tolerances

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import threading
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -90,6 +91,21 @@ class Memory:
         self.struct = ProgramStruct(
             address(code), len(code), address(slots), address(self.inputs), address(self.outputs)
         )
+
+
+class ThreadMemory(threading.local):
+    """Each thread's own `Memory` of a tape, and what `pmjac_run_once` takes.
+
+    Attributes
+    ----------
+    memory : Memory
+    argument : object
+        The address of its struct.
+    """
+
+    def __init__(self, tape: Tape) -> None:
+        self.memory = Memory(tape)
+        self.argument = ctypes.byref(self.memory.struct)
 
 
 def address(array: Any) -> int:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import ctypes
-import threading
 
 import numpy as np
 
 from pmjac_pin.algebra.tape import Tape
-from pmjac_pin.closing.path_kernel import Memory
+from pmjac_pin.closing.path_kernel import ThreadMemory
 from pmjac_pin.kinematics.slopes import Slopes, entry_rates
 from pmjac_pin.kinematics.tree import Tree
 from pmjac_pin.values.arrays import Array
@@ -28,20 +27,15 @@ class RecordedSlopes:
         Of the constraint Jacobian.
     """
 
-    __slots__ = ("_nv", "_rows", "_run", "_tape", "_threads", "_tree")
+    __slots__ = ("_nv", "_rows", "_run", "_thread", "_tree")
 
     def __init__(self, library: ctypes.PyDLL, tape: Tape, tree: Tree, rows: int, nv: int) -> None:
-        self._run, self._tape, self._tree = library.pmjac_run_once, tape, tree
-        self._rows, self._nv, self._threads = rows, nv, threading.local()
+        self._run, self._thread, self._tree = library.pmjac_run_once, ThreadMemory(tape), tree
+        self._rows, self._nv = rows, nv
 
     def at(self, q: Array, motions: Array) -> Slopes:
         """Return how Jacobians change at a q (nq,) along the columns of motions (nv, k)."""
-        try:
-            memory, argument = self._threads.memory
-        except AttributeError:
-            memory = Memory(self._tape)
-            argument = ctypes.byref(memory.struct)
-            self._threads.memory = memory, argument
+        memory, argument = self._thread.memory, self._thread.argument
         nq, nv, entries = q.size, self._nv, self._rows * self._nv
         rates = entry_rates(self._tree, q, motions)
         constraint, tools = np.empty((len(rates), self._rows, nv)), []
