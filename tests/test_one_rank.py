@@ -9,12 +9,13 @@ from draw_architecture import PACKAGE
 #: What reveals a rank, or takes one for granted, of NumPy's and SciPy's linear algebra.
 REVEALING = {
     *("svd", "svdvals", "matrix_rank", "qr", "lstsq", "pinv", "pinvh", "null_space", "orth"),
-    *("cond", "eig", "eigvals", "eigvalsh", "lu", "ldl", "gelsd", "gesvd", "geqp3"),
+    *("cond", "eig", "eigh", "eigvals", "eigvalsh", "lu", "ldl", "gelsd", "gesvd", "geqp3"),
 }
 #: Where something else is asked than a rank, and what.
 OTHERWISE = {
+    "files/inertia.py": {"eigh"},  # the principal moments of a body, none below zero
     "rates/factorisation.py": {"svd"},
-    "rates/dynamics.py": {"eigvalsh", "pinv"},  # whether all that is driven, or idles, has mass
+    "rates/dynamics.py": {"eigh", "eigvalsh"},  # whether all that is driven, or idles, has mass
     "rates/gradients.py": {"svd"},  # the singular values that are measured
     "rates/polytope.py": {"svd"},  # whether a hull is flat, by a tolerance of its own
     "rates/jacobian.py": {"qr"},  # unit vectors along columns that are independent
