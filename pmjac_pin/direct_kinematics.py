@@ -31,9 +31,9 @@ Guess: TypeAlias = "str | Configuration | Mapping[str, float | Sequence[float]]"
 _ARRIVED = 1e-9  # m or rad
 _GO_ON = "go on from there, the error's `reached`, as guess"
 _IN_BETWEEN = "go there by motor values in between"
-_BESIDE = 1e-2  # lengths or rad: nearer to where a path ends, its mode may be the one found
-_ROUNDING = 1e-9  # of the characteristic length: a gap of a pose far away, closed as it can be
-_SAME = 1e-5  # lengths or rad: what rounding moves a regular pose by, at most
+_BESIDE_AN_END = 1e-2  # lengths or rad: nearer to where a path ends, its mode may be the one found
+_FAR_AWAY_GAP = 1e-9  # of the characteristic length: a gap of a pose far away, closed as it can be
+_SAME_POSE = 1e-5  # lengths or rad: what rounding moves a regular pose by, at most
 _SMALL = 1e-4  # of the characteristic length: a gap of a target hardly missed, or of rounding
 _NEARLY_SINGULAR = 1e-3  # relative singular value of K* that explains why a path ended
 
@@ -48,14 +48,14 @@ def close(
         check_limits(mechanism, values)
     start = _start(mechanism, guess, values)
 
-    closed = _closed(mechanism, start, values)
+    closed = _end_of_path(mechanism, start, values)
     if whose == "all" and (beyond := closed.limits_violated):
         what = f"{mechanism.name}: at these motor values, on this assembly mode, "
         raise limit_error(what, beyond, "; enforce_limits=True asks for the motors' alone")
     return closed
 
 
-def _closed(mechanism: Mechanism, start: Configuration, values: Array) -> Configuration:
+def _end_of_path(mechanism: Mechanism, start: Configuration, values: Array) -> Configuration:
     """Return where the path from a closed pose to motor values ends, or say why it does not."""
     problem, ahead = start._problem, None
     if problem is mechanism._parts.problem:
@@ -122,7 +122,7 @@ def _assembled_at_guess(
     parts = mechanism._parts
     motors = by_joint(parts.spec, parts.coordinates, values)
     q = parts.coordinates.q({**motors, **guess}, parts.home_q)
-    pose = _held(parts.problem, q)
+    pose = _with_motors_held(parts.problem, q)
     if pose.gap > parts.problem.tolerance:
         message = (
             f"the guess does not assemble: the loops of {mechanism.name!r} stay open by "
@@ -133,16 +133,16 @@ def _assembled_at_guess(
     return Configuration._of_q(mechanism, pose.q, pose.iterations)
 
 
-def _held(problem: ClosureProblem, q: Array) -> Assembled:
+def _with_motors_held(problem: ClosureProblem, q: Array) -> Assembled:
     """Close the loops at q with the motors held; beside where rounding alone keeps them open."""
     first = assemble(problem, q, motor_weights(problem, 0.0))
     if first.gap <= problem.tolerance:
         return first
     best, factors = assemble_held(problem, q), closed_point(problem, first.q).factors
-    if first.gap > _ROUNDING * problem.partition.length:
+    if first.gap > _FAR_AWAY_GAP * problem.partition.length:
         return best
     apart = problem.difference(first.q, best.q) / problem.partition.column_scale
-    near = norm(apart) <= _SAME * problem.partition.length
+    near = norm(apart) <= _SAME_POSE * problem.partition.length
     # From a regular pose whose gap is rounding, starts around it lead to other modes.
     return best if near or factors.rank < problem.partition.passive_rank else first
 
@@ -161,7 +161,7 @@ def _stopped(
     else:
         going_on = _GO_ON if path.share else _IN_BETWEEN
         apart = problem.difference(path.point.q, best.q) / problem.partition.column_scale
-        beside = norm(apart) <= _BESIDE * problem.partition.length
+        beside = norm(apart) <= _BESIDE_AN_END * problem.partition.length
         advice = going_on if path.spent else _advice(problem, best.gap, bool(ties), beside)
         message = f"the straight path to the target {_reason(reached, path)}; {advice}"
     # What the motors can do at all comes first, before what became of this target.

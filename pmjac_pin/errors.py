@@ -256,7 +256,7 @@ def quoted(value: object) -> str:
     ("'theta1'", '[1, 2]', 'range(0, 1000000000)')
     """
     try:
-        return shortened(_SHORT.repr(value))
+        return shortened(_SHORT_REPR.repr(value))
     except Exception:  # whatever the repr of somebody's class raises
         return f"a {shortened(type(value).__name__)}"
 
@@ -267,7 +267,7 @@ def _short_repr() -> reprlib.Repr:
     return short
 
 
-_SHORT = _short_repr()
+_SHORT_REPR = _short_repr()
 
 
 def did_you_mean(name: object, candidates: Iterable[str]) -> str:

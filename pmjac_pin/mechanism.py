@@ -25,7 +25,7 @@ from pmjac_pin.model.limits import unread_limits
 from pmjac_pin.model.loop_spec import Loop
 from pmjac_pin.model.pinocchio_model import Constraint, RobotWrapper, own_model
 from pmjac_pin.model.spec import JointValue
-from pmjac_pin.model.unit_turns import unit
+from pmjac_pin.model.unit_turns import with_unit_turns
 from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.values.checks import as_numbers
 
@@ -332,4 +332,4 @@ class Mechanism(MechanismSiblings):
         values = as_numbers(q, "q")
         if values.shape != (self.nq,):
             raise ArgumentError(f"q has nq = {self.nq} entries, got shape {values.shape}")
-        return unit(self._parts.model, values)
+        return with_unit_turns(self._parts.model, values)

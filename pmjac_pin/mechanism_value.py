@@ -9,7 +9,7 @@ from typing import Any, Self
 
 import pinocchio as pin
 
-from pmjac_pin.closing.assembly import Found, rebuilt_parts
+from pmjac_pin.closing.assembly import FoundAtHome, rebuilt_parts
 from pmjac_pin.closing.blueprint import Blueprint
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.nearby_poses import FARTHEST
@@ -241,7 +241,13 @@ class MechanismValue:
 
     def __reduce__(self) -> tuple[Any, ...]:
         parts = self._parts
-        built_of = (parts.standing, parts.spec, dict(parts.values), parts.urdf, Found.of(parts))
+        built_of = (
+            parts.standing,
+            parts.spec,
+            dict(parts.values),
+            parts.urdf,
+            FoundAtHome.of(parts),
+        )
         told = {"notes": self.notes, "unread": self.unread, "blueprint": self.blueprint}
         return (_rebuild, (type(self), told, *built_of))
 

@@ -135,7 +135,7 @@ def test_a_pickle_made_by_hand_has_turns_of_unit_length():
 
 def test_a_mechanism_whose_pickle_has_an_open_home_is_assembled_anew(three_rps):
     def opened(argument):
-        if not isinstance(argument, assembly.Found):
+        if not isinstance(argument, assembly.FoundAtHome):
             return argument
         return dataclasses.replace(argument, home_q=argument.home_q + 0.01)
 

@@ -11,7 +11,7 @@ from pmjac_pin.algebra.numpy_tape import run
 from pmjac_pin.algebra.programs import Recording, objects
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.kinematics.recorded import Recorder
-from pmjac_pin.kinematics.recorded_motions import arriving, between, moved
+from pmjac_pin.kinematics.recorded_motions import arriving, between, moved_by
 from pmjac_pin.kinematics.tree import Tree
 from pmjac_pin.model.joint_kinds import JOINT_KINDS
 from pmjac_pin.rates.sparse_qr import Triangle, norm
@@ -111,8 +111,8 @@ def test_motions(name, size, rng):
     nq, nv, tree = model.nq, model.nv, Tree(model)
     recording = Recording(nq + 2 * nv)
     q, v, rates = np.split(objects(recording.inputs), [nq, nq + nv])
-    end = moved(tree, q, v)
-    on = between(tree, q, moved(tree, end, rates))
+    end = moved_by(tree, q, v)
+    on = between(tree, q, moved_by(tree, end, rates))
     tape = Tape.of(recording, [*end, *between(tree, q, end), *on, *arriving(tree, v, rates)])
     for _ in range(5):
         start = pin.integrate(model, pin.neutral(model), rng.normal(size=nv))

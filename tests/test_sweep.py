@@ -151,12 +151,12 @@ def test_results_do_not_depend_on_chunks_and_stores(chunk, tmp_path):
 
 
 def test_nothing_is_computed_twice(tmp_path, monkeypatch):
-    from pmjac_pin.studies.sweep.work import Work
+    from pmjac_pin.studies.sweep.work import SweepWork
 
     done, out = [], tmp_path / "store.zarr"
     first = swept(chunk=5, out=out, progress=lambda *now: done.append(now)).load()
     assert done == [(k + 1, 5) for k in range(5)]
-    monkeypatch.setattr(Work, "compute", None)
+    monkeypatch.setattr(SweepWork, "compute", None)
     again = swept(chunk=5, out=out, resume=True)
     xarray.testing.assert_identical(again.load(), first)
     assert len(done) == 5

@@ -66,15 +66,15 @@ class Balls(Arrays):
 
     def cos(self, x: BallArray) -> BallArray:
         """Return cos x."""
-        return _each(x, arb.cos)
+        return _of_each_ball(x, arb.cos)
 
     def sin(self, x: BallArray) -> BallArray:
         """Return sin x."""
-        return _each(x, arb.sin)
+        return _of_each_ball(x, arb.sin)
 
     def unit(self, x: BallArray) -> BallArray:
         """Return x by its length, over the first components."""
-        return np.asarray(x / _each(self.squared(x), arb.sqrt))
+        return np.asarray(x / _of_each_ball(self.squared(x), arb.sqrt))
 
 
 @contextmanager
@@ -121,7 +121,7 @@ def widened(numbers: BallArray, width: float) -> BallArray:
     return wide
 
 
-def _each(x: BallArray, of: Callable[[arb], arb]) -> BallArray:
+def _of_each_ball(x: BallArray, of: Callable[[arb], arb]) -> BallArray:
     found: BallArray = np.empty(x.shape, dtype=object)
     found.ravel()[:] = [of(ball) for ball in x.ravel()]
     return found

@@ -129,21 +129,21 @@ class Intervals:
 
     def sum(self, axis: int) -> Intervals:
         """Return the sum along an axis."""
-        size = _spread(self.shape[axis], self.magnitude.sum(axis))
+        size = _sum_error(self.shape[axis], self.magnitude.sum(axis))
         return Intervals(self.lower.sum(axis) - size, self.upper.sum(axis) + size)
 
     def cos(self) -> Intervals:
         """Return {cos x}, x in rad."""
-        return _wave(self, np.cos(self.lower), np.cos(self.upper), 0.0)
+        return _wave_between(self, np.cos(self.lower), np.cos(self.upper), 0.0)
 
     def sin(self) -> Intervals:
         """Return {sin x}, x in rad."""
-        return _wave(self, np.sin(self.lower), np.sin(self.upper), 0.25)
+        return _wave_between(self, np.sin(self.lower), np.sin(self.upper), 0.25)
 
     def after(self, matrix: Array) -> Intervals:
         """Return matrix @ self, the matrix of doubles."""
         positive, negative = np.maximum(matrix, 0.0), np.minimum(matrix, 0.0)
-        size = _spread(matrix.shape[-1] + 1, np.abs(matrix) @ self.magnitude)
+        size = _sum_error(matrix.shape[-1] + 1, np.abs(matrix) @ self.magnitude)
         return Intervals(
             positive @ self.lower + negative @ self.upper - size,
             positive @ self.upper + negative @ self.lower + size,
@@ -190,12 +190,12 @@ def _hull(*ends: Array) -> Intervals:
     )
 
 
-def _spread(terms: int, size: Array) -> Array:
+def _sum_error(terms: int, size: Array) -> Array:
     """Return more than a sum of `terms` products of this absolute size can be off by."""
     return size * ((terms + 3) * _UNIT) + _ABSOLUTE
 
 
-def _wave(angles: Intervals, one: Array, other: Array, top: float) -> Intervals:
+def _wave_between(angles: Intervals, one: Array, other: Array, top: float) -> Intervals:
     """Return what a wave with a maximum 1 at `top` turns does between two of its values."""
     lower, upper = angles.lower / (2.0 * np.pi), angles.upper / (2.0 * np.pi)
 

@@ -37,7 +37,7 @@ def run(tape: Tape, inputs: Array) -> Array:
     count = inputs.shape[1]
     found, width = np.empty((tape.outputs, count)), min(count, _CHUNK)
     store = np.empty((tape.slots - len(tape.constants) + 1, width))
-    steps = [(_STEPS[INSTRUCTIONS[code]], *places) for code, *places in tape.code.tolist()]
+    steps = [(_OPERATIONS[INSTRUCTIONS[code]], *places) for code, *places in tape.code.tolist()]
     with np.errstate(all="ignore"):
         for start in range(0, count, width or 1):
             part = slice(start, min(start + width, count))
@@ -57,17 +57,17 @@ class _Chunk(NamedTuple):
     outputs: Array
 
 
-_Step = Callable[[_Chunk, int, int, int, int], None]
+_Instruction = Callable[[_Chunk, int, int, int, int], None]
 
 
-def _one(of: Any) -> _Step:
+def _unary(of: Any) -> _Instruction:
     def step(chunk: _Chunk, target: int, a: int, b: int, c: int) -> None:
         of(chunk.slots[a], out=chunk.slots[target])
 
     return step
 
 
-def _two(of: Any) -> _Step:
+def _two(of: Any) -> _Instruction:
     def step(chunk: _Chunk, target: int, a: int, b: int, c: int) -> None:
         of(chunk.slots[a], chunk.slots[b], out=chunk.slots[target])
 
@@ -97,8 +97,8 @@ def _store(chunk: _Chunk, target: int, a: int, b: int, c: int) -> None:
     chunk.outputs[target] = chunk.slots[a]
 
 
-_STEPS: dict[str, _Step] = {
-    **{name: _one(of) for name, of in _ONE.items()},
+_OPERATIONS: dict[str, _Instruction] = {
+    **{name: _unary(of) for name, of in _ONE.items()},
     **{name: _two(of) for name, of in _TWO.items()},
     "muladd": _muladd,
     "mulsub": _mulsub,

@@ -136,12 +136,12 @@ def _whole(operand: Operand) -> str:
 
 
 def _in_comment(line: str) -> str:
-    return _escaped(line).replace("*/", "* /").replace("/*", "/ *")
+    return _comment_text(line).replace("*/", "* /").replace("/*", "/ *")
 
 
 def _in_docstring(line: str) -> str:
-    return _escaped(line).replace('"', "'")
+    return _comment_text(line).replace('"', "'")
 
 
-def _escaped(line: str) -> str:
+def _comment_text(line: str) -> str:
     return line.encode("unicode_escape").decode()

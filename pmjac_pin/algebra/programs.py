@@ -102,7 +102,7 @@ class Term:
             return self - (-other)
         if self.operation == "neg":
             return other - self.operands[0]
-        return self.recording.term("+", *_sorted(self, other))
+        return self.recording.term("+", *_in_one_order(self, other))
 
     __radd__ = __add__
 
@@ -127,7 +127,7 @@ class Term:
             return -(self.operands[0] * other)
         if _is_negative(other):
             return -(self * -other)
-        return self.recording.term("*", *_sorted(self, other))
+        return self.recording.term("*", *_in_one_order(self, other))
 
     __rmul__ = __mul__
 
@@ -147,7 +147,7 @@ def _is_negative(number: Any) -> bool:
     return number.operation == "neg" if isinstance(number, Term) else number < 0.0
 
 
-def _sorted(one: Term, other: Any) -> tuple[Operand, Operand]:
+def _in_one_order(one: Term, other: Any) -> tuple[Operand, Operand]:
     """Return operands that may be exchanged in one order: a double first, then by age."""
     if not isinstance(other, Term):
         return float(other), one

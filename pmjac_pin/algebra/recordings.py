@@ -18,10 +18,12 @@ from pmjac_pin.algebra.programs import Operand, Operation, Recording, Term
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.values.arrays import Array
 
-Outputs = Sequence[Term | float]
-Make = Callable[[Sequence[Term]], Outputs]
+RecordedOutputs = Sequence[Term | float]
+Make = Callable[[Sequence[Term]], RecordedOutputs]
 
-_PATIENCE = 3  # times that a sibling may differ more often than not before no other is tried
+_SIBLINGS_PATIENCE = (
+    3  # times that a sibling may differ more often than not before no other is tried
+)
 
 
 class _Differs(Exception):
@@ -159,8 +161,8 @@ class Recordings:
             Inputs ↦ outputs.
         """
         with self._lock:
-            worth = self._worth.setdefault(name, _PATIENCE)
-            if worth == _PATIENCE and name not in self._known:
+            worth = self._worth.setdefault(name, _SIBLINGS_PATIENCE)
+            if worth == _SIBLINGS_PATIENCE and name not in self._known:
                 self._worth[name] += 1  # a sibling may follow
             elif worth > 0:
                 return self._beside(name, inputs, make)
@@ -176,7 +178,7 @@ class Recordings:
             except _Differs:
                 self._worth[name] -= 1
             else:
-                self._worth[name] = min(self._worth[name] + 1, 2 * _PATIENCE)
+                self._worth[name] = min(self._worth[name] + 1, 2 * _SIBLINGS_PATIENCE)
                 return tape
         known = self._known[name] = _Known(inputs, make)
         return known.tape

@@ -61,9 +61,9 @@ def _needed(outputs: Sequence[Any]) -> set[Term]:
 def _slope(term: Term, slope: Callable[[Any], Any]) -> Any:
     if term.operation == "input":
         return 0.0
-    if term.operation not in _RULES:
+    if term.operation not in _SLOPE_RULES:
         raise ArgumentError(f"{term.operation!r} has no derivative everywhere")
-    return _RULES[term.operation](term, slope)
+    return _SLOPE_RULES[term.operation](term, slope)
 
 
 def _quotient(term: Term, slope: Callable[[Any], Any]) -> Any:
@@ -71,7 +71,7 @@ def _quotient(term: Term, slope: Callable[[Any], Any]) -> Any:
     return (slope(above) - term * slope(below)) / below
 
 
-def _product(term: Term, slope: Callable[[Any], Any]) -> Any:
+def _product_slope(term: Term, slope: Callable[[Any], Any]) -> Any:
     one, other = term.operands
     return slope(one) * other + one * slope(other)
 
@@ -80,11 +80,11 @@ def _of(term: Term, operation: Any) -> Any:
     return term.recording.term(operation, *term.operands)
 
 
-_RULES: Mapping[str, Callable[[Term, Callable[[Any], Any]], Any]] = MappingProxyType(
+_SLOPE_RULES: Mapping[str, Callable[[Term, Callable[[Any], Any]], Any]] = MappingProxyType(
     {
         "+": lambda term, slope: slope(term.operands[0]) + slope(term.operands[1]),
         "-": lambda term, slope: slope(term.operands[0]) - slope(term.operands[1]),
-        "*": _product,
+        "*": _product_slope,
         "/": _quotient,
         "neg": lambda term, slope: -slope(term.operands[0]),
         "sin": lambda term, slope: slope(term.operands[0]) * _of(term, "cos"),

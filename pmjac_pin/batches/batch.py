@@ -17,7 +17,7 @@ from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.grid import Grid
 from pmjac_pin.batches.judge import Judge
 from pmjac_pin.batches.measures import measured
-from pmjac_pin.batches.pieces import Piece, Progress, Work, gathered
+from pmjac_pin.batches.pieces import Piece, PieceWork, Progress, gathered
 from pmjac_pin.batches.results import (
     ManyClosed,
     ManyInGrid,
@@ -163,7 +163,7 @@ class Batch:
         return grid.walk(self.mechanism.nq, close)
 
     def _closed(
-        self, start: Array, work: Work, threads: int | None, progress: Progress | None = None
+        self, start: Array, work: PieceWork, threads: int | None, progress: Progress | None = None
     ) -> ManyClosed:
         count = len(start)
         shapes = (start.shape, (count,), (count,))

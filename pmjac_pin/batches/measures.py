@@ -29,8 +29,8 @@ def measured(J_eq: Array, status: Statuses, found: Array, partition: Partition) 
     return ManyMeasures(
         J_eq=J_eq,
         status=status,
-        velocity_radii=_radii(J_eq[:, :3], linear),
-        angular_radii=_radii(J_eq[:, 3:], angular),
+        velocity_radii=_radii_of_blocks(J_eq[:, :3], linear),
+        angular_radii=_radii_of_blocks(J_eq[:, 3:], angular),
         smallest=smallest,
         condition=condition,
         position=tool[:, :3],
@@ -38,7 +38,7 @@ def measured(J_eq: Array, status: Statuses, found: Array, partition: Partition) 
     )
 
 
-def _radii(block: Array, size: Array) -> Array:
+def _radii_of_blocks(block: Array, size: Array) -> Array:
     """Return singular values of (N, 3, n) blocks, (N, 3), zero where they are rounding."""
     values = singular_values(block.transpose(1, 2, 0)).T
     radii = np.zeros((len(block), 3))

@@ -62,13 +62,13 @@ class _GivenUp(Exception):
     """Ends a piece; nobody sees it."""
 
 
-Work: TypeAlias = Callable[[Piece], Sequence[NDArray[Any]]]
+PieceWork: TypeAlias = Callable[[Piece], Sequence[NDArray[Any]]]
 
 
 def gathered(
     kind: type[Results],
     shapes: Sequence[tuple[int, ...]],
-    work: Work,
+    work: PieceWork,
     threads: int | None = None,
     progress: Progress | None = None,
     **more: Any,
@@ -117,7 +117,7 @@ def gathered(
 class _Filling:
     """Arrays of many poses, filled piece by piece, and the pieces that are left."""
 
-    def __init__(self, found: Sequence[NDArray[Any]], work: Work) -> None:
+    def __init__(self, found: Sequence[NDArray[Any]], work: PieceWork) -> None:
         self.count, self._found, self._work = len(found[0]), found, work
         starts = range(0, self.count, PIECE)
         self._left = {at: slice(at, min(at + PIECE, self.count)) for at in starts}

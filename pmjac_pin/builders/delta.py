@@ -16,7 +16,7 @@ from pmjac_pin.model.loop_spec import DistanceLoop
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_number, as_numbers
 
-_LEGS = 3
+_DELTA_LEGS = 3
 _RODS = {"a": 0.5, "b": -0.5}  # of a leg, and where they are, as a share of their spacing
 
 
@@ -79,19 +79,17 @@ def delta(
     height = _depth(lengths[0] - lengths[1], float(np.mean(arms)), float(np.mean(rods)), angle)
     model = pin.Model()
     top = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "platform")
-    _add_frame(model, "tool", top, np.array([0.0, 0.0, -as_number(tool, "tool")]))
+    _add_point_frame(model, "tool", top, np.array([0.0, 0.0, -as_number(tool, "tool")]))
     loops: list[DistanceLoop] = []
-    for number, (rotation, length, reach) in enumerate(zip(ways, arms, rods, strict=True), start=1):
+    motors = [f"theta{number}" for number in range(1, _DELTA_LEGS + 1)]
+    for motor, rotation, arm_length, rod_length in zip(motors, ways, arms, rods, strict=True):
         foot = pin.SE3(rotation, rotation[:, 0] * lengths[0])
-        shoulder = model.addJoint(0, pin.JointModelRY(), foot, f"theta{number}")
-        for letter, share in _RODS.items():
-            at_elbow = np.array([length, share * apart, 0.0])
-            at_wrist = rotation @ np.array([lengths[1], share * apart, 0.0])
-            ends = (f"elbow{number}{letter}", f"wrist{number}{letter}")
-            _add_frame(model, ends[0], shoulder, at_elbow)
-            _add_frame(model, ends[1], top, at_wrist)
-            loops.append(DistanceLoop(frames=ends, length=reach))
-    motors = [f"theta{number}" for number in range(1, _LEGS + 1)]
+        shoulder = model.addJoint(0, pin.JointModelRY(), foot, motor)
+        for ends, side in _rod_ends(motor):
+            at_wrist = rotation @ np.array([lengths[1], side * apart, 0.0])
+            _add_point_frame(model, ends[0], shoulder, np.array([arm_length, side * apart, 0.0]))
+            _add_point_frame(model, ends[1], top, at_wrist)
+            loops.append(DistanceLoop(frames=ends, length=rod_length))
     pose = (0.0, 0.0, -height, 0.0, 0.0, 0.0, 1.0)
     return Mechanism.from_pinocchio(
         model,
@@ -104,23 +102,30 @@ def delta(
     )
 
 
-def _add_frame(model: pin.Model, name: str, joint: int, place: Array) -> None:
+def _rod_ends(motor: str) -> Iterator[tuple[tuple[str, str], float]]:
+    """Yield the names of the ends of a leg's rods, and on which side each is."""
+    number = motor.removeprefix("theta")
+    for letter, side in _RODS.items():
+        yield (f"elbow{number}{letter}", f"wrist{number}{letter}"), side
+
+
+def _add_point_frame(model: pin.Model, name: str, joint: int, place: Array) -> None:
     placement = pin.SE3(np.eye(3), place)
     model.addFrame(pin.Frame(name, joint, placement, pin.FrameType.OP_FRAME))
 
 
 def _three(given: float | ArrayLike, what: str) -> list[float]:
     found = as_numbers(given, what)
-    return as_radii(np.full(_LEGS, found) if found.ndim == 0 else found, what, _LEGS)
+    return as_radii(np.full(_DELTA_LEGS, found) if found.ndim == 0 else found, what, _DELTA_LEGS)
 
 
 def _ways(given: ArrayLike) -> Iterator[Array]:
     """Yield the frames of the legs: x outwards, y about which the motor turns, z upwards."""
     angles = as_numbers(given, "directions")
-    if angles.shape != (_LEGS,):
-        raise ArgumentError(f"directions are {_LEGS} angles in degrees, got {quoted(given)}")
+    if angles.shape != (_DELTA_LEGS,):
+        raise ArgumentError(f"directions are {_DELTA_LEGS} angles in degrees, got {quoted(given)}")
     turns = np.exp(1j * np.deg2rad(angles))
-    if min(abs(turns[k] - turns[k - 1]) for k in range(_LEGS)) < 1e-6:
+    if min(abs(turns[k] - turns[k - 1]) for k in range(_DELTA_LEGS)) < 1e-6:
         raise ArgumentError(f"two legs point the same way: {quoted(given)} degrees")
     for turn in turns:
         cosine, sine = turn.real, turn.imag

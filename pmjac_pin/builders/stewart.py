@@ -12,7 +12,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.loop_spec import SphericalLoop
 from pmjac_pin.values.arrays import Array
 
-_LEGS = 6
+_STEWART_LEGS = 6
 
 
 def stewart(
@@ -62,8 +62,8 @@ def stewart(
     >>> bool(np.allclose(lines @ machine.home.jacobian().J_eq, np.eye(6)))
     True
     """
-    base = points(base_points, "base_points", _LEGS)
-    held = points(platform_points, "platform_points", _LEGS)
+    base = points(base_points, "base_points", _STEWART_LEGS)
+    held = points(platform_points, "platform_points", _STEWART_LEGS)
     home = as_pose(platform)
     legs = held @ home.rotation.T + home.translation - base
     lengths = np.linalg.norm(legs, axis=1)
@@ -78,7 +78,7 @@ def stewart(
         place = pin.SE3(np.eye(3), point)
         model.addFrame(pin.Frame(f"P{number}", top, place, pin.FrameType.OP_FRAME))
         q[f"l{number}"] = float(lengths[number - 1])
-    numbers = range(1, _LEGS + 1)
+    numbers = range(1, _STEWART_LEGS + 1)
     loops = [SphericalLoop(frames=(f"P{number}", f"rod{number}")) for number in numbers]
     return Mechanism.from_pinocchio(
         model, loops, [f"l{number}" for number in numbers], "tool", home=q, name=name
@@ -93,7 +93,7 @@ def _stroke(given: ArrayLike, lengths: Array) -> Array:
                 f"leg {number} is {length:.6g} m long at home, beyond its stroke of "
                 f"{shortest:.6g} to {longest:.6g} m"
             )
-    return np.outer([shortest, longest], np.ones(_LEGS))
+    return np.outer([shortest, longest], np.ones(_STEWART_LEGS))
 
 
 def _add_leg(model: pin.Model, number: int, foot: pin.SE3, stroke: Array) -> None:

@@ -47,9 +47,9 @@ def main(argv: "Sequence[str] | None" = None) -> int:
 
 
 def _run(argv: "Sequence[str]") -> int:
-    from pmjac_pin.cli.running import run  # noqa: PLC0415
+    from pmjac_pin.cli.running import run_command  # noqa: PLC0415
 
-    return run(argv)
+    return run_command(argv)
 
 
 def _leave(*_: object) -> None:

@@ -60,7 +60,7 @@ def import_commands(argv: Sequence[str]) -> None:
         app[name]
 
 
-def run(argv: Sequence[str]) -> int:
+def run_command(argv: Sequence[str]) -> int:
     """Run a command; return the exit status, 130 where it was interrupted."""
     try:
         import_commands(argv)

@@ -23,7 +23,7 @@ from pmjac_pin.model.loop_spec import JointLoop, Loop
 from pmjac_pin.model.rows import Rows
 from pmjac_pin.values.arrays import Array
 
-_NONE = -1
+_NO_GROUP = -1
 
 
 class _Freedom(NamedTuple):
@@ -54,7 +54,7 @@ class Segment(NamedTuple):
     lies: tuple[int, ...] = ()
 
 
-class Block(NamedTuple):
+class BoundedRows(NamedTuple):
     """Rows that are bounded together.
 
     Attributes
@@ -91,7 +91,7 @@ class Arms:
 
     rates: Array
     values: Array
-    blocks: tuple[Block, ...]
+    blocks: tuple[BoundedRows, ...]
 
 
 def arms_of(model: pin.Model, loops: Sequence[Loop], values: Mapping[str, float]) -> Arms:
@@ -103,30 +103,30 @@ def arms_of(model: pin.Model, loops: Sequence[Loop], values: Mapping[str, float]
         A joint or rows of a kind that is not known here.
     """
     groups = _Groups(model)
-    blocks: list[Block] = []
+    blocks: list[BoundedRows] = []
     for loop in loops:
         if isinstance(loop, JointLoop):
-            blocks.append(Block(1))
+            blocks.append(BoundedRows(1))
             continue
         one, other = (find_frame(model, name) for name in loop.frames)
         chains = _chains(model, groups, one, other)
-        blocks += [_block(rows, *chains) for rows in loop.rows(values)]
+        blocks += [_bounded_rows(rows, *chains) for rows in loop.rows(values)]
     return Arms(np.array(groups.rates), np.array(groups.values), tuple(blocks))
 
 
 def without_arms(model: pin.Model, rows: int) -> Arms:
     """Return what stands for loops with joints that are not known: nothing between is bounded."""
-    return Arms(np.zeros((0, model.nv)), np.zeros((0, model.nq)), (Block(rows),))
+    return Arms(np.zeros((0, model.nv)), np.zeros((0, model.nq)), (BoundedRows(rows),))
 
 
 class _Groups:
     def __init__(self, model: pin.Model) -> None:
         self.rates: list[Array] = []
         self.values: list[Array] = []
-        self.of_joint = [_Freedom(_NONE, ())]
+        self.of_joint = [_Freedom(_NO_GROUP, ())]
         for joint, name in list(zip(model.joints, model.names, strict=True))[1:]:
             kind = known_kind(joint, name, in_turn=True)
-            slide, turning = _NONE, range(kind.slides, kind.nv)
+            slide, turning = _NO_GROUP, range(kind.slides, kind.nv)
             if kind.along:
                 reach = abs(kind.reach(pitch_of(joint)))
                 slide = self._add(model, joint, range(len(kind.along)), reach, lies=True)
@@ -158,10 +158,12 @@ def _chains(
     """Return the chains to two frames from the last body that carries both."""
     first, second = (list(model.supports[frame.joint]) for frame in (one, other))
     shared = sum(a == b for a, b in zip(first, second, strict=False))
-    return _chain(model, groups, first[shared:], one), _chain(model, groups, second[shared:], other)
+    return _segments(model, groups, first[shared:], one), _segments(
+        model, groups, second[shared:], other
+    )
 
 
-def _chain(model: pin.Model, groups: _Groups, joints: list[int], frame: Frame) -> list[Segment]:
+def _segments(model: pin.Model, groups: _Groups, joints: list[int], frame: Frame) -> list[Segment]:
     segments: list[Segment] = []
     turns: tuple[int, ...] = ()
     slides: tuple[int, ...] = ()
@@ -170,7 +172,7 @@ def _chain(model: pin.Model, groups: _Groups, joints: list[int], frame: Frame) -
     for joint in joints:
         place = place * model.jointPlacements[joint]
         slide, turning = groups.of_joint[joint]
-        own = (slide,) * (slide != _NONE)
+        own = (slide,) * (slide != _NO_GROUP)
         lies += own
         if turning:
             length = float(np.linalg.norm(place.translation))
@@ -183,19 +185,19 @@ def _chain(model: pin.Model, groups: _Groups, joints: list[int], frame: Frame) -
     return [*segments, Segment(turns, length, slides, lies)]
 
 
-def _block(rows: Rows, first: list[Segment], second: list[Segment]) -> Block:
+def _bounded_rows(rows: Rows, first: list[Segment], second: list[Segment]) -> BoundedRows:
     count = len(rows.names)
     match rows.measures:
         case "gap":
-            return Block(count, (*first, *second), exact=False)
+            return BoundedRows(count, (*first, *second), exact=False)
         case "distance":
             rod: float = rows.length  # type: ignore[attr-defined]
-            return Block(count, (*first, *second), rod=rod)
+            return BoundedRows(count, (*first, *second), rod=rod)
         case "gap from second":
-            return Block(count, _from_second(first, second))
+            return BoundedRows(count, _from_second(first, second))
         case "turns":
             every = first[-1].turns + second[-1].turns
-            return Block(count, (Segment(every, 1.0),), exact=False)
+            return BoundedRows(count, (Segment(every, 1.0),), exact=False)
     raise ArgumentError(f"rows of {type(rows).__name__}: how they bend is not known here")
 
 

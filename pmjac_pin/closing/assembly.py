@@ -108,13 +108,13 @@ def unassembled(
         kinematics = _kinematics(near, spec, values, kinematics.placed(given))
     rounding = size.rounding
     partition = _partition(spec, coordinates, kinematics, size, rounding)
-    problem = _problem(kinematics, spec, partition, rounding)
+    problem = _closure_problem(kinematics, spec, partition, rounding)
     return Parts(
         near, spec, values, coordinates, kinematics, problem, given, urdf, model, size.place
     )
 
 
-def _problem(
+def _closure_problem(
     kinematics: Kinematics, spec: MechanismSpec, partition: Partition, rounding: float
 ) -> ClosureProblem:
     model = kinematics.model
@@ -129,7 +129,7 @@ def _problem(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Found:
+class FoundAtHome:
     """What `build_parts` computes and an equal mechanism elsewhere need not: plain numbers.
 
     The attributes are those of `Parts` and its problem.
@@ -141,7 +141,7 @@ class Found:
     partition: Partition
 
     @classmethod
-    def of(cls, parts: Parts) -> Found:
+    def of(cls, parts: Parts) -> FoundAtHome:
         """Return what was found for these parts."""
         problem = parts.problem
         return cls(parts.home_q, parts.place, problem.rounding, replace(problem.partition))
@@ -152,7 +152,7 @@ def rebuilt_parts(
     spec: MechanismSpec,
     values: Mapping[str, float],
     urdf: Urdf | None,
-    found: Found,
+    found: FoundAtHome,
 ) -> Parts:
     """Return the parts that `build_parts` would, as they were found before.
 
@@ -166,7 +166,7 @@ def rebuilt_parts(
     """
     near = shifted_model(model, -found.place) if found.place.any() else model
     kinematics = _kinematics(near, spec, values)
-    problem, q = _problem(kinematics, spec, found.partition, found.rounding), found.home_q
+    problem, q = _closure_problem(kinematics, spec, found.partition, found.rounding), found.home_q
     if not problem.gap(problem.evaluate(q)[0]) <= problem.tolerance:
         return build_parts(model, spec, values, urdf)
     coordinates = JointCoordinates(model)

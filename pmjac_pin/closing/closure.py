@@ -29,7 +29,9 @@ SMALLEST_STEP = 1e-9  # motion in one step that is not the last: less is not res
 LARGEST_CORRECTION = 0.25  # first Newton correction, as a share of the predicted motion
 SLOWEST_CONTRACTION = 0.25  # of one Newton correction by the next
 HARDLY_ANYTHING = 1e-5  # left of the motors' path, where it may end in a singular target
-_BESIDE = 1e-5  # lengths or rad: both modes that meet at a fold are as near when the gap is 1e-12
+_BESIDE_A_FOLD = (
+    1e-5  # lengths or rad: both modes that meet at a fold are as near when the gap is 1e-12
+)
 WALKING = 1e-13  # gap on the way: beside a fold, more would hide how near that is
 NO_INVERSE = 1e-9  # relative singular value of K* at a pose that no step is proven to lead to
 MOST_CORRECTIONS = 50  # at a fold, polishing halves the error each time
@@ -134,7 +136,7 @@ def beside(problem: ClosureProblem, closed: Array, q: Array) -> Closed | None:
     found = assemble(problem, q, weights)
     moves = problem.difference(closed, found.q) / partition.column_scale
     moved = float(np.abs(moves).max(initial=0.0))
-    if found.gap > problem.tolerance or moved > _BESIDE * partition.length:
+    if found.gap > problem.tolerance or moved > _BESIDE_A_FOLD * partition.length:
         return None
     return point_at(problem, found.q, *problem.evaluate(found.q), found.iterations)
 

@@ -24,7 +24,7 @@ from pmjac_pin.kinematics.pinocchio import Kinematics
 from pmjac_pin.rates.partition import LoopRates
 from pmjac_pin.values.arrays import Array
 
-_BESIDE = 1e-3  # of the length or rad: where the tool may move that rests at a pose
+_BESIDE_REST = 1e-3  # of the length or rad: where the tool may move that rests at a pose
 _ENOUGH = 3  # poses of the generic rank from which it is tried whether all joints can move
 
 
@@ -115,7 +115,7 @@ def _tool_may_exceed(
     whole = partition.factorise(rates.scaled, rates.size)
     if whole.rank < partition.constraint_rank:
         return False
-    strides = _BESIDE * partition.length * partition.column_scale[:, None] * whole.null_space
+    strides = _BESIDE_REST * partition.length * partition.column_scale[:, None] * whole.null_space
     displaced = (problem.integrate(q, way * v) for v in strides.T for way in (1.0, -1.0))
     beside = (assemble(problem, there, np.ones(len(strides)), limit=50) for there in displaced)
     closed = chain([q], (pose.q for pose in beside if pose.gap <= problem.tolerance))

@@ -17,7 +17,7 @@ from pmjac_pin.closing.parts import Parts
 from pmjac_pin.closing.pose_assembly import motor_weights
 from pmjac_pin.values.arrays import Array
 
-_STEPS = 12  # on the way
+_STEPS_HOME = 12  # on the way
 _LEAST_SHARE = 0.4  # of σ_min at first: below, the motors move on the way
 
 
@@ -68,7 +68,7 @@ def followed(first: HomePose | None, at: Callable[[float], Parts]) -> Array | No
         Share of the way, less than 1 ↦ the parts there, not assembled.
     """
     here = first
-    for share in np.arange(1, _STEPS) / _STEPS:
+    for share in np.arange(1, _STEPS_HOME) / _STEPS_HOME:
         found = home_pose(at(float(share)), None if here is None else here.q)
         first = first or found
         if first and found and not first.loses(found):

@@ -25,7 +25,7 @@ Run = Callable[[Tape, Array], Array]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Points:
+class PathPoints:
     """Poses and what is known there, one column each.
 
     Attributes
@@ -38,10 +38,10 @@ class Points:
     numbers: Array
     nq: int
 
-    def __getitem__(self, which: Index | Mask) -> Points:
-        return Points(self.numbers[:, which], self.nq)
+    def __getitem__(self, which: Index | Mask) -> PathPoints:
+        return PathPoints(self.numbers[:, which], self.nq)
 
-    def put(self, which: Index, others: Points) -> None:
+    def put(self, which: Index, others: PathPoints) -> None:
         """Take others' columns in place of some of these."""
         self.numbers[:, which] = others.numbers
 
@@ -186,19 +186,21 @@ class Walker:
             settled[index] = factors.rank < self.problem.partition.passive_rank
         return Paths(here.q.T.copy(), share, settled | (share == 1.0))
 
-    def at(self, q: Array, displacement: Array, v: Array | None = None) -> Points:
+    def at(self, q: Array, displacement: Array, v: Array | None = None) -> PathPoints:
         """Return what is known at q ⊕ v, shapes (nq, b), (n, b) and (nv, b), closed or not."""
         nv = self.problem.partition.column_scale.size
         motion = np.zeros((nv, q.shape[1])) if v is None else v
-        return Points(self.run(self.arrival, np.vstack([q, motion, displacement])), len(q))
+        return PathPoints(self.run(self.arrival, np.vstack([q, motion, displacement])), len(q))
 
-    def regular(self, points: Points) -> Mask:
+    def regular(self, points: PathPoints) -> Mask:
         """Tell where K* has its generic rank for certain."""
         partition = self.problem.partition
         size = np.maximum(points.size, partition.least_size)
         return np.asarray(points.inverse * partition.rank_tolerance * size < 1.0)
 
-    def _strides(self, here: Points, going: Index, step: Array, left: Array) -> tuple[Index, Array]:
+    def _strides(
+        self, here: PathPoints, going: Index, step: Array, left: Array
+    ) -> tuple[Index, Array]:
         """Return the paths that go on, and how far in one step, as a share of the whole way."""
         length, pace = self.problem.partition.length, here.pace[going]
         most = np.where(pace > 0.0, closure.LARGEST_STEP * length / np.maximum(pace, 1e-300), 1.0)
@@ -208,7 +210,7 @@ class Walker:
 
     def _correct(
         self, q: Array, allowed: Array, displacement: Array, last: Mask
-    ) -> tuple[Points, Index]:
+    ) -> tuple[PathPoints, Index]:
         """Newton on the passive joints, as `closure` does; return what it closed, and which."""
         enough = np.where(last, ROUNDING, closure.WALKING) * self.problem.partition.length
         found = self.at(q, displacement)

@@ -93,7 +93,7 @@ def motor_table(spec: MechanismSpec, coordinates: JointCoordinates, actuated: An
     """
     names = coordinates.dof_names(spec.actuated)
     if (columns := _columns(actuated)) is not None:
-        _check_names(names, coordinates, columns)
+        _check_motor_names(names, coordinates, columns)
         ordered = [as_numbers(columns[name], f"values of motor {name!r}") for name in names]
         shapes = {column.shape for column in ordered}
         if len(shapes) > 1 or ordered[0].ndim != 1:
@@ -114,10 +114,10 @@ def _columns(given: Any) -> dict[Any, Any] | None:
     if isinstance(given, Mapping) or callable(getattr(given, "keys", None)):
         # Of pandas' columns and xarray's variables, the numbers without their own labels.
         return {name: getattr(given[name], "values", given[name]) for name in list(given.keys())}
-    return _labelled(given)
+    return _labelled_columns(given)
 
 
-def _labelled(given: Any) -> dict[Any, Any] | None:
+def _labelled_columns(given: Any) -> dict[Any, Any] | None:
     """Return the columns of an array of xarray's that labels one of its two axes by names."""
     dimensions, coordinates = getattr(given, "dims", ()), getattr(given, "coords", {})
     if len(dimensions) != 2:
@@ -132,7 +132,7 @@ def _labelled(given: Any) -> dict[Any, Any] | None:
     return None
 
 
-def _check_names(
+def _check_motor_names(
     names: tuple[str, ...], coordinates: JointCoordinates, given: Collection[Any]
 ) -> None:
     for name in given:
@@ -176,11 +176,11 @@ def _by_freedom(
 def _in_order(
     names: tuple[str, ...], coordinates: JointCoordinates, by_name: dict[Any, Any]
 ) -> Array:
-    _check_names(names, coordinates, by_name)
-    return np.array([_one(name, by_name[name]) for name in names], dtype=float)
+    _check_motor_names(names, coordinates, by_name)
+    return np.array([_motor_value(name, by_name[name]) for name in names], dtype=float)
 
 
-def _one(name: str, given: Any) -> float:
+def _motor_value(name: str, given: Any) -> float:
     value = as_numbers(given, f"the value of motor {name!r}")
     if value.size != 1:
         raise ArgumentError(f"motor {name!r} takes 1 value, got {value.size}")

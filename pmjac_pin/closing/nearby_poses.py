@@ -21,7 +21,7 @@ _PROBES = 2  # times three poses along allowed rates or with displaced motors
 #: How far joints are displaced at most, rad or a share of the characteristic length.
 FARTHEST = 0.05
 _DISTANCES = (FARTHEST, 0.005, 0.0005)
-_SHORT = 0.1  # of the machine: a rod that ends what can be displaced
+_SHORT_ROD = 0.1  # of the machine: a rod that ends what can be displaced
 _SEEN = 100.0  # tolerances: a gap of the square of a distance may have a small factor
 _AWAY = 0.1  # of a probe's distance: nearer to home, the loops have only pulled it back
 _TOO_FAR = 20.0  # times a probe's distance: another assembly mode
@@ -45,14 +45,14 @@ def nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
         starts = ((distance * step, weights) for step, weights in directions)
         found = _closed_starts(problem, home_q, starts, distance)
         if not found:
-            held = (_held(allowed, k, rng) for k in _moving(allowed) for _ in range(_SHAKEN))
+            held = (_displaced(allowed, k, rng) for k in _moving(allowed) for _ in range(_SHAKEN))
             starts = ((distance * step, weights) for step, weights in held)
             found = _closed_starts(problem, home_q, starts, distance)
         if found:
             return found
     for joint in _moving(allowed):
         for distance in _short_distances(problem, joint):
-            held = (_held(allowed, joint, rng) for _ in range(_SHAKEN))
+            held = (_displaced(allowed, joint, rng) for _ in range(_SHAKEN))
             starts = ((distance * step, weights) for step, weights in held)
             if found := _closed_starts(problem, home_q, starts, distance):
                 return found
@@ -113,7 +113,7 @@ def _short_distances(problem: ClosureProblem, joint: int) -> tuple[float, ...]:
     """
     partition = problem.partition
     stroke = float(partition.strokes[joint]) if partition.strokes.size else 1.0
-    if stroke > _SHORT:
+    if stroke > _SHORT_ROD:
         return ()
     least = _SEEN * problem.tolerance / partition.length
     return tuple(stroke * distance for distance in _DISTANCES if distance**2 * stroke >= least)
@@ -146,7 +146,7 @@ def _directions(
         yield -_unit_step(motors), motors_kept
 
 
-def _held(allowed: Array, joint: int, rng: np.random.Generator) -> tuple[Array, Array]:
+def _displaced(allowed: Array, joint: int, rng: np.random.Generator) -> tuple[Array, Array]:
     """Return a step that displaces a joint by 1, the others around what is allowed with it."""
     weights = np.ones(len(allowed))
     weights[joint] = 0.0

@@ -21,7 +21,7 @@ from pmjac_pin.closing.step_guard import MARGIN
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.values.arrays import Array
 
-_AT_ONCE = 256  # steps in one call: a few milliseconds, in which nothing can interrupt
+_STEPS_AT_ONCE = 256  # steps in one call: a few milliseconds, in which nothing can interrupt
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,7 +84,7 @@ class OnePath:
         work.q[:], work.displacement[:], work.target[:] = q, displacement, values
         self._begin(work.argument)
         path, left = work.path, closure.MOST_STEPS
-        while self._walk(work.argument, min(_AT_ONCE, left)):
+        while self._walk(work.argument, min(_STEPS_AT_ONCE, left)):
             left = closure.MOST_STEPS - path.tries
             if not left:
                 return None

@@ -20,7 +20,7 @@ from pmjac_pin.algebra.tangents import tangents
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
-from pmjac_pin.kinematics.recorded_motions import moved
+from pmjac_pin.kinematics.recorded_motions import moved_by
 from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.rates.sparse_qr import Triangle, norm
@@ -128,7 +128,7 @@ class RecordedRates:
 
         def make(inputs: Sequence[Term]) -> list[Any]:
             q, v = np.split(objects(inputs), [nq])
-            outputs: list[Any] = moved(self.recorder.tree, q, v).tolist()
+            outputs: list[Any] = moved_by(self.recorder.tree, q, v).tolist()
             return outputs
 
         return self.recordings.tape("move", nq + nv, make)
@@ -143,7 +143,7 @@ class RecordedRates:
 
         def make(inputs: Sequence[Term]) -> list[Any]:
             start, v, rates = np.split(objects(inputs), [nq, nq + nv])
-            q = moved(self.recorder.tree, start, v)
+            q = moved_by(self.recorder.tree, start, v)
             known, motions = self._point(q.tolist(), rates)
             sizes = [norm(motion) for motion in motions]
             moves = (motions * self.partition.column_scale).ravel()
@@ -268,5 +268,5 @@ def in_frame(kinematics: RecordedKinematics, frame: FrameName) -> Numbers:
         case "WORLD":
             x, y, z = kinematics.position
             u, v, w = angular
-            moved = np.array([w * y - v * z, u * z - w * x, v * x - u * y])
-            return np.vstack([linear + moved, angular])
+            moved_by = np.array([w * y - v * z, u * z - w * x, v * x - u * y])
+            return np.vstack([linear + moved_by, angular])

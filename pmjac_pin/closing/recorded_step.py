@@ -23,7 +23,7 @@ from pmjac_pin.closing.arms import Arms
 from pmjac_pin.closing.bends import Bends, MotionSeries
 from pmjac_pin.closing.recorded_rates import RecordedRates
 from pmjac_pin.closing.step_guard import CUBIC, QUADRATIC, SLOPES
-from pmjac_pin.kinematics.recorded_motions import arriving, between, moved
+from pmjac_pin.kinematics.recorded_motions import arriving, between, moved_by
 from pmjac_pin.rates.sparse_qr import Triangle, norm
 
 
@@ -40,7 +40,7 @@ def leg_tape(loops: RecordedRates, arms: Arms) -> Tape:
         start, end, leaving, onward = np.split(objects(inputs), ends)
         way = between(tree, start, end)
         at_end = arriving(tree, way, onward)
-        half = moved(tree, start, 0.5 * way + 0.125 * (leaving - at_end))
+        half = moved_by(tree, start, 0.5 * way + 0.125 * (leaving - at_end))
         poses, rates = np.array([start, end, half]), np.array([leaving, at_end, way])
         return _covered(loops, arms, poses, rates)
 
@@ -55,7 +55,7 @@ def _covered(loops: RecordedRates, arms: Arms, poses: Numbers, rates: Numbers) -
     changes = triangle.solve(range(kept.size, 3 * kept.size))
     straight, bent = changes[:, : kept.size], changes[:, kept.size :]
     inverse, bends = triangle.inverse_norm(), Bends(arms, roots)
-    motion = _motion(bends, poses[0], *rates)
+    motion = _series(bends, poses[0], *rates)
     row_scale = loops.partition.row_scale
     open_by = (CUBIC * bends.residual(motion) + bends.rounding(motion)) * row_scale
     slopes = (at[1].residual - at[0].residual) * row_scale
@@ -69,7 +69,7 @@ def _covered(loops: RecordedRates, arms: Arms, poses: Numbers, rates: Numbers) -
     return [change, rho, tau, within, inverse]
 
 
-def _motion(
+def _series(
     bends: Bends, q: Numbers, leaving: Numbers, at_end: Numbers, way: Numbers
 ) -> MotionSeries:
     """Return the series along the cubic curve that `StepGuard` takes."""

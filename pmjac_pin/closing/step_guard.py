@@ -40,7 +40,7 @@ SLOPES = 8.0 / 27.0  # of |f'|: what such slopes at both ends add
 MARGIN = 1.1  # for rounding, and so that ends are not nearly singular
 
 
-class _Step(NamedTuple):
+class _ScaledStep(NamedTuple):
     """What is known of a step, all of it scaled: A⁺, changes A⁺ΔK* at the end and in the middle.
 
     `bent` is the latter beyond half the former; `left_out` and `open_by` bound what interpolation
@@ -100,7 +100,7 @@ class StepGuard:
         open_by = CUBIC * self._bends.residual(motion) + self._bends.rounding(motion)
         open_by *= partition.row_scale
         open_by += SLOPES * np.abs(end.residual - start.residual)
-        step = _Step(
+        step = _ScaledStep(
             partition,
             motion,
             inverse,
@@ -131,7 +131,7 @@ class StepGuard:
         speeds = np.array([np.maximum(u0, u1) + c / 8.0, np.maximum(b0, b1), c])
         return 0.5 * way + 0.125 * (leaving - arriving), self._bends.motion(first, speeds)
 
-    def _contracts(self, step: _Step, basis: Array | None) -> bool:
+    def _contracts(self, step: _ScaledStep, basis: Array | None) -> bool:
         """Tell whether Newton's map contracts all along, measured in an orthonormal basis."""
         inverse, straight, bent = step.inverse, step.straight, step.bent
         mixed = None
@@ -158,7 +158,7 @@ class StepGuard:
         weights = solved(identity - MARGIN * change, np.ones(len(change)))
         return weights is not None and bool((weights >= 1.0).all())
 
-    def _within(self, step: _Step, tube: Array, mixed: Array | None) -> Array:
+    def _within(self, step: _ScaledStep, tube: Array, mixed: Array | None) -> Array:
         """Return a bound on how K* changes in the tube, scaled, (p, m_p)."""
         partition = step.partition
         reach = np.zeros(partition.column_scale.size)

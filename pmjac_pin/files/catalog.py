@@ -14,7 +14,7 @@ from pmjac_pin.errors import (
     shortened,
 )
 from pmjac_pin.files.text_file import at_file
-from pmjac_pin.files.user_path import followed, is_file, is_folder, shown_path, user_path
+from pmjac_pin.files.user_path import followed_link, is_file, is_folder, shown_path, user_path
 
 SUFFIXES = (".toml", ".urdf", ".yaml", ".sdf", ".world", ".xml", ".mjcf")  # of a mechanism
 _EXAMPLE_ROBOTS = "example-robot-data:"
@@ -83,7 +83,7 @@ def find_urdf(urdf: str, model_file: Path) -> Path:
         places = [_example_robots(model_file) / urdf.removeprefix(_EXAMPLE_ROBOTS)]
     else:
         given = _urdf_path(urdf, model_file)
-        folders = dict.fromkeys(file.parent for file in (model_file, followed(model_file)))
+        folders = dict.fromkeys(file.parent for file in (model_file, followed_link(model_file)))
         places = [
             place / given
             for folder in folders

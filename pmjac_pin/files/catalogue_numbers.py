@@ -56,16 +56,16 @@ def kept_numbers() -> Catalogue:
         kept = msgspec.json.decode(path.read_bytes(), type=dict[str, _Kept])
     except (OSError, msgspec.MsgspecError):
         return {}
-    return {name: one.numbers for name, one in kept.items() if one.digest == _digest(name)}
+    return {name: one.numbers for name, one in kept.items() if one.digest == _model_digest(name)}
 
 
 def kept_text(catalogue: Catalogue) -> str:
     """Return ``models/catalogue.json`` with the numbers of the catalogue's mechanisms."""
-    kept = {name: _Kept(_digest(name), numbers) for name, numbers in catalogue.items()}
+    kept = {name: _Kept(_model_digest(name), numbers) for name, numbers in catalogue.items()}
     return msgspec.json.format(msgspec.json.encode(kept), indent=1).decode() + "\n"
 
 
-def _digest(name: str) -> str:
+def _model_digest(name: str) -> str:
     """Return a digest of a model file and of its URDF."""
     path = find_model_file(name)
     model = path.read_bytes()

@@ -73,7 +73,7 @@ class CutJoints:
         """Return where the links are in the base with all joints at zero, the base first."""
         found = {self.tree.root: pin.SE3.Identity()}
         for branch in self.tree.branches:
-            place = _placement(self.checked[branch.joint])
+            place = _joint_origin(self.checked[branch.joint])
             step = place.inverse() if branch.turned else place
             found[branch.below] = found[branch.above] * step
         return found
@@ -87,7 +87,7 @@ class CutJoints:
         """Turn round the joints that lead towards the root."""
         for branch in self.tree.branches:
             if branch.turned:
-                anchors.turn(self.elements[branch.joint], _placement(self.checked[branch.joint]))
+                anchors.turn(self.elements[branch.joint], _joint_origin(self.checked[branch.joint]))
 
     def loops(self, anchors: Anchors) -> list[Loop | None]:
         """Return the loops that do what the cut joints did; None for one that held nothing."""
@@ -100,7 +100,7 @@ class CutJoints:
             return None
         axis = element.find("axis")
         x, y, z = X if axis is None else map(float, axis.get("xyz", "").split())
-        frames = (anchors.add(joint.name, joint.parent, _placement(element)), joint.child)
+        frames = (anchors.add(joint.name, joint.parent, _joint_origin(element)), joint.child)
         return loop_of_kind(kind, frames, (x, y, z))
 
     def _kind(self, joint: UrdfJoint) -> str:
@@ -140,6 +140,6 @@ def _tree(links: Sequence[str], joints: Sequence[UrdfJoint], kept: Collection[st
     return tree
 
 
-def _placement(joint: Element) -> pin.SE3:
+def _joint_origin(joint: Element) -> pin.SE3:
     origin = joint.find("origin")
     return pin.SE3.Identity() if origin is None else placement_of(origin)

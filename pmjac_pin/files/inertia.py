@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.errors import ModelFileError
 
-_LEAST = -1e-9  # of the largest moment: what rounding makes of zero
+_LEAST_MOMENT = -1e-9  # of the largest moment: what rounding makes of zero
 
 
 def inertia_at(
@@ -34,7 +34,7 @@ def inertia_at(
     if mass < 0.0:
         raise ModelFileError(f"{where}: the mass is {mass:g}; it must not be negative")
     principal, axes = np.linalg.eigh(moments)
-    if principal[0] < _LEAST * max(abs(principal[0]), principal[2]):
+    if principal[0] < _LEAST_MOMENT * max(abs(principal[0]), principal[2]):
         raise ModelFileError(f"{where}: a moment of inertia is {principal[0]:g}, below zero")
     turned = placement.rotation @ axes
     kept = turned @ np.diag(np.maximum(principal, 0.0)) @ turned.T

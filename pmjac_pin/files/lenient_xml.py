@@ -11,7 +11,7 @@ import re
 _LATE_DECLARATION = re.compile(r"\A(\s++)<\?xml\s[^>]*+>")
 _ROOT = re.compile(r"\A(?:\s++|<\?.*?\?>|<!--.*?-->)*+<[^\s/>!?]++", re.DOTALL)
 _PREFIX = re.compile(r"""<([A-Za-z_][\w.-]*+):|\s([A-Za-z_][\w.-]*+):[\w.-]++\s*+=\s*+["']""")
-_RESERVED = ("xml", "xmlns")
+_RESERVED_PREFIXES = ("xml", "xmlns")
 _COMMENT = "<!--"
 _SPANS = {_COMMENT: "-->", "<![CDATA[": "]]>", "<?": "?>"}  # beside tags
 _TAG = re.compile(r"""[^<>"']*+(?:"[^"]*+"[^<>"']*+|'[^']*+'[^<>"']*+)*+>""")
@@ -40,7 +40,9 @@ def with_prefixes_bound(text: str) -> str:
         return text
     root = text[start.end() : text.find(">", start.end())]
     found = {one or other for one, other in _PREFIX.findall(text)}
-    unbound = [name for name in sorted(found - {*_RESERVED}) if f"xmlns:{name}" not in root]
+    unbound = [
+        name for name in sorted(found - {*_RESERVED_PREFIXES}) if f"xmlns:{name}" not in root
+    ]
     bound = "".join(f' xmlns:{name}="{name}"' for name in unbound)
     return text[: start.end()] + bound + text[start.end() :]
 

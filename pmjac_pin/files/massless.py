@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 from pmjac_pin.files.joint_dialects import listed
 from pmjac_pin.files.urdf.robot import Urdf
 
-_NONE = "no masses are given: they are 0 in `model`"
+_NO_MASSES = "no masses are given: they are 0 in `model`"
 
 
 def without_mass(names: Sequence[str]) -> list[str]:
@@ -19,7 +19,7 @@ def mass_notes(urdf: Urdf, names: Collection[str]) -> list[str]:
     """Return what is to be said of the bodies of a URDF, or of those that are among these links."""
     heavy = _heavy(urdf)
     if not heavy and any(joint.type != "fixed" for joint in urdf.joints):
-        return [_NONE]
+        return [_NO_MASSES]
     return without_mass(_massless(urdf, heavy, names))
 
 

@@ -57,7 +57,7 @@ def _spec(text: str) -> MechanismSpec:
     try:
         spec = converted(given)
     except msgspec.ValidationError as error:
-        raise ModelFileError(_explained(error, given)) from None
+        raise ModelFileError(_model_fault(error, given)) from None
     except OverflowError as error:
         raise ModelFileError(f"a whole number is too large: {error}") from None
     if not spec.urdf:
@@ -65,7 +65,7 @@ def _spec(text: str) -> MechanismSpec:
     return spec
 
 
-def _explained(error: msgspec.ValidationError, given: dict[str, Any]) -> str:
+def _model_fault(error: msgspec.ValidationError, given: dict[str, Any]) -> str:
     """Turn msgspec's message into ours: TOML's words for things, and the near match."""
     message = in_words_of_toml(str(error))
     return message + _hint(message, given)

@@ -115,7 +115,7 @@ def _include_root(path: Path, given: str | Path | None) -> Path | None:
 
 
 def _other_format(path: Path) -> str:
-    if (step := _STEPS.get(path.suffix.lower())) is not None:
+    if (step := _READABLE_BY.get(path.suffix.lower())) is not None:
         return step
     return f"the end of its name tells no format; there are {enumerated(SUFFIXES)}"
 
@@ -132,7 +132,7 @@ def _open_frames(urdf: Urdf, spec: MechanismSpec) -> list[str]:
 
 
 #: Formats that are not read, by their suffixes: what makes one of them that is.
-_STEPS = {
+_READABLE_BY = {
     ".xacro": "xacro's macros are not read; write what they make with: xacro FILE > robot.urdf",
     ".wbt": "Webots' worlds are not read; export the robot as URDF: robot.getUrdf() in a "
     "controller of its own writes it",

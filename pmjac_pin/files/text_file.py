@@ -36,18 +36,18 @@ def read_text(path: Path, maximal_size: int) -> str:
 
 def _contents(path: Path, maximal_size: int) -> bytes:
     """Return a regular file's bytes; what is at its path may change, so that it is asked twice."""
-    _check(path, path.stat(), maximal_size)
+    _check_status(path, path.stat(), maximal_size)
     with open(
         path, "rb", opener=lambda name, flags: os.open(name, flags | _WITHOUT_WAITING)
     ) as file:
-        _check(path, os.fstat(file.fileno()), maximal_size)
+        _check_status(path, os.fstat(file.fileno()), maximal_size)
         contents = file.read(maximal_size + 1) or b""
     if len(contents) > maximal_size:
         raise _too_large(path, len(contents), maximal_size)
     return contents
 
 
-def _check(path: Path, status: os.stat_result, maximal_size: int) -> None:
+def _check_status(path: Path, status: os.stat_result, maximal_size: int) -> None:
     if stat.S_ISDIR(status.st_mode):
         raise _refused(path, "is a directory, not a file")
     if not stat.S_ISREG(status.st_mode):

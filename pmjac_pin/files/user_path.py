@@ -77,7 +77,7 @@ def is_folder(path: Path) -> bool:
         return False
 
 
-def followed(path: Path) -> Path:
+def followed_link(path: Path) -> Path:
     """Return where a link leads; another path as it is."""
     return real(path) if os.path.islink(path) else path  # noqa: PTH114 - True or False for any name
 

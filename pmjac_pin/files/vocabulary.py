@@ -25,7 +25,7 @@ _MOST_TOLD = 10
 _MOST_WORDS = 4
 _NAMES_PLACE = "\0"  # where the names of a kind of thing go
 _OF_XML = "{http://www.w3.org/"  # attributes of XML itself and of its schemas
-_TIES = re.compile(
+_TIE_WORDS = re.compile(
     r"joint|loop|loop_joint|closed_loop|constraint|coupling|equality|connect|weld|tendon|gripper"
     r"|plugin|model|include|drake:\w*(joint|mimic|constraint|bushing|spring|damper)\w*"
 )
@@ -203,7 +203,7 @@ def could_tie(element: Element) -> bool:
     if _TIES_BY_NAME.fullmatch(tag):
         return True
     name_alone = not len(element) and not element.attrib and (element.text or "").strip()
-    return not name_alone and _TIES.fullmatch(tag) is not None
+    return not name_alone and _TIE_WORDS.fullmatch(tag) is not None
 
 
 @lru_cache(maxsize=10_000)

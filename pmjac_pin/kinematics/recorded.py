@@ -101,8 +101,8 @@ class Recorder:
             return link.kind.motion(_PROGRAMS, entries[link.entries], link.edge.pitch)
 
         poses = Poses(self._loops.tree, _PROGRAMS, motion)
-        residual, rates, cosines = _rows(self._loops, poses, entries[:, 0, 0], self.nv)
-        points = [_frame(self._model, poses, name) for name in self._names]
+        residual, rates, cosines = _loop_rows(self._loops, poses, entries[:, 0, 0], self.nv)
+        points = [_frame_motion(self._model, poses, name) for name in self._names]
         (rotation, position, jacobian), spread = (
             _spanned(points) if len(points) > 1 else (points[0], 1.0)
         )
@@ -114,25 +114,25 @@ class Recorder:
             rotation=rotation,
             position=position + self._place,
             spread=spread,
-            turned=tuple(_turned(self._loops, poses)),
+            turned=tuple(_turned_rows(self._loops, poses)),
         )
 
 
-def _rows(loops: Loops, poses: Poses, q: Numbers, nv: int) -> tuple[Numbers, Numbers, Numbers]:
+def _loop_rows(loops: Loops, poses: Poses, q: Numbers, nv: int) -> tuple[Numbers, Numbers, Numbers]:
     residual, rates = zeros(loops.count), zeros(loops.count, nv)
     cosines: list[Any] = []
     for pair in loops.pairs:
         for (rows, _), block in zip(pair.blocks, by_twists(pair, poses), strict=True):
             residual[rows] = block.rows.value[:, 0, 0]
-            _spread(block.rows, rates[rows])
+            _spread_rates(block.rows, rates[rows])
             if block.cosine is not None:
                 cosines += block.cosine.value.ravel().tolist()
     for row, coupling in loops.couplings.items():
-        residual[row], rates[row] = _coupled(coupling, q), coupling.gradient.astype(object)
+        residual[row], rates[row] = _coupled_gap(coupling, q), coupling.gradient.astype(object)
     return residual, rates, objects(cosines)
 
 
-def _turned(loops: Loops, poses: Poses) -> Iterator[tuple[slice, Numbers]]:
+def _turned_rows(loops: Loops, poses: Poses) -> Iterator[tuple[slice, Numbers]]:
     for pair in loops.pairs:
         for rows, block in pair.blocks:
             if block.vector and pair.base:
@@ -146,8 +146,8 @@ def _axes(poses: Poses, body: int) -> Numbers:
     return np.array([axis[:, 0, 0] for axis in axes], dtype=object).T
 
 
-def _coupled(coupling: Coupling, q: Numbers) -> Any:
-    first, second = (_value(coupling, q, column) for column in coupling.columns.tolist())
+def _coupled_gap(coupling: Coupling, q: Numbers) -> Any:
+    first, second = (_joint_value(coupling, q, column) for column in coupling.columns.tolist())
     difference = second - coupling.ratio * first - coupling.offset
     if coupling.coordinates.wraps[coupling.columns[1]]:
         turns = difference * (1.0 / math.tau)
@@ -155,7 +155,7 @@ def _coupled(coupling: Coupling, q: Numbers) -> Any:
     return difference
 
 
-def _value(coupling: Coupling, q: Numbers, column: int) -> Any:
+def _joint_value(coupling: Coupling, q: Numbers, column: int) -> Any:
     """Return the value of a joint of one freedom."""
     coordinates = coupling.coordinates
     start = coordinates.entry(column)
@@ -164,12 +164,12 @@ def _value(coupling: Coupling, q: Numbers, column: int) -> Any:
     return q[start].recording.term("atan2", q[start + 1], q[start])
 
 
-def _frame(model: pin.Model, poses: Poses, name: str) -> tuple[Numbers, Numbers, Numbers]:
+def _frame_motion(model: pin.Model, poses: Poses, name: str) -> tuple[Numbers, Numbers, Numbers]:
     """Return rotation, position and Jacobian (6, nv) of a frame."""
     frame = find_frame(model, name)
     seen, jacobian = poses.twisted(0, frame), zeros(6, model.nv)
     origin = seen.origin()
-    _spread(origin, jacobian[:3])
+    _spread_rates(origin, jacobian[:3])
     for one in poses.freedoms(0, frame.joint):
         if one.origin is not None:
             jacobian[3:, one.column] = one.axis[:, 0, 0]
@@ -184,10 +184,10 @@ def _spanned(
     one, two, three = (position for _, position, _ in points)
     rate, second, third = (jacobian[:3] for _, _, jacobian in points)
     side, apex = two - one, three - one
-    normal = _cross(side, apex)
+    normal = _PROGRAMS.cross(side, apex)
     longest, area = root(side @ side), root(normal @ normal)
     x, z = side / longest, normal / area
-    y = _cross(z, x)
+    y = _PROGRAMS.cross(z, x)
     side_rate, apex_rate = second - rate, third - rate
     length, sinking = x @ side, z @ side_rate
     roll = (z @ apex_rate - sinking * (x @ apex / length)) / (y @ apex)
@@ -198,12 +198,7 @@ def _spanned(
     return frame, area / (longest * root(apex @ apex))
 
 
-def _cross(u: Numbers, v: Numbers) -> Numbers:
-    crossed: Numbers = _PROGRAMS.cross(u, v)
-    return crossed
-
-
-def _spread(jet: Jet, rates: Numbers) -> None:
+def _spread_rates(jet: Jet, rates: Numbers) -> None:
     """Write a jet's rates into all columns."""
     if jet.columns:
         rates[:, jet.columns] = jet.rates[..., 0]

@@ -15,17 +15,17 @@ from pmjac_pin.kinematics.tree import Link, Tree
 from pmjac_pin.model.joint_kind import rotation_of
 
 _PROGRAMS = Programs()
-_NOTHING = 1e-150  # rad: a turn of less is none, and yet is divided by
+_NO_TURN = 1e-150  # rad: a turn of less is none, and yet is divided by
 _TINY = 1e-30  # rad²: what (½α)² is divided by at least
 
 
-def moved(tree: Tree, q: Numbers, v: Numbers) -> Numbers:
+def moved_by(tree: Tree, q: Numbers, v: Numbers) -> Numbers:
     """Return q ⊕ v, shape (nq,)."""
     found = q.copy()
     for link in tree.links.values():
-        slides, turn, way = _slides(link), q[_turn(link)], v[_turning(link)]
-        found[slides] = q[slides] + _turned(link, turn, v[_sliding(link)])
-        found[_turn(link)] = _turned_on(link, turn, way)
+        slides, turn, way = _slides(link), q[_turn_part(link)], v[_turning(link)]
+        found[slides] = q[slides] + _turned_slides(link, turn, v[_sliding(link)])
+        found[_turn_part(link)] = _turned_on(link, turn, way)
     return found
 
 
@@ -33,9 +33,9 @@ def between(tree: Tree, q: Numbers, other: Numbers) -> Numbers:
     """Return v with q ⊕ v = other, shape (nv,)."""
     found = np.empty(_freedoms(tree), dtype=object)
     for link in tree.links.values():
-        slides, turn = _slides(link), q[_turn(link)]
-        found[_sliding(link)] = _turned(link, _back(turn), other[slides] - q[slides])
-        found[_turning(link)] = _turn_between(link, turn, other[_turn(link)])
+        slides, turn = _slides(link), q[_turn_part(link)]
+        found[_sliding(link)] = _turned_slides(link, _back(turn), other[slides] - q[slides])
+        found[_turning(link)] = _turn_between(link, turn, other[_turn_part(link)])
     return found
 
 
@@ -46,7 +46,7 @@ def arriving(tree: Tree, way: Numbers, v: Numbers) -> Numbers:
         if link.kind.curved:
             turn, rates = way[_turning(link)], v[_turning(link)]
             on = _exponential(turn) if link.kind.turns == 3 else objects(_wave(turn[0]))
-            found[_sliding(link)] = _turned(link, on, v[_sliding(link)])
+            found[_sliding(link)] = _turned_slides(link, on, v[_sliding(link)])
             if link.kind.turns == 3:
                 found[_turning(link)] = _log_rates(turn, rates)
     return found
@@ -60,7 +60,7 @@ def _slides(link: Link) -> slice:
     return slice(link.entries.start, link.entries.start + link.kind.slides)
 
 
-def _turn(link: Link) -> slice:
+def _turn_part(link: Link) -> slice:
     return slice(link.entries.start + link.kind.slides, link.entries.stop)
 
 
@@ -79,7 +79,7 @@ def _back(turn: Numbers) -> Numbers:
     return objects([*-turn[:3], turn[3]]) if turn.size == 4 else turn
 
 
-def _turned(link: Link, turn: Numbers, slid: Numbers) -> Numbers:
+def _turned_slides(link: Link, turn: Numbers, slid: Numbers) -> Numbers:
     """Return slides in the axes before as slides in those that a turn leads to."""
     if link.kind.axial or not (link.kind.slides and link.kind.turns):
         return slid
@@ -95,17 +95,17 @@ def _turned_on(link: Link, turn: Numbers, way: Numbers) -> Numbers:
     if link.kind.angle or not link.kind.turns:
         return turn + way
     if link.kind.turns == 3:
-        return _unit(_product(turn, _exponential(way)))
+        return _unit_quaternion(_quaternion_product(turn, _exponential(way)))
     (c, s), (cosine, sine) = turn, _wave(way[0])
-    return _unit(objects([c * cosine - s * sine, s * cosine + c * sine]))
+    return _unit_quaternion(objects([c * cosine - s * sine, s * cosine + c * sine]))
 
 
 def _turn_between(link: Link, turn: Numbers, other: Numbers) -> Numbers:
     if link.kind.angle or not link.kind.turns:
         return other - turn
     if link.kind.turns == 3:
-        *vector, cosine = _product(_back(turn), other)
-        sine = _size(vector)
+        *vector, cosine = _quaternion_product(_back(turn), other)
+        sine = _vector_length(vector)
         half = _angle(sine, abs(cosine))
         factor = 2.0 * with_sign(half, cosine) / sine
         return objects([x * factor for x in vector])
@@ -115,7 +115,7 @@ def _turn_between(link: Link, turn: Numbers, other: Numbers) -> Numbers:
 
 def _exponential(vector: Numbers) -> Numbers:
     """Return the quaternion (x, y, z, w) of a rotation vector."""
-    size = _size(vector)
+    size = _vector_length(vector)
     cosine, sine = _wave(0.5 * size)
     return objects([*(vector * (sine / size)), cosine])
 
@@ -125,14 +125,14 @@ def _log_rates(vector: Numbers, omega: Numbers) -> Numbers:
 
     What cancels where α is small is as small beside ω as rounding.
     """
-    half = 0.5 * _size(vector)
+    half = 0.5 * _vector_length(vector)
     cosine, sine = _wave(half)
     factor = (1.0 - half * cosine / sine) / (4.0 * largest(half * half, _TINY))
-    once = _cross(vector, omega)
-    return np.asarray(omega + 0.5 * once + _cross(vector, once) * factor)
+    once = _PROGRAMS.cross(vector, omega)
+    return np.asarray(omega + 0.5 * once + _PROGRAMS.cross(vector, once) * factor)
 
 
-def _product(p: Numbers, q: Numbers) -> Numbers:
+def _quaternion_product(p: Numbers, q: Numbers) -> Numbers:
     (a, b, c, w), (x, y, z, v) = p, q
     return objects(
         [
@@ -144,19 +144,13 @@ def _product(p: Numbers, q: Numbers) -> Numbers:
     )
 
 
-def _cross(u: Numbers, v: Numbers) -> Numbers:
-    return objects(
-        [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
-    )
-
-
-def _size(vector: Any) -> Any:
+def _vector_length(vector: Any) -> Any:
     """Return the length of a vector, of none a tiny one."""
     x, y, z = vector
-    return largest(root(x * x + y * y + z * z), _NOTHING)
+    return largest(root(x * x + y * y + z * z), _NO_TURN)
 
 
-def _unit(entries: Numbers) -> Numbers:
+def _unit_quaternion(entries: Numbers) -> Numbers:
     return np.asarray(entries / root(sum(x * x for x in entries)))
 
 

@@ -26,7 +26,7 @@ from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.values.arrays import Array
 
 _COMPLEX = Floats(rooted=False)
-_STEP = 1e-60  # its square is nothing beside 1
+_COMPLEX_STEP = 1e-60  # its square is nothing beside 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,7 +55,7 @@ class Slopes:
         nv, found = constraint.shape[2], []
         for told in tools:
             slopes, values = told.reshape(2, -1)
-            numbers = values + 1j * _STEP * slopes
+            numbers = values + 1j * _COMPLEX_STEP * slopes
             jacobian, rotation, position = np.split(numbers, [6 * nv, 6 * nv + 9])
             found.append((jacobian.reshape(6, nv), rotation.reshape(3, 3), position))
         return cls(constraint, tuple(found))
@@ -63,7 +63,7 @@ class Slopes:
     def tool(self, frame: FrameName) -> Array:
         """Return that of the tool Jacobian in one of Pinocchio's frames, shape (k, 6, nv)."""
         changed = [change_frame(jacobian, frame, *pose) for jacobian, *pose in self._tools]
-        return np.imag(changed).reshape(-1, 6, self.constraint.shape[2]) / _STEP
+        return np.imag(changed).reshape(-1, 6, self.constraint.shape[2]) / _COMPLEX_STEP
 
 
 class SlopesAlongMotions:
@@ -97,7 +97,7 @@ class SlopesAlongMotions:
         """Return how Jacobians change at a q (nq,) along the columns of motions (nv, k)."""
         if not motions.shape[1]:
             return Slopes(np.empty((0, self._loops.count, self._nv)), ())
-        moving = q + 1j * _STEP * entry_rates(self._tree, q, motions)
+        moving = q + 1j * _COMPLEX_STEP * entry_rates(self._tree, q, motions)
         entries = np.ascontiguousarray(moving.T)[:, None]
 
         def motion(link: Link) -> JointMotion:
@@ -105,7 +105,7 @@ class SlopesAlongMotions:
 
         poses, count = Poses(self._tree, _COMPLEX, motion), len(moving)
         constraint = self._constraint(poses, count)
-        return Slopes(constraint.imag / _STEP, tuple(self._tools(poses, count)))
+        return Slopes(constraint.imag / _COMPLEX_STEP, tuple(self._tools(poses, count)))
 
     def _constraint(self, poses: Poses, count: int) -> Numbers:
         rates = np.zeros((self._loops.count, self._nv, count), dtype=complex)

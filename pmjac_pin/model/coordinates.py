@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pmjac_pin.errors import ArgumentError, unknown_name
 from pmjac_pin.model.joint_kind import JointKind
 from pmjac_pin.model.joint_kinds import kind_of
-from pmjac_pin.model.unit_turns import NEARLY_UNIT, unit
+from pmjac_pin.model.unit_turns import NEARLY_UNIT, with_unit_turns
 from pmjac_pin.values.arrays import Array, Index, read_only
 from pmjac_pin.values.checks import LARGEST, as_numbers
 
@@ -309,7 +309,7 @@ class JointCoordinates:
         if not pin.isNormalized(self._model, q, NEARLY_UNIT):
             message = f"the quaternion or (cos, sin) of joint {joint.name!r} is not of unit length"
             raise ArgumentError(message)
-        return unit(self._model, q)[joint.idx_q : joint.idx_q + joint.nq]
+        return with_unit_turns(self._model, q)[joint.idx_q : joint.idx_q + joint.nq]
 
 
 def _rotational(model: pin.Model, joints: Sequence[_Joint]) -> NDArray[np.bool_]:

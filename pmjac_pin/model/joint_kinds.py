@@ -49,11 +49,11 @@ def register(kind: JointKind) -> None:
         Pinocchio's joint is not read as the kind, or moves otherwise than the kind says.
     """
     if not kind.in_turn:
-        _check(kind)
+        _check_kind(kind)
     JOINT_KINDS[kind.name] = kind
 
 
-def _check(kind: JointKind) -> None:
+def _check_kind(kind: JointKind) -> None:
     model = pin.Model()
     model.addJoint(0, kind.built(_PITCH), pin.SE3.Identity(), kind.name)
     if (model.nq, model.nv) != (kind.nq, kind.nv) or not kind.reads(model.joints[1]):

@@ -13,7 +13,7 @@ UNIT = 1e-14  # how far they may be from unit length: rounding
 NEARLY_UNIT = 1e-6  # what is nearer was of unit length before it was written in few digits
 
 
-def unit(model: pin.Model, q: Array) -> Array:
+def with_unit_turns(model: pin.Model, q: Array) -> Array:
     """Return q (nq,) with turns of unit length; what is off by rounding stays as it is.
 
     Raises
@@ -44,7 +44,7 @@ def unit_rows(model: pin.Model, q: Array) -> Array:
         return q
     q = q.copy()
     for row in np.flatnonzero(off).tolist():
-        q[row] = unit(model, q[row])
+        q[row] = with_unit_turns(model, q[row])
     return q
 
 

@@ -17,7 +17,7 @@ from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.joint_kinds import kind_of
 from pmjac_pin.model.loop_between_frames import LoopBetweenFrames
 from pmjac_pin.model.loop_spec import JointLoop
-from pmjac_pin.pictures.bodies import Bodies, Point, Points
+from pmjac_pin.pictures.bodies import Bodies, Point, PointsOfBodies
 from pmjac_pin.values.arrays import Array
 
 COINCIDENT = 1e-6  # of the mechanism's size: points nearer than this are one
@@ -233,7 +233,7 @@ class Anatomy:
             for body in self.joints
             for frame in self._links(body)
         ]
-        return Points.of([*roots, *own, *self._ends, *self.tool, *links]).at(self.home)
+        return PointsOfBodies.of([*roots, *own, *self._ends, *self.tool, *links]).at(self.home)
 
     def _visual_points(self) -> Array:
         """Return where the visuals end along their own axes at home, shape (k, 3)."""

@@ -24,14 +24,14 @@ class Point:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Points:
+class PointsOfBodies:
     """Points of bodies, stacked: bodies (k,) and places (k, 3)."""
 
     bodies: Index
     places: Array
 
     @classmethod
-    def of(cls, points: Sequence[Point]) -> Points:
+    def of(cls, points: Sequence[Point]) -> PointsOfBodies:
         """Stack points."""
         places = np.array([point.place for point in points], dtype=np.float64).reshape(-1, 3)
         return cls(np.array([point.body for point in points], dtype=np.intp), places)
@@ -43,7 +43,7 @@ class Points:
         return turned + chosen[:, :3, 3]
 
 
-class Axis(NamedTuple):
+class AxisInBodies(NamedTuple):
     """The constant axis of a joint.
 
     Attributes
@@ -79,7 +79,7 @@ class Bodies:
         self.model = model
         self._data = model.createData()
         self._lock = threading.Lock()
-        self.axes: Mapping[int, Axis] = _joint_axes(model, self._data)
+        self.axes: Mapping[int, AxisInBodies] = _joint_axes(model, self._data)
 
     def placements(self, q: Array) -> Array:
         """Return oMi of all joints, the universe first, shape (njoints, 4, 4)."""
@@ -87,7 +87,7 @@ class Bodies:
             pin.forwardKinematics(self.model, self._data, q)
             return np.array([placement.homogeneous for placement in self._data.oMi])
 
-    def velocities(self, q: Array, v: Array, points: Points) -> Array:
+    def velocities(self, q: Array, v: Array, points: PointsOfBodies) -> Array:
         """Return the velocities of points in world axes, shape (k, 3)."""
         with self._lock:
             pin.forwardKinematics(self.model, self._data, q, v)
@@ -99,7 +99,7 @@ class Bodies:
         return moved
 
 
-def _joint_axes(model: pin.Model, data: pin.Data) -> dict[int, Axis]:
+def _joint_axes(model: pin.Model, data: pin.Data) -> dict[int, AxisInBodies]:
     motions = pin.computeJointJacobians(model, data, pin.neutral(model)).reshape(6, -1)
     found = {}
     for index, joint in list(enumerate(model.joints))[1:]:
@@ -110,5 +110,5 @@ def _joint_axes(model: pin.Model, data: pin.Data) -> dict[int, Axis]:
         axis = ways[:, 0]
         if (np.abs(np.cross(axis, ways.T)) <= _SAME_LINE).all():
             slides = bool((np.abs(axis @ linear) > _SAME_LINE).any())
-            found[index] = Axis(axis, bool(angular.any()), slides)
+            found[index] = AxisInBodies(axis, bool(angular.any()), slides)
     return found

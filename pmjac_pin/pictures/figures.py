@@ -112,7 +112,7 @@ def save_pages(
     else:
         others = (f"{first.stem}-{page}{first.suffix}" for page in range(2, len(figures) + 1))
         paths += [first.with_name(name) for name in others]
-        contents = [_drawn(figure, dpi, suffix) for figure in figures]
+        contents = [_encoded(figure, dpi, suffix) for figure in figures]
     write_files(dict[str | os.PathLike[str], bytes](zip(paths, contents, strict=True)))
     return paths
 
@@ -127,7 +127,7 @@ def _pdf(figures: Sequence[Figure], dpi: float) -> bytes:
     return drawn.getvalue()
 
 
-def _drawn(figure: Figure, dpi: float, suffix: str) -> bytes:
+def _encoded(figure: Figure, dpi: float, suffix: str) -> bytes:
     drawn = io.BytesIO()
     figure.savefig(drawn, dpi=dpi, format=suffix)
     return drawn.getvalue()

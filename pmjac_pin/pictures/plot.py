@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 _PANEL, _REST = 4.0, 1.2  # inches: a panel, and what stands above and below all
 _GRIDS = {1: (1, 2), 2: (1, 4), 3: (2, 3)}  # rows and columns, by how many planes are shown
-_SIZES = (1.0, 100.0)  # inches, of a figure
+_FIGURE_SIZES = (1.0, 100.0)  # inches, of a figure
 _ACROSS = 1e-6  # sine of the angle between a plane and a coordinate plane
 
 
@@ -79,7 +79,7 @@ def plot(
     >>> [axes.get_title() for axes in figure.axes][1:]
     ['X–Y plane']
     """
-    ellipsoid = _ellipsoid(configuration, quantity, frame)
+    ellipsoid = _ellipsoid_panel(configuration, quantity, frame)
     drawn = StickFigures(configuration.mechanism)(configuration)
     view = view_of([drawn])
     shown = _planes(planes, view[2], ellipsoid)
@@ -98,7 +98,7 @@ def plot(
     return figure  # type: ignore[no-any-return]
 
 
-def _ellipsoid(
+def _ellipsoid_panel(
     configuration: Configuration, quantity: str, frame: str | pin.ReferenceFrame
 ) -> Ellipsoid:
     check_kind(configuration, Configuration)
@@ -130,7 +130,7 @@ def _planes(given: Sequence[str] | None, eye: Array, ellipsoid: Ellipsoid) -> Se
 
 
 def _inches(given: object) -> tuple[float, float]:
-    size, (low, high) = as_numbers(given, "size"), _SIZES
+    size, (low, high) = as_numbers(given, "size"), _FIGURE_SIZES
     if size.shape != (2,) or size.min() < low or size.max() > high:
         wanted = f"size is width and height, {low:g} to {high:g} inches"
         raise ArgumentError(f"{wanted}; got {quoted(given)}")

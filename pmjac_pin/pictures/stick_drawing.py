@@ -46,7 +46,7 @@ _LAYERS = {"link": 0, "rod": 0, "rail": 0, "motor rail": 0, "slider": 1, "anchor
 
 def view_of(figures: Sequence[StickFigure]) -> Array:
     """Return the axes of the picture, as rows: to the right, upwards, towards the eye."""
-    eye = _across(figures)
+    eye = _plane_normal(figures)
     if eye is None:
         eye = _round_about(figures)
     up = np.array([0.0, 0.0, 1.0]) if abs(eye[2]) < 0.9 else np.array([0.0, 1.0, 0.0])
@@ -63,7 +63,7 @@ def frame_of(figures: Sequence[StickFigure], view: Array) -> tuple[Array, Array]
     return low - margin, high + margin
 
 
-def _across(figures: Sequence[StickFigure]) -> Array | None:
+def _plane_normal(figures: Sequence[StickFigure]) -> Array | None:
     """Return the normal of the plane in which all is: with z or x positive, or y negative.
 
     None where there is no one plane: of less than three points, too.

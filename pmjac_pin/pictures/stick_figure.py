@@ -12,7 +12,7 @@ from scipy.spatial import ConvexHull
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.pictures.anatomy import Anatomy
-from pmjac_pin.pictures.bodies import Point, Points
+from pmjac_pin.pictures.bodies import Point, PointsOfBodies
 from pmjac_pin.values.arrays import Array
 
 StrokeKind = Literal[
@@ -67,7 +67,9 @@ class StickFigures:
 
     def __init__(self, mechanism: Mechanism) -> None:
         self._anatomy = anatomy = Anatomy(mechanism)
-        self._drawn = [(kind, Points.of(points)) for kind, points in _drawn(anatomy)]
+        self._drawn = [
+            (kind, PointsOfBodies.of(points)) for kind, points in _drawn_strokes(anatomy)
+        ]
 
     def __call__(self, configuration: Configuration) -> StickFigure:
         """Return a pose as it is drawn."""
@@ -80,7 +82,7 @@ class StickFigures:
         )
 
 
-def _drawn(anatomy: Anatomy) -> Iterator[tuple[StrokeKind, list[Point]]]:
+def _drawn_strokes(anatomy: Anatomy) -> Iterator[tuple[StrokeKind, list[Point]]]:
     """Yield what is drawn, as points fixed to bodies: first what lies below."""
     for body in range(anatomy.model.njoints):
         kind: StrokeKind = "link" if body else "ground"

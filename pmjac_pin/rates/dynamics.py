@@ -20,8 +20,8 @@ from pmjac_pin.values.arrays import Array, ReadOnlyArrays, read_only
 from pmjac_pin.values.checks import as_vector
 
 _NO_INERTIA = 1e-12  # of the largest, on motions of like size: rounding
-_ROUNDED_RATES = 1e-9  # of rates: what rounding may leave of those that an idle motion has not
-_ROUNDING = 1e-9  # of the forces that add up to one on an idle motion
+_ROUNDED_IDLE_RATES = 1e-9  # of rates: what rounding may leave of those that an idle motion has not
+_ROUNDED_FORCES = 1e-9  # of the forces that add up to one on an idle motion
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -135,7 +135,7 @@ def without_idle(
     heavy = vectors[:, values > least]
     inverse = (heavy / values[values > least]) @ heavy.T
     held = np.abs(pushed[n:] - unit[n:, n:] @ inverse @ pushed[n:])
-    if (held > _ROUNDING * (sizes * scale[:, None]).max(axis=0)).any():
+    if (held > _ROUNDED_FORCES * (sizes * scale[:, None]).max(axis=0)).any():
         raise NoInertiaError("forces act on idle motions that move no mass: add inertia")
     across = unit[:n, n:] @ inverse
     mass = (unit[:n, :n] - across @ unit[n:, :n]) / np.outer(scale[:n], scale[:n])
@@ -160,7 +160,7 @@ def least_inertia(mass: Array, idle: Array, scale: Array) -> float:
     """
     sizes, rates = np.abs(mass) * np.outer(scale, scale), np.abs(idle / scale[:, None])
     own = float((rates.T @ sizes @ rates).max(initial=0.0))
-    return max(_NO_INERTIA * own, _ROUNDED_RATES**2 * float(np.linalg.norm(sizes)))
+    return max(_NO_INERTIA * own, _ROUNDED_IDLE_RATES**2 * float(np.linalg.norm(sizes)))
 
 
 def check_inertia(mass_matrix: Array, scale: Array, massless: tuple[str, ...]) -> None:

@@ -27,7 +27,7 @@ from pmjac_pin.values.brief import brief
 from pmjac_pin.values.checks import check_callable, check_kind
 from pmjac_pin.values.ties import first_largest
 
-_STILL = 1e-6  # of the largest rate of a motion
+_STILL_JOINT = 1e-6  # of the largest rate of a motion
 
 
 def equivalent_jacobian(
@@ -125,7 +125,7 @@ def _singular(singularity: Singularity) -> SingularError:
 
 def _moving_joints(names: tuple[str, ...], rates: Array) -> list[tuple[str, float]]:
     """Return the joints that take part in a motion: the others' rates are rounding."""
-    floor = _STILL * np.abs(rates).max()
+    floor = _STILL_JOINT * np.abs(rates).max()
     return [
         (name, rate) for name, rate in zip(names, rates.tolist(), strict=True) if abs(rate) > floor
     ]

@@ -56,7 +56,7 @@ def _smallest(values: Array, rates: Array) -> Array:
     return np.asarray(rates[-1])
 
 
-def _largest(values: Array, rates: Array) -> Array:
+def _largest_gradient(values: Array, rates: Array) -> Array:
     _simple(values, 0)
     return np.asarray(rates[0])
 
@@ -67,7 +67,7 @@ def _log_det(values: Array, rates: Array) -> Array:
     return np.asarray((rates / values[:, None]).sum(axis=0))
 
 
-def _product(values: Array, rates: Array) -> Array:
+def _product_gradient(values: Array, rates: Array) -> Array:
     others = [np.prod(np.delete(values, k)) for k in range(values.size)]
     if values[-1] <= _ZERO * values[0] and others[-1]:
         raise NoGradientError("the product of the singular values is 0 here: it has a kink")
@@ -84,8 +84,8 @@ def _condition(values: Array, rates: Array) -> Array:
 MEASURES: Mapping[str, Callable[[Array, Array], Array]] = MappingProxyType(
     {
         "smallest singular value": _smallest,
-        "largest singular value": _largest,
-        "product of singular values": _product,
+        "largest singular value": _largest_gradient,
+        "product of singular values": _product_gradient,
         "condition number": _condition,
         "log det": _log_det,
     }

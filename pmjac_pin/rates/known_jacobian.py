@@ -13,7 +13,7 @@ from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array
 
-_MATRICES = frozenset({"constraint_jacobian", "tool_jacobian", "passive_rates"})
+_MATRIX_FIELDS = frozenset({"constraint_jacobian", "tool_jacobian", "passive_rates"})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -40,7 +40,7 @@ class KnownJacobian(EquivalentJacobian):
         return found
 
     def __getattr__(self, name: str) -> Any:
-        if name not in _MATRICES:
+        if name not in _MATRIX_FIELDS:
             message = f"{type(self).__name__!r} object has no attribute {name!r}"
             raise AttributeError(message, name=name, obj=self)
         found = self.__dict__[name] = getattr(self._found, name)

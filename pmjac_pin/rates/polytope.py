@@ -19,8 +19,8 @@ from pmjac_pin.errors import ArgumentError
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays
 from pmjac_pin.values.checks import as_vector
 
-_MOST = 16  # motors: 65,536 corners of a box
-_FLAT = 1e-9  # of the largest singular value: a direction that is not reached
+_MOST_MOTORS = 16  # motors: 65,536 corners of a box
+_NOT_REACHED = 1e-9  # of the largest singular value: a direction that is not reached
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -86,8 +86,8 @@ def image_of_box(map_: Array, limits: Array, unit: str) -> Polytope:
         Some direction is not reached; more motors than have corners that can be counted.
     """
     _check_full(map_ * limits, "is not reached: the polytope is flat there")
-    if limits.size > _MOST:
-        raise ArgumentError(f"polytopes of at most {_MOST} motors, got {limits.size}")
+    if limits.size > _MOST_MOTORS:
+        raise ArgumentError(f"polytopes of at most {_MOST_MOTORS} motors, got {limits.size}")
     box = np.array(list(product((-1.0, 1.0), repeat=limits.size))) * limits
     return hull_of(box @ map_.T, unit)
 
@@ -125,5 +125,5 @@ def hull_of(points: Array, unit: str) -> Polytope:
 def _check_full(map_: Array, what: str) -> None:
     """Raise where the columns (d, k) do not span all directions."""
     values = np.linalg.svd(map_, compute_uv=False)
-    if values.size < len(map_) or not values[-1] > _FLAT * values[0]:
+    if values.size < len(map_) or not values[-1] > _NOT_REACHED * values[0]:
         raise ArgumentError(f"some direction {what}; choose `rows` without it")

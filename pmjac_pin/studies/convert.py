@@ -16,7 +16,7 @@ from pmjac_pin.files.output_file import check_place, write_files
 from pmjac_pin.files.source import Source, read_source
 from pmjac_pin.files.urdf.robot import Urdf, parse_urdf
 from pmjac_pin.files.user_path import (
-    followed,
+    followed_link,
     is_file,
     output_path,
     readable,
@@ -84,7 +84,7 @@ def convert(
     path, given = find_model_file(name_or_path), output_path(output)
     _check_name(given)
     check_place(given)
-    target = followed(given)  # the URDF goes beside the file that a link leads to
+    target = followed_link(given)  # the URDF goes beside the file that a link leads to
     _check_name(target)
     source = read_source(path, actuated, tool, include_root)
     source = adjusted(

@@ -24,7 +24,7 @@ from pmjac_pin.rates.polytope import Polytope, image_of_box
 from pmjac_pin.values.arrays import Array, Index, read_only
 from pmjac_pin.values.checks import as_limits, as_numbers, as_vector, check_kind
 
-_IDLE = 1e-9  # of an idle motion: a motor that moves more takes part in it
+_PART_OF_IDLE = 1e-9  # of an idle motion: a motor that moves more takes part in it
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -180,7 +180,7 @@ class Geared:
     def _jacobian(self) -> EquivalentJacobian:
         found = self.configuration.jacobian()
         idling = found.idle_map / found.partition.column_scale[:, None]
-        moving = (np.abs(idling[self._columns]) > _IDLE).any(axis=1)
+        moving = (np.abs(idling[self._columns]) > _PART_OF_IDLE).any(axis=1)
         if idle := [self.transmission.motors[k] for k in np.flatnonzero(moving).tolist()]:
             raise ArgumentError(f"the joints do not determine what idles: {', '.join(idle)}")
         return found

@@ -32,7 +32,7 @@ def named_values(given: Any, what: str) -> dict[Any, Any] | None:
         return None
     if isinstance(given, Mapping):
         return dict(given)
-    pairs = _pairs(given, what)
+    pairs = _labelled_pairs(given, what)
     if pairs is None:
         return None
     labels = [label for label, _ in pairs]
@@ -44,7 +44,7 @@ def named_values(given: Any, what: str) -> dict[Any, Any] | None:
     return dict(pairs)
 
 
-def _pairs(given: Any, what: str) -> list[tuple[Any, Any]] | None:
+def _labelled_pairs(given: Any, what: str) -> list[tuple[Any, Any]] | None:
     """Return labels and values, each by the way that its kind has for it."""
     if callable(getattr(given, "_asdict", None)):  # a named tuple
         return list(given._asdict().items())

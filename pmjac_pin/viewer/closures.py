@@ -11,9 +11,9 @@ from pmjac_pin.files.shapes import Cylinder, Sphere, scaled
 from pmjac_pin.model.joint_form import shifted
 from pmjac_pin.model.loop_between_frames import Opening
 from pmjac_pin.pictures.anatomy import Anatomy, LoopAnchors
-from pmjac_pin.pictures.bodies import Points
+from pmjac_pin.pictures.bodies import PointsOfBodies
 from pmjac_pin.values.arrays import Array
-from pmjac_pin.viewer.items import Carried, Part, between
+from pmjac_pin.viewer.items import Carried, Part, stretched_between
 from pmjac_pin.viewer.layers import SPECK, Attached, Drawing, DrawnPose, Lines
 from pmjac_pin.viewer.palette import FIRST_ANCHOR, GAP, ROD, SECOND_ANCHOR
 
@@ -43,8 +43,8 @@ def rod_layer(anatomy: Anatomy) -> Lines:
     ]
     return Lines(
         parts=[part for part, _, _ in held],
-        starts=Points.of([anchors.first for _, anchors, _ in held]),
-        ends=Points.of([anchors.second for _, anchors, _ in held]),
+        starts=PointsOfBodies.of([anchors.first for _, anchors, _ in held]),
+        ends=PointsOfBodies.of([anchors.second for _, anchors, _ in held]),
         radii=anatomy.size * np.array([radius for _, _, radius in held]),
         smallest=SPECK * anatomy.size,
     )
@@ -56,8 +56,8 @@ def gap_layer(anatomy: Anatomy) -> Gaps:
     unlimited = [anchor.axes[1] if anchor.axes else np.zeros(3) for anchor in anchors]
     return Gaps(
         parts=[Part(f"loops/{n}/gap", Cylinder(), GAP) for n in range(1, len(anchors) + 1)],
-        firsts=Points.of([anchor.first for anchor in anchors]),
-        seconds=Points.of([anchor.second for anchor in anchors]),
+        firsts=PointsOfBodies.of([anchor.first for anchor in anchors]),
+        seconds=PointsOfBodies.of([anchor.second for anchor in anchors]),
         axes=np.array(unlimited).reshape(-1, 3),
         weights=np.array([_WEIGHTS[anchor.loop.opening] for anchor in anchors]).reshape(-1, 2),
         lengths=np.array([anchor.length for anchor in anchors]),
@@ -89,8 +89,8 @@ class Gaps:
     """
 
     parts: Sequence[Part]
-    firsts: Points
-    seconds: Points
+    firsts: PointsOfBodies
+    seconds: PointsOfBodies
     axes: Array
     weights: Array
     lengths: Array
@@ -108,7 +108,7 @@ class Gaps:
         distances = np.maximum(np.linalg.norm(way, axis=1), self.smallest)
         starts = starts + way * (self.lengths / distances)[:, None]
         radii = np.full(len(starts), self.radius)
-        return Drawing(*between(starts, ends, radii, self.smallest))
+        return Drawing(*stretched_between(starts, ends, radii, self.smallest))
 
 
 def _ball_pieces(anatomy: Anatomy) -> Iterator[Carried]:
@@ -129,7 +129,7 @@ def _pins(anatomy: Anatomy) -> Iterator[Carried]:
         places = np.array([point.place for point in points])
         reach = anatomy.size * np.array(halves)[:, None] * np.array(anchors.axes)
         radii = anatomy.size * np.array(AXIS_RADII)
-        transforms, _ = between(places - reach, places + reach, radii, 0.0)
+        transforms, _ = stretched_between(places - reach, places + reach, radii, 0.0)
         names, colours = ("first_axis", "second_axis"), (FIRST_ANCHOR, SECOND_ANCHOR)
         for name, colour, point, place in zip(names, colours, points, transforms, strict=True):
             yield Part(f"loops/{number}/{name}", Cylinder(), colour), point.body, place

@@ -16,7 +16,7 @@ from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.viewer.equivalent import equivalent
-from pmjac_pin.viewer.items import Part, between
+from pmjac_pin.viewer.items import Part, stretched_between
 from pmjac_pin.viewer.layers import (
     SPECK,
     Drawing,
@@ -99,8 +99,8 @@ class EllipsoidLayer:
         necks = tool + vectors * (1.0 - heads / lengths)[:, None]
         radii = np.minimum(_SHAFT_RADIUS * self._size, 0.15 * lengths)
         start = np.broadcast_to(tool, vectors.shape)
-        shafts, _ = between(start, necks, radii, 0.0)
-        cones, _ = between(necks, tool + vectors, 0.35 * heads, 0.0)
+        shafts, _ = stretched_between(start, necks, radii, 0.0)
+        cones, _ = stretched_between(necks, tool + vectors, 0.35 * heads, 0.0)
         words_at = tool + vectors * (1.0 + LETTERS * self._size / lengths)[:, None]
         return shafts, cones, words_at
 
@@ -113,7 +113,7 @@ def find_ellipsoids(
     jacobian, _ = equivalent(configuration) if kinds else (None, "")
     if jacobian is None:
         return {}
-    return {kind: _ellipsoid(jacobian, kind) for kind in kinds}
+    return {kind: _ellipsoid_of_kind(jacobian, kind) for kind in kinds}
 
 
 def directions_after(
@@ -129,12 +129,12 @@ def directions_after(
     for kind, ellipsoid in ellipsoids.items():
         axes = ellipsoid.axes
         if kind in before:
-            axes = _kept(before[kind], axes, ties(ellipsoid.radii))
+            axes = _kept_axes(before[kind], axes, ties(ellipsoid.radii))
         directions[kind] = read_only(axes)
     return directions
 
 
-def _kept(before: Array, axes: Array, tied: list[bool]) -> Array:
+def _kept_axes(before: Array, axes: Array, tied: list[bool]) -> Array:
     if all(tied):
         return before
     likeness = before.T @ axes
@@ -146,7 +146,7 @@ def _kept(before: Array, axes: Array, tied: list[bool]) -> Array:
     return axes
 
 
-def _ellipsoid(jacobian: EquivalentJacobian, kind: EllipsoidKind) -> Ellipsoid:
+def _ellipsoid_of_kind(jacobian: EquivalentJacobian, kind: EllipsoidKind) -> Ellipsoid:
     match kind:
         case "linear":
             return jacobian.velocity_ellipsoid()

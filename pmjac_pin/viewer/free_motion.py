@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.files.shapes import Cone, Cylinder
 from pmjac_pin.pictures.anatomy import Anatomy
-from pmjac_pin.pictures.bodies import Point, Points
+from pmjac_pin.pictures.bodies import Point, PointsOfBodies
 from pmjac_pin.rates.factorisation import factorise
 from pmjac_pin.values.arrays import Array
-from pmjac_pin.viewer.items import Part, between
+from pmjac_pin.viewer.items import Part, stretched_between
 from pmjac_pin.viewer.layers import SPECK, Drawing, DrawnPose, distinct_parts, part_of_path, specks
 from pmjac_pin.viewer.palette import FREE
 
@@ -43,7 +43,7 @@ class FreeMotionLayer:
     def __init__(self, anatomy: Anatomy) -> None:
         self._anatomy = anatomy
         found = list(_places(anatomy)) if anatomy.anchors else []
-        self._points = Points.of([point for _, point in found])
+        self._points = PointsOfBodies.of([point for _, point in found])
         # Without loops nothing is locked by the motors that could come free.
         names = ["tool", *(name for name, _ in found)] if anatomy.anchors else []
         shapes = (("shaft", Cylinder()), ("forth", Cone()), ("back", Cone()))
@@ -91,9 +91,9 @@ class FreeMotionLayer:
         necks = vectors * (1.0 - heads / np.where(moving, lengths, 1.0))[:, None]
         radii = np.minimum(_ARROW_RADIUS * size, 0.15 * lengths)
         stretched = [
-            between(places - necks, places + necks, radii, 0.0),
-            between(places + necks, places + vectors, 0.4 * heads, 0.0),
-            between(places - necks, places - vectors, 0.4 * heads, 0.0),
+            stretched_between(places - necks, places + necks, radii, 0.0),
+            stretched_between(places + necks, places + vectors, 0.4 * heads, 0.0),
+            stretched_between(places - necks, places - vectors, 0.4 * heads, 0.0),
         ]
         return np.concatenate([item for item, _ in stretched]), np.tile(moving, 3)
 

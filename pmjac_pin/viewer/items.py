@@ -55,7 +55,7 @@ class Part:
 Carried = tuple[Part, int, Array]
 
 
-def between(
+def stretched_between(
     starts: Array, ends: Array, radii: Array, smallest: float
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Return transforms that stretch a unit cylinder or cone from start to end.

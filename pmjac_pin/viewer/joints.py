@@ -8,9 +8,9 @@ import numpy as np
 
 from pmjac_pin.files.shapes import Box, Colour, Cone, Cylinder, Shape, Sphere, scaled
 from pmjac_pin.pictures.anatomy import Anatomy
-from pmjac_pin.pictures.bodies import Point, Points
+from pmjac_pin.pictures.bodies import Point, PointsOfBodies
 from pmjac_pin.values.arrays import Array
-from pmjac_pin.viewer.items import Part, between
+from pmjac_pin.viewer.items import Part, stretched_between
 from pmjac_pin.viewer.layers import (
     SPECK,
     Attached,
@@ -57,8 +57,8 @@ def rail_layer(anatomy: Anatomy) -> Lines:
     ]
     return Lines(
         parts=distinct_parts(parts),
-        starts=Points.of([anatomy.root(joint) for joint in sliding]),
-        ends=Points.of([Point(joint, np.zeros(3)) for joint in sliding]),
+        starts=PointsOfBodies.of([anatomy.root(joint) for joint in sliding]),
+        ends=PointsOfBodies.of([Point(joint, np.zeros(3)) for joint in sliding]),
         radii=np.full(len(sliding), RAIL_RADIUS * anatomy.size),
         smallest=SPECK * anatomy.size,
     )
@@ -70,8 +70,8 @@ def motor_names(anatomy: Anatomy) -> MidwayLabels:
     names = [str(anatomy.model.names[motor]) for motor in motors]
     return MidwayLabels(
         parts=distinct_parts([words(f"names/{part_of_path(name)}", name, WORDS) for name in names]),
-        starts=Points.of([anatomy.root(motor) for motor in motors]),
-        ends=Points.of([Point(motor, np.zeros(3)) for motor in motors]),
+        starts=PointsOfBodies.of([anatomy.root(motor) for motor in motors]),
+        ends=PointsOfBodies.of([Point(motor, np.zeros(3)) for motor in motors]),
         height=MOTOR_LETTERS * anatomy.size,
     )
 
@@ -79,8 +79,12 @@ def motor_names(anatomy: Anatomy) -> MidwayLabels:
 def tool_layer(anatomy: Anatomy) -> Attached:
     """Return the tool's frame: three arrows, x red, y green and z blue, that nothing hides."""
     length = FRAME_LENGTH * anatomy.size
-    shafts = between(np.zeros((3, 3)), 0.75 * length * np.eye(3), np.full(3, 0.05 * length), 0.0)
-    heads = between(0.75 * length * np.eye(3), length * np.eye(3), np.full(3, 0.12 * length), 0.0)
+    shafts = stretched_between(
+        np.zeros((3, 3)), 0.75 * length * np.eye(3), np.full(3, 0.05 * length), 0.0
+    )
+    heads = stretched_between(
+        0.75 * length * np.eye(3), length * np.eye(3), np.full(3, 0.12 * length), 0.0
+    )
     parts = [
         Part(f"tool/{axis}/{name}", shape, colour, on_top=True)
         for name, shape in (("shaft", Cylinder()), ("head", Cone()))
@@ -106,7 +110,7 @@ def _along_axis(anatomy: Anatomy, joint: int) -> tuple[str, Shape, Array]:
     length = (PIN_LENGTH if turns else SLIDER) * size
     radius = (PIN_RADIUS if turns else SLIDER) * size
     end = 0.5 * length * axis[None]
-    (place,), _ = between(-end, end, np.array([radius]), 0.0)
+    (place,), _ = stretched_between(-end, end, np.array([radius]), 0.0)
     return ("pin", Cylinder(), place) if turns else ("slider", Box(), place)
 
 

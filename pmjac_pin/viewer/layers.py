@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.files.shapes import Colour, Text
-from pmjac_pin.pictures.bodies import Points
+from pmjac_pin.pictures.bodies import PointsOfBodies
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.values.arrays import Array, Index
-from pmjac_pin.viewer.items import Part, between
+from pmjac_pin.viewer.items import Part, stretched_between
 
 EllipsoidKind = Literal["linear", "angular", "force"]
 
@@ -115,8 +115,8 @@ class MidwayLabels:
     """Words midway between points of bodies and points of bodies."""
 
     parts: Sequence[Part]
-    starts: Points
-    ends: Points
+    starts: PointsOfBodies
+    ends: PointsOfBodies
     height: float
 
     def draw(self, pose: DrawnPose) -> Drawing:
@@ -139,15 +139,15 @@ class Lines:
     """
 
     parts: Sequence[Part]
-    starts: Points
-    ends: Points
+    starts: PointsOfBodies
+    ends: PointsOfBodies
     radii: Array
     smallest: float
 
     def draw(self, pose: DrawnPose) -> Drawing:
         """Stretch the cylinders."""
         starts, ends = self.starts.at(pose.placements), self.ends.at(pose.placements)
-        transforms, visible = between(starts, ends, self.radii, self.smallest)
+        transforms, visible = stretched_between(starts, ends, self.radii, self.smallest)
         return Drawing(transforms, visible)
 
 

@@ -10,7 +10,7 @@ from pmjac_pin.files.shapes import Cylinder
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.pictures.anatomy import COINCIDENT, Anatomy
 from pmjac_pin.values.arrays import Array
-from pmjac_pin.viewer.items import Carried, Part, between
+from pmjac_pin.viewer.items import Carried, Part, stretched_between
 from pmjac_pin.viewer.layers import Attached, part_of_path
 from pmjac_pin.viewer.palette import GROUND, LINK
 
@@ -47,7 +47,7 @@ def _bars(anatomy: Anatomy) -> Iterator[Carried]:
         else:
             starts, ends = _bar_ends(anatomy.link_points(body))
         radii = np.full(len(starts), BAR_RADIUS * anatomy.size)
-        transforms, visible = between(starts, ends, radii, COINCIDENT * anatomy.size)
+        transforms, visible = stretched_between(starts, ends, radii, COINCIDENT * anatomy.size)
         colour = LINK if body else GROUND
         name = part_of_path(anatomy.body_name(body))
         for number, transform in enumerate(transforms[visible], start=1):

@@ -148,7 +148,7 @@ def make_readout(configuration: Configuration, ranks: ToolRanks | None = None) -
         loops=loops,
         tool_rank=singularity.tool_rank,
         generic_tool_rank=singularity.generic_tool_rank,
-        judged=_judged(singularity.tool_rows),
+        judged=_rank_words(singularity.tool_rows),
         residual=configuration.residual_norm,
         J_eq=known.get("J_eq"),
         tool_position=tuple(tool.translation.tolist()),
@@ -170,7 +170,7 @@ def _beyond(configuration: Configuration) -> str:
     return f"Beyond {their}: {shown}. The loops close, but the machine cannot be here."
 
 
-def _judged(rows: ToolRows) -> tuple[str, str]:
+def _rank_words(rows: ToolRows) -> tuple[str, str]:
     brief = "all rows" if rows.is_whole else ", ".join(rows.names)
     return brief, f"judged on {rows}"
 

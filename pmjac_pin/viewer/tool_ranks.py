@@ -25,7 +25,7 @@ from pmjac_pin.values.arrays import Array
 _POSES_NEAR_HOME = 4  # poses near home, besides the named ones
 _DISTANCE = 0.1  # of the motors from home, where a rate of 1 is one of the mechanism's size
 _NEARLY_ZERO = 0.01  # of the largest singular value anywhere
-_MATRICES = ("[J_v]eq", "[J_ω]eq")
+_BLOCK_NAMES = ("[J_v]eq", "[J_ω]eq")
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,7 @@ class ToolRanks:
         (2, 1)
         """
         probes = list(_probes(mechanism))
-        found = [tuple(map(_largest, _scaled_blocks(jacobian))) for jacobian in probes]
+        found = [tuple(map(_largest_value, _scaled_blocks(jacobian))) for jacobian in probes]
         sizes = [max((pair[half] for pair in found), default=0.0) for half in (0, 1)]
         linear = max((jacobian.tool_ranks.linear for jacobian in probes), default=0)
         angular = max((jacobian.tool_ranks.angular for jacobian in probes), default=0)
@@ -72,7 +72,7 @@ class ToolRanks:
 
     def _drops(self, rows: ToolRows, ranks: Sequence[int], verb: str) -> str:
         judged = (rows.linear, rows.angular)
-        of_both = zip(judged, _MATRICES, ranks, self.generic, strict=True)
+        of_both = zip(judged, _BLOCK_NAMES, ranks, self.generic, strict=True)
         return ", ".join(
             f"{name} {verb} rank {rank} instead of {generic}"
             for counts, name, rank, generic in of_both
@@ -86,7 +86,7 @@ def _scaled_blocks(jacobian: EquivalentJacobian) -> tuple[Array, Array]:
     return jacobian.Jv_eq * scale, jacobian.Jw_eq * scale
 
 
-def _largest(half: Array) -> float:
+def _largest_value(half: Array) -> float:
     return float(factorise(half, 1.0).singular_values.max(initial=0.0))
 
 

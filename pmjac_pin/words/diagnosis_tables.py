@@ -32,7 +32,7 @@ def diagnosis_blocks(diagnosis: Diagnosis) -> Iterator[Block]:
     yield from _actuation_blocks(diagnosis)
     yield Heading("Poses and joints")
     yield _poses(diagnosis)
-    yield _freedoms(diagnosis)
+    yield _freedom_table(diagnosis)
     yield _bodies(diagnosis)
 
 
@@ -138,7 +138,7 @@ def _poses(diagnosis: Diagnosis) -> Table:
     return Table("", header, tuple(rows), "<><<>>")
 
 
-def _freedoms(diagnosis: Diagnosis) -> Table:
+def _freedom_table(diagnosis: Diagnosis) -> Table:
     failed = diagnosis.failure is not None
     columns = ("file",) if failed else ("home", "moved")
     rows = []

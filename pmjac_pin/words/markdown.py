@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from pmjac_pin.words.blocks import Table
 
-_RULES = {"<": "---", ">": "---:"}
+_ALIGNMENTS = {"<": "---", ">": "---:"}
 
 
 def markdown_table(table: Table) -> str:
@@ -20,9 +20,9 @@ def markdown_table(table: Table) -> str:
     | --- | ---: |
     | a\|b | 1 (3) |
     """
-    rules = [_RULES[side] for side in table.align]
+    rules = [_ALIGNMENTS[side] for side in table.align]
     return "\n".join(
-        map(_markdown_row, [_escaped(table.header), rules, *map(_escaped, table.rows)])
+        map(_markdown_row, [_escaped_cells(table.header), rules, *map(_escaped_cells, table.rows)])
     )
 
 
@@ -30,7 +30,7 @@ def _markdown_row(cells: Sequence[str]) -> str:
     return f"| {' | '.join(cells)} |"
 
 
-def _escaped(cells: Sequence[str]) -> list[str]:
+def _escaped_cells(cells: Sequence[str]) -> list[str]:
     """Escape what Markdown would take for markup, such as the star of K*."""
     marks = str.maketrans({mark: f"\\{mark}" for mark in "\\|*`<["})
     return [" ".join(cell.split()).translate(marks) for cell in cells]

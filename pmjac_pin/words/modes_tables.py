@@ -31,7 +31,7 @@ def modes_blocks(report: ModesReport) -> Iterator[Block]:
         yield Paragraph(description)
     yield Paragraph(count(report))
     if report.modes:
-        yield _table(report)
+        yield _modes_table(report)
         yield Paragraph(_legend(report))
         yield _tools(report)
     evidence = report.found.evidence
@@ -94,7 +94,7 @@ def _operation_modes(found: OperationModes) -> Paragraph:
     )
 
 
-def _table(report: ModesReport) -> Table:
+def _modes_table(report: ModesReport) -> Table:
     header: tuple[str, ...] = (
         "mode",
         "residual\n[m]",
@@ -104,7 +104,7 @@ def _table(report: ModesReport) -> Table:
         "mirror\nimage",
         "proven\n[rad]",
     )
-    rows = [_row(mode) for mode in report.modes]
+    rows = [_mode_row(mode) for mode in report.modes]
     if any(mode.operation_mode for mode in report.modes):
         header = (*header, "oper-\nation\nmode")
         found = [mode.operation_mode or "" for mode in report.modes]
@@ -116,7 +116,7 @@ def _table(report: ModesReport) -> Table:
     return Table("", (*header, "which is"), named, ">" * len(header) + "<")
 
 
-def _row(mode: ModeReport) -> tuple[str, ...]:
+def _mode_row(mode: ModeReport) -> tuple[str, ...]:
     mirror = "" if mode.mirror_image is None else str(mode.mirror_image)
     return (
         str(mode.number),

@@ -44,15 +44,15 @@ def blocks_of(value: object) -> Iterable[Block]:
         case Report():
             return report_blocks(value)
         case Configuration():
-            return _pose(report(value))
+            return _pose_page(report(value))
         case AssemblyModes():
-            return _modes(value)
+            return _modes_page(value)
         case LabelledMatrix():
             return [value.block()]
     raise TypeError(f"no page shows a {type(value).__name__}")
 
 
-def _pose(found: Report) -> Iterator[Block]:
+def _pose_page(found: Report) -> Iterator[Block]:
     yield Heading(title(found))
     yield joints_table(found)
     if found.refusal:
@@ -60,7 +60,7 @@ def _pose(found: Report) -> Iterator[Block]:
     yield from matrix_blocks(found, ("Jv_eq", "Jw_eq"))
 
 
-def _modes(modes: AssemblyModes) -> Iterator[Block]:
+def _modes_page(modes: AssemblyModes) -> Iterator[Block]:
     yield Heading(f"{len(modes)} assembly mode{'s' * (len(modes) != 1)}")
     if modes and modes[0].mechanism.spec.tool.is_none:
         kinds = (

@@ -44,7 +44,7 @@ ELLIPSOIDS = {
 LEGEND = "The unit of an entry is its row's unit over its column's."
 
 
-_STILL = 1e-10  # of a motion's largest rate: motions come of differences between poses
+_SHOWN_STILL = 1e-10  # of a motion's largest rate: motions come of differences between poses
 
 
 def report_blocks(report: Report) -> Iterator[Block]:
@@ -54,7 +54,7 @@ def report_blocks(report: Report) -> Iterator[Block]:
         yield Paragraph(description)
     if report.notes:
         yield Paragraph("\n".join(f"Note: {note}" for note in report.notes))
-    yield Paragraph(_sizes(report))
+    yield Paragraph(_sizes_line(report))
     yield Paragraph(_origin_line(report))
     if report.configuration.limits_violated:
         yield Paragraph(limits_warning(report.configuration))
@@ -151,7 +151,7 @@ def axes_table(
     )
 
 
-def _sizes(report: Report) -> str:
+def _sizes_line(report: Report) -> str:
     found = report.mechanism
     mobility = "not known" if found.mobility is None else found.mobility
     return (
@@ -260,7 +260,7 @@ def _ranks(found: Singularity) -> Iterator[tuple[str, str]]:
 def _largest_rate_one(rates: Mapping[str, float]) -> dict[str, float]:
     largest = max(rates.values(), key=abs)
     shares = {name: rate / largest for name, rate in rates.items()}
-    return {name: share if abs(share) > _STILL else 0.0 for name, share in shares.items()}
+    return {name: share if abs(share) > _SHOWN_STILL else 0.0 for name, share in shares.items()}
 
 
 def _motions_table(report: Report, heading: str, motions: Sequence[Mapping[str, float]]) -> Table:

@@ -60,7 +60,7 @@ def compiled(file: MjcfFile) -> Compiled:
     with _refusals(root):
         spec = mujoco.MjSpec.from_string(_line_by_line(root), include=dict(_attached_files(file)))
     labels = tuple(_equality_label(mujoco, equality) for equality in spec.equalities)
-    _check_names(mujoco, spec, labels)
+    _check_labels(mujoco, spec, labels)
     _check_values(spec)
     meshes = _without_meshes(mujoco, spec)
     rotors = [(joint, float(joint.armature)) for joint in spec.joints if joint.armature]
@@ -150,7 +150,7 @@ def _equality_ends(mujoco: Any, equality: Any) -> list[tuple[str, int, str]]:
     return [(kind, 1, equality.name1), (kind, 2, equality.name2)]
 
 
-def _check_names(mujoco: Any, spec: Any, labels: Sequence[str]) -> None:
+def _check_labels(mujoco: Any, spec: Any, labels: Sequence[str]) -> None:
     """Refuse names that do not exist, with what may be meant, which MuJoCo does not say."""
     known = {
         "body": {body.name for body in spec.bodies},

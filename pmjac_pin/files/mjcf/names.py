@@ -12,7 +12,9 @@ from pmjac_pin.files.unused_name import unused_name
 WORLD_BODY = "world"
 JOINT_TYPES = ("free", "ball", "slide", "hinge")  # in the order of mujoco.mjtJoint
 
-_ENDS = [f"{kind}{number}" for kind in ("body", "site", "joint", "tendon") for number in (1, 2)]
+_EQUALITY_ENDS = [
+    f"{kind}{number}" for kind in ("body", "site", "joint", "tendon") for number in (1, 2)
+]
 
 
 class Names:
@@ -92,5 +94,5 @@ def called(element: Element) -> str:
     """Return how messages call an element: by its name, or by what it joins."""
     if name := element.get("name"):
         return f"{element.tag} {quoted(name)}"
-    ends = [f"{key}={quoted(element.get(key, ''))}" for key in _ENDS if element.get(key)]
+    ends = [f"{key}={quoted(element.get(key, ''))}" for key in _EQUALITY_ENDS if element.get(key)]
     return f"<{' '.join([element.tag, *ends])}>"

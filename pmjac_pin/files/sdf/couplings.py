@@ -30,13 +30,13 @@ def coupling(gearbox: SdfJoint, tree: Sequence[SdfJoint]) -> JointLoop:
         No joint of the tree turns these links about these axes.
     """
     where = label(gearbox.element)
-    (ratio,) = numbers_in(f"{where}, <gearbox_ratio>", _text(gearbox, "gearbox_ratio"))
+    (ratio,) = numbers_in(f"{where}, <gearbox_ratio>", _child_text(gearbox, "gearbox_ratio"))
     if ratio == 0.0:
         todo = "give how often the first link turns against the second"
         raise ModelFileError(f"{where}, <gearbox_ratio> is 0, which holds a joint; {todo}")
-    body = _text(gearbox, "gearbox_reference_body")
+    body = _child_text(gearbox, "gearbox_reference_body")
     (first, one), (second, other) = (
-        _turning(gearbox, tree, body, link, number)
+        _turning_joint(gearbox, tree, body, link, number)
         for number, link in enumerate((gearbox.parent, gearbox.child))
     )
     return JointLoop(joints=(first, second), ratio=-ratio * one * other)
@@ -44,18 +44,18 @@ def coupling(gearbox: SdfJoint, tree: Sequence[SdfJoint]) -> JointLoop:
 
 def coupled_links(gearbox: SdfJoint) -> tuple[set[str], set[str]]:
     """Return the two pairs of links whose turns against each other a gearbox couples."""
-    body = _text(gearbox, "gearbox_reference_body")
+    body = _child_text(gearbox, "gearbox_reference_body")
     return {body, gearbox.parent}, {body, gearbox.child}
 
 
-def _text(gearbox: SdfJoint, tag: str) -> str:
+def _child_text(gearbox: SdfJoint, tag: str) -> str:
     where = label(gearbox.element)
     if not (text := text_of(where, gearbox.element, tag)):
         raise ModelFileError(f"{where} has no <{tag}>; a gearbox needs it")
     return text
 
 
-def _turning(
+def _turning_joint(
     gearbox: SdfJoint, tree: Sequence[SdfJoint], body: str, link: str, number: int
 ) -> tuple[str, float]:
     """Return the joint between two links, and 1 or −1 as it turns with the axis or against it."""
@@ -103,14 +103,14 @@ def _of_axes(
                 _gear_number(where, mimic, tag, default)
                 for tag, default in (("multiplier", "1"), ("offset", "0"), ("reference", "0"))
             )
-            yield where, _gear(where, (leader, follower), ratio, offset - ratio * reference)
+            yield where, _gear_loop(where, (leader, follower), ratio, offset - ratio * reference)
         for mimic in joint.element:
             if spelt(mimic.tag) == "drake:mimic":
                 leader = _freedom(where, mimic.get("joint", ""), "axis", freedoms)
                 follower = _freedom(where, joint.name, "axis", freedoms)
                 (ratio,) = numbers(where, mimic, "multiplier", default="1")
                 (offset,) = numbers(where, mimic, "offset", default="0")
-                yield where, _gear(where, (leader, follower), ratio, offset)
+                yield where, _gear_loop(where, (leader, follower), ratio, offset)
 
 
 def refuse_idle_mimics(joint: SdfJoint) -> None:
@@ -135,10 +135,10 @@ def _of_plugins(
             _gear_number(where, plugin, tag, default)
             for tag, default in (("multiplier", "1"), ("offset", "0"))
         )
-        yield where, _gear(where, (leader, follower), ratio, offset)
+        yield where, _gear_loop(where, (leader, follower), ratio, offset)
 
 
-def _gear(where: str, joints: tuple[str, str], ratio: float, offset: float) -> JointLoop:
+def _gear_loop(where: str, joints: tuple[str, str], ratio: float, offset: float) -> JointLoop:
     if joints[0] == joints[1]:
         raise ModelFileError(f"{where}: the joint follows itself")
     return JointLoop(joints=joints, ratio=ratio, offset=offset)

@@ -39,7 +39,7 @@ def read_inertias(
         if truth(where, inertial.get("auto", "false")):
             computed.append(name)
         else:
-            found[name] = _inertia(where, inertial, name, frames)
+            found[name] = _link_inertia(where, inertial, name, frames)
             missing = [tag for tag in _ONES if inertial.find(tag) is None]
             if missing and name not in without:
                 tags = ", ".join(f"<{tag.rpartition('/')[2]}>" for tag in missing)
@@ -55,7 +55,7 @@ def read_inertias(
     return found, notes
 
 
-def _inertia(where: str, inertial: Element, link: str, frames: Frames) -> pin.Inertia:
+def _link_inertia(where: str, inertial: Element, link: str, frames: Frames) -> pin.Inertia:
     (mass,) = numbers_in(f"{where}, <mass>", text_of(where, inertial, "mass") or "1")
     inertia = only(where, inertial, "inertia")
     values = {}

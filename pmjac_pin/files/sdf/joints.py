@@ -33,11 +33,11 @@ AXES: Mapping[str, int] = {
     "gearbox": 2,
 }
 _CROSSES = ("universal", "revolute2")
-_PARALLEL = 1e-6  # of the sine of the angle between two axes
+_ONE_AXIS = 1e-6  # of the sine of the angle between two axes
 
 
 @dataclass(frozen=True)
-class Axis:
+class SdfAxis:
     """An axis of a joint.
 
     Attributes
@@ -78,7 +78,7 @@ class SdfJoint:
     parent: str
     child: str
     placement: pin.SE3
-    axes: tuple[Axis, ...]
+    axes: tuple[SdfAxis, ...]
     element: Element
     pitch: float = 0.0
     armature: float = 0.0
@@ -131,8 +131,8 @@ def assumed_axes(joints: Iterable[SdfJoint]) -> Iterator[str]:
             yield f"{joint.kind} joint {joint.name!r} has no <{tag}>: {default}"
 
 
-def _refuse_parallel(where: str, assumed: str, axes: tuple[Axis, ...]) -> None:
-    if np.linalg.norm(np.cross(axes[0].direction, axes[1].direction)) < _PARALLEL:
+def _refuse_parallel(where: str, assumed: str, axes: tuple[SdfAxis, ...]) -> None:
+    if np.linalg.norm(np.cross(axes[0].direction, axes[1].direction)) < _ONE_AXIS:
         got = f"{where} has no <{assumed}>, and SDFormat's default 0 0 1 is the other axis"
         raise ModelFileError(f"{got}; write <{assumed}><xyz>...</xyz></{assumed}>")
 
@@ -189,11 +189,11 @@ def _armature(where: str, joint: Element) -> float:
 
 def _joint_axis(
     joint: Element, tag: str, placement: pin.SE3, frames: Frames, version: tuple[int, int]
-) -> Axis:
+) -> SdfAxis:
     where = f"{label(joint)}, <{tag}>"
     element = only(label(joint), joint, tag)
     if _assumed_axis(joint, joint.get("type", "")) == tag:
-        return Axis(np.array([0.0, 0.0, 1.0]), (-WITHOUT_LIMIT, WITHOUT_LIMIT))
+        return SdfAxis(np.array([0.0, 0.0, 1.0]), (-WITHOUT_LIMIT, WITHOUT_LIMIT))
     if element is None:
         raise ModelFileError(f"{label(joint)} has no <{tag}>; a {joint.get('type')} joint needs it")
     xyz = only(where, element, "xyz")
@@ -205,7 +205,7 @@ def _joint_axis(
     if seen_from is not None:
         turn = frames.placement(seen_from, f"{where}, <xyz>").rotation
         direction = placement.rotation.T @ turn @ direction
-    return Axis(direction / length, _axis_limits(where, element))
+    return SdfAxis(direction / length, _axis_limits(where, element))
 
 
 def _expressed_in(

@@ -68,29 +68,11 @@ def _foreign_model(model: SdfModel, path: Path, motors: Collection[str]) -> Fore
     coupled = {name for loop in mimics for name in loop.joints}
     graph = _graph(model, joints, gearboxes, {*motors, *coupled})
     _refuse_cut(graph, joints, coupled)
-    tree = SdfTree(model, coupled)
-    if graph.root != WORLD:
-        tree.urdf.fixed(WORLD, graph.root, model.links[graph.root])
-    for branch in graph.branches:
-        tree.add(joints[branch.joint], branch)
-    for number in graph.cut:
-        tree.cut(joints[number])
-    for number, tie in enumerate(model.ties, start=1):
-        if not set(tie.links) & set(graph.apart):
-            tree.tie(tie, number)
+    tree = _tree(model, graph, joints, coupled)
     kept = [joints[branch.joint] for branch in graph.branches]
-    for link, inertia in model.inertias.items():
-        if link not in graph.apart:
-            tree.urdf.inertial(link, inertia)
-    for visual in model.visuals:
-        if visual.link not in graph.apart:
-            tree.urdf.visual(visual.link, visual.placement, visual.shape, visual.rgba)
     couplings = [
         coupling(gearbox, kept) for gearbox in gearboxes if gearbox.child not in graph.apart
     ]
-    for name, (link, _) in model.frames.items():
-        if link not in graph.apart:
-            tree.add_frame(name)
     return ForeignModel(
         name=model.name or path.stem,
         urdf=Urdf.of(tree.urdf.robot, str(path)),
@@ -102,6 +84,32 @@ def _foreign_model(model: SdfModel, path: Path, motors: Collection[str]) -> Fore
         notes=(*model.notes, *assumed_axes(joints), *_notes(graph, joints, tree)),
         unread=model.unread,
     )
+
+
+def _tree(
+    model: SdfModel, graph: SpanningTree, joints: Sequence[SdfJoint], coupled: Collection[str]
+) -> SdfTree:
+    """Return the cut tree with its loops, and what of the links belongs to it."""
+    tree = SdfTree(model, coupled)
+    if graph.root != WORLD:
+        tree.urdf.fixed(WORLD, graph.root, model.links[graph.root])
+    for branch in graph.branches:
+        tree.add(joints[branch.joint], branch)
+    for number in graph.cut:
+        tree.cut(joints[number])
+    for number, tie in enumerate(model.ties, start=1):
+        if not set(tie.links) & set(graph.apart):
+            tree.tie(tie, number)
+    for link, inertia in model.inertias.items():
+        if link not in graph.apart:
+            tree.urdf.inertial(link, inertia)
+    for visual in model.visuals:
+        if visual.link not in graph.apart:
+            tree.urdf.visual(visual.link, visual.placement, visual.shape, visual.rgba)
+    for name, (link, _) in model.frames.items():
+        if link not in graph.apart:
+            tree.add_frame(name)
+    return tree
 
 
 def _armatures(joints: Iterable[SdfJoint]) -> dict[str, float]:

@@ -16,7 +16,7 @@ import pinocchio as pin
 
 from pmjac_pin.errors import ModelFileError
 from pmjac_pin.files.sdf.frames import WORLD
-from pmjac_pin.files.sdf.joints import AXIS_TAGS, Axis, SdfJoint
+from pmjac_pin.files.sdf.joints import AXIS_TAGS, SdfAxis, SdfJoint
 from pmjac_pin.files.sdf.model import SdfModel
 from pmjac_pin.files.sdf.plugins import PointTie
 from pmjac_pin.files.spanning_tree import Branch
@@ -126,14 +126,14 @@ class SdfTree:
         self.urdf.fixed(body, link, self._links[link])
         return body
 
-    def _single(self, joint: SdfJoint, ends: tuple[str, str], axis: Axis) -> None:
+    def _single(self, joint: SdfJoint, ends: tuple[str, str], axis: SdfAxis) -> None:
         """Add a joint of one degree of freedom."""
         kind = joint.kind
         if kind == "screw":
             kind, self.helical[joint.name] = "revolute", joint.pitch
         self._moving(joint.name, kind, ends, axis)
 
-    def _moving(self, name: str, kind: str, ends: tuple[str, str], axis: Axis) -> None:
+    def _moving(self, name: str, kind: str, ends: tuple[str, str], axis: SdfAxis) -> None:
         self.moving.append(name)
         kind = "revolute" if kind == "continuous" and name in self._counted else kind
         limits = None if kind == "continuous" else axis.limits
@@ -153,7 +153,7 @@ class SdfTree:
             self._moving(name, "revolute", ends, _seen(axis, branch.turned))
 
 
-def _seen(axis: Axis, turned: bool) -> Axis:
+def _seen(axis: SdfAxis, turned: bool) -> SdfAxis:
     """Return the axis along which a joint moves, turned round or not."""
     return replace(axis, direction=-axis.direction) if turned else axis
 

@@ -17,7 +17,7 @@ _SCENERY = re.compile(  # what every world includes
     rf"model://(?:ground_plane|sun)|(?i:{_FUEL}(?:ground( |%20)plane|sun)(/\d+)?)"
 )
 _NAMED = ("link", "frame", "joint", "model")
-_ENDS = (
+_JOINT_ENDS = (
     *ENDS,
     *(f"drake:{kind}_constraint_body_{end}" for kind in ("ball", "weld") for end in "AB"),
 )
@@ -70,7 +70,7 @@ def _ties_to_others(model: Element) -> list[str]:
         own |= {inside.get("name", "") + scope for inside in model.iterfind(f".//{tag}")}
     found = []
     for element in model.iter():
-        ends = [inside for inside in element if spelt(inside.tag) in _ENDS]
+        ends = [inside for inside in element if spelt(inside.tag) in _JOINT_ENDS]
         named = [(end.text or "").strip() or end.get("name", "") for end in ends]
         others = [name for name in named if "".join(name.partition("::")[:2]) not in own]
         if others:

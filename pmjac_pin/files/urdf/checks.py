@@ -32,8 +32,8 @@ VELOCITIES: Mapping[str, int] = MappingProxyType(
     {"revolute": 1, "continuous": 1, "prismatic": 1, "fixed": 0, "floating": 6, "planar": 3}
 )
 _VERSIONS = (None, "1.0", "1.1", "1.2")
-_RESERVED = "universe"
-_TIES = (
+_RESERVED_LINK = "universe"
+_TIE_ELEMENTS = (
     *("loop", "constraint", "loop_joint", "coupling"),
     *("drake:ball_constraint", "drake:weld_constraint", "drake:coupler_constraint"),
 )
@@ -68,7 +68,7 @@ def _check_root(robot: Element) -> None:
     if unexpanded := [tag for child in robot if (tag := spelt(child.tag)).startswith("xacro:")]:
         todo = "expand it first: xacro robot.urdf.xacro > robot.urdf"
         raise ModelFileError(f"<{quoted(unexpanded[0])[1:-1]}> is xacro, which is not read; {todo}")
-    ties = [f"<{tag}>" for child in robot if (tag := spelt(child.tag)) in _TIES]
+    ties = [f"<{tag}>" for child in robot if (tag := spelt(child.tag)) in _TIE_ELEMENTS]
     ties += ["<joint> in <gazebo>"] * (robot.find("gazebo/joint") is not None)
     followers = filter(mimic_params, control_joints(robot))
     ties += [f'<param name="mimic"> in {called_joint(joint)}' for joint in followers]
@@ -106,7 +106,7 @@ def checked_names(elements: Sequence[Element]) -> Collection[str]:
             raise ModelFileError(f"{where} has {got}; at most {MAXIMAL_NAME} are read")
         if not name.isprintable():
             raise ModelFileError(f"{where}: the name {name!r} holds an invisible character")
-        if name == _RESERVED:
+        if name == _RESERVED_LINK:
             why = "Pinocchio calls the world so, and would mix them up"
             raise ModelFileError(f"{where}: the name {name!r} is taken ({why}); choose another")
         if name in seen:

@@ -22,7 +22,7 @@ from pmjac_pin.files.xml_text import label, numbers, only
 from pmjac_pin.model.loop_spec import JointLoop
 
 TAG = "coupling"
-_ENDS = ("predecessor", "successor")
+_COUPLING_ENDS = ("predecessor", "successor")
 
 
 def take_couplings(robot: Element, joints: Sequence[Element]) -> tuple[JointLoop, ...]:
@@ -43,7 +43,7 @@ def take_couplings(robot: Element, joints: Sequence[Element]) -> tuple[JointLoop
     if not couplings:
         return ()
     links = [link.get("name", "") for link in robot.iterfind("link")]
-    gears = [_gear(coupling, joints, links) for coupling in couplings]
+    gears = [_coupling_loop(coupling, joints, links) for coupling in couplings]
     for coupling in couplings:
         robot.remove(coupling)
     return tuple(gears)
@@ -65,10 +65,12 @@ def follower(gear: JointLoop, independent: Mapping[str, bool]) -> str:
     return first if says[1] > says[0] and gear.ratio else second
 
 
-def _gear(coupling: Element, joints: Sequence[Element], links: Collection[str]) -> JointLoop:
+def _coupling_loop(
+    coupling: Element, joints: Sequence[Element], links: Collection[str]
+) -> JointLoop:
     where = label(coupling)
-    ends = [checked_end(where, coupling, tag, links) for tag in _ENDS]
-    chains = [_chain(where, joints, end) for end in ends]
+    ends = [checked_end(where, coupling, tag, links) for tag in _COUPLING_ENDS]
+    chains = [_joints_to_base(where, joints, end) for end in ends]
     shared = {id(joint) for joint in chains[0]} & {id(joint) for joint in chains[1]}
     first, second = (
         _only_joint(where, end, [joint for joint in chain if id(joint) not in shared])
@@ -80,7 +82,7 @@ def _gear(coupling: Element, joints: Sequence[Element], links: Collection[str]) 
     return JointLoop(joints=(first, second), ratio=ratio)
 
 
-def _chain(where: str, joints: Sequence[Element], link: str) -> list[Element]:
+def _joints_to_base(where: str, joints: Sequence[Element], link: str) -> list[Element]:
     """Return the joints from a link up to the base."""
     above: dict[str, list[Element]] = {}
     for joint in joints:

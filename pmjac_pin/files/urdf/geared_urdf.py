@@ -20,7 +20,7 @@ from pmjac_pin.files.urdf.vocabulary import URDF_WORDS
 from pmjac_pin.files.xml_text import parse_xml
 from pmjac_pin.model.loop_spec import JointLoop, Loop
 
-_SAME = 1e-12  # relative: a ratio and its inverse, both as decimals
+_SAME_RATIO = 1e-12  # relative: a ratio and its inverse, both as decimals
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ def read_geared_urdf(path: Path) -> GearedUrdf:
     """
     with at_file(str(path)):
         robot = parse_xml(read_text(path, MAXIMAL_URDF))
-        unread, joints = _unread(robot), robot.findall("joint")
+        unread, joints = _unread_gears(robot), robot.findall("joint")
         take_mimics(robot, joints)
         followers = [joint.get("name", "") for joint in joints if joint.find("mimic") is not None]
         notes = idle_mimics(joints)
@@ -60,7 +60,7 @@ def read_geared_urdf(path: Path) -> GearedUrdf:
     return GearedUrdf(urdf, gears, tuple(notes))
 
 
-def _unread(robot: Element) -> tuple[str, ...]:
+def _unread_gears(robot: Element) -> tuple[str, ...]:
     plugins = filter(is_mimic_plugin, robot.iterfind(PLUGINS))
     skipped = (*plugins, *unread_harmless(robot))
     return (*URDF_WORDS.unread(robot, *skipped), *misread_mimics(robot))
@@ -91,8 +91,9 @@ def _is_stated(gear: JointLoop, stated: Sequence[JointLoop]) -> bool:
         if not _same_equation(loop, gear):
             leader, follower = gear.joints
             raise ModelFileError(
-                f"joint {follower!r} follows {leader!r} otherwise by its URDF ({_told(gear)}) than "
-                f"by the [[loop]] of the model file ({_told(loop)}); change one of them"
+                f"joint {follower!r} follows {leader!r} otherwise by its URDF "
+                f"({_gear_words(gear)}) than by the [[loop]] of the model file "
+                f"({_gear_words(loop)}); change one of them"
             )
     return bool(same_pair)
 
@@ -102,9 +103,9 @@ def _same_equation(loop: JointLoop, gear: JointLoop) -> bool:
         pairs = ((loop.ratio, gear.ratio), (loop.offset, gear.offset))
     else:  # q_a = r·q_b + o and q_b = s·q_a + p
         pairs = ((loop.ratio * gear.ratio, 1.0), (loop.ratio * gear.offset, -loop.offset))
-    return all(math.isclose(one, other, rel_tol=_SAME) for one, other in pairs)
+    return all(math.isclose(one, other, rel_tol=_SAME_RATIO) for one, other in pairs)
 
 
-def _told(gear: JointLoop) -> str:
+def _gear_words(gear: JointLoop) -> str:
     leader, follower = gear.joints
     return f"{follower} = {gear.ratio!r} {leader} + {gear.offset!r}"

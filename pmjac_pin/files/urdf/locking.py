@@ -74,9 +74,9 @@ def lock_joints(
             raise unknown_name("joint", name, moving)
         if (kind := joints[name].get("type", "")) in _SEVERAL:
             several = "spherical" if name in balls else _SEVERAL[kind]
-            motion = _placement(several, name, value)
+            motion = _locked_placement(several, name, value)
         else:
-            motion = _motion(joints[name], value, pitches.get(name, 0.0))
+            motion = _joint_motion(joints[name], value, pitches.get(name, 0.0))
             if enforce_limits:
                 _check_limits(joints[name], value)
         _fix(joints[name], motion)
@@ -92,7 +92,7 @@ def _fix(joint: Element, motion: pin.SE3) -> None:
     joint.set("type", "fixed")
 
 
-def _motion(joint: Element, value: JointValue, pitch: float) -> pin.SE3:
+def _joint_motion(joint: Element, value: JointValue, pitch: float) -> pin.SE3:
     """Return the motion of a joint of one degree of freedom at a value."""
     name, kind = joint.get("name", ""), joint.get("type", "")
     if kind not in ("revolute", "continuous", "prismatic"):
@@ -127,7 +127,7 @@ def _motion_at(joint: Element, value: float, pitch: float) -> pin.SE3:
     return pin.SE3(pin.exp3(step), pitch * step)
 
 
-def _placement(kind: str, name: str, value: JointValue) -> pin.SE3:
+def _locked_placement(kind: str, name: str, value: JointValue) -> pin.SE3:
     """Return where a joint of several degrees of freedom is at its values, as a pose gives them."""
     model = pin.Model()
     model.addJoint(0, JOINT_KINDS[kind].built(0.0), pin.SE3.Identity(), name)

@@ -36,7 +36,7 @@ _OTHER_NAMES = {"ball": "spherical", "spherical_joint": "spherical"}
 
 
 @dataclass(frozen=True, slots=True)
-class Closing:
+class ClosingElement:
     """A loop that an element declares.
 
     Attributes
@@ -56,12 +56,14 @@ class Closing:
 
 def read_closings(
     elements: Sequence[Element], links: Collection[str], anchors: Anchors
-) -> list[Closing]:
+) -> list[ClosingElement]:
     """Return the loops of <loop> and <constraint> elements; their anchors are added."""
     return [_closing(element, number, links, anchors) for number, element in enumerate(elements, 1)]
 
 
-def _closing(element: Element, number: int, links: Collection[str], anchors: Anchors) -> Closing:
+def _closing(
+    element: Element, number: int, links: Collection[str], anchors: Anchors
+) -> ClosingElement:
     name = element.get("name") or f"{element.tag}{number}"
     where = f"{element.tag} {name!r}"
     given = element.get("type", "")
@@ -77,14 +79,14 @@ def _closing(element: Element, number: int, links: Collection[str], anchors: Anc
         raise ModelFileError(f"{where} joins link {first!r} with itself")
     places = [_end_placement(where, element, tag) for tag in tags]
     if kind == "floating":
-        return Closing(where, (first, second), None)
+        return ClosingElement(where, (first, second), None)
     axes = (X, X) if kind in WITHOUT_AXIS else _loop_axes(where, element, kind)
     if kind != "universal":
         places[1] *= _turn_of_second(where, kind, axes)
     frames = (anchors.add(name, first, places[0]), anchors.add(name, second, places[1]))
     if kind == "universal":
-        return Closing(where, (first, second), UniversalLoop(frames=frames, axes=axes))
-    return Closing(where, (first, second), loop_of_kind(kind, frames, axes[0]))
+        return ClosingElement(where, (first, second), UniversalLoop(frames=frames, axes=axes))
+    return ClosingElement(where, (first, second), loop_of_kind(kind, frames, axes[0]))
 
 
 def _end_placement(where: str, element: Element, tag: str) -> pin.SE3:

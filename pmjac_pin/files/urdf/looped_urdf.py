@@ -29,7 +29,12 @@ from pmjac_pin.files.urdf.checks import VELOCITIES, check_size, checked_names
 from pmjac_pin.files.urdf.control_mimics import doubtful
 from pmjac_pin.files.urdf.couplings import follower, take_couplings
 from pmjac_pin.files.urdf.joint_tree import UrdfJoint
-from pmjac_pin.files.urdf.loop_elements import Closing, idle_mimics, read_closings, read_gears
+from pmjac_pin.files.urdf.loop_elements import (
+    ClosingElement,
+    idle_mimics,
+    read_closings,
+    read_gears,
+)
 from pmjac_pin.files.urdf.robot import MAXIMAL_URDF, Urdf
 from pmjac_pin.files.urdf.rotors import lost_rotors, rotors
 from pmjac_pin.files.urdf.ties import (
@@ -42,6 +47,7 @@ from pmjac_pin.files.urdf.ties import (
 )
 from pmjac_pin.files.urdf.vocabulary import URDF_WORDS
 from pmjac_pin.files.xml_text import parse_xml
+from pmjac_pin.model.loop_spec import JointLoop
 
 
 def read_looped_urdf(path: Path, motors: Collection[str] = ()) -> ForeignModel:
@@ -101,10 +107,7 @@ def read_robot(
     limit_notes, balls = opened_limits(elements), floating_balls(elements)
     limit_notes += idle_mimics(elements)
     independent = independence(elements)
-    mimics, couplings = read_gears(elements), take_couplings(robot, elements)
-    led = {follower(gear, independent) for gear in couplings}
-    led |= {gear.joints[1] for gear in mimics}
-    gears = (*mimics, *couplings)
+    gears, led = _gears(robot, elements, independent)
     geared = {name for gear in gears for name in gear.joints}
     wanted = {name for name, given in independent.items() if given}
     cut = CutJoints.of(elements, names, balls, {*motors, *wanted, *geared})
@@ -147,6 +150,15 @@ def _checked(robot: Element) -> tuple[list[Element], Collection[str], tuple[str,
     return elements, names, unread
 
 
+def _gears(
+    robot: Element, elements: Sequence[Element], independent: Mapping[str, bool]
+) -> tuple[tuple[JointLoop, ...], set[str]]:
+    """Take what couples joints out of a robot; return it, and the joints that follow others."""
+    mimics, couplings = read_gears(elements), take_couplings(robot, elements)
+    led = {follower(gear, independent) for gear in couplings}
+    return (*mimics, *couplings), led | {gear.joints[1] for gear in mimics}
+
+
 def _unread(robot: Element) -> tuple[str, ...]:
     """Return what of a robot nobody reads, once no word in it looks misspelt."""
     joints = joints_of_gazebo(robot)
@@ -180,7 +192,7 @@ def _actuated(
     return tuple(name for name in single if name not in followers and independent.get(name, True))
 
 
-def _closing_notes(closings: Sequence[Closing], tree: Sequence[UrdfJoint]) -> list[str]:
+def _closing_notes(closings: Sequence[ClosingElement], tree: Sequence[UrdfJoint]) -> list[str]:
     """Say which elements hold nothing, and which join links that a joint joins already."""
     joined = {frozenset((joint.parent, joint.child)): joint.name for joint in tree}
     notes = [

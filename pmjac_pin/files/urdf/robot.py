@@ -33,7 +33,7 @@ __all__ = ["Urdf", "UrdfJoint", "parse_urdf"]
 
 MAXIMAL_URDF = 20_000_000  # bytes
 
-_SIZES: Mapping[str, tuple[str, ...]] = MappingProxyType(
+_SIZE_ATTRIBUTES: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "box": ("size",),
         "cylinder": ("radius", "length"),
@@ -173,7 +173,7 @@ class Urdf:
         """
         with at_file(self.path):
             robot = self.robot()
-            named = _named(robot)
+            named = _what_moves_name(robot)
             steps = [(self._target(named, move), move, delta) for move, delta in moves]
             steps = [step for step in steps if step[-1] != 0.0]
             for element, move, delta in steps:
@@ -228,7 +228,7 @@ def parse_urdf(text: str, path: str) -> Urdf:
     return Urdf.of(robot, path, unread)
 
 
-def _named(robot: Element) -> dict[tuple[str, str], list[Element]]:
+def _what_moves_name(robot: Element) -> dict[tuple[str, str], list[Element]]:
     """Return what a move may name, joints and visuals, by kind and name."""
     named: dict[tuple[str, str], list[Element]] = {}
     for path in ("joint", "link/visual"):
@@ -269,7 +269,7 @@ def _resized_shape(element: Element, move: Move) -> Element | None:
     geometry = only(where, element, "geometry")
     if geometry is None or len(geometry) != 1:
         raise ModelFileError(f"{where} needs a <geometry> with one shape")
-    sizes = _SIZES.get(geometry[0].tag, ())
+    sizes = _SIZE_ATTRIBUTES.get(geometry[0].tag, ())
     for attribute in wanted:
         if attribute not in sizes:
             got = f"{where} is a <{geometry[0].tag}> and has no `{attribute}` to move"

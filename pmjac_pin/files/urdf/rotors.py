@@ -53,7 +53,9 @@ def _of_transmissions(robot: Element) -> Iterator[tuple[str, float]]:
 def _of_dynamics(joint: Element) -> float:
     dynamics = joint.find("dynamics")
     return (
-        0.0 if dynamics is None else _inertia(f"{label(joint)}, <dynamics>", dynamics, "armature")
+        0.0
+        if dynamics is None
+        else _rotor_inertia(f"{label(joint)}, <dynamics>", dynamics, "armature")
     )
 
 
@@ -64,10 +66,10 @@ def _reflected(holder: Element) -> float:
     if rotor is None:
         return 0.0
     (ratio,) = numbers(f"{where}, <drake:gear_ratio>", gear, "value", default="1")
-    return _inertia(f"{where}, <drake:rotor_inertia>", rotor, "value") * ratio**2
+    return _rotor_inertia(f"{where}, <drake:rotor_inertia>", rotor, "value") * ratio**2
 
 
-def _inertia(where: str, element: Element, attribute: str) -> float:
+def _rotor_inertia(where: str, element: Element, attribute: str) -> float:
     (inertia,) = numbers(where, element, attribute, default="0")
     if inertia < 0.0:
         raise ModelFileError(f"{where}: `{attribute}` is below 0: {inertia:g}")

@@ -53,14 +53,14 @@ def take_loops(robot: Element) -> list[Element]:
     ModelFileError
         One that does not say what it joins.
     """
-    readers = {"loop_joint": _loop_joint, BALL: _ball_constraint, **dict.fromkeys(TAGS, _as_it_is)}
+    readers = {"loop_joint": _loop_joint, BALL: _ball_constraint, **dict.fromkeys(TAGS, _unchanged)}
     found = [child for child in robot if spelt(child.tag) in readers]
     for child in found:
         robot.remove(child)
     return [readers[spelt(child.tag)](child) for child in found]
 
 
-def _as_it_is(element: Element) -> Element:
+def _unchanged(element: Element) -> Element:
     return element
 
 

@@ -55,11 +55,13 @@ class Neighbourhoods(Poses):
         for axis in kind.along:
             far = abs(link.edge.pitch) * self.turns if kind.screw else self.slides
             p = _wider(p, pose[axis].magnitude * far)
-        x, y, z = _turned(pose, kind.about, self.turns)
+        x, y, z = _turned_columns(pose, kind.about, self.turns)
         return Pose(x, y, z, p)
 
 
-def _turned(pose: Pose, about: tuple[int, ...], angles: Array) -> tuple[Number, Number, Number]:
+def _turned_columns(
+    pose: Pose, about: tuple[int, ...], angles: Array
+) -> tuple[Number, Number, Number]:
     """Return the columns of R · turn for all turns by up to some angles α about these axes.
 
     About any axis n, cos α + (1 − cos α) nnᵀ + sin α [n] differs from 1 by at most 1 − cos α ≤ α²/2

@@ -98,7 +98,7 @@ def free_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
 def _loose(joints: Sequence[str], felt: bool, several: Sequence[tuple[str, int]]) -> Finding:
     what = "".join(f" ({kind}, {count} degrees of freedom)" for kind, count in several)
     message = f"{listed_in_words(joints)}{what} is passive and in no loop: nothing holds it"
-    advice = _held(joints, several)
+    advice = _holding_advice(joints, several)
     if felt:
         advice += "; no J_eq till then."
         return Finding("error", "free-joint", f"{message}, and the tool moves with it.", advice)
@@ -106,7 +106,7 @@ def _loose(joints: Sequence[str], felt: bool, several: Sequence[tuple[str, int]]
     return Finding("warning", "free-joint", f"{message}; the tool does not feel it.", advice)
 
 
-def _held(joints: Sequence[str], several: Sequence[tuple[str, int]]) -> str:
+def _holding_advice(joints: Sequence[str], several: Sequence[tuple[str, int]]) -> str:
     """Say how to hold what is loose, or what makes its motion an input."""
     if not several:
         return "Name it under `actuated`, or close a loop over it"

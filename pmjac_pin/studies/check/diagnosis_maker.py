@@ -50,7 +50,7 @@ from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.encodable import encodable
 
 _ROUNDING_STRIDE = 0.1  # rad or share of the length, from home to where rounding is looked for
-_ROUNDED_RATES = 1e-3  # of the size of [K K*]: rates that loops of rounded numbers forbid
+_FORBIDDEN_RATES = 1e-3  # of the size of [K K*]: rates that loops of rounded numbers forbid
 _ROUNDED_GAP = 1e-5  # of the length: the gap of a structure is a hundred times as large there
 
 
@@ -86,7 +86,7 @@ def check(source: str | Path | Mechanism | PmjacError, **options: Any) -> Diagno
     'home-open'
     """
     if isinstance(source, Mechanism):
-        return _judged(source)
+        return _diagnosed(source)
     if isinstance(source, PmjacError):
         return _of_error(source)
     try:
@@ -96,10 +96,10 @@ def check(source: str | Path | Mechanism | PmjacError, **options: Any) -> Diagno
             tool = links_from_the_ends(error.source.urdf)[0]
             return _without_tool(check(source, **{**options, "tool": tool}))
         return _of_error(error)
-    return _judged(mechanism)
+    return _diagnosed(mechanism)
 
 
-def _judged(mechanism: Mechanism) -> Diagnosis:
+def _diagnosed(mechanism: Mechanism) -> Diagnosis:
     """Return the diagnosis, by the end of the longest chain where no frame is the tool."""
     if not mechanism.spec.tool.is_none:
         return _of_mechanism(mechanism)
@@ -133,12 +133,12 @@ def _of_mechanism(mechanism: Mechanism) -> Diagnosis:
         tool_rank=partition.tool_rank,
         loops=loops(structure, ranks),
         mobility=mobility(structure, None if partition.isolated else partition.constraint_rank),
-        evidence=_evidence(partition),
+        evidence=_mobility_evidence(partition),
         redundancy=_redundancy(scaled, ranks, mechanism),
         actuation=None
         if partition.isolated
         else _actuation(mechanism, q, mechanism.home.singularity().gained),
-        poses=tuple(_pose(mechanism, name) for name in mechanism.poses),
+        poses=tuple(_pose_entry(mechanism, name) for name in mechanism.poses),
         characteristic_length=partition.length,
         tolerance=mechanism.spec.tolerance,
         far=_far(mechanism),
@@ -187,7 +187,7 @@ def _of_error(error: PmjacError) -> Diagnosis:
     return msgspec.structs.replace(diagnosis, findings=find(diagnosis))
 
 
-def _evidence(partition: Partition) -> Evidence:
+def _mobility_evidence(partition: Partition) -> Evidence:
     if partition.isolated:
         return Evidence("nothing", "no pose near home closes")
     zero = f"singular values up to {partition.rank_tolerance:.2g} of the size of [K K*]"
@@ -278,7 +278,7 @@ def _rounding(mechanism: Mechanism) -> float | None:
     partition = problem.partition
     scaled = partition.scaled(mechanism.kinematics.snapshot(q).constraint_jacobian)
     # Rounded axes take away what should be allowed: to no more than their rounding.
-    allowed = factorise(scaled, partition.size_of(scaled), _ROUNDED_RATES).null_space
+    allowed = factorise(scaled, partition.size_of(scaled), _FORBIDDEN_RATES).null_space
     gaps = []
     for direction in (*allowed.T, *-allowed.T):
         stride = _ROUNDING_STRIDE * partition.length * partition.column_scale * direction
@@ -289,7 +289,7 @@ def _rounding(mechanism: Mechanism) -> float | None:
     return max(gaps)
 
 
-def _pose(mechanism: Mechanism, name: str) -> PoseEntry:
+def _pose_entry(mechanism: Mechanism, name: str) -> PoseEntry:
     gap = _gap_given(mechanism, mechanism.home.q, name)
     try:
         closed, moved = mechanism.pose(name), mechanism.moved(name)

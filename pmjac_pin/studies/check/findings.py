@@ -112,7 +112,7 @@ def _one_pose(diagnosis: Diagnosis, pose: PoseEntry) -> Iterator[Finding]:
     moved = pose.moved or {}
     if pose.gap_given > WIDE_OPEN * diagnosis.characteristic_length:
         farthest = max(moved, key=lambda name: abs(moved[name]))
-        move = _value(diagnosis, farthest, moved[farthest])
+        move = _value_with_unit(diagnosis, farthest, moved[farthest])
         message = (
             f"{what} is open by {brief(pose.gap_given)} m in the file"
             f"{_most_open(diagnosis, pose)}; to close it, {farthest!r} moved by {move}."
@@ -128,7 +128,9 @@ def _one_pose(diagnosis: Diagnosis, pose: PoseEntry) -> Iterator[Finding]:
         yield Finding("warning", "beyond-limits", f"{what} closes where {told}.", advice)
     motors = [freedom.name for freedom in diagnosis.freedoms if freedom.role == "actuated"]
     if forced := [name for name in motors if abs(moved.get(name, 0.0)) > _MOVED]:
-        moves = ", ".join(f"{name!r} by {_value(diagnosis, name, moved[name])}" for name in forced)
+        moves = ", ".join(
+            f"{name!r} by {_value_with_unit(diagnosis, name, moved[name])}" for name in forced
+        )
         sought = "was not found to close with its motors where the file puts them"
         message = f"{what} {sought}; moved: {moves}."
         advice = "Give motor values that can be reached, or check the lengths."
@@ -142,7 +144,7 @@ def _most_open(diagnosis: Diagnosis, pose: PoseEntry) -> str:
     return f", most at {worst.name!r} ({brief(worst.gap_given)} m)"
 
 
-def _value(diagnosis: Diagnosis, name: str, value: float) -> str:
+def _value_with_unit(diagnosis: Diagnosis, name: str, value: float) -> str:
     unit = next(freedom.unit for freedom in diagnosis.freedoms if freedom.name == name)
     return f"{value:.3g} {unit}"
 

@@ -39,14 +39,14 @@ def loop_motions(machine: CheckedMachine, q: Array) -> tuple[LoopMotion, ...]:
     data = model.createData()
     twists = pin.computeJointJacobians(model, data, q).reshape(6, -1)
     return tuple(
-        _coupled(loop)
+        _coupled_motion(loop)
         if isinstance(loop, JointLoop)
         else _motion_between(machine, data, twists, k, loop)
         for k, loop in enumerate(machine.spec.loops)
     )
 
 
-def _coupled(loop: JointLoop) -> LoopMotion:
+def _coupled_motion(loop: JointLoop) -> LoopMotion:
     return LoopMotion(loop.joints, None, 1)
 
 

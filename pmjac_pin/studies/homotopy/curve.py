@@ -15,7 +15,7 @@ from pmjac_pin.studies.homotopy.machines import Line
 from pmjac_pin.values.arrays import Array, Complex, Mask
 
 SAME = 1e-6  # relative distance of two points that are one
-_NOTHING = 1e-12  # of h: no point is further away than its inverse
+_FAR_AWAY = 1e-12  # of h: no point is further away than its inverse
 _FIRST_STEP, _SMALLEST_STEP = 0.1, 1e-6  # of a path
 _MOST_STEPS = 3000
 _CORRECTIONS = 2  # of Newton, after each step
@@ -88,7 +88,7 @@ class Curve:
             length = np.minimum(step[now], 1.0 - share[now])
             stretch = _Stretch(start[now], pull[now], share[now], length)
             trial, good = self._stepped(points[now], stretch)
-            points[now[good]] = _unit(trial[good])
+            points[now[good]] = _unit_points(trial[good])
             share[now[good]] += length[good]
             step[now] = np.where(good, step[now] * 2.0, step[now] * 0.5)
             going &= (share < 1.0 - 1e-14) & (step >= _SMALLEST_STEP)
@@ -191,10 +191,10 @@ def _solved(matrices: Complex, vectors: Complex) -> Complex:
 def _rays(points: Complex) -> Complex:
     """Return points (x, t) as (X, h, t)."""
     ones = np.ones((len(points), 1))
-    return _unit(np.hstack([points[:, :-1], ones, points[:, -1:]]))
+    return _unit_points(np.hstack([points[:, :-1], ones, points[:, -1:]]))
 
 
-def _unit(points: Complex) -> Complex:
+def _unit_points(points: Complex) -> Complex:
     points = points.copy()
     points[:, :-1] /= np.linalg.norm(points[:, :-1], axis=1, keepdims=True)
     return points
@@ -203,5 +203,5 @@ def _unit(points: Complex) -> Complex:
 def _affine(points: Complex) -> Complex:
     """Return points (X, h, t) as (x, t)."""
     h = points[:, -2:-1]
-    h = np.where(np.abs(h) > _NOTHING, h, _NOTHING)
+    h = np.where(np.abs(h) > _FAR_AWAY, h, _FAR_AWAY)
     return np.hstack([points[:, :-2] / h, points[:, -1:]])

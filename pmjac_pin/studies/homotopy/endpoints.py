@@ -19,25 +19,22 @@ References
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from flint import acb, arb
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra.balls import OUTWARDS, BallArray, enclosing, precise
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.studies.homotopy.polynomial_loops import PolynomialLoops
+from pmjac_pin.studies.homotopy.polynomial_table import BallMatrix
 from pmjac_pin.studies.krawczyk import Radii, radii
 from pmjac_pin.values.arrays import Array, Complex, Mask
 
-Balls = NDArray[Any]
-
 _REAL = 1e-7  # imaginary part of a solution that may be real
-_RADII = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+_ENDPOINT_RADII = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 
 
-def proven(loops: PolynomialLoops, driven: Balls, x: Complex) -> Mask:
+def proven(loops: PolynomialLoops, driven: BallMatrix, x: Complex) -> Mask:
     """Tell which of the solutions (r, n) are proven to be near exact ones, all different.
 
     Of a real solution it is proven, too, that it is real; of another that it is not.
@@ -52,18 +49,18 @@ def proven(loops: PolynomialLoops, driven: Balls, x: Complex) -> Mask:
     """
     # Where a derivative is beyond all bounds, nothing is proven.
     with precise(), np.errstate(over="ignore", invalid="ignore"):
-        found = [_radii(loops, driven, one) for one in x]
+        found = [_proven_radii(loops, driven, one) for one in x]
     existence = np.array([one.existence for one in found])
     near = np.where(np.isfinite(existence), existence, -np.inf)  # what is not proven is near none
-    certain: Mask = np.isfinite(existence) & _told(x, existence)
+    certain: Mask = np.isfinite(existence) & _proven_real(x, existence)
     for index, one in enumerate(x):
         for twin in loops.twins(one):
-            if (_size(x[:index] - twin) <= OUTWARDS * (near[:index] + near[index])).any():
+            if (_largest_part(x[:index] - twin) <= OUTWARDS * (near[:index] + near[index])).any():
                 certain[index] = False
     return certain
 
 
-def told_real(loops: PolynomialLoops, driven: Balls, x: Complex) -> Complex:
+def told_real(loops: PolynomialLoops, driven: BallMatrix, x: Complex) -> Complex:
     """Return solutions (r, n), those that are real to 1e-7 without their imaginary parts.
 
     A pair of complex solutions may be as near to the real ones: what is proven decides, where
@@ -77,12 +74,12 @@ def told_real(loops: PolynomialLoops, driven: Balls, x: Complex) -> Complex:
     return x
 
 
-def _radii(loops: PolynomialLoops, driven: Balls, x: Complex) -> Radii:
+def _proven_radii(loops: PolynomialLoops, driven: BallMatrix, x: Complex) -> Radii:
     """Return what Krawczyk's test proves of the solutions near x."""
     value = loops.values_in_balls(_balls(x, 0.0), driven)
     residual, columns = np.concatenate(_parts(value)), np.arange(2 * len(x))
     found = Radii(math.inf, 0.0)
-    for share in _RADII:
+    for share in _ENDPOINT_RADII:
         radius = share * (1.0 + float(np.abs(x).max(initial=0.0)))
         jacobian = _real(loops.slopes_in_balls(_balls(x, radius), driven))
         nested = Intervals.stack([jacobian, jacobian], axis=0)  # at x, too, if not as sharp
@@ -92,31 +89,31 @@ def _radii(loops: PolynomialLoops, driven: Balls, x: Complex) -> Radii:
     return found
 
 
-def _size(x: Complex) -> Array:
+def _largest_part(x: Complex) -> Array:
     """Return the largest part of the unknowns (r, n), real or imaginary."""
     parts = np.maximum(np.abs(x.real), np.abs(x.imag))
     return np.asarray(parts.max(axis=1, initial=0.0))
 
 
-def _told(x: Complex, existence: Array) -> Mask:
+def _proven_real(x: Complex, existence: Array) -> Mask:
     """Tell which solutions are proven to be real where x is, and only there."""
     imaginary = np.abs(x.imag).max(axis=1, initial=0.0)
     return np.asarray((imaginary == 0.0) | (imaginary > existence))
 
 
-def _balls(numbers: Complex, radius: float) -> Balls:
+def _balls(numbers: Complex, radius: float) -> BallMatrix:
     found = [acb(arb(z.real, radius), arb(z.imag, radius)) for z in numbers.tolist()]
     return np.array(found, dtype=object)
 
 
-def _parts(numbers: Balls) -> tuple[BallArray, BallArray]:
+def _parts(numbers: BallMatrix) -> tuple[BallArray, BallArray]:
     """Return the real and the imaginary parts."""
     parts = [(entry.real, entry.imag) for entry in numbers.ravel()]
     real, imaginary = np.array(parts, dtype=object).reshape(-1, 2).T
     return real.reshape(numbers.shape), imaginary.reshape(numbers.shape)
 
 
-def _real(slopes: Balls) -> Intervals:
+def _real(slopes: BallMatrix) -> Intervals:
     """Return derivatives of real and imaginary parts by real and imaginary parts."""
     real, imaginary = map(enclosing, _parts(slopes))
     rows = Intervals.join([real, -imaginary], 1), Intervals.join([imaginary, real], 1)

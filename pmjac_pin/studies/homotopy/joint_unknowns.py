@@ -100,7 +100,9 @@ class JointUnknowns:
             entries = np.hstack([entries[:, : self.slides], np.cos(angle), np.sin(angle)])
         if self.floating:
             place = np.hstack([entries[:, :3] / self.length, np.zeros((len(q), 1))])
-            return np.hstack([_product(place, entries[:, 3:]), entries[:, 3:]]).astype(complex)
+            return np.hstack(
+                [_products_of_quaternions(place, entries[:, 3:]), entries[:, 3:]]
+            ).astype(complex)
         entries[:, : self.slides] /= self.length
         return entries.astype(complex)
 
@@ -161,7 +163,7 @@ def joint_unknowns(
     names, columns, first = list(model.names)[1:], {}, 0
     for name in sorted(names, key=lambda name: name not in passive):
         kind = edges[name].kind
-        columns[name] = slice(first, first + _size(kind))
+        columns[name] = slice(first, first + _variables(kind))
         first, why = columns[name].stop, ""
         if name not in passive and kind.nv > 1:
             why = f"the motor {name!r} has several degrees of freedom"
@@ -179,12 +181,12 @@ def _floats(kind: JointKind) -> bool:
     return kind.slides == kind.turns == 3
 
 
-def _size(kind: JointKind) -> int:
+def _variables(kind: JointKind) -> int:
     """Return how many variables a joint has."""
     return 8 if _floats(kind) else kind.slides + {0: 0, 1: 2, 3: 4}[kind.turns]
 
 
-def _product(g: Array, e: Array) -> Array:
+def _products_of_quaternions(g: Array, e: Array) -> Array:
     """Return the products of quaternions (b, 4), x, y, z, w."""
     v, w = e[:, :3], e[:, 3:]
     imaginary = g[:, 3:] * v + g[:, :3] * w + np.cross(g[:, :3], v)

@@ -26,7 +26,7 @@ from pmjac_pin.values.arrays import Complex, Index
 _log = logging.getLogger(__name__)
 
 STRAIGHT = 1e-8  # what is left of the trace's bend, relative to its terms
-_AT_ONCE = 64  # points that walk together: small sets go round several paths at a time
+_WALKERS_AT_ONCE = 64  # points that walk together: small sets go round several paths at a time
 _MOST_PATHS = 8
 
 
@@ -71,7 +71,7 @@ class PlaneSection:
     def grown(self, rng: np.random.Generator) -> PlaneSection:
         """Lead the points round closed paths of planes; return them with those they became."""
         count = len(self.points)
-        paths = max(1, min(_MOST_PATHS, _AT_ONCE // count))
+        paths = max(1, min(_MOST_PATHS, _WALKERS_AT_ONCE // count))
         origin = np.tile(np.arange(count), paths)
         here = self.planes(count=origin.size)
         away, back = _closed_path(here, count, rng)

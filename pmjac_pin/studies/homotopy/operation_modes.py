@@ -133,11 +133,11 @@ def _sorted(
         sizes=tuple(int(size) for size in np.sort(sizes)[::-1]),
         labels=tuple(int(np.flatnonzero(order == part)[0]) for part in parts[:count]),
         bends=tuple(float(bend) for bend in own),
-        evidence=_evidence(own),
+        evidence=_trace_evidence(own),
     )
 
 
-def _evidence(bends: list[float]) -> Evidence:
+def _trace_evidence(bends: list[float]) -> Evidence:
     worst = max(bends, default=np.inf)
     if worst < STRAIGHT:
         sets = "its one set" if len(bends) == 1 else f"each of the {len(bends)} sets"

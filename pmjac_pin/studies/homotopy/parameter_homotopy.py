@@ -35,7 +35,7 @@ from pmjac_pin.studies.homotopy.monodromy import (
     random_turn,
 )
 from pmjac_pin.studies.homotopy.operation_modes import OperationModes, find_operation_modes
-from pmjac_pin.studies.homotopy.paths import Ends, led, led_to_end
+from pmjac_pin.studies.homotopy.paths import PathEnds, led, led_to_end
 from pmjac_pin.studies.homotopy.solving import near, solutions_of
 from pmjac_pin.studies.modes.closed_pose import closed_pose, generator, order
 from pmjac_pin.studies.modes.recognition import Recognition
@@ -293,11 +293,11 @@ def _meets_home(homotopy: ParameterHomotopy) -> bool:
     return Recognition(homotopy.at(home.actuated).real).index(home) is not None
 
 
-def _at_start(section: PlaneSection, rng: np.random.Generator) -> Ends:
+def _at_start(section: PlaneSection, rng: np.random.Generator) -> PathEnds:
     """Lead all points of a section to t = 0, on other paths if some are lost on the first."""
     count = len(section.points)
     there = Planes.at_machine(0.0, section.curve.line.count, count)
-    tries: list[Ends] = []
+    tries: list[PathEnds] = []
     while not tries or (tries[-1].lost and len(tries) < _TRIES):
         turn = random_turn(rng)
         end = Planes(turn * there.normals, turn * there.offsets)

@@ -18,7 +18,7 @@ _EXACT_END = 1e-9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ends:
+class PathEnds:
     """Where paths ended.
 
     Attributes
@@ -39,7 +39,7 @@ class Ends:
         return int((~self.arrived & ~self.to_infinity).sum())
 
 
-def led(curve: Curve, points: Complex, start: Planes, end: Planes) -> Ends:
+def led(curve: Curve, points: Complex, start: Planes, end: Planes) -> PathEnds:
     """Lead points of a curve from planes to planes."""
     count, points, here = len(points), points.copy(), start
     going, growing = np.ones(count, dtype=bool), np.zeros(count, dtype=bool)
@@ -55,12 +55,12 @@ def led(curve: Curve, points: Complex, start: Planes, end: Planes) -> Ends:
     now = np.flatnonzero(going & ~infinite)
     points[now], last = curve.corrected(points[now], end[now], 3)
     going[now[last > _EXACT_END]] = False
-    return Ends(points, going & ~infinite, infinite)
+    return PathEnds(points, going & ~infinite, infinite)
 
 
-def led_to_end(curve: Curve, x: Complex) -> Ends:
+def led_to_end(curve: Curve, x: Complex) -> PathEnds:
     """Lead solutions (m, n) of the line's first machine to those of its last."""
     points = np.hstack([x, np.zeros((len(x), 1))])
     start, end = (Planes.at_machine(t, curve.line.count, len(x)) for t in (0.0, 1.0))
     ends = led(curve, points, start, end)
-    return Ends(ends.points[:, :-1], ends.arrived, ends.to_infinity)
+    return PathEnds(ends.points[:, :-1], ends.arrived, ends.to_infinity)

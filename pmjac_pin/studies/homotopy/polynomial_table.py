@@ -16,7 +16,7 @@ from scipy.sparse import csr_array
 
 from pmjac_pin.values.arrays import Complex
 
-Balls = NDArray[Any]
+BallMatrix = NDArray[Any]
 Exponents = tuple[int, ...]
 
 
@@ -54,17 +54,19 @@ class PolynomialTable:
         shape = (len(points), self._rows, self._variables)
         return found[:, : self._rows], found[:, self._rows :].reshape(shape)
 
-    def values_in_balls(self, point: Balls) -> Balls:
+    def values_in_balls(self, point: BallMatrix) -> BallMatrix:
         """Return enclosures of the values (rows,) over one point's balls."""
         return self._in_balls(self._exact[: self._rows], point)
 
-    def slopes_in_balls(self, point: Balls) -> Balls:
+    def slopes_in_balls(self, point: BallMatrix) -> BallMatrix:
         """Return enclosures of the derivatives (rows, variables) over one point's balls."""
         slopes = self._in_balls(self._exact[self._rows :], point)
         return slopes.reshape(self._rows, self._variables)
 
-    def _in_balls(self, rows: Sequence[Sequence[tuple[int, fmpq]]], point: Balls) -> Balls:
-        factors: Balls = np.concatenate([point, [acb(1)]])
+    def _in_balls(
+        self, rows: Sequence[Sequence[tuple[int, fmpq]]], point: BallMatrix
+    ) -> BallMatrix:
+        factors: BallMatrix = np.concatenate([point, [acb(1)]])
         monomials = np.multiply.reduce(factors[self._factors], axis=0)
         found = np.empty(len(rows), dtype=object)
         for index, row in enumerate(rows):

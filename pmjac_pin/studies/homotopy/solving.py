@@ -6,7 +6,7 @@ import numpy as np
 
 from pmjac_pin.studies.homotopy.curve import SAME
 from pmjac_pin.studies.homotopy.machines import Machine
-from pmjac_pin.studies.homotopy.paths import Ends
+from pmjac_pin.studies.homotopy.paths import PathEnds
 from pmjac_pin.studies.homotopy.polynomial_loops import PolynomialLoops
 from pmjac_pin.values.arrays import Complex, Index, Mask
 
@@ -15,7 +15,7 @@ _TOLERATED = 100.0  # tolerances that they may be off: the kept rows hold exactl
 _NEAR = 100.0  # characteristic lengths, cosines ...: real poses are nearer
 
 
-def solutions_of(loops: PolynomialLoops, machine: Machine, ends: Ends) -> Index:
+def solutions_of(loops: PolynomialLoops, machine: Machine, ends: PathEnds) -> Index:
     """Return which ends solve all rows of the machine, of twins and of equal ones the first."""
     arrived = np.flatnonzero(ends.arrived)
     kept: list[int] = []

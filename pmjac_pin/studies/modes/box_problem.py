@@ -96,7 +96,7 @@ def box_problem(mechanism: Mechanism, motors: Mapping[str, float], limits: bool)
         name for name, edge in edges.items() if name not in motors and edge not in several
     )
     tree = IntervalTree(model, names, motors)
-    rows, floating = _rows(mechanism, tree.tree, edges, several)
+    rows, floating = _rows_over_boxes(mechanism, tree.tree, edges, several)
     domain, endless = box_domain(mechanism, motors, [edges[name] for name in names], rows, limits)
     slides = np.array([not edges[name].kind.turns for name in names], dtype=bool)
     return BoxProblem(
@@ -109,7 +109,7 @@ def box_problem(mechanism: Mechanism, motors: Mapping[str, float], limits: bool)
     )
 
 
-def _rows(
+def _rows_over_boxes(
     mechanism: Mechanism, tree: Tree, edges: Mapping[str, Edge], several: Sequence[Edge]
 ) -> tuple[list[BoxRows], tuple[Floating, ...]]:
     """Return all rows, and the floating joints that are no longer in them."""

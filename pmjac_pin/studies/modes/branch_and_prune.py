@@ -24,7 +24,7 @@ from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_number
 
 _BATCH = 1024  # boxes at once
-_SMALLEST = 1e-7  # scaled width below which boxes are no longer cut
+_SMALLEST_BOX = 1e-7  # scaled width below which boxes are no longer cut
 _PROGRESS = 0.6  # of a box's width: what narrowing has to reach to be tried again uncut
 
 
@@ -93,7 +93,7 @@ def branch_and_prune(
         boxes += len(box.lower)
         old, box, slope = _pruned(loops, box)
         widths = box.width / scale
-        done = widths.max(axis=1) <= _SMALLEST
+        done = widths.max(axis=1) <= _SMALLEST_BOX
         small.append(box[done])
         old, box, slope, widths = old[~done], box[~done], slope[~done], widths[~done]
         moved = widths.max(axis=1) <= _PROGRESS * (old.width / scale).max(axis=1)

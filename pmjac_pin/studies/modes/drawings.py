@@ -39,7 +39,7 @@ class Drawings:
         self._pieces: list[tuple[int, int, Shape | None, Array]] = []
         sorts: dict[object, int] = {}
         for visual in read_visuals(mechanism.urdf) if mechanism.urdf else []:
-            frame = _frame(model, visual.link)
+            frame = _link_frame(model, visual.link)
             if frame is None or frame.joint == 0:
                 continue
             place = frame.placement.homogeneous
@@ -84,7 +84,7 @@ def _turned_looks(shape: Shape | None, axes: Array) -> Array:
     )
 
 
-def _frame(model: pin.Model, link: str) -> Frame | None:
+def _link_frame(model: pin.Model, link: str) -> Frame | None:
     """Return a link's frame, None where a search does without it."""
     try:
         return find_frame(model, link)

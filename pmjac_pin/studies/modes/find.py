@@ -131,7 +131,9 @@ def find_modes(
 
     def judged() -> tuple[list[_Found], Evidence | None, list[Array]]:
         shares = [share for _, share in search.modes()]
-        return _settled(mechanism, _closed(mechanism, rows(), shares, limits), censuses, limits)
+        return _with_census(
+            mechanism, _closed_rows(mechanism, rows(), shares, limits), censuses, limits
+        )
 
     found, evidence, lost = judged() if censuses else ([], None, [])
     if evidence is None:
@@ -145,7 +147,7 @@ def find_modes(
         evidence = evidence if gaps else _without_open(mechanism, [*rows(), *lost], evidence)
     if gaps:
         evidence = with_rounded(mechanism, gaps, evidence)
-    return _modes(mechanism, found, search.starts, evidence)
+    return _distinct_modes(mechanism, found, search.starts, evidence)
 
 
 def _without_open(
@@ -161,7 +163,7 @@ def _without_open(
     return replace(evidence, statement=f"{evidence.statement}; {left_out}")
 
 
-def _modes(
+def _distinct_modes(
     mechanism: Mechanism, found: list[_Found], starts: int, evidence: Evidence
 ) -> AssemblyModes:
     """Return the poses found as modes, those that are the same machine as one."""
@@ -193,7 +195,7 @@ def _censuses(mechanism: Mechanism, values: Array, limits: bool, aim: Aim) -> It
         yield HomotopyCensus(mechanism, aim.homotopy.at(values), limits)
 
 
-def _settled(
+def _with_census(
     mechanism: Mechanism, found: list[_Found], censuses: list[Census], limits: bool
 ) -> tuple[list[_Found], Evidence | None, list[Array]]:
     """Return the modes found with those that a census adds, and whether one says these are all.
@@ -203,7 +205,7 @@ def _settled(
     lost: list[Array] = []
     for census in censuses:
         met = missing(census, [one for one, _ in found])
-        more = found + _closed(mechanism, met, [0.0] * len(met), limits)
+        more = found + _closed_rows(mechanism, met, [0.0] * len(met), limits)
         modes = [one for one, _ in more]
         if (evidence := settled(census, modes)) is not None:
             return more, evidence, []
@@ -214,7 +216,7 @@ def _settled(
     return found, None, lost
 
 
-def _closed(
+def _closed_rows(
     mechanism: Mechanism, rows: list[Array], shares: list[float], limits: bool
 ) -> list[_Found]:
     """Return the rows that Pinocchio closes within limits, each with its share of the starts."""

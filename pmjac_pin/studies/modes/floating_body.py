@@ -30,7 +30,7 @@ from pmjac_pin.model.rows import Gap, Rows, Tilt
 from pmjac_pin.studies.modes.interval_loops import ahead
 from pmjac_pin.values.arrays import Array, Mask
 
-_FLAT = 1e-6  # of the longest side: three points less apart than this are in line
+_IN_LINE = 1e-6  # of the longest side: three points less apart than this are in line
 _TOLERANCE_SLACK = 1.01  # for the rounding of tolerances
 _BOXES = Boxes()
 _JETS = Jets(_BOXES)
@@ -81,7 +81,7 @@ class FloatingTriangle:
         sides = [points[j] - points[i] for i, j in _PAIRS]
         one, other = sides[0].middle, sides[1].middle
         longest = max(float(np.linalg.norm(side.middle)) for side in sides)
-        if float(np.linalg.norm(np.cross(one, other))) <= _FLAT * longest**2:
+        if float(np.linalg.norm(np.cross(one, other))) <= _IN_LINE * longest**2:
             return None
         return cls(tuple(holds), tuple(side.square().sum(0) for side in sides), closed)
 
@@ -154,7 +154,7 @@ class FloatingInPlane:
         side = (points[1] - points[0])[:2]
         square = side.square().sum(0)
         sizes = [float(np.linalg.norm(p.middle[:2] - points[0].middle[:2])) for p in points]
-        if sizes[1] <= _FLAT * max(sizes):
+        if sizes[1] <= _IN_LINE * max(sizes):
             return None
         shares = []
         for other in points[2:]:

@@ -22,7 +22,7 @@ from pmjac_pin.values.arrays import Array, Mask
 _TRIED = 24  # closed poses that are looked at
 _TURNS = 2  # how often each of them idles for a while
 _REGULAR = 1e-2  # of the size of [K K*]: the worse, the less is known of what idles
-_STEP = 1e-4  # of an idle motion, rad or lengths
+_IDLE_STEP = 1e-4  # of an idle motion, rad or lengths
 _AT_REST = 1e-5  # what an idle motion of one changes, and does not count as moved
 _SAME_ROOT = 1e-5  # two roots that meet are known to √1e-12
 _ROUND = 4.0  # rates by which what idles once around may be off
@@ -76,7 +76,7 @@ class Idling:
         seen : callable
             Sees poses so.
         """
-        limit = 2.0 * _STEP * max(_AT_REST, self.looseness)
+        limit = 2.0 * _IDLE_STEP * max(_AT_REST, self.looseness)
         rest = [np.ones(block.shape[1], dtype=bool) for block in blocks]
         for forth, back in self.steps:
             for still, one, other in zip(rest, seen(forth), seen(back), strict=True):
@@ -104,7 +104,7 @@ class Idling:
 
 def isolated(problem: SearchProblem, rows: Array) -> Mask:
     """Tell at which closed poses (b, nq) nothing moves but what idles at every pose."""
-    ranks = np.array([factors.rank for factors in _passive(problem, rows)])
+    ranks = np.array([factors.rank for factors in _factorised_rows(problem, rows)])
     return np.asarray(ranks >= max(problem.partition.passive_rank, *ranks))
 
 
@@ -116,13 +116,13 @@ def raised(problem: SearchProblem, rows: Array) -> SearchProblem:
     partition = problem.partition
     if partition.full or not len(rows):
         return problem
-    rank = max(factors.rank for factors in _passive(problem, rows))
+    rank = max(factors.rank for factors in _factorised_rows(problem, rows))
     if rank <= partition.passive_rank:
         return problem
     return replace(problem, partition=replace(partition, passive_rank=rank))
 
 
-def _passive(problem: SearchProblem, rows: Array) -> list[Factorisation]:
+def _factorised_rows(problem: SearchProblem, rows: Array) -> list[Factorisation]:
     """Return K*, without dimension, factorised at rows of q."""
     jacobians = problem.loops.evaluate(rows)[1]
     return [problem.partition.loop_rates(jacobian).passive for jacobian in jacobians]
@@ -133,7 +133,7 @@ def _steps(problem: SearchProblem, rows: Array) -> list[tuple[WorldPoses, WorldP
     tree, motions = problem.tree, _idle_motions(problem, rows)
     return [
         (tree.poses(tree.moved(rows, step)), tree.poses(tree.moved(rows, -step)))
-        for step in _STEP * problem.length * motions.transpose(1, 0, 2)
+        for step in _IDLE_STEP * problem.length * motions.transpose(1, 0, 2)
     ]
 
 
@@ -151,7 +151,7 @@ def _wandered(problem: SearchProblem, rows: Array) -> Array:
 
 def _regular_rows(problem: SearchProblem, rows: Array) -> Array:
     """Return the regular ones of closed poses, at least the most regular one."""
-    rank, found = problem.partition.passive_rank, _passive(problem, rows)
+    rank, found = problem.partition.passive_rank, _factorised_rows(problem, rows)
     if not rank:
         return rows
     smallest = np.array([one.singular_values[rank - 1] / one.size for one in found])
@@ -163,7 +163,7 @@ def _idle_motions(problem: SearchProblem, rows: Array) -> Array:
     partition = problem.partition
     passive, scale = partition.passive, partition.column_scale
     motions = np.zeros((len(rows), problem.idle, scale.size))
-    for motion, factors in zip(motions, _passive(problem, rows), strict=True):
+    for motion, factors in zip(motions, _factorised_rows(problem, rows), strict=True):
         motion[:, passive] = factors.right[partition.passive_rank :] * scale[passive]
     return motions
 

@@ -20,7 +20,9 @@ from pmjac_pin.studies.contraction import contraction
 from pmjac_pin.studies.modes.interval_loops import IntervalLoops
 from pmjac_pin.values.arrays import Array, Index, Mask
 
-_RADII = 10.0 ** -np.arange(1.0, 9.5, 0.5)  # scaled: nested neighbourhoods that are tried at once
+_NESTED_RADII = 10.0 ** -np.arange(
+    1.0, 9.5, 0.5
+)  # scaled: nested neighbourhoods that are tried at once
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,8 +61,8 @@ def enclose(loops: IntervalLoops, boxes: Intervals, scale: Array) -> list[Enclos
         return []
     count = len(boxes.lower)
     kept, middle = _kept_rows_and_root(loops, boxes)
-    around = Intervals.join([boxes.widened(radius * scale) for radius in _RADII])
-    times = len(_RADII)
+    around = Intervals.join([boxes.widened(radius * scale) for radius in _NESTED_RADII])
+    times = len(_NESTED_RADII)
     image = _krawczyk(loops, np.tile(kept, (times, 1)), np.tile(middle, (times, 1)), around)
     proven = image.inside(around).all(axis=1).reshape(times, count)
     # The neighbourhoods are nested, so the root in the smallest is that of the largest.

@@ -31,7 +31,7 @@ def _tool(problem: SearchProblem) -> Iterator[Mark]:
         frame = find_frame(problem.model, name)
         yield partial(_point, frame, problem.length)
         if not problem.tool.points:
-            yield partial(_axes, frame)
+            yield partial(_marked_axes, frame)
 
 
 def _loops(problem: SearchProblem) -> Iterator[Mark]:
@@ -62,7 +62,7 @@ def _point(frame: Frame, length: float, poses: WorldPoses) -> Array:
     return np.asarray((poses.positions[frame.joint] + place) / length)
 
 
-def _axes(frame: Frame, poses: WorldPoses) -> Array:
+def _marked_axes(frame: Frame, poses: WorldPoses) -> Array:
     return np.asarray(poses.rotations[frame.joint] @ frame.placement.rotation).reshape(-1, 9)
 
 

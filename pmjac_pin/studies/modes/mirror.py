@@ -14,7 +14,7 @@ from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.rates.factorisation import factorise
 from pmjac_pin.values.arrays import Array
 
-_SAME = 1e-5  # of the characteristic length
+_MIRRORED_PLACE = 1e-5  # of the characteristic length
 
 
 def mirror_images(mechanism: Mechanism, modes: Sequence[Configuration]) -> tuple[int | None, ...]:
@@ -26,10 +26,10 @@ def mirror_images(mechanism: Mechanism, modes: Sequence[Configuration]) -> tuple
     none = (None,) * len(modes)
     length = mechanism.problem.partition.length
     plane = _plane(_base_points(mechanism), length)
-    if plane is None or not modes or not _points(mechanism, modes[0]).size:
+    if plane is None or not modes or not _mirrored_points(mechanism, modes[0]).size:
         return none
     middle, normal = plane
-    points = np.array([_points(mechanism, mode) for mode in modes])
+    points = np.array([_mirrored_points(mechanism, mode) for mode in modes])
     heights = (points - middle) @ normal
     reflected = points - 2.0 * heights[:, :, None] * normal
     found: list[int | None] = []
@@ -37,7 +37,7 @@ def mirror_images(mechanism: Mechanism, modes: Sequence[Configuration]) -> tuple
         apart = np.abs(points - reflected[index]).max(axis=(1, 2))
         apart[index] = np.inf
         nearest = int(np.argmin(apart))
-        found.append(nearest if apart[nearest] <= _SAME * length else None)
+        found.append(nearest if apart[nearest] <= _MIRRORED_PLACE * length else None)
     return tuple(found)
 
 
@@ -63,11 +63,11 @@ def _plane(points: Array, length: float) -> tuple[Array, Array] | None:
     if len(points) < 3:
         return None
     middle = points.mean(axis=0)
-    factors = factorise(points - middle, length, _SAME)
+    factors = factorise(points - middle, length, _MIRRORED_PLACE)
     return (middle, factors.right[2]) if factors.rank == 2 else None
 
 
-def _points(mechanism: Mechanism, mode: Configuration) -> Array:
+def _mirrored_points(mechanism: Mechanism, mode: Configuration) -> Array:
     """Return the tool's origin and all loop anchors, shape (k, 3)."""
     model = mechanism.kinematics.model
     data = model.createData()

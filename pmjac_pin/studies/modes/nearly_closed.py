@@ -16,8 +16,8 @@ from pmjac_pin.values.arrays import Array, norm
 if TYPE_CHECKING:
     from pmjac_pin.mechanism import Mechanism
 
-_MOST = 16  # poses that are looked at
-_LEAST = 1e-2  # of a gap: what K* could take off it to first order, where it is least
+_MOST_POSES = 16  # poses that are looked at
+_LEAST_GAIN = 1e-2  # of a gap: what K* could take off it to first order, where it is least
 
 
 def rounded_gaps(mechanism: Mechanism, rows: Iterable[Array]) -> list[float]:
@@ -33,10 +33,10 @@ def rounded_gaps(mechanism: Mechanism, rows: Iterable[Array]) -> list[float]:
             continue
         factors = closed_point(problem, found.q).factors
         error = problem.evaluate(found.q)[0] * problem.partition.row_scale
-        falls = norm(factors.left[:, : factors.rank].T @ error) > _LEAST * found.gap
+        falls = norm(factors.left[:, : factors.rank].T @ error) > _LEAST_GAIN * found.gap
         if factors.rank >= problem.partition.passive_rank and not falls:
             gaps.append(found.gap)
-            if len(gaps) == _MOST:
+            if len(gaps) == _MOST_POSES:
                 break
     return gaps
 

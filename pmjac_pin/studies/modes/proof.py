@@ -155,7 +155,7 @@ def prove(
         return _no_proof(mechanism, str(error))
     with np.errstate(over="ignore", invalid="ignore"):  # what is not a number excludes nothing
         pruned = branch_and_prune(problem.loops, problem.domain[None], problem.scale, budget)
-        enclosures, unsettled, failed = _settled(problem, pruned.small)
+        enclosures, unsettled, failed = _enclosed(problem, pruned.small)
     if len(pruned.unfinished.lower):
         failed = f"{len(pruned.unfinished.lower)} boxes were not looked at within the budget"
     base = _home_with(mechanism, values)
@@ -193,7 +193,9 @@ def _no_proof(mechanism: Mechanism, failed: str) -> Proof:
     return Proof((), (), none, failed, 0, 0.0, q, endless)
 
 
-def _settled(problem: BoxProblem, small: Intervals) -> tuple[tuple[Enclosure, ...], Intervals, str]:
+def _enclosed(
+    problem: BoxProblem, small: Intervals
+) -> tuple[tuple[Enclosure, ...], Intervals, str]:
     """Return the enclosures of the modes in small boxes, the boxes that stay unsettled, and why."""
     if len(small.lower) > _MOST_BOXES:
         return (), small, f"{len(small.lower)} small boxes are left, as at a singularity"

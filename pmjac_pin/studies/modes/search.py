@@ -21,16 +21,16 @@ from pmjac_pin.closing.held_motors import ROUNDED_SHARE
 from pmjac_pin.studies.modes.search_problem import SearchProblem
 from pmjac_pin.values.arrays import Array
 
-_STEPS = 60  # of one start
+_STEPS_OF_A_START = 60  # of one start
 _CLOSED = 1e-9  # of the characteristic length: two steps of Newton's do the rest
 _FORGOTTEN = 0.3  # of how a joint moved the loops, in one step
 _LAST_STEPS = 2
 _FALLING = 1e-8  # of itself: a gap within the tolerance that falls less is the least there is
-_IDLE = 1e-6  # of the largest column of K*: one that is smaller moves the loops by nothing
+_IDLE_COLUMN = 1e-6  # of the largest column of K*: one that is smaller moves the loops by nothing
 _STUCK = 1e8  # damping at which a start is given up
 _CREEPING = 1e-4  # of itself: an open gap that falls less in each of so many steps stays open
-_PATIENCE = 3
-_STILL = 1e-7  # of itself: an open gap that falls less stays open, however patient one is
+_STEPS_PATIENCE = 3
+_STILL_OPEN = 1e-7  # of itself: an open gap that falls less stays open, however patient one is
 _AS_PROMISED = 0.25  # of the fall to first order
 
 
@@ -80,7 +80,7 @@ class ManyClosures:
         a whole step brings them nearer by as much as the loops promise: slides that have far to
         go at a small angle. What is `spent` then has not been decided.
         """
-        return self._ends(np.concatenate([ends.spent, self._falling(ends.open)]), _STILL)
+        return self._ends(np.concatenate([ends.spent, self._falling(ends.open)]), _STILL_OPEN)
 
     def nearly(self, q: Array) -> Array:
         """Return the rows of q at which the gap is as small as rounded numbers leave it."""
@@ -95,12 +95,12 @@ class ManyClosures:
             return q
         partition = self.problem.partition
         error, rows = self._scaled(q)
-        step = self._step(error, rows, _sizes(rows), np.zeros(len(q)))
+        step = self._step(error, rows, _column_norms(rows), np.zeros(len(q)))
         rates = step[:, partition.passive] / partition.column_scale[partition.passive]
         ahead = np.linalg.norm(error + np.einsum("bij,bj->bi", rows, rates), axis=1)
         gap = np.linalg.norm(error, axis=1)
         fall = gap - np.linalg.norm(self._scaled(self.problem.tree.moved(q, step))[0], axis=1)
-        return np.asarray(q[(fall > _STILL * gap) & (fall > _AS_PROMISED * (gap - ahead))])
+        return np.asarray(q[(fall > _STILL_OPEN * gap) & (fall > _AS_PROMISED * (gap - ahead))])
 
     def _ends(self, starts: Array, creeps: float) -> Ends:
         if not len(starts):
@@ -112,12 +112,12 @@ class ManyClosures:
         q, found, left = starts, [], []
         damping = np.full(len(q), 1e-2)
         error, rows = self._scaled(q)
-        sizes = _sizes(rows)
+        sizes = _column_norms(rows)
         gap = np.linalg.norm(error, axis=1)
         least, creeping = np.zeros(len(q), dtype=bool), np.zeros(len(q), dtype=int)
-        for _ in range(_STEPS):
+        for _ in range(_STEPS_OF_A_START):
             done = (gap <= _CLOSED * length) | least
-            given_up = ~done & ((damping >= _STUCK) | (creeping >= _PATIENCE))
+            given_up = ~done & ((damping >= _STUCK) | (creeping >= _STEPS_PATIENCE))
             found.append(q[done])
             left.append(q[given_up])
             going = ~done & ~given_up
@@ -136,7 +136,7 @@ class ManyClosures:
             q = np.where(better[:, None], trial, q)
             error = np.where(better[:, None], trial_error, error)
             rows = np.where(better[:, None, None], trial_rows, rows)
-            sizes = np.maximum(_FORGOTTEN * sizes, _sizes(rows))
+            sizes = np.maximum(_FORGOTTEN * sizes, _column_norms(rows))
             gap = np.where(better, trial_gap, gap)
             damping = np.where(better, np.maximum(damping / 5.0, 1e-9), damping * 5.0)
         return Ends(self._polished(np.concatenate(found)), np.concatenate(left), q)
@@ -148,7 +148,7 @@ class ManyClosures:
         """
         for _ in range(_LAST_STEPS if len(q) else 0):
             error, rows = self._scaled(q)
-            step = self._step(error, rows, _sizes(rows), np.zeros(len(q)))
+            step = self._step(error, rows, _column_norms(rows), np.zeros(len(q)))
             trial = self.problem.tree.moved(q, step)
             better = np.linalg.norm(self._scaled(trial)[0], axis=1) < np.linalg.norm(error, axis=1)
             q = np.where(better[:, None], trial, q)
@@ -170,7 +170,7 @@ class ManyClosures:
         would have its joint thrown about there.
         """
         partition = self.problem.partition
-        sizes = np.maximum(sizes, _IDLE * sizes.max(axis=1, initial=0.0, keepdims=True))
+        sizes = np.maximum(sizes, _IDLE_COLUMN * sizes.max(axis=1, initial=0.0, keepdims=True))
         sizes = np.where(sizes > 0.0, sizes, 1.0)  # no passive joint moves the loops at all
         rows = rows / sizes[:, None, :]
         across = rows.transpose(0, 2, 1)
@@ -185,7 +185,7 @@ class ManyClosures:
         return velocity
 
 
-def _sizes(rows: Array) -> Array:
+def _column_norms(rows: Array) -> Array:
     """Return the norms of the columns of each matrix, shape (b, m_p)."""
     return np.asarray(np.sqrt(np.einsum("bij,bij->bj", rows, rows)))
 

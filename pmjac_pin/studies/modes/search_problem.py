@@ -81,7 +81,7 @@ def search_problem(mechanism: Mechanism, base: Array) -> tuple[SearchProblem, li
     if legs:
         return _without(mechanism, legs, base), legs
     model, loops = mechanism.kinematics.model, mechanism.spec.loops
-    return _problem(mechanism, model, loops, mechanism.problem.partition, base), legs
+    return _bounded_problem(mechanism, model, loops, mechanism.problem.partition, base), legs
 
 
 def with_legs(
@@ -120,7 +120,9 @@ def _without(mechanism: Mechanism, legs: list[Leg], base: Array) -> SearchProble
     sizes = dict(zip(map(id, everything), mechanism.problem.partition.loop_sizes, strict=True))
     loops, kept = [*stay, *rods], [sizes[id(loop)] for loop in (*stay, *ended)]
     q = _copied(whole, base, model, pin.neutral(model))
-    return _problem(mechanism, model, loops, _with_rods(mechanism, model, loops, kept, q), q)
+    return _bounded_problem(
+        mechanism, model, loops, _with_rods(mechanism, model, loops, kept, q), q
+    )
 
 
 def _with_rods(
@@ -151,7 +153,7 @@ def _with_rods(
     )
 
 
-def _problem(
+def _bounded_problem(
     mechanism: Mechanism,
     model: pin.Model,
     loops: Sequence[Loop],

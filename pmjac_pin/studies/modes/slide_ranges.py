@@ -27,12 +27,12 @@ from pmjac_pin.values.arrays import Array
 
 Span: TypeAlias = tuple[Frame, Frame, float]
 
-_ROUNDING = 1.0 + 1e-9  # for lengths that are added up
+_ROUNDED_LENGTHS = 1.0 + 1e-9  # for lengths that are added up
 _DIGITS = 1e-14  # of values that are added up
 _ROUNDS = 10  # in which one loop's bounds help in others
 _FAR = 5.0  # times the loop's own sides: how far is looked where nothing bounds a slide
 _NO_LIMIT = 1000.0  # times them: limits so far from each other, as 1e9, are none
-_PARALLEL = 1e-6  # axes whose directions differ by less do not tell how far each one slid
+_PARALLEL_SLIDES = 1e-6  # axes whose directions differ by less do not tell how far each one slid
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -143,7 +143,9 @@ class Polygons:
     ) -> None:
         data = model.createData()
         pin.forwardKinematics(model, data, q)
-        self.slides = {edge.name: _slide(data, edge, _values(model, edge, q)) for edge in edges}
+        self.slides = {
+            edge.name: _slide(data, edge, _slide_values(model, edge, q)) for edge in edges
+        }
         joints = {edge.child: edge for edge in edges_of(model).values()}
         self._polygons = [
             _Polygon(tuple(_sides(joints, data, self.slides, (first, second))), span)
@@ -179,7 +181,7 @@ class Polygons:
         return max(own, default=0.0)
 
 
-def _values(model: pin.Model, edge: Edge, q: Array) -> Array:
+def _slide_values(model: pin.Model, edge: Edge, q: Array) -> Array:
     first = model.joints[edge.child].idx_q
     return q[first : first + len(edge.kind.along)]
 
@@ -248,14 +250,14 @@ def _tighten(
             rest = polygon.length - side.length
             rest += sum(slides[name].room(*ranges[name]) for name in others)
             if group and np.isfinite(rest):
-                _bound(side, group, slides, _ROUNDING * rest, ranges)
+                _bound(side, group, slides, _ROUNDED_LENGTHS * rest, ranges)
 
 
 def _independent(side: _Side, slides: Mapping[str, _Slide]) -> bool:
     """Tell whether the place at the end of a side gives what slides in it."""
     own = [slides[name] for name, _ in side.slides]
     axes = np.column_stack([np.zeros((3, 0)), *(slide.axes / slide.reach for slide in own)])
-    return bool(factorise(axes, 1.0, _PARALLEL).rank == axes.shape[1])
+    return bool(factorise(axes, 1.0, _PARALLEL_SLIDES).rank == axes.shape[1])
 
 
 def _bound(

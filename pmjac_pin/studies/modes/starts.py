@@ -116,14 +116,14 @@ class StartSpace:
         if edge.kind.along:
             reached = self.slides[edge.name]
             places = rng.uniform(reached.lower, reached.upper, (count, reached.lower.size))
-        return edge.kind.drawn(rng, places, _turn(edge, self.limits))
+        return edge.kind.drawn(rng, places, _turn_range(edge, self.limits))
 
 
 def _bounded(
     problem: SearchProblem, train: GearTrain, slides: Mapping[str, SlideRange], limits: bool
 ) -> _Train:
     """Return a train with the values that its first joint is drawn from."""
-    joints = dict(_passive(problem, train))
+    joints = dict(_passive_edges(problem, train))
     home = JointCoordinates(problem.model).values(problem.base)[train.columns]
     if train.driver is not None:
         t = train.first(train.driver, float(home[train.driver]))
@@ -138,7 +138,9 @@ def _bounded(
     return _Train(train, low, high, cut_off, tuple((k, *one) for k, one in joints.items()))
 
 
-def _passive(problem: SearchProblem, train: GearTrain) -> Iterator[tuple[int, tuple[slice, Edge]]]:
+def _passive_edges(
+    problem: SearchProblem, train: GearTrain
+) -> Iterator[tuple[int, tuple[slice, Edge]]]:
     passive = {edge.name: (entries, edge) for entries, edge in problem.passive}
     for index, name in enumerate(train.names):
         if name in passive:
@@ -155,6 +157,6 @@ def _range_ends(lower: float, upper: float) -> tuple[Array, Array]:
     return np.array([lower]), np.array([upper])
 
 
-def _turn(edge: Edge, limits: bool) -> tuple[float, float]:
+def _turn_range(edge: Edge, limits: bool) -> tuple[float, float]:
     lower, upper = edge.bounds if limits else _ANYWHERE
     return (lower, upper) if upper / 2.0 - lower / 2.0 < np.pi else (-np.pi, np.pi)

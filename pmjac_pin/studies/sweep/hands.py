@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any, TypeAlias, TypeVar
 
+from pmjac_pin.batches.pieces import Progress
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.values.checks import check_callable
 
 #: (function, *arguments) ↦ what has a `result()`.
 Submit: TypeAlias = Callable[..., Any]
-Progress: TypeAlias = Callable[[int, int], object]
 T = TypeVar("T")
 
 _WAITING = 3  # chunks a worker that are handed out and not yet taken back

@@ -15,7 +15,7 @@ from pmjac_pin.model.limits import enforced
 from pmjac_pin.model.spec import encode_spec
 from pmjac_pin.studies.sweep.points import Points
 from pmjac_pin.studies.sweep.variables import VARIABLES, labels_of
-from pmjac_pin.studies.sweep.work import Work
+from pmjac_pin.studies.sweep.work import SweepWork
 from pmjac_pin.values.checks import as_names
 
 
@@ -25,7 +25,7 @@ def question(
     measures: Iterable[str],
     guess: str,
     enforce_limits: bool | str,
-) -> tuple[Work, Mechanism]:
+) -> tuple[SweepWork, Mechanism]:
     """Return what is to be computed, and the machine at its own parameters.
 
     Raises
@@ -44,7 +44,7 @@ def question(
     labels = labels_of(mechanism)
     if taken := [name for name in points.dims if name in {*labels, *VARIABLES, "done"}]:
         raise ArgumentError(f"an axis of this name cannot be told from another: {taken[0]!r}")
-    work = Work(
+    work = SweepWork(
         machine=pickle.dumps(mechanism),
         points=points,
         motors=tuple(name for name in points.values if name not in swept),
@@ -57,7 +57,7 @@ def question(
     return work, mechanism
 
 
-def identity(work: Work, mechanism: Mechanism, chunk: tuple[int, ...]) -> dict[str, Any]:
+def identity(work: SweepWork, mechanism: Mechanism, chunk: tuple[int, ...]) -> dict[str, Any]:
     """Return what tells a sweep from others, as plain data."""
     values = {name: _digest(column.tobytes()) for name, column in work.points.values.items()}
     said = encode_spec(mechanism.spec) + mechanism.model.saveToString().encode()

@@ -18,7 +18,7 @@ from pmjac_pin.errors import ArgumentError, MissingDependencyError, OutputError
 from pmjac_pin.files.user_path import output_path, shown_path
 from pmjac_pin.studies.sweep.points import Region
 from pmjac_pin.studies.sweep.variables import VARIABLES
-from pmjac_pin.studies.sweep.work import Work
+from pmjac_pin.studies.sweep.work import SweepWork
 from pmjac_pin.values.arrays import Index
 
 _DONE = "done"  # of each chunk: 1 once all of it is there
@@ -44,7 +44,7 @@ class Store:
             raise OutputError(f"{shown_path(place)}: there is no folder {shown_path(place.parent)}")
         return cls(place)
 
-    def create(self, work: Work, chunk: tuple[int, ...], identity: Mapping[str, Any]) -> None:
+    def create(self, work: SweepWork, chunk: tuple[int, ...], identity: Mapping[str, Any]) -> None:
         """Make it at once, without values."""
         draft = self.path.with_name(f".{self.path.name}.{secrets.token_hex(4)}")
         if os.path.lexists(self.path):  # a link that leads nowhere, too
@@ -96,7 +96,7 @@ class Store:
         return packages()[1].open_group(self.path, mode="r+")
 
     def _write_draft(
-        self, draft: Path, work: Work, chunk: tuple[int, ...], identity: Mapping[str, Any]
+        self, draft: Path, work: SweepWork, chunk: tuple[int, ...], identity: Mapping[str, Any]
     ) -> None:
         points = work.points
         group = packages()[1].create_group(draft, attributes={MARK: dict(identity)})

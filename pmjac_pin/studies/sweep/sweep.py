@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
 
-from pmjac_pin.batches.pieces import interrupted
+from pmjac_pin.batches.pieces import Progress, interrupted
 from pmjac_pin.batches.results import Status
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.studies.sweep.hands import Hands, Progress
+from pmjac_pin.studies.sweep.hands import Hands
 from pmjac_pin.studies.sweep.points import Points, Region
 from pmjac_pin.studies.sweep.question import identity, question
 from pmjac_pin.studies.sweep.store import MARK, Store, packages
 from pmjac_pin.studies.sweep.variables import VARIABLES
-from pmjac_pin.studies.sweep.work import Work
+from pmjac_pin.studies.sweep.work import SweepWork
 from pmjac_pin.values.checks import as_flag
 
 if TYPE_CHECKING:
@@ -109,7 +109,7 @@ def sweep(
     """
     packages()
     resume = as_flag(resume, "resume")
-    points = _points(over, samples)
+    points = _points_asked(over, samples)
     work, machine = question(mechanism, points, measures, guess, enforce_limits)
     shape = points.chunk(_at_least_one(chunk, "chunk"))
     regions, processes = points.regions(shape), os.cpu_count() or 1
@@ -119,7 +119,9 @@ def sweep(
     what = identity(work, machine, shape)
     if out is None:
         arrays = _memory(work)
-        with _kept(lambda: _labelled(work, _dataset(work, arrays, {MARK: what}))) as found:
+        with _kept_on_interrupt(
+            lambda: _with_labels(work, _dataset(work, arrays, {MARK: what}))
+        ) as found:
             _in_memory(arrays, work, regions, hands)
         return found()
     store = Store.at(out)
@@ -127,12 +129,12 @@ def sweep(
         store.check(what)
     else:
         store.create(work, shape, what)
-    with _kept(lambda: _labelled(work, store.open())) as found:
+    with _kept_on_interrupt(lambda: _with_labels(work, store.open())) as found:
         _fill(store, work, regions, hands)
     return found()
 
 
-def _memory(work: Work) -> dict[str, NDArray[Any]]:
+def _memory(work: SweepWork) -> dict[str, NDArray[Any]]:
     """Return arrays for all points; what is not done is said in them."""
     points = work.points
     if points.count > _MOST_IN_MEMORY:
@@ -145,7 +147,7 @@ def _memory(work: Work) -> dict[str, NDArray[Any]]:
 
 
 @contextlib.contextmanager
-def _kept(found: Callable[[], Dataset]) -> Iterator[Callable[[], Dataset]]:
+def _kept_on_interrupt(found: Callable[[], Dataset]) -> Iterator[Callable[[], Dataset]]:
     """Hand what is done to whoever interrupts."""
     try:
         yield found
@@ -155,7 +157,7 @@ def _kept(found: Callable[[], Dataset]) -> Iterator[Callable[[], Dataset]]:
         raise interrupted(f"{known} of {done.status.size} poses", done) from None
 
 
-def _labelled(work: Work, found: Dataset) -> Dataset:
+def _with_labels(work: SweepWork, found: Dataset) -> Dataset:
     """Say what the numbers of statuses and the places along the axes mean."""
     found.status.attrs["flag_values"] = [one.value for one in Status]
     found.status.attrs["flag_meanings"] = " ".join(one.name for one in Status)
@@ -164,7 +166,7 @@ def _labelled(work: Work, found: Dataset) -> Dataset:
     )
 
 
-def _points(over: object, samples: object) -> Points:
+def _points_asked(over: object, samples: object) -> Points:
     if (over is None) == (samples is None):
         raise ArgumentError("either `over`, the axes of a grid, or `samples` is wanted")
     return Points.samples(samples) if over is None else Points.grid(over)
@@ -177,7 +179,7 @@ def _at_least_one(given: object, what: str) -> int:
 
 
 def _in_memory(
-    arrays: Mapping[str, NDArray[Any]], work: Work, regions: list[Region], hands: Hands
+    arrays: Mapping[str, NDArray[Any]], work: SweepWork, regions: list[Region], hands: Hands
 ) -> None:
     jobs = [(work, region) for region in regions]
     for region, found in zip(regions, hands.results(_compute, jobs), strict=True):
@@ -185,22 +187,22 @@ def _in_memory(
             arrays[name][region] = values
 
 
-def _fill(store: Store, work: Work, regions: list[Region], hands: Hands) -> None:
+def _fill(store: Store, work: SweepWork, regions: list[Region], hands: Hands) -> None:
     jobs = [(store, work, index, regions[index]) for index in store.left().tolist()]
     for _ in hands.results(_compute_and_write, jobs):
         pass
 
 
-def _compute(work: Work, region: Region) -> dict[str, NDArray[Any]]:
+def _compute(work: SweepWork, region: Region) -> dict[str, NDArray[Any]]:
     return work.compute(region)
 
 
-def _compute_and_write(store: Store, work: Work, index: int, region: Region) -> None:
+def _compute_and_write(store: Store, work: SweepWork, index: int, region: Region) -> None:
     store.write(index, region, work.compute(region))
 
 
 def _dataset(
-    work: Work, arrays: Mapping[str, NDArray[Any]], attributes: Mapping[str, Any]
+    work: SweepWork, arrays: Mapping[str, NDArray[Any]], attributes: Mapping[str, Any]
 ) -> Dataset:
     points = work.points
     values = {

@@ -22,7 +22,7 @@ MAXIMAL_SWEEP_FILE = 1 << 24  # bytes; lists of samples may be long
 _MOST_VALUES = 10**8  # of an axis: they are kept
 
 
-class Axis(TomlTable, frozen=True, kw_only=True):
+class EvenlySpaced(TomlTable, frozen=True, kw_only=True):
     """Evenly spaced values."""
 
     start: float = msgspec.field(name="from")
@@ -42,7 +42,7 @@ class SweepFile(TomlTable, frozen=True, kw_only=True):
 
     mechanism: str
     out: str
-    over: dict[str, tuple[float, ...] | Axis] | None = None
+    over: dict[str, tuple[float, ...] | EvenlySpaced] | None = None
     samples: dict[str, tuple[float, ...]] | None = None
     measures: tuple[str, ...] = ("J_eq",)
     guess: str = "home"
@@ -56,7 +56,7 @@ class SweepFile(TomlTable, frozen=True, kw_only=True):
         return {
             "mechanism": self.mechanism if in_catalogue else folder / user_path(self.mechanism),
             "out": folder / user_path(self.out),
-            "over": over and {name: _values(axis) for name, axis in over.items()},
+            "over": over and {name: _axis_values(axis) for name, axis in over.items()},
             "samples": samples and {name: list(values) for name, values in samples.items()},
             "measures": self.measures,
             "guess": self.guess,
@@ -65,8 +65,8 @@ class SweepFile(TomlTable, frozen=True, kw_only=True):
         }
 
 
-def _values(axis: tuple[float, ...] | Axis) -> Array:
-    if isinstance(axis, Axis):
+def _axis_values(axis: tuple[float, ...] | EvenlySpaced) -> Array:
+    if isinstance(axis, EvenlySpaced):
         return np.linspace(axis.start, axis.to, axis.count)
     return np.array(axis, dtype=float)
 
@@ -84,13 +84,13 @@ def read_sweep_file(path: Path) -> SweepFile:
         try:
             return msgspec.convert(bounded_table(text), SweepFile)
         except msgspec.ValidationError as error:
-            raise ModelFileError(_explained(error)) from None
+            raise ModelFileError(_sweep_fault(error)) from None
 
 
-def _explained(error: msgspec.ValidationError) -> str:
+def _sweep_fault(error: msgspec.ValidationError) -> str:
     message = in_words_of_toml(str(error))
     if unknown := re.search(r"unknown key `([^`]*)`", message):
-        table = Axis if "at `over" in message else SweepFile
+        table = EvenlySpaced if "at `over" in message else SweepFile
         keys = [one.encode_name for one in msgspec.structs.fields(table)]
         message += did_you_mean(unknown[1], keys)
     return message

@@ -20,7 +20,7 @@ from pmjac_pin.values.arrays import Array, Index
 _ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 
 
-class Seen:
+class SeenPoses:
     """Poses, and what is known where their loops are closed.
 
     Parameters
@@ -77,7 +77,7 @@ class Variable:
     dims: tuple[str, ...]
     nothing: np.float64 | np.int8
     not_done: np.float64 | np.int8
-    of: Callable[[Seen], NDArray[Any]]
+    of: Callable[[SeenPoses], NDArray[Any]]
 
     def empty(
         self, points: Sequence[int], labels: Mapping[str, Sequence[str]], *, not_done: bool = False
@@ -110,22 +110,22 @@ def labels_of(mechanism: Mechanism) -> dict[str, Sequence[str]]:
     }
 
 
-def _number(of: Callable[[Seen], Array], *dims: str) -> Variable:
+def _per_pose(of: Callable[[SeenPoses], Array], *dims: str) -> Variable:
     return Variable(dims, np.float64(np.nan), np.float64(np.nan), of)
 
 
 def _measure(name: str, *dims: str) -> Variable:
-    return _number(lambda seen: seen.spread(getattr(seen.measures, name)), *dims)
+    return _per_pose(lambda seen: seen.spread(getattr(seen.measures, name)), *dims)
 
 
 VARIABLES: Mapping[str, Variable] = MappingProxyType(
     {
         "status": Variable(
-            (), np.int8(Status.NOT_ASSEMBLED), np.int8(Status.NOT_DONE), Seen.status
+            (), np.int8(Status.NOT_ASSEMBLED), np.int8(Status.NOT_DONE), SeenPoses.status
         ),
-        "share": _number(lambda seen: seen.poses.share),
-        "q": _number(lambda seen: seen.poses.q, "entry"),
-        "J_eq": _number(lambda seen: seen.spread(seen.jacobians.J_eq), "row", "motor"),
+        "share": _per_pose(lambda seen: seen.poses.share),
+        "q": _per_pose(lambda seen: seen.poses.q, "entry"),
+        "J_eq": _per_pose(lambda seen: seen.spread(seen.jacobians.J_eq), "row", "motor"),
         "velocity_radii": _measure("velocity_radii", "radius"),
         "angular_radii": _measure("angular_radii", "radius"),
         "smallest": _measure("smallest"),

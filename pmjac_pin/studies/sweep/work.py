@@ -16,14 +16,14 @@ from pmjac_pin.batches.few_poses import batch_of
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.sweep.points import Points, Region
-from pmjac_pin.studies.sweep.variables import VARIABLES, Seen
+from pmjac_pin.studies.sweep.variables import VARIABLES, SeenPoses
 from pmjac_pin.values.arrays import Array, Index
 
 _MACHINES = 8  # kept in each process
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Work:
+class SweepWork:
     """A sweep, less where its results go.
 
     Attributes
@@ -64,7 +64,7 @@ class Work:
                 poses = many.close(
                     targets, self.guess, enforce_limits=self.enforce_limits, threads=1
                 )
-                seen = Seen(many, poses)
+                seen = SeenPoses(many, poses)
                 for name in self.measures:
                     found[name][which] = VARIABLES[name].of(seen)
         return {name: array.reshape(*shape, *array.shape[1:]) for name, array in found.items()}
@@ -90,7 +90,7 @@ class Work:
 
 
 @lru_cache(maxsize=_MACHINES)
-def _unpickled(machine: bytes) -> Mechanism:
+def _unpickled_machine(machine: bytes) -> Mechanism:
     mechanism: Mechanism = pickle.loads(machine)
     return mechanism
 
@@ -99,6 +99,6 @@ def _unpickled(machine: bytes) -> Mechanism:
 def _at(machine: bytes, parameters: tuple[tuple[str, float], ...]) -> Mechanism | None:
     """Return a machine at some parameters; None where it does not assemble."""
     try:
-        return _unpickled(machine).with_parameters(dict(parameters))
+        return _unpickled_machine(machine).with_parameters(dict(parameters))
     except ClosureError:
         return None
