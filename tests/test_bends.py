@@ -12,7 +12,7 @@ from numpy.polynomial import Chebyshev
 from test_certificate_rows import CASES, random_q, residuals
 
 import pmjac_pin as pj
-from pmjac_pin.closing.arms import Segment, _block, arms_of
+from pmjac_pin.closing.arms import Segment, _bounded_rows, arms_of
 from pmjac_pin.closing.bends import Bends
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.pinocchio import Kinematics
@@ -154,4 +154,4 @@ def test_rows_that_are_not_known_are_not_bounded():
         names, measures = ("x",), "colours"
 
     with pytest.raises(pj.ArgumentError, match="rows of Unknown: how they bend is not known here"):
-        _block(Unknown(), [Segment((), 1.0)], [Segment((), 1.0)])
+        _bounded_rows(Unknown(), [Segment((), 1.0)], [Segment((), 1.0)])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -108,9 +109,9 @@ class LoadedPose:
             np.abs(ways).T @ np.abs(on_tree),
             scale,
             n=natural.size,
-            least=least_inertia(whole, idle, partition.column_scale),
+            least=least_inertia(whole, idle, partition.column_scale) if idle.size else 0.0,
         )
-        check_inertia(mass, natural, massless(tree.model))
+        check_inertia(mass, natural, partial(massless, tree.model))
         gravity, bias = reduced.T
         energy = 0.5 * float(motion.v @ whole @ motion.v)
         return Dynamics(motion, 0.5 * (mass + mass.T), gravity, bias, energy)

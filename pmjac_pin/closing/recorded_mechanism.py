@@ -173,12 +173,12 @@ class RecordedMechanism:
         if (library := path_kernel()) is None:
             return None
         try:
-            tape, tree = self.rates.slopes_tape(), self.rates.recorder.tree
+            tape = self.rates.slopes_tape()
         except ArgumentError:
             return None
         partition = self._parts.problem.partition
         rows, nv = partition.row_scale.size, partition.column_scale.size
-        return RecordedSlopes(library, tape, tree, rows, nv)
+        return RecordedSlopes(library, tape, rows, nv)
 
     @property
     def _determined(self) -> bool:

@@ -20,7 +20,7 @@ from pmjac_pin.algebra.tangents import tangents
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
-from pmjac_pin.kinematics.recorded_motions import moved_by
+from pmjac_pin.kinematics.recorded_motions import entry_rates_of, moved_by
 from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.rates.sparse_qr import Triangle, norm
@@ -210,7 +210,7 @@ class RecordedRates:
         return self.recordings.tape("measures", self.recorder.nq, make)
 
     def slopes_tape(self) -> Tape:
-        """Return (q, q̇) ↦ how [K K*] (p, nv) and the tool change, and the tool.
+        """Return (q, v) ↦ how [K K*] (p, nv) and the tool change along v, and the tool.
 
         In world axes; of the tool the Jacobian (6, nv) in LOCAL_WORLD_ALIGNED, the rotation (3, 3)
         and the position.
@@ -221,9 +221,10 @@ class RecordedRates:
             kinematics = self.recorder.at(inputs[:nq])
             tool = [*kinematics.tool.ravel(), *kinematics.rotation.ravel(), *kinematics.position]
             of = [*kinematics.in_world()[1].ravel(), *tool]
-            return [*tangents(of, inputs[:nq], inputs[nq:]), *tool]
+            along = entry_rates_of(self.recorder.tree, objects(inputs[:nq]), objects(inputs[nq:]))
+            return [*tangents(of, inputs[:nq], along.tolist()), *tool]
 
-        return self.recordings.tape("slopes", 2 * nq, make)
+        return self.recordings.tape("slopes", nq + self.recorder.nv, make)
 
     def equivalent(self, kinematics: RecordedKinematics, frame: FrameName) -> RecordedEquivalent:
         """Return J_eq in a frame, and what says whether it exists."""

@@ -8,8 +8,7 @@ import numpy as np
 
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.path_kernel import ThreadMemory
-from pmjac_pin.kinematics.slopes import Slopes, entry_rates
-from pmjac_pin.kinematics.tree import Tree
+from pmjac_pin.kinematics.slopes import Slopes
 from pmjac_pin.values.arrays import Array
 
 
@@ -22,26 +21,24 @@ class RecordedSlopes:
         The kernel.
     tape : Tape
         `RecordedRates.slopes_tape`.
-    tree : Tree
     rows, nv : int
         Of the constraint Jacobian.
     """
 
-    __slots__ = ("_nv", "_rows", "_run", "_thread", "_tree")
+    __slots__ = ("_nv", "_rows", "_run", "_thread")
 
-    def __init__(self, library: ctypes.PyDLL, tape: Tape, tree: Tree, rows: int, nv: int) -> None:
-        self._run, self._thread, self._tree = library.pmjac_run_once, ThreadMemory(tape), tree
+    def __init__(self, library: ctypes.PyDLL, tape: Tape, rows: int, nv: int) -> None:
+        self._run, self._thread = library.pmjac_run_once, ThreadMemory(tape)
         self._rows, self._nv = rows, nv
 
     def at(self, q: Array, motions: Array) -> Slopes:
         """Return how Jacobians change at a q (nq,) along the columns of motions (nv, k)."""
         memory, argument = self._thread.memory, self._thread.argument
         nq, nv, entries = q.size, self._nv, self._rows * self._nv
-        rates = entry_rates(self._tree, q, motions)
-        constraint, tools = np.empty((len(rates), self._rows, nv)), []
+        constraint, tools = np.empty((motions.shape[1], self._rows, nv)), []
         memory.inputs[:nq] = q
-        for k, rate in enumerate(rates):
-            memory.inputs[nq:] = rate
+        for k, motion in enumerate(motions.T):
+            memory.inputs[nq:] = motion
             self._run(argument)
             told = np.array(memory.outputs)
             constraint[k] = told[:entries].reshape(self._rows, nv)

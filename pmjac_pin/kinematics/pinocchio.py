@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.tool import ToolKinematics
 from pmjac_pin.model.tool_rows import ToolRows
 from pmjac_pin.model.twist_frame import change_frame
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import Array, read_only
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -112,8 +113,9 @@ class Kinematics:
 
     def mass_matrix(self, q: Array) -> Array:
         """Return that of the cut tree, shape (nv, nv), armatures included."""
-        upper: Array = np.triu(pin.crba(self.model, self._thread_scratch().data, q))
-        return upper + np.triu(upper, 1).T
+        upper = pin.crba(self.model, self._thread_scratch().data, q) * _upper_half(self.model.nv)
+        whole: Array = upper + upper.T
+        return whole
 
     def efforts(self, q: Array, v: Array, a: Array) -> Array:
         """Return the efforts (nv,) that move the cut tree so, gravity included."""
@@ -141,3 +143,12 @@ class Kinematics:
             scratch.data = self.model.createData()
             scratch.loops = self.loops.create_data()
         return scratch
+
+
+@cache
+def _upper_half(size: int) -> Array:
+    """Return what makes of a matrix, added to its transpose, the symmetric one of its upper half.
+
+    `crba` writes the upper half alone.
+    """
+    return read_only(np.triu(np.ones((size, size))) - 0.5 * np.eye(size))

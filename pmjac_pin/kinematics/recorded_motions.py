@@ -56,6 +56,25 @@ def _freedoms(tree: Tree) -> int:
     return sum(link.kind.nv for link in tree.links.values())
 
 
+def entry_rates_of(tree: Tree, q: Numbers, v: Numbers) -> Numbers:
+    """Return the derivative of q along v, shape (nq,): as `slopes.entry_rates`."""
+    found = np.empty(q.size, dtype=object)
+    for link in tree.links.values():
+        slides, turn, turning = _slides(link), q[_turn_part(link)], v[_turning(link)]
+        found[slides] = _turned_slides(link, turn, v[_sliding(link)])
+        found[_turn_part(link)] = _turn_rates(link, turn, turning)
+    return found
+
+
+def _turn_rates(link: Link, turn: Numbers, omega: Numbers) -> Numbers:
+    if link.kind.angle or not link.kind.turns:
+        return omega
+    if link.kind.turns == 3:
+        return 0.5 * _quaternion_product(turn, objects([*omega, 0.0]))
+    c, s = turn
+    return objects([-s * omega[0], c * omega[0]])
+
+
 def _slides(link: Link) -> slice:
     return slice(link.entries.start, link.entries.start + link.kind.slides)
 

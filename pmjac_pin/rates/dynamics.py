@@ -9,6 +9,7 @@ part of it. Linear algebra on arrays.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -163,7 +164,7 @@ def least_inertia(mass: Array, idle: Array, scale: Array) -> float:
     return max(_NO_INERTIA * own, _ROUNDED_IDLE_RATES**2 * float(np.linalg.norm(sizes)))
 
 
-def check_inertia(mass_matrix: Array, scale: Array, massless: tuple[str, ...]) -> None:
+def check_inertia(mass_matrix: Array, scale: Array, massless: Callable[[], Sequence[str]]) -> None:
     """Raise where some motion of the motors moves no mass.
 
     Parameters
@@ -171,12 +172,13 @@ def check_inertia(mass_matrix: Array, scale: Array, massless: tuple[str, ...]) -
     mass_matrix : ndarray, shape (n, n)
     scale : ndarray, shape (n,)
         Natural rates of the motors.
-    massless : tuple of str
-        The bodies that have no mass, for the message.
+    massless : callable
+        () ↦ the bodies that have no mass, for the message.
     """
-    values = np.linalg.eigvalsh(mass_matrix * np.outer(scale, scale))
+    values = np.linalg.eigvalsh(mass_matrix * scale * scale[:, None])
     if values.size and not values[0] > _NO_INERTIA * max(values[-1], 0.0):
-        listed = ", ".join(massless[:6]) + ", ..." * (len(massless) > 6)
+        without = massless()
+        listed = ", ".join(without[:6]) + ", ..." * (len(without) > 6)
         raise NoInertiaError(
             f"some motion of the motors moves no mass: bodies without one are {listed or 'none'}; "
             "add inertia, or use statics"

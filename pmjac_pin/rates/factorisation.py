@@ -99,6 +99,9 @@ class Factorisation:
     @property
     def null_space(self) -> Array:
         """Orthonormal columns N with A N = 0, shape (k, k − rank)."""
+        columns = self.matrix.shape[1]
+        if self.rank == columns:
+            return np.empty((columns, 0))
         return self.right[self.rank :].T
 
     @property
