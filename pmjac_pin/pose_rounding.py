@@ -16,6 +16,7 @@ from pmjac_pin.values.arrays import Array, Mask, norm
 if TYPE_CHECKING:
     from pmjac_pin.configuration import Configuration
     from pmjac_pin.model.twist_frame import FrameName
+    from pmjac_pin.rates.partition import LoopRates
 
 
 _PLACES = 16.0  # units in the last place of a length: what chains of joints add up to
@@ -29,6 +30,10 @@ class PoseRounding:
 
     configuration: Configuration
     frame: FrameName
+
+    def loop_rates(self) -> LoopRates:
+        """Return [K K*] there without dimension, and K* factorised."""
+        return self.configuration._loop_rates
 
     def opened(self) -> Array:
         """Return by how much each row is open, m, shape (p,): its gap, and what rounding hides.

@@ -70,7 +70,7 @@ class Grid:
         meshed = np.meshgrid(*axes.values(), indexing="ij")
         values = np.tile(rest, (*meshed[0].shape, 1))
         values[..., [motors.index(name) for name in axes]] = np.stack(meshed, axis=-1)
-        away = (values - rest).reshape(-1, rest.size) / partition.column_scale[partition.actuated]
+        away = (values - rest).reshape(-1, rest.size) / partition.motor_scale
         nearest = np.argsort(np.linalg.norm(away, axis=1), kind="stable")
         return cls(values, nearest, coordinates)
 

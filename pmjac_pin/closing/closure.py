@@ -73,7 +73,7 @@ def follow(
         q ↦ q with the motors at their targets, exactly.
     """
     partition = problem.partition
-    distance = norm(displacement / partition.column_scale[partition.actuated])
+    distance = norm(displacement / partition.motor_scale)
     if distance > MOST_STEPS * LARGEST_STEP * partition.length:
         return Followed(start, 0.0, 0, spent=True)
     point, share, step, iterations = start, 0.0, 1.0, 0

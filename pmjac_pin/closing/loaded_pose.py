@@ -15,7 +15,7 @@ from pmjac_pin.closing.motor_values import MotorValues, motor_rates
 from pmjac_pin.closing.parts import Parts
 from pmjac_pin.model.inertias import massless
 from pmjac_pin.model.springs import spring_efforts
-from pmjac_pin.rates.dynamics import Dynamics, check_inertia, least_inertia, without_idle
+from pmjac_pin.rates.dynamics import Dynamics, check_inertia, without_idle
 from pmjac_pin.rates.motion import Motion
 from pmjac_pin.rates.partition import LoopRates
 from pmjac_pin.rates.statics import Statics, balanced
@@ -95,24 +95,15 @@ class LoadedPose:
         (6, 6)
         """
         tree, partition = self._parts.kinematics, self._problem.partition
-        motion = self.motion(self._motor_rates(rates))
-        G, still = motion.jacobian.motion_map, np.zeros(motion.v.shape)
-        idle = motion.jacobian.idle_map
-        ways = np.hstack([G, idle])
-        natural = partition.column_scale[partition.actuated]
-        scale = np.concatenate([natural, np.ones(ways.shape[1] - natural.size)])
+        motion = Motion(self.jacobian(), *map(self._motor_rates, (rates, None)))
+        G, idle, still = motion.jacobian.motion_map, motion.jacobian.idle_map, 0.0 * motion.v
         forces = [tree.efforts(self.q, still, still), tree.efforts(self.q, motion.v, motion.bias)]
         whole, on_tree = tree.mass_matrix(self.q), np.array(forces).T
-        mass, reduced = without_idle(
-            ways.T @ whole @ ways,
-            ways.T @ on_tree,
-            np.abs(ways).T @ np.abs(on_tree),
-            scale,
-            n=natural.size,
-            least=least_inertia(whole, idle, partition.column_scale) if idle.size else 0.0,
-        )
-        check_inertia(mass, natural, partial(massless, tree.model))
-        gravity, bias = reduced.T
+        mass, driven = G.T @ whole @ G, G.T @ on_tree
+        if idle.size:
+            mass, driven = without_idle(whole, on_tree, G, idle, partition)
+        check_inertia(mass, partition.motor_scale, partial(massless, tree.model))
+        gravity, bias = driven.T
         energy = 0.5 * float(motion.v @ whole @ motion.v)
         return Dynamics(motion, 0.5 * (mass + mass.T), gravity, bias, energy)
 

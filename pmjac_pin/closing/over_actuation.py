@@ -91,7 +91,7 @@ def lead(problem: ClosureProblem, point: Closed) -> Lead:
     led = pivots(left, count)
     leading = np.setdiff1d(motors, led)
     ratios = -partition.factorise(left[:, led], point.factors.size).solve(left[:, leading])
-    scale = partition.column_scale[partition.actuated]
+    scale = partition.motor_scale
     names = partition.actuated_names
     parted = replace(
         partition,

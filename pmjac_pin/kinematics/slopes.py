@@ -56,8 +56,8 @@ class Slopes:
         for told in tools:
             slopes, values = told.reshape(2, -1)
             numbers = values + 1j * _COMPLEX_STEP * slopes
-            jacobian, rotation, position = np.split(numbers, [6 * nv, 6 * nv + 9])
-            found.append((jacobian.reshape(6, nv), rotation.reshape(3, 3), position))
+            jacobian, pose = numbers[: 6 * nv].reshape(6, nv), numbers[6 * nv :]
+            found.append((jacobian, pose[:9].reshape(3, 3), pose[9:]))
         return cls(constraint, tuple(found))
 
     def tool(self, frame: FrameName) -> Array:

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import NoInertiaError
 from pmjac_pin.rates.motion import Motion
+from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays, read_only
 from pmjac_pin.values.checks import as_vector
 
@@ -104,43 +105,44 @@ class Dynamics(ReadOnlyArrays):
 
 
 def without_idle(
-    mass: Array, forces: Array, sizes: Array, scale: Array, *, n: int, least: float
+    mass: Array, forces: Array, driven: Array, idle: Array, partition: Partition
 ) -> tuple[Array, Array]:
     """Return mass matrix (n, n) and forces (n, k) of what is driven, idle motions eliminated.
 
-    Idle ones accelerate so that nothing drives them: M = M₁₁ − M₁₂ M₂₂⁻¹ M₂₁ and
-    h = h₁ − M₁₂ M₂₂⁻¹ h₂.
+    Idle ones accelerate so that nothing drives them: with G and N the driven and the idle motions,
+    M₁₁ = Gᵀ M_t G, M₁₂ = Gᵀ M_t N, and so on, M = M₁₁ − M₁₂ M₂₂⁻¹ M₂₁ and h = h₁ − M₁₂ M₂₂⁻¹ h₂.
 
     Parameters
     ----------
-    mass : ndarray, shape (n + i, n + i)
-        Of the n driven motions and then of i idle ones.
-    forces, sizes : ndarray, shape (n + i, k)
-        And of what these are sums: what rounding is compared with.
-    scale : ndarray, shape (n + i,)
-        Natural rates of these motions.
-    n : int
-    least : float
-        What `least_inertia` says of the idle motions.
+    mass : ndarray, shape (nv, nv)
+        Of the cut tree.
+    forces : ndarray, shape (nv, k)
+        On the joints of the cut tree.
+    driven : ndarray, shape (nv, n)
+        G.
+    idle : ndarray, shape (nv, i)
+        N, orthonormal on dimensionless rates.
+    partition : Partition
 
     Raises
     ------
     NoInertiaError
         A force on an idle motion that moves no mass.
     """
-    if n == len(mass):
-        return mass, forces
-    unit = mass * np.outer(scale, scale)
-    pushed = forces * scale[:, None]
+    n, ways = driven.shape[1], np.hstack([driven, idle])
+    scale = np.concatenate([partition.motor_scale, np.ones(idle.shape[1])])
+    unit = ways.T @ mass @ ways * np.outer(scale, scale)
+    pushed = ways.T @ forces * scale[:, None]
     values, vectors = np.linalg.eigh(unit[n:, n:])
-    heavy = vectors[:, values > least]
-    inverse = (heavy / values[values > least]) @ heavy.T
+    heavy = values > least_inertia(mass, idle, partition.column_scale)
+    inverse = (vectors[:, heavy] / values[heavy]) @ vectors[:, heavy].T
     held = np.abs(pushed[n:] - unit[n:, n:] @ inverse @ pushed[n:])
-    if (held > _ROUNDED_FORCES * (sizes * scale[:, None]).max(axis=0)).any():
+    sizes = np.abs(ways).T @ np.abs(forces) * scale[:, None]  # of what the forces are sums of
+    if (held > _ROUNDED_FORCES * sizes.max(axis=0)).any():
         raise NoInertiaError("forces act on idle motions that move no mass: add inertia")
     across = unit[:n, n:] @ inverse
-    mass = (unit[:n, :n] - across @ unit[n:, :n]) / np.outer(scale[:n], scale[:n])
-    return mass, (pushed[:n] - across @ pushed[n:]) / scale[:n, None]
+    eliminated = (unit[:n, :n] - across @ unit[n:, :n]) / np.outer(scale[:n], scale[:n])
+    return eliminated, (pushed[:n] - across @ pushed[n:]) / scale[:n, None]
 
 
 def least_inertia(mass: Array, idle: Array, scale: Array) -> float:

@@ -14,7 +14,7 @@ from typing import Protocol
 import numpy as np
 
 from pmjac_pin.rates.factorisation import REFINED, Factorisation
-from pmjac_pin.rates.partition import Partition
+from pmjac_pin.rates.partition import LoopRates, Partition
 from pmjac_pin.values.arrays import Array, Mask, norm
 
 EPS = float(np.finfo(float).eps)
@@ -23,6 +23,10 @@ _SUMS = 16.0  # units in the last place, for an entry that is a sum of a few pro
 
 class RoundedPose(Protocol):
     """A pose whose loops are closed but for rounding."""
+
+    def loop_rates(self) -> LoopRates:
+        """Return [K K*] there without dimension, and K* factorised."""
+        ...
 
     def opened(self) -> Array:
         """Return by how much each row is open, m, shape (p,): its gap, and what rounding hides.

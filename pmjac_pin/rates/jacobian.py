@@ -67,6 +67,8 @@ class EquivalentJacobian(SplitJacobian):
     @cached_property
     def _loops(self) -> LoopRates:
         """What the loops allow here: [K K*] without dimension, K* factorised."""
+        if self.pose is not None:
+            return self.pose.loop_rates()
         return self.partition.loop_rates(self.constraint_jacobian)
 
     @cached_property

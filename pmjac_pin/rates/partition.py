@@ -100,6 +100,11 @@ class Partition(ReadOnlyArrays):
     def _scale(self) -> Array:
         return read_only(np.outer(self.row_scale, self.column_scale))
 
+    @cached_property
+    def motor_scale(self) -> Array:
+        """Natural rates of the motors, shape (n,): of `column_scale`."""
+        return read_only(self.column_scale[self.actuated])
+
     @property
     def isolated(self) -> bool:
         """Whether a joint cannot be moved though its rates are not forbidden, near home either.
@@ -139,7 +144,7 @@ class Partition(ReadOnlyArrays):
     @cached_property
     def rate_scale(self) -> Array:
         """Turns −(scaled solution of K* X = K) into φ̇ per θ̇, shape (m_p, n)."""
-        passive, actuated = self.column_scale[self.passive], self.column_scale[self.actuated]
+        passive, actuated = self.column_scale[self.passive], self.motor_scale
         return read_only(-np.outer(passive, 1.0 / actuated))
 
     @classmethod

@@ -244,7 +244,7 @@ def _tool_share(configuration: Configuration, jacobian: EquivalentJacobian) -> f
     partition, pose = jacobian.partition, configuration.tool_pose
     rank, rows = partition.tool_rank, partition.tool_rows
     J_eq = change_frame(jacobian.J_eq, rows.axes, pose.rotation, pose.translation)
-    scaled = J_eq * partition.column_scale[partition.actuated]
+    scaled = J_eq * partition.motor_scale
     scaled[3:] *= partition.length
     scaled = scaled[rows.linear + rows.angular]
     if not rank or not norm(scaled):

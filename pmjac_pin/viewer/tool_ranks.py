@@ -93,7 +93,7 @@ def _largest_value(half: Array) -> float:
 def _probes(mechanism: Mechanism) -> Iterator[EquivalentJacobian]:
     rng = np.random.default_rng(0)
     partition = mechanism.home.split_jacobian().partition
-    stride = _DISTANCE * partition.length * partition.column_scale[partition.actuated]
+    stride = _DISTANCE * partition.length * partition.motor_scale
     home = mechanism.home.actuated
     displaced = [home + stride * rng.normal(size=home.size) for _ in range(_POSES_NEAR_HOME)]
     finders = itertools.chain(
