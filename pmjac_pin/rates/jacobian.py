@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,6 +26,7 @@ from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.rates.tool_motion import TwistRanks
 from pmjac_pin.values.arrays import Array, norm, read_only
 from pmjac_pin.values.checks import as_limits
+from pmjac_pin.values.found_once import found_once
 
 RADIUS_ROUNDING = 1e-12  # of ‖J‖ ‖G‖
 
@@ -56,7 +56,7 @@ class EquivalentJacobian(SplitJacobian):
         """Angular rows of J_eq, shape (3, n): rad/s per unit motor rate."""
         return self.J_eq[3:]
 
-    @cached_property
+    @found_once
     def motion_map(self) -> Array:
         """G with q̇ = G θ̇, shape (nv, n): J_eq = J G and the constraint Jacobian times G is 0."""
         motion = np.zeros((self.tool_jacobian.shape[1], self.partition.actuated.size))
@@ -64,14 +64,14 @@ class EquivalentJacobian(SplitJacobian):
         motion[self.partition.passive] = self.passive_rates
         return read_only(motion)
 
-    @cached_property
+    @found_once
     def _loops(self) -> LoopRates:
         """What the loops allow here: [K K*] without dimension, K* factorised."""
         if self.pose is not None:
             return self.pose.loop_rates()
         return self.partition.loop_rates(self.constraint_jacobian)
 
-    @cached_property
+    @found_once
     def idle_map(self) -> Array:
         """N, shape (nv, i): what idles, orthonormal on dimensionless rates; C N = 0 and J N = 0."""
         partition, passive = self.partition, self._loops.passive
@@ -90,17 +90,17 @@ class EquivalentJacobian(SplitJacobian):
         sizes = np.array([tool.size, tool.angular_size])
         return read_only(sizes * norm(motions))
 
-    @cached_property
+    @found_once
     def gv_eq(self) -> Array:
         """[J_v]eqᵀ [J_v]eq, shape (n, n) (33). For display: its rank is not decided on it."""
         return read_only(self.Jv_eq.T @ self.Jv_eq)
 
-    @cached_property
+    @found_once
     def gw_eq(self) -> Array:
         """[J_ω]eqᵀ [J_ω]eq, shape (n, n) (33)."""
         return read_only(self.Jw_eq.T @ self.Jw_eq)
 
-    @cached_property
+    @found_once
     def tool_ranks(self) -> TwistRanks:
         """Ranks of J_eq, of its linear and of its angular rows, judged as `Singularity` does.
 
@@ -110,7 +110,7 @@ class EquivalentJacobian(SplitJacobian):
         motions = np.linalg.qr(self.motion_map / self.partition.column_scale[:, None])[0]
         return self.partition.tool_motion(self.tool_jacobian).ranks(motions)
 
-    @cached_property
+    @found_once
     def error_estimate(self) -> Array:
         """How far the entries of J_eq may be off, shape (6, n), in the units of J_eq.
 
@@ -146,7 +146,7 @@ class EquivalentJacobian(SplitJacobian):
             )
         )
 
-    @cached_property
+    @found_once
     def hessian(self) -> Array:
         """∂J_eq/∂θ in `frame`, shape (6, n, n), the last axis along which motor.
 
@@ -167,7 +167,7 @@ class EquivalentJacobian(SplitJacobian):
         slopes, G = self.slopes(self.motion_map), self.motion_map
         return read_only(hessian(slopes, self.tool_jacobian, G, self._loops, self.partition))
 
-    @cached_property
+    @found_once
     def passive_hessian(self) -> Array:
         """∂Φ/∂θ of the passive rates φ̇ = Φ θ̇, shape (m_p, n, n), as `hessian` is of J_eq."""
         slopes, G = self.slopes(self.motion_map), self.motion_map
@@ -232,7 +232,7 @@ class EquivalentJacobian(SplitJacobian):
         """
         return self._linear_ellipsoid
 
-    @cached_property
+    @found_once
     def _linear_ellipsoid(self) -> Ellipsoid:
         return velocity_ellipsoid(self.Jv_eq, unit="m/s", rounding=self._rounding[0])
 

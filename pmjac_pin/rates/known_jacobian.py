@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 from pmjac_pin.model.twist_frame import FrameName
@@ -12,6 +11,7 @@ from pmjac_pin.rates.error_estimate import RoundedPose
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.found_once import found_once
 
 _MATRIX_FIELDS = frozenset({"constraint_jacobian", "tool_jacobian", "passive_rates"})
 
@@ -34,7 +34,7 @@ class KnownJacobian(EquivalentJacobian):
         jacobian.__dict__.update(J_eq=J_eq, frame=frame, partition=partition, pose=pose, _find=find)
         return jacobian
 
-    @cached_property
+    @found_once
     def _found(self) -> EquivalentJacobian:
         found: EquivalentJacobian = self.__dict__["_find"]()
         return found

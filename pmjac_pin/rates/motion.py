@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.second_order import following_rates
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays, read_only
+from pmjac_pin.values.found_once import found_once
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -37,17 +37,17 @@ class Motion(ReadOnlyArrays):
     rates: Array
     accelerations: Array
 
-    @cached_property
+    @found_once
     def v(self) -> Array:
         """Pinocchio's velocity G θ̇, shape (nv,)."""
         return read_only(self.jacobian.motion_map @ self.rates)
 
-    @cached_property
+    @found_once
     def a(self) -> Array:
         """Pinocchio's acceleration G θ̈ + Ġ θ̇, shape (nv,)."""
         return read_only(self.jacobian.motion_map @ self.accelerations + self.bias)
 
-    @cached_property
+    @found_once
     def bias(self) -> Array:
         """Ġ θ̇, shape (nv,): what the rates alone accelerate. −K*⁺ γ, and 0 of motors.
 
@@ -75,7 +75,7 @@ class Motion(ReadOnlyArrays):
         """J_eq θ̇, shape (6,): the tool's velocity and angular velocity in `jacobian.frame`."""
         return read_only(self.jacobian.J_eq @ self.rates)
 
-    @cached_property
+    @found_once
     def acceleration(self) -> Array:
         """J_eq θ̈ + J̇_eq θ̇, shape (6,): how the components of `twist` change.
 
@@ -84,7 +84,7 @@ class Motion(ReadOnlyArrays):
         _, tool = self._slopes
         return read_only(self.jacobian.tool_jacobian @ self.a + tool @ self.v)
 
-    @cached_property
+    @found_once
     def _slopes(self) -> tuple[Array, Array]:
         constraint, tool = self.jacobian.slopes(self.v[:, None])
         return constraint[0], tool[0]

@@ -6,7 +6,6 @@ Linear algebra on plain arrays: it imports no Pinocchio and works on matrices fr
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +14,7 @@ from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.rates.error_estimate import RoundedPose
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays, read_only
+from pmjac_pin.values.found_once import found_once
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -45,38 +45,38 @@ class SplitJacobian(ReadOnlyArrays):
     partition: Partition
     pose: RoundedPose | None = field(default=None, kw_only=True)
 
-    @cached_property
+    @found_once
     def rows(self) -> NDArray[np.intp]:
         """Which rows of η are those of K and K*, shape (m,)."""
         scaled = self.partition.scaled(self.constraint_jacobian)
         return read_only(self.partition.shown_rows(scaled))
 
-    @cached_property
+    @found_once
     def K(self) -> Array:
         """∂η/∂θ on the independent rows, shape (m, n)."""
         return read_only(self.constraint_jacobian[np.ix_(self.rows, self.partition.actuated)])
 
-    @cached_property
+    @found_once
     def K_star(self) -> Array:
         """∂η/∂φ on the independent rows, shape (m, m_p)."""
         return read_only(self.constraint_jacobian[np.ix_(self.rows, self.partition.passive)])
 
-    @cached_property
+    @found_once
     def Jv(self) -> Array:
         """Linear rows of J, shape (3, n)."""
         return read_only(self.tool_jacobian[:3, self.partition.actuated])
 
-    @cached_property
+    @found_once
     def Jv_star(self) -> Array:
         """Linear rows of J*, shape (3, m_p)."""
         return read_only(self.tool_jacobian[:3, self.partition.passive])
 
-    @cached_property
+    @found_once
     def Jw(self) -> Array:
         """Angular rows of J, shape (3, n)."""
         return read_only(self.tool_jacobian[3:, self.partition.actuated])
 
-    @cached_property
+    @found_once
     def Jw_star(self) -> Array:
         """Angular rows of J*, shape (3, m_p)."""
         return read_only(self.tool_jacobian[3:, self.partition.passive])

@@ -28,7 +28,7 @@ def named_values(given: Any, what: str) -> dict[Any, Any] | None:
     {'l2': 1.1, 'l1': 1.0}
     >>> named_values([1.0, 1.1], "motor values")
     """
-    if type(given) in (list, tuple, float, int):
+    if type(given) in (list, tuple, float, int) or _is_plain(given):
         return None
     if isinstance(given, Mapping):
         return dict(given)
@@ -42,6 +42,11 @@ def named_values(given: Any, what: str) -> dict[Any, Any] | None:
         message = f"{what} are labelled {reprlib.repr(labels)}, by no names, or by one twice"
         raise ArgumentError(f"{message}; give names, or a plain list")
     return dict(pairs)
+
+
+def _is_plain(given: Any) -> bool:
+    """Whether this is an array of NumPy's own, without fields."""
+    return type(given) is np.ndarray and given.dtype.names is None
 
 
 def _labelled_pairs(given: Any, what: str) -> list[tuple[Any, Any]] | None:
