@@ -21,7 +21,7 @@ from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
 from pmjac_pin.kinematics.recorded_motions import entry_rates_of, moved_by
-from pmjac_pin.model.twist_frame import FrameName
+from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.rates.sparse_qr import Triangle, norm
 from pmjac_pin.values.arrays import Array, Index
@@ -258,16 +258,5 @@ class RecordedRates:
 
 
 def in_frame(kinematics: RecordedKinematics, frame: FrameName) -> Numbers:
-    """Return the tool's Jacobian in one of Pinocchio's frames, as `change_frame` does."""
-    linear, angular = kinematics.tool[:3], kinematics.tool[3:]
-    match frame:
-        case "LOCAL_WORLD_ALIGNED":
-            return kinematics.tool
-        case "LOCAL":
-            back = kinematics.rotation.T
-            return np.vstack([back @ linear, back @ angular])
-        case "WORLD":
-            x, y, z = kinematics.position
-            u, v, w = angular
-            moved_by = np.array([w * y - v * z, u * z - w * x, v * x - u * y])
-            return np.vstack([linear + moved_by, angular])
+    """Return the tool's Jacobian in one of Pinocchio's frames."""
+    return change_frame(kinematics.tool, frame, kinematics.rotation, kinematics.position)

@@ -49,7 +49,8 @@ def blocks_of(value: object) -> Iterable[Block]:
             return _modes_page(value)
         case LabelledMatrix():
             return [value.block()]
-    raise TypeError(f"no page shows a {type(value).__name__}")
+        case _:
+            raise TypeError(f"no page shows a {type(value).__name__}")
 
 
 def _pose_page(found: Report) -> Iterator[Block]:
