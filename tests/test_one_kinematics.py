@@ -24,6 +24,7 @@ from pmjac_pin.kinematics.tree import Poses, Tree
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.joint_kind import JointMotion
 from pmjac_pin.model.joint_kinds import JOINT_KINDS
+from pmjac_pin.model.loop_spec import LOOP_KINDS
 
 SLANTED = (0.6, 0.0, 0.8)
 LOOPS = {
@@ -178,6 +179,16 @@ def by_floats(loops, model, q, rooted, way):
     return assembled(loops, way(loops.pairs[0], poses), model.nv, lambda x: x)
 
 
+def by_complex_floats(loops, model, q):
+    """On the real axis, by the entries that complex steps start from."""
+    motion = as_numbers(motions(model, q), lambda x: x.astype(complex))
+    poses = Poses(loops.tree, Floats(rooted=False), motion)
+    blocks = by_twists(loops.pairs[0], poses)
+    for block in blocks:
+        assert (np.imag(block.rows.value) == 0.0).all()
+    return assembled(loops, blocks, model.nv, np.real)
+
+
 def by_boxes(loops, model, q, way):
     motion = as_numbers(motions(model, q), Intervals.exact)
     poses = Poses(loops.tree, Boxes(), motion, range(model.nv) if way is riding else ())
@@ -280,6 +291,7 @@ NUMBERS = {
     "floats, riding": lambda *case: by_floats(*case, True, riding),
     "floats without roots, twists": lambda *case: by_floats(*case, False, by_twists),
     "floats without roots, riding": lambda *case: by_floats(*case, False, riding),
+    "complex floats, twists": by_complex_floats,
     "boxes, twists": lambda *case: by_boxes(*case, by_twists),
     "boxes, riding": lambda *case: by_boxes(*case, riding),
     "balls, twists": lambda *case: by_balls(*case, by_twists),
@@ -332,6 +344,11 @@ def test_value_and_derivative_are_pinocchios(kind, joint, rng):
     model = machine(JOINTS[joint], rng)
     for loop, q in cases(model, kind, rng):
         check(model, Tree(model), loop, q, pinocchios(model, loop, q))
+
+
+def test_every_kind_of_loop_is_tried():
+    """A gear has no frames: test_many_loops.py, test_recorded.py, test_certificate_rows.py."""
+    assert set(LOOPS) == set(LOOP_KINDS) - {"joint"}
 
 
 def test_every_kind_of_joint_is_tried():

@@ -37,7 +37,7 @@ class Closing:
         if not mechanism._recorded.walks:
             return cls(mechanism, None)
         move, arrival, leg = mechanism._recorded.walking
-        return cls(mechanism, Walker(mechanism._parts.problem, move, arrival, leg, run))
+        return cls(mechanism, Walker(mechanism.problem, move, arrival, leg, run))
 
     def check(self, start: Array) -> None:
         """Raise ClosureError where the loops of one of some poses are open."""
