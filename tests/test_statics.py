@@ -197,6 +197,60 @@ def test_a_spring_in_a_passive_joint():
     np.testing.assert_allclose(resting, 0, atol=1e-12)
 
 
+def some_springs(mechanism, rng, count=4):
+    """Springs of some joints of one freedom, motors or not, and what they stretch."""
+    model, home = mechanism.model, mechanism.home.joint_values
+    single = [name for name, value in home.items() if isinstance(value, float)]
+    chosen = [str(name) for name in rng.permutation(sorted(single))[:count]]
+    springs = {name: (rng.uniform(1.0, 9.0), home[name] + rng.normal()) for name in chosen}
+    entries = {name: model.joints[model.getJointId(name)].idx_q for name in chosen}
+
+    def energy(configuration):
+        return sum(
+            0.5 * stiffness * (configuration.q[entries[name]] - rest) ** 2
+            for name, (stiffness, rest) in springs.items()
+        )
+
+    assert all(model.joints[model.getJointId(name)].nq == 1 for name in chosen)
+    return springs, energy
+
+
+@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+def test_efforts_against_springs_are_the_slope_of_their_energy(name, rng):
+    """Through the closure, weight by Pinocchio's potential energy."""
+    configuration = away(heavy(name, rng), rng)
+    mechanism, h = configuration.mechanism, 1e-3
+    model, data = mechanism.model, mechanism.model.createData()
+    springs, of_springs = some_springs(mechanism, rng)
+
+    def energies(theta):
+        there = mechanism.close(theta, guess=configuration, enforce_limits=False)
+        return np.array([of_springs(there), pin.computePotentialEnergy(model, data, there.q)])
+
+    statics = configuration.statics(gravity=False, springs=springs)
+    whole = configuration.statics(springs=springs)
+    for k, step in enumerate(h * np.eye(len(mechanism.actuated))):
+        near, far = (
+            energies(configuration.actuated + t * step)
+            - energies(configuration.actuated - t * step)
+            for t in (1, 2)
+        )
+        found = (8 * near - far) / (12 * h)
+        assert statics.efforts[k] == pytest.approx(found[0], rel=1e-6, abs=1e-6)
+        assert whole.efforts[k] == pytest.approx(found.sum(), rel=1e-6, abs=1e-6)
+    resting = configuration.dynamics(springs=springs).bias
+    np.testing.assert_allclose(whole.efforts, resting, atol=1e-9 * max(1.0, np.abs(resting).max()))
+
+
+def test_a_spring_of_what_turns_without_end_goes_the_shorter_way():
+    model = pin.Model()
+    joint = model.addJoint(0, pin.JointModelRUBZ(), pin.SE3.Identity(), "wheel")
+    model.addFrame(pin.Frame("tip", joint, 0, pin.SE3.Identity(), pin.FrameType.OP_FRAME))
+    wheel = pj.Mechanism.from_pinocchio(model, [], ["wheel"], "tip")
+    efforts = wheel.close([-3.0]).statics(springs={"wheel": (2.0, 3.0)}).efforts
+    assert efforts[0] == pytest.approx(2.0 * (2.0 * np.pi - 6.0), abs=1e-12)
+
+
 def test_a_rod_pulls_along_itself():
     """RSSR: the crank's torque is the moment of the rod's force, 2 l λ along the rod."""
     mechanism = mechanisms.rssr(rod=False)

@@ -15,7 +15,7 @@ from pmjac_pin.closing.parts import Parts
 from pmjac_pin.closing.wrenches import Wrenches, held_wrenches
 from pmjac_pin.model.inertias import massless
 from pmjac_pin.model.reference_frame import frame_name
-from pmjac_pin.model.springs import spring_efforts
+from pmjac_pin.model.springs import Springs, spring_efforts
 from pmjac_pin.rates.dynamics import Dynamics, check_inertia, without_idle
 from pmjac_pin.rates.elimination import refuse_singular
 from pmjac_pin.rates.motion import Motion
@@ -77,13 +77,17 @@ class LoadedPose:
         given = [self._motor_rates(each) for each in (rates, accelerations)]
         return Motion(self.jacobian(frame), *given)
 
-    def dynamics(self, rates: MotorValues | None = None) -> Dynamics:
+    def dynamics(
+        self, rates: MotorValues | None = None, *, springs: Springs | None = None
+    ) -> Dynamics:
         """Return the equations of motion in motor coordinates, M θ̈ + h = τ + J_eqᵀ w.
 
         Parameters
         ----------
         rates : array_like, shape (n,), or mapping of str to float, optional
             θ̇, m/s or rad/s; at rest when None.
+        springs : mapping of str to (float, float), optional
+            As of `statics`: `bias` has them.
 
         Raises
         ------
@@ -91,6 +95,8 @@ class LoadedPose:
             As `jacobian`.
         NoInertiaError
             Some motion of the motors moves no mass.
+        UnknownNameError, ArgumentError
+            Rates or springs that do not fit.
 
         Examples
         --------
@@ -102,6 +108,7 @@ class LoadedPose:
         motion = Motion(self.jacobian(), *map(self._motor_rates, (rates, None)))
         G, idle, still = motion.jacobian.motion_map, motion.jacobian.idle_map, 0.0 * motion.v
         forces = [tree.efforts(self.q, still, still), tree.efforts(self.q, motion.v, motion.bias)]
+        forces[1] += self._held_springs(springs)
         whole, on_tree = tree.mass_matrix(self.q), np.array(forces).T
         mass, driven = G.T @ whole @ G, G.T @ on_tree
         if idle.size:
@@ -117,7 +124,7 @@ class LoadedPose:
         *,
         frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED",
         gravity: bool = True,
-        springs: Mapping[str, tuple[float, float]] | None = None,
+        springs: Springs | None = None,
     ) -> Statics:
         """Return the motor efforts, and the forces in the loops, that balance a load at rest.
 
@@ -133,7 +140,8 @@ class LoadedPose:
             Whether the bodies' weight acts.
         springs : mapping of str to (float, float), optional
             Of joints of one degree of freedom: stiffness in N/m or N m/rad, and the value in m or
-            rad where it is at rest.
+            rad where it is at rest; of a joint that turns without end, which is the shorter way
+            from there. None are read from files.
 
         Raises
         ------
@@ -158,8 +166,7 @@ class LoadedPose:
         """
         refuse_singular(self._loop_rates, self._problem.partition, self.singularity)
         model, name = self._parts.kinematics.model, frame_name(frame)
-        given = {} if springs is None else springs
-        loads = [spring_efforts(self._parts.coordinates, self.q, given)]
+        loads = [self._held_springs(springs)]
         if as_flag(gravity, "gravity"):
             loads.append(self._parts.kinematics.efforts(self.q, *np.zeros((2, model.nv))))
         if wrench is not None:
@@ -167,6 +174,10 @@ class LoadedPose:
                 self._need_tool()
             loads += held_wrenches(self._parts, self.q, wrench, name)
         return balanced(np.array(loads), self._loop_rates, self._problem.partition)
+
+    def _held_springs(self, springs: Springs | None) -> Array:
+        given = {} if springs is None else springs
+        return spring_efforts(self._parts.coordinates, self.q, given)
 
     def _motor_rates(self, given: MotorValues | None) -> Array:
         if given is None:
