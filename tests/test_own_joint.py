@@ -168,6 +168,11 @@ def test_an_entry_that_is_not_what_pinocchio_does_is_refused(parts, axes, messag
     assert "own" not in JOINT_KINDS
 
 
+def test_turns_about_two_axes_that_are_no_angles_are_refused():
+    with pytest.raises(pj.ArgumentError, match="turns about 2 axes"):
+        register(JointKind("own", "RX", pin.JointModelRX, (), (0, 1)))
+
+
 def placement(model, q):
     data = model.createData()
     pin.forwardKinematics(model, data, np.asarray(q))

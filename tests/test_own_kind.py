@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
 
 import msgspec
 import numpy as np
@@ -15,7 +19,7 @@ from pmjac_pin.model import loop_spec
 from pmjac_pin.model.joint_form import JointForm, Step, about_z, frame_along
 from pmjac_pin.model.loop_between_frames import LoopBetweenFrames
 from pmjac_pin.model.loop_spec import LOOP_KINDS, register
-from pmjac_pin.model.rows import Along, Rows, Tilt, across
+from pmjac_pin.model.rows import Along, Equations, Rows, Tilt, across
 from pmjac_pin.model.spec import decode_spec, encode_spec
 from pmjac_pin.model.table import Vector
 
@@ -42,11 +46,18 @@ class PinInSlot(LoopBetweenFrames, frozen=True, tag_field="kind", tag="pin_in_sl
         )
 
 
+@contextmanager
+def known(kind):
+    """Let model files name a kind while this lasts."""
+    register(kind)
+    yield
+    del LOOP_KINDS[kind.__struct_config__.tag]
+
+
 @pytest.fixture(scope="module", autouse=True)
 def registered():
-    register(PinInSlot)
-    yield
-    del LOOP_KINDS["pin_in_slot"]
+    with known(PinInSlot):
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +102,8 @@ def test_all_modes_by_search_proof_and_homotopy(lever):
 
 def test_certificate_and_findings(lever):
     assert pj.certify(lever.close([0.7]))
-    assert pj.check(lever) is not None
+    found = pj.check(lever)
+    assert (found.mobility.mobility, [loop.rank for loop in found.loops]) == (1, [1])
 
 
 def test_the_jacobian_does_not_depend_on_the_cut(lever):
@@ -113,6 +125,121 @@ def test_it_is_written_read_and_pickled(lever):
 
 def test_drawing_and_page(lever, tmp_path):
     assert draws_and_shows(lever, [0.7], tmp_path)
+
+
+@dataclass(frozen=True, slots=True)
+class Height:
+    """η = y·(p₁ − p₂) − h in the second frame's axes: a row with a length of its own."""
+
+    height: float
+    names: ClassVar = ("height",)
+    unit: ClassVar = "m"
+    vector: ClassVar = False
+    measures: ClassVar = "gap from second"
+
+    def __call__(self, pose):
+        return pose.gap[1:2] - self.height, pose.gap_rates[1:2]
+
+    def equations(self, jets, one, other):
+        gap, carried = one.origin() - other.origin(), other.carried(np.array([[0.0, 1.0, 0.0]]))
+        return Equations(jets.dot(carried, gap[:, None]) - jets.measured([self.height]))
+
+
+class Shelf(LoopBetweenFrames, frozen=True, tag_field="kind", tag="shelf"):
+    """The first frame is a height above the second."""
+
+    height: float
+
+    def rows(self, values: Mapping[str, float]) -> tuple[Rows, ...]:
+        return (Height(self.height),)
+
+    def form(self, values: Mapping[str, float]) -> JointForm:
+        raise NotImplementedError
+
+
+@pytest.mark.parametrize("size", [1e-2, 1.0, 40.0])
+def test_a_row_with_a_length_of_its_own_is_the_same_in_all_searches(size):
+    """A crank whose pin stays at a height above the edge of a table: sin ψ by hand."""
+    model, height = pin.Model(), 0.36 * size
+    crank = model.addJoint(0, pin.JointModelRZ(), pin.SE3.Identity(), "crank")
+    table = model.addJoint(0, pin.JointModelPY(), pin.SE3.Identity(), "table")
+    for name, joint, place in (
+        ("pin", crank, (0.4, 0.0, 0.0)),
+        ("tool", crank, (1.0, 0.0, 0.0)),
+        ("edge", table, (0.0, -0.2, 0.0)),
+    ):
+        placement = pin.SE3(np.eye(3), size * np.array(place))
+        model.addFrame(pin.Frame(name, joint, placement, pin.FrameType.OP_FRAME))
+    motor = 0.02 * size  # size (0.4 sin ψ + 0.2) − motor = height
+    wanted = np.arcsin((height + motor - 0.2 * size) / (0.4 * size))
+    loop = Shelf(frames=("pin", "edge"), height=height)
+    home = np.array([wanted, motor])
+    with known(Shelf):
+        machine = pj.Mechanism.from_pinocchio(model, [loop], ["table"], "tool", home=home)
+        modes = pj.assembly_modes(machine, [motor], rng=0, limits=False)
+        solved = pj.parameter_homotopy(machine, rng=0).at([motor])
+    by_hand = pytest.approx(sorted([wanted, np.pi - wanted]))
+    assert (modes.evidence.kind, sorted(mode.passive[0] for mode in modes)) == ("proof", by_hand)
+    assert sorted(mode.passive[0] for mode in solved.real) == by_hand
+
+
+class ScaledRod(LoopBetweenFrames, frozen=True, tag_field="kind", tag="scaled_rod"):
+    """A rod as long as a share of the parameter a."""
+
+    share: float
+
+    @property
+    def parameter_names(self) -> frozenset[str]:
+        return frozenset({"a"})
+
+    def resolved(self, values: Mapping[str, float]) -> pj.DistanceLoop:
+        return pj.DistanceLoop(frames=self.frames, length=self.share * values["a"])
+
+    def rows(self, values: Mapping[str, float]) -> tuple[Rows, ...]:
+        return self.resolved(values).rows(values)
+
+    def form(self, values: Mapping[str, float]) -> JointForm:
+        return self.resolved(values).form(values)
+
+    def rod(self, values: Mapping[str, float]) -> float:
+        return self.resolved(values).rod(values)
+
+
+def test_a_kind_with_parameters_is_loaded_cut_elsewhere_and_refused_without_them(tmp_path):
+    repository = Path(__file__).parents[1]
+    text = (repository / "models" / "three_rps_ss.toml").read_text()
+    own = text.replace('"distance"', '"scaled_rod"')
+    own = own.replace("length = { a = 1.7320508075688772 }", "share = 1.7320508075688772")
+    robot = (repository / "urdf" / "three_rps_ss.urdf").read_text()
+    (tmp_path / "three_rps_ss.urdf").write_text(robot)
+    (tmp_path / "own.toml").write_text(own)
+    (tmp_path / "wrong.toml").write_text(own.replace("[parameters.a]", "[parameters.c]"))
+    with known(ScaledRod):
+        machine = pj.load(tmp_path / "own.toml", parameters={"a": 1.1})
+        given = pj.load("three_rps_ss", parameters={"a": 1.1})
+        moved = pj.recut(machine, "theta1").close(given.home.actuated)
+        np.testing.assert_allclose(moved.jacobian().J_eq, given.home.jacobian().J_eq, atol=1e-9)
+        with pytest.raises(pj.ModelFileError, match="parameter 'a'"):
+            pj.load(tmp_path / "wrong.toml")
+
+
+@dataclass(frozen=True, slots=True)
+class SquaredHeight(Height):
+    unit: ClassVar = "m²"
+
+
+def test_rows_that_nothing_measures_are_refused():
+    class SquaredShelf(Shelf, frozen=True, tag_field="kind", tag="squared_shelf"):
+        def rows(self, values: Mapping[str, float]) -> tuple[Rows, ...]:
+            return (SquaredHeight(self.height),)
+
+    model = pin.Model()
+    model.addJoint(0, pin.JointModelPY(), pin.SE3.Identity(), "table")
+    model.addFrame(pin.Frame("edge", 1, pin.SE3.Identity(), pin.FrameType.OP_FRAME))
+    loop = SquaredShelf(frames=("universe", "edge"), height=1.0)
+    wanted = pytest.raises(pj.ArgumentError, match="write them in m or rad")
+    with known(SquaredShelf), wanted:
+        pj.Mechanism.from_pinocchio(model, [loop], ["table"], "edge", home=np.zeros(1))
 
 
 def test_every_kind_says_all_of_itself():

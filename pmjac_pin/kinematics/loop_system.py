@@ -17,7 +17,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.errors import ArgumentError
+from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.model.coupling import Coupling, couple
 from pmjac_pin.model.frames import find_frame, moving_columns
 from pmjac_pin.model.loop_between_frames import LoopBetweenFrames
@@ -144,6 +144,11 @@ class LoopSystem:
                 blocks.append((rows, block))
                 if isinstance(block, Distance):
                     self.rods[rows.start] = block.length
+                elif block.unit not in ("m", "rad"):
+                    raise ArgumentError(
+                        f"rows in {quoted(block.unit)} of a loop that is no rod: nothing says by "
+                        "how much they open with a gap; write them in m or rad"
+                    )
                 names += [f"{prefix} {row}" for row in block.names]
                 units += [block.unit] * len(block.names)
                 owners += [prefix] * len(block.names)

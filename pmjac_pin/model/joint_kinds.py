@@ -54,6 +54,11 @@ def register(kind: JointKind) -> None:
 
 
 def _check_kind(kind: JointKind) -> None:
+    if not kind.angle and kind.turns not in (0, 1, 3):
+        raise ArgumentError(
+            f"a {kind.name} joint turns about {kind.turns} axes: about z, any way, or by angles "
+            "one after the other (`angle=True`) is what a kind of joint can say"
+        )
     model = pin.Model()
     model.addJoint(0, kind.built(_PITCH), pin.SE3.Identity(), kind.name)
     if (model.nq, model.nv) != (kind.nq, kind.nv) or not kind.reads(model.joints[1]):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, Self
 
 import numpy as np
 from msgspec.structs import force_setattr
@@ -62,6 +62,15 @@ class LoopBetweenFrames(TomlTable, frozen=True):
     def form(self, values: Mapping[str, float]) -> JointForm:
         """Return the joints that keep the loop closed."""
         raise NotImplementedError(type(self).__name__)
+
+    @property
+    def parameter_names(self) -> frozenset[str]:
+        """The parameters that its rows depend on: a kind that has some says so."""
+        return frozenset()
+
+    def resolved(self, values: Mapping[str, float]) -> Self:
+        """Return the loop with numbers in the place of its parameters."""
+        return self
 
     def rod(self, values: Mapping[str, float]) -> float:
         """Return the length of the rod between the frames, m; 0 without."""

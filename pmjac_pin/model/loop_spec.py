@@ -9,7 +9,7 @@ by its angle or chord, so that half a turn is not mistaken for none.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 from msgspec.structs import force_setattr, replace
@@ -210,6 +210,15 @@ class DistanceLoop(LoopBetweenFrames, frozen=True, tag_field="kind", tag="distan
         far = shifted(np.array([0.0, 0.0, self.resolved_length(values)]))
         near = Step("near", "spherical", np.eye(4), np.eye(4))
         return JointForm((near, Step("far", "spherical", far, np.eye(4))), middle)
+
+    @property
+    def parameter_names(self) -> frozenset[str]:
+        """Those that the length is a sum of."""
+        return frozenset() if isinstance(self.length, float) else frozenset(self.length)
+
+    def resolved(self, values: Mapping[str, float]) -> Self:
+        """Return the rod with its length, a number."""
+        return replace(self, length=self.resolved_length(values))
 
     def rod(self, values: Mapping[str, float]) -> float:
         """Return the length."""

@@ -18,7 +18,7 @@ import msgspec
 from msgspec.structs import force_setattr, replace
 
 from pmjac_pin.errors import ArgumentError, did_you_mean, enumerated, quoted, unknown_name
-from pmjac_pin.model.loop_spec import LOOP_KINDS, MAXIMAL_LOOPS, DistanceLoop, Loop
+from pmjac_pin.model.loop_spec import LOOP_KINDS, MAXIMAL_LOOPS, JointLoop, Loop
 from pmjac_pin.model.parameter import Move, Parameter
 from pmjac_pin.model.table import LONGEST_NAME, Name, TomlTable
 from pmjac_pin.model.tool_rows import WHOLE_TWIST, WORLD_AXES, ToolRows, checked_axes, checked_rows
@@ -181,9 +181,9 @@ class MechanismSpec(TomlTable, frozen=True, kw_only=True):
                 raise ArgumentError(f"parameter {quoted(name)} moves nothing and is in no length")
 
     def _uses(self, parameter: str) -> bool:
-        lengths = [loop.length for loop in self.loops if isinstance(loop, DistanceLoop)]
-        in_a_length = any(isinstance(length, Mapping) and parameter in length for length in lengths)
-        return bool(self.parameters[parameter].moves) or in_a_length
+        between = [loop for loop in self.loops if not isinstance(loop, JointLoop)]
+        in_a_loop = any(parameter in loop.parameter_names for loop in between)
+        return bool(self.parameters[parameter].moves) or in_a_loop
 
     def _check_locked(self) -> None:
         uses = {"actuated": self.actuated, "passive": self.passive or ()}
@@ -346,10 +346,10 @@ def checked_pitch(name: str, pitch: object) -> float:
 
 
 def _check_length(loop: Loop, parameters: Mapping[str, Parameter]) -> None:
-    if not isinstance(loop, DistanceLoop):
+    if isinstance(loop, JointLoop):
         return
-    for name in () if isinstance(loop.length, float) else loop.length:
+    for name in sorted(loop.parameter_names):
         if name not in parameters:
             hint = did_you_mean(name, parameters)
             raise ArgumentError(f"unknown parameter {quoted(name)} in the length of a loop{hint}")
-    loop.resolved_length({name: item.default for name, item in parameters.items()})
+    loop.resolved({name: item.default for name, item in parameters.items()})

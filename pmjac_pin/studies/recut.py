@@ -22,7 +22,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.linkage import Edge, build, edges_of
 from pmjac_pin.model.loop_joint import Anchor, LoopJoint, loop_joint
-from pmjac_pin.model.loop_spec import DistanceLoop, FrameLoop, JointLoop, Loop
+from pmjac_pin.model.loop_spec import FrameLoop, JointLoop, Loop
 from pmjac_pin.model.spec import JointValue, MechanismSpec
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import check_kind
@@ -221,6 +221,4 @@ def _new_values(
 
 
 def _resolved(loop: Loop, values: Mapping[str, float]) -> Loop:
-    if isinstance(loop, DistanceLoop):
-        return replace(loop, length=loop.resolved_length(values))
-    return loop
+    return loop if isinstance(loop, JointLoop) else loop.resolved(values)

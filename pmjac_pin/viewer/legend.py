@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.model.loop_spec import DistanceLoop, JointLoop
+from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.viewer.messages import Key
 from pmjac_pin.viewer.palette import (
     AXIS_COLOURS,
@@ -34,7 +34,7 @@ def legend(mechanism: Mechanism) -> tuple[Key, ...]:
         (True, "motor", [MOTOR]),
         (bool(mechanism.passive), "passive joint", [JOINT]),
         (bool(closures), "loop closure", [FIRST_ANCHOR, SECOND_ANCHOR]),
-        (any(isinstance(loop, DistanceLoop) for loop in closures), "its rod", [ROD]),
+        (any(loop.rod(mechanism.parameters) for loop in closures), "its rod", [ROD]),
         (bool(closures), "open gap", [GAP]),
         (len(closures) < len(mechanism.spec.loops), "gears", [WHEEL, GEAR]),
         (True, "tool x, y, z", list(AXIS_COLOURS)),

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pinocchio as pin
 from flint import fmpq_mpoly
+from numpy.typing import ArrayLike
 
 from pmjac_pin.algebra.jets import Jets
 from pmjac_pin.algebra.polynomials import Polynomials, Symbols, rational
@@ -24,6 +25,22 @@ _POLYNOMIALS = Polynomials()
 _ENTRY_ROUNDING = 1e-15  # of an entry of a rotation, which is of size 1
 
 
+class LengthPolynomials(Polynomials):
+    """Polynomials in characteristic lengths: a model's own lengths, m, are measured by them."""
+
+    __slots__ = ("_length",)
+
+    def __init__(self, length: float) -> None:
+        self._length = length
+
+    def measured(self, values: ArrayLike) -> Symbols:
+        """Return a model's numbers, which are lengths, exactly."""
+        exact = [rational(value) / rational(self._length) for value in np.ravel(values).tolist()]
+        found = np.empty((len(exact), 1, 1), dtype=object)
+        found[:, 0, 0] = exact
+        return found.reshape(*np.shape(values), 1, 1)
+
+
 class PolynomialRows:
     """The rows between frames of a tree whose joints have these unknowns.
 
@@ -36,7 +53,7 @@ class PolynomialRows:
         The characteristic length, m.
     """
 
-    __slots__ = ("_joints", "_length", "_poses", "_variables", "tree")
+    __slots__ = ("_joints", "_length", "_lengths", "_poses", "_variables", "tree")
 
     def __init__(
         self,
@@ -46,6 +63,7 @@ class PolynomialRows:
         length: float,
     ) -> None:
         self._variables, self._length = variables, length
+        self._lengths = LengthPolynomials(length)
         self._joints: Mapping[int, JointUnknowns] = {one.edge.child: one for one in joints}
         self.tree = Tree(model, self._placed)
         self._poses = Poses(self.tree, _POLYNOMIALS, self._motion)
@@ -63,7 +81,7 @@ class PolynomialRows:
                 length = _exact_number(rational(block.length / self._length) ** 2)
                 rows.append(self._rod(pair, length if square is None else square))
                 continue
-            found = block.equations(Jets(_POLYNOMIALS), one, other)
+            found = block.equations(Jets(self._lengths), one, other)
             rows += list(found.rows.value)
             if found.cosine is not None:
                 turned_over.append(found.cosine.value - _POLYNOMIALS.constant(1.0))
