@@ -18,9 +18,10 @@ from pmjac_pin.closing.generic_ranks import on_branch_of
 from pmjac_pin.closing.idle_motions import gained_and_idle
 from pmjac_pin.closing.loaded_pose import LoadedPose
 from pmjac_pin.closing.parts import Parts
-from pmjac_pin.errors import ArgumentError, ClosureError, quoted
+from pmjac_pin.errors import ArgumentError, ClosureError
 from pmjac_pin.kinematics.pinocchio import Snapshot
 from pmjac_pin.model.limits import Violation, violations
+from pmjac_pin.model.reference_frame import frame_name
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.pose_rounding import PoseRounding
 from pmjac_pin.rates.allowed import AllowedJacobian, allowed_jacobian
@@ -380,16 +381,3 @@ class Configuration(LoadedPose, Shown):
 
 def _unpickled(mechanism: Mechanism, q: Array, iterations: int) -> Configuration:
     return Configuration._of_q(mechanism, mechanism._checked(q), iterations)
-
-
-def frame_name(frame: str | pin.ReferenceFrame) -> FrameName:
-    """Return the name of one of Pinocchio's frames, or say which there are."""
-    name = frame.name if isinstance(frame, pin.ReferenceFrame) else frame
-    if isinstance(name, str):  # of an array, a comparison is none
-        match name.upper():
-            case "LOCAL_WORLD_ALIGNED" | "LOCAL" | "WORLD" as known:
-                return known
-            case _:
-                pass
-    names = "LOCAL, WORLD or LOCAL_WORLD_ALIGNED"
-    raise ArgumentError(f"frame must be {names}, got {quoted(frame)}")

@@ -100,7 +100,7 @@ def check_by_multipliers(configuration, rng):
 
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_power_is_the_change_of_energy(name, rng):
-    """d/dt (kinetic + potential) = θ̇ᵀτ + twistᵀw, the energies by Pinocchio's own functions."""
+    """d/dt (kinetic + potential + springs') = θ̇ᵀτ + twistᵀw, the former two by Pinocchio."""
     mechanism = heavy(name, rng)
     configuration = away(mechanism, rng)
     n = len(mechanism.actuated)
@@ -108,16 +108,20 @@ def test_power_is_the_change_of_energy(name, rng):
     wrench, model, data = rng.normal(size=6), mechanism.model, mechanism.model.createData()
     bare = model.copy()  # of some joints, Pinocchio's energy leaves armatures out
     bare.armature = np.zeros(model.nv)
-    efforts = configuration.dynamics(rates).efforts(accelerations, wrench)
+    joints = [name for name, value in configuration.joint_values.items() if np.isscalar(value)]
+    springs = {joint: rng.uniform(0.5, 2.0, 2) for joint in joints[::2]}
+    entries = [model.joints[model.getJointId(joint)].idx_q for joint in springs]
+    stiffness, rest = np.array(list(springs.values())).T
+    efforts = configuration.dynamics(rates, springs=springs).efforts(accelerations, wrench)
     power = rates @ efforts + configuration.motion(rates).twist @ wrench
 
     def energy(t):
         theta = configuration.actuated + t * rates + 0.5 * t**2 * accelerations
         there = mechanism.close(theta, guess=configuration, enforce_limits=False)
         v = there.jacobian().motion_map @ (rates + t * accelerations)
-        rotors = 0.5 * model.armature @ v**2
+        stored = 0.5 * model.armature @ v**2 + 0.5 * stiffness @ (there.q[entries] - rest) ** 2
         moving = pin.computeKineticEnergy(bare, data, there.q, v)
-        return moving + rotors + pin.computePotentialEnergy(model, data, there.q)
+        return moving + stored + pin.computePotentialEnergy(model, data, there.q)
 
     h = 1e-3
     found = (8 * (energy(h) - energy(-h)) - (energy(2 * h) - energy(-2 * h))) / (12 * h)

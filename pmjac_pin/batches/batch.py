@@ -27,10 +27,11 @@ from pmjac_pin.batches.results import (
 )
 from pmjac_pin.closing.motor_values import motor_table
 from pmjac_pin.closing.recorded_rates import DOUBTS
-from pmjac_pin.configuration import Configuration, frame_name
+from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import enforced
+from pmjac_pin.model.reference_frame import frame_name
 from pmjac_pin.model.unit_turns import unit_rows
 from pmjac_pin.values.arrays import Array, Index
 from pmjac_pin.values.checks import as_numbers, check_kind

@@ -18,11 +18,11 @@ from pmjac_pin.algebra.programs import Recording, Term
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import run
 from pmjac_pin.closing.recorded_rates import RecordedRates
-from pmjac_pin.configuration import frame_name
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.kinematics.recorded import Recorder
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import entry_names
+from pmjac_pin.model.reference_frame import frame_name
 from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.model.unit_turns import unit_rows
 from pmjac_pin.values.arrays import Array

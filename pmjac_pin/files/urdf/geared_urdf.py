@@ -11,6 +11,7 @@ from xml.etree.ElementTree import Element
 from pmjac_pin.errors import ModelFileError
 from pmjac_pin.files.gazebo_plugins import is_mimic_plugin, misread_mimics, unread_harmless
 from pmjac_pin.files.text_file import at_file, read_text
+from pmjac_pin.files.unread_springs import spring_notes, sprung_joints
 from pmjac_pin.files.urdf.control_mimics import doubtful
 from pmjac_pin.files.urdf.couplings import take_couplings
 from pmjac_pin.files.urdf.loop_elements import idle_mimics, read_gears
@@ -54,7 +55,7 @@ def read_geared_urdf(path: Path) -> GearedUrdf:
         unread, joints = _unread_gears(robot), robot.findall("joint")
         take_mimics(robot, joints)
         followers = [joint.get("name", "") for joint in joints if joint.find("mimic") is not None]
-        notes = idle_mimics(joints)
+        notes = idle_mimics(joints) + spring_notes(sprung_joints(robot))
         gears = (*read_gears(joints), *take_couplings(robot, joints))
         urdf = Urdf.of(robot, str(path), (*unread, *doubtful(robot, followers)))
     return GearedUrdf(urdf, gears, tuple(notes))
