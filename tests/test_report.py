@@ -61,8 +61,8 @@ def test_json_gives_the_python_interface_back_bit_by_bit(homes, name, frame):
     assert [row["value"] for row in report["residual"]] == configuration.residual.tolist()
     assert report["residual_norm"] == configuration.residual_norm
     assert report["iterations"] == configuration.iterations
-    np.testing.assert_array_equal(report["tool"]["position"], configuration.tool_pose.translation)
-    np.testing.assert_array_equal(report["tool"]["rotation"], configuration.tool_pose.rotation)
+    np.testing.assert_array_equal(report["tool"]["position"], configuration.tool_pose().translation)
+    np.testing.assert_array_equal(report["tool"]["rotation"], configuration.tool_pose().rotation)
     assert report["refusal"] is None
 
 

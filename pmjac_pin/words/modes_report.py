@@ -80,7 +80,7 @@ class ModeReport:
         labels = Labels.of(mode.mechanism)
         return {
             **told(self, "number", "poses"),
-            "tool": mode.tool_pose,
+            "tool": mode.tool_pose(),
             "joints": joint_values(mode, labels),
             "limits_violated": limits_told(mode, labels),
             **told(mode, "q", "residual_norm"),

@@ -72,7 +72,7 @@ def _modes(modes: AssemblyModes) -> Iterator[Block]:
         yield Table("", ("mode", "kind", "share\n[%]", "ways"), tuple(kinds), "><>>")
     elif modes:
         size = modes[0].mechanism.characteristic_length
-        places = matrix_numbers([mode.tool_pose.translation for mode in modes], size)
+        places = matrix_numbers([mode.tool_pose().translation for mode in modes], size)
         rows = (
             (str(number), *place, mode.singularity().kind, f"{100.0 * share:.3g}", str(ways))
             for number, (mode, place, share, ways) in enumerate(

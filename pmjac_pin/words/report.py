@@ -203,7 +203,7 @@ class Report(Printed):
             "iterations": configuration.iterations,
             "residual": self.residual,
             "residual_norm": configuration.residual_norm,
-            "tool": configuration.tool_pose,
+            "tool": configuration.tool_pose(),
             **told(self, "matrices", "det_K_star", "singular_values"),
             "singularity": singularity_told(singularity, mechanism.characteristic_length),
             "ellipsoids": {

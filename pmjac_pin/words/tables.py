@@ -208,7 +208,7 @@ def joints_table(report: Report) -> Table:
 
 
 def _tool_table(report: Report) -> Table:
-    tool, size = report.configuration.tool_pose, report.mechanism.characteristic_length
+    tool, size = report.configuration.tool_pose(), report.mechanism.characteristic_length
     position = matrix_numbers([[x] for x in tool.translation], size)
     rows = zip("xyz", position, matrix_numbers(tool.rotation), strict=True)
     return Table(
