@@ -76,7 +76,7 @@ def test_measures():
         pose = mechanism.close([float(point.l1), *mechanism.home.actuated[1:]])
         radii = pose.jacobian().velocity_ellipsoid().radii
         np.testing.assert_allclose(point.velocity_radii, radii, atol=1e-9)
-        singularity, placed = pose.singularity(), pose.tool_pose
+        singularity, placed = pose.singularity(), pose.tool_pose()
         assert point.smallest == pytest.approx(singularity.smallest, rel=1e-8)
         assert point.condition == pytest.approx(singularity.condition, rel=1e-8)
         np.testing.assert_allclose(point.position, placed.translation, atol=1e-9)

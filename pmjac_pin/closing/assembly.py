@@ -213,6 +213,9 @@ def _partition(
         smallest_size=_SMALLEST_SIZE,
         strokes=size.strokes,
         gap=max(CLOSURE_TOLERANCE, opened / length),
+        units=tuple("rad" if turns else "m" for turns in coordinates.rotational.tolist()),
+        row_names=loops.row_names,
+        row_units=loops.row_units,
     )
 
 

@@ -42,6 +42,10 @@ class Partition(ReadOnlyArrays):
     actuated, passive : ndarray of int, shapes (n,) and (m_p,)
         Columns, in the order of K and K*.
     actuated_names, passive_names : tuple of str
+    units : tuple of str, length nv
+        Of each column's freedom, "m" or "rad"; empty for matrices from elsewhere.
+    row_names, row_units : tuple of str, length p
+        Of η, the units "m", "rad" or "m²"; empty for matrices from elsewhere.
     length : float
         The mechanism's characteristic length, m: it makes a rad and a m comparable.
     row_scale : ndarray, shape (p,)
@@ -95,6 +99,9 @@ class Partition(ReadOnlyArrays):
     strokes: Array = field(default_factory=lambda: np.zeros(0))
     gap: float = 1e-12
     tool_rates: Array = field(default_factory=lambda: np.zeros(0))
+    units: tuple[str, ...] = ()
+    row_names: tuple[str, ...] = ()
+    row_units: tuple[str, ...] = ()
 
     @cached_property
     def _scale(self) -> Array:
@@ -140,6 +147,10 @@ class Partition(ReadOnlyArrays):
         names = self.actuated_names + self.passive_names
         columns = [*self.actuated.tolist(), *self.passive.tolist()]
         return dict(zip(names, columns, strict=True))
+
+    def units_of(self, columns: Index) -> tuple[str, ...]:
+        """Return the units of these columns' freedoms; none for matrices from elsewhere."""
+        return tuple(self.units[k] for k in columns.tolist()) if self.units else ()
 
     @cached_property
     def rate_scale(self) -> Array:
