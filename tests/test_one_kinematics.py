@@ -18,6 +18,7 @@ from pmjac_pin.algebra.floats import Floats
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.algebra.polynomials import Polynomials, symbols
 from pmjac_pin.algebra.programs import Programs, Recording, Term
+from pmjac_pin.algebra.series import SeriesAlgebra
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.loops import Loops, by_twists, riding
 from pmjac_pin.kinematics.tree import Poses, Tree
@@ -199,6 +200,14 @@ def by_boxes(loops, model, q, way):
     return assembled(loops, blocks, model.nv, lambda x: x.middle)
 
 
+def by_series(loops, model, q, way):
+    algebra = SeriesAlgebra(2, 3)
+    motion = as_numbers(motions(model, q), lambda x: algebra.boxes(Intervals.exact(x)))
+    poses = Poses(loops.tree, algebra, motion, range(model.nv) if way is riding else ())
+    blocks = way(loops.pairs[0], poses)
+    return assembled(loops, blocks, model.nv, lambda x: x.value.middle)
+
+
 def by_balls(loops, model, q, way):
     balls = Balls()
     with precise():
@@ -294,6 +303,8 @@ NUMBERS = {
     "complex floats, twists": by_complex_floats,
     "boxes, twists": lambda *case: by_boxes(*case, by_twists),
     "boxes, riding": lambda *case: by_boxes(*case, riding),
+    "series, twists": lambda *case: by_series(*case, by_twists),
+    "series, riding": lambda *case: by_series(*case, riding),
     "balls, twists": lambda *case: by_balls(*case, by_twists),
     "balls, riding": lambda *case: by_balls(*case, riding),
     "polynomials, riding": by_polynomials,
