@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from mechanisms import loaded
-from test_batch import single, targets
+from mechanisms import loaded, mostly_slow
+from test_batch import NAMES, single, targets
 
 import pmjac_pin as pj
+from pmjac_pin.closing.many_paths import FEW, LONG
+from pmjac_pin.closing.path_kernel import many_paths_kernel
 
 FOLDING = ("five_bar", "bricard", "planar_3rpr", "planar_3rrr", "three_rps", "three_rps_ss")
 SAME = 1e-8  # of the way: steps on both sides become shorter than can be resolved
@@ -52,3 +54,43 @@ def test_what_is_not_settled_in_few_steps_is_said_to_be_so(rng):
     np.testing.assert_array_equal(early[settled_early], q[settled_early])
     assert (share_early[~settled_early] <= share[~settled_early] + 1e-12).all()
     assert settled.all()
+
+
+@pytest.mark.skipif(many_paths_kernel() is None, reason="no kernel was built")
+@pytest.mark.parametrize("name", mostly_slow(NAMES, ("four_bar", "five_bar", "bennett")))
+def test_the_kernel_walks_as_numpy_does(name, rng):
+    """More paths than lanes, so that lanes take up others; none, one and few."""
+    mechanism = loaded(name)
+    closing, problem = pj.batch(mechanism)._closing, mechanism.problem
+    if closing.walker is None or problem.partition.constraint_rank > problem.partition.passive_rank:
+        pytest.skip("single calls walk it")
+    values = targets(mechanism, 150, 0.3, rng)
+    start = np.broadcast_to(mechanism.home.q, (150, mechanism.nq))
+    displacement, length = values - mechanism.home.actuated, mechanism.characteristic_length
+    for count, most in ((150, 20_000), (150, 3), (1, 20_000), (0, 20_000)):
+        told = []
+        paths = start[:count], displacement[:count], values[:count], lambda: told.append(1)  # noqa: B023
+        found, expected = (one.walk(*paths, most) for one in (closing.lanes, closing.walker))
+        # The last few of long paths are left to single calls: which, depends on when they began.
+        apart = np.count_nonzero(found.settled != expected.settled)
+        assert apart <= (2 * FEW if most > LONG else 0)
+        both = found.settled & expected.settled
+        np.testing.assert_allclose(found.share[both], expected.share[both], rtol=0.0, atol=SAME)
+        arrived = both & (expected.share == 1.0)
+        np.testing.assert_array_equal(both & (found.share == 1.0), arrived)
+        size = max(1.0, length)
+        np.testing.assert_allclose(found.q[arrived], expected.q[arrived], atol=1e-9 * size)
+        assert told or not count
+
+
+@pytest.mark.skipif(many_paths_kernel() is None, reason="no kernel was built")
+def test_no_lane_depends_on_another(rng):
+    mechanism = loaded("five_bar")
+    lanes, values = pj.batch(mechanism)._closing.lanes, targets(mechanism, 150, 0.6, rng)
+    start = np.tile(mechanism.home.q, (150, 1))
+    displacement = values - mechanism.home.actuated
+    together = lanes.walk(start, displacement, values, lambda: None)
+    order = rng.permutation(150)
+    apart = lanes.walk(start, displacement[order], values[order], lambda: None)
+    for name in ("q", "share", "settled"):
+        np.testing.assert_array_equal(getattr(together, name)[order], getattr(apart, name))

@@ -35,15 +35,15 @@ class RecordedSlopes:
 
     def at(self, q: Array, motions: Array) -> Slopes:
         """Return how Jacobians change at a q (nq,) along the columns of motions (nv, k)."""
-        memory, argument = self._thread.memory, self._thread.argument
+        inputs, outputs, argument = self._thread.numbers
         nq, nv, entries = q.size, self._nv, self._rows * self._nv
         rates = entry_rates(self._tree, q, motions)
         constraint, tools = np.empty((len(rates), self._rows, nv)), []
-        memory.inputs[:nq] = q
+        inputs[:nq] = q
         for k, rate in enumerate(rates):
-            memory.inputs[nq:] = rate
+            inputs[nq:] = rate
             self._run(argument)
-            told = np.array(memory.outputs)
+            told = np.array(outputs)
             constraint[k] = told[:entries].reshape(self._rows, nv)
             tools.append(told[entries:])
         return Slopes.of(constraint, tools)
