@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from mechanisms import loaded, mostly_slow
 from test_batch import NAMES, single, targets
 
 import pmjac_pin as pj
+from pmjac_pin.algebra.tape_runner import run
 from pmjac_pin.closing.many_paths import FEW, LONG
 from pmjac_pin.closing.path_kernel import many_paths_kernel
+from pmjac_pin.closing.recorded_step import BOUNDS
 
 FOLDING = ("five_bar", "bricard", "planar_3rpr", "planar_3rrr", "three_rps", "three_rps_ss")
 SAME = 1e-8  # of the way: steps on both sides become shorter than can be resolved
@@ -94,3 +98,29 @@ def test_no_lane_depends_on_another(rng):
     apart = lanes.walk(start, displacement[order], values[order], lambda: None)
     for name in ("q", "share", "settled"):
         np.testing.assert_array_equal(getattr(together, name)[order], getattr(apart, name))
+
+
+@pytest.mark.parametrize("name", mostly_slow(NAMES, ("five_bar", "three_rps", "bennett")))
+def test_what_is_told_sooner_of_a_step_is_never_less(name, rng):
+    """So a step that is covered by an early bound is covered by the last one."""
+    mechanism = loaded(name)
+    walker = pj.batch(mechanism)._closing.walker
+    if walker is None:
+        pytest.skip("single calls walk it")
+    displacement = targets(mechanism, 30, 0.005, rng) - mechanism.home.actuated
+    start = walker.at(np.tile(mechanism.home.q[:, None], 30), displacement.T)
+    ahead = run(walker.move, np.vstack([start.q, start.velocity]))
+    end = walker.at(ahead, displacement.T)
+    steps = np.vstack([start.q, end.q, start.velocity, end.velocity, start.inverse])
+    told = run(walker.leg, steps).reshape(BOUNDS, 4, -1)
+    change, rho, tau, within = told.swapaxes(0, 1)
+    np.testing.assert_array_equal(rho[1:], rho[:-1])
+    sure = change[0] < 1.0
+    assert sure.any()
+    for bound in (change, tau[:, sure], within[:, sure]):
+        assert (bound[:-1] >= bound[1:] * (1.0 - 1e-12) - 1e-14).all()
+    parts = walker.leg.stages
+    assert list(parts) == sorted(parts)
+    for number, length in enumerate(parts):
+        early = run(replace(walker.leg, code=walker.leg.code[:length]), steps)
+        np.testing.assert_array_equal(early[: 4 * number + 4], told[: number + 1].reshape(-1, 30))

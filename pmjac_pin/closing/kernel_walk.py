@@ -141,6 +141,7 @@ class KernelWalk:
         self._struct = WalkStruct(
             ctypes.addressof(machine.struct),
             *(memory.struct for memory in programs),
+            leg.stages,
             address(point),
             ctypes.addressof(states),
         )

@@ -18,6 +18,7 @@ from pmjac_pin.algebra.tape_runner import run
 from pmjac_pin.closing import closure
 from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
+from pmjac_pin.closing.recorded_step import BOUNDS
 from pmjac_pin.closing.step_guard import MARGIN
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.values.arrays import Array, Index, Mask
@@ -177,7 +178,7 @@ class Walker:
             allowed = closure.LARGEST_CORRECTION * stride * start.pace
             found, good = self._correct(ahead, allowed, displacement[:, going], last)
             steps = [start.q[:, good], found.q, tangent[:, good], found.velocity * stride[good]]
-            covered = self._covers(np.vstack(steps))
+            covered = self._covers(np.vstack(steps), start.inverse[good])
             good = good[covered]
             done, found = going[good], found[covered]
             here.put(done, found)
@@ -236,11 +237,13 @@ class Walker:
         good &= found.inverse * found.size * closure.NO_INVERSE < 1.0
         return found[good], np.flatnonzero(good)
 
-    def _covers(self, steps: Array) -> Mask:
-        """Tell which steps are proven regular, as `StepGuard.covers` does."""
-        change, rho, tau, within, inverse = run(self.leg, steps)
+    def _covers(self, steps: Array, inverse: Array) -> Mask:
+        """Tell which steps are proven regular, as `StepGuard.covers` does, by one of the bounds."""
+        told = run(self.leg, np.vstack([steps, inverse])).reshape(BOUNDS, 4, -1)
+        change, rho, tau, within = told.swapaxes(0, 1)
         contracts = MARGIN * (change + inverse * within) < 1.0
-        return np.asarray(contracts & (change < 1.0) & (within * tau <= rho))
+        covered = contracts & (change < 1.0) & (within * tau <= rho)
+        return np.asarray(covered.any(axis=0))
 
 
 def judged(problem: ClosureProblem, paths: Paths, displacement: Array, doubtful: Mask) -> Paths:

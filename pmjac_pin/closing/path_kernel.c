@@ -26,11 +26,13 @@ typedef struct {
     Row *slots, *inputs, *outputs;
 } Program;
 
-void pmjac_run_once(const Program *program)
+static void run_part(const Program *program, int64_t from, int64_t to)
 {
-    run(program->code, program->length, program->slots, (const double *)program->inputs,
+    run(program->code + 5 * from, to - from, program->slots, (const double *)program->inputs,
         LANES, 0, LANES, (double *)program->outputs);
 }
+
+void pmjac_run_once(const Program *program) { run_part(program, 0, program->length); }
 
 typedef struct {
     int64_t nq, nv, motors;
@@ -47,11 +49,13 @@ typedef struct {
     double share, next, stride, allowed, before;
 } Lane;
 
-enum { IDLE, BEGINS, CORRECTS, CLOSED, REFUSED };
+enum { IDLE, BEGINS, CORRECTS, CLOSED, COVERED, REFUSED };
 
 /* Where paths end: tries are spent, at the target, where K* may be singular, or where steps
  * become too small to be resolved. */
 enum { SPENT, ARRIVED, DOUBTFUL, STUCK, GOES_ON };
+
+#define BOUNDS 3 /* that the leg tells of a step, in as many parts */
 
 /* Paths, one row each, but for one start that is all paths': `apart` is 0 then. All of a point is
  * what the arrival's program gives: (q, gap, inverse, size, size of Newton's step, pace, Newton's
@@ -59,6 +63,7 @@ enum { SPENT, ARRIVED, DOUBTFUL, STUCK, GOES_ON };
 typedef struct {
     const Machine *machine;
     Program move, arrival, leg;
+    int64_t leg_parts[BOUNDS]; /* where they end */
     Row *point;
     Lane *lanes;
     const double *start, *displacement, *target;
@@ -187,24 +192,27 @@ static void set_motors(const Machine *machine, const double *target, Row *q, int
 }
 
 /* Where paths step to, before that is corrected, as the arrival's q. */
-static void predict(Walk *walk)
+INLINE void predict(Walk *walk)
 {
     const Machine *machine = walk->machine;
     const Row *rates = velocity(machine, walk->point);
     Row *leaving = walk->leg.inputs + 2 * machine->nq, *ahead = walk->arrival.inputs, stride;
-    int64_t begins[LANES];
+    int64_t steps[LANES];
+    int any = 0;
+    copy(ahead, walk->point, machine->nq);
     for (int at = 0; at < LANES; at++) {
         stride[at] = walk->lanes[at].stride;
-        begins[at] = walk->lanes[at].state == BEGINS;
+        steps[at] = walk->lanes[at].state == CORRECTS, any |= steps[at] != 0;
     }
+    if (!any) return;
     for (int64_t k = 0; k < machine->nv; k++)
         EACH leaving[k][i] = rates[k][i] * stride[i];
     copy(walk->leg.inputs, walk->point, machine->nq);
+    copy(leaving + 2 * machine->nv, known(machine, walk->point) + INVERSE, 1);
     copy(walk->move.inputs, walk->point, machine->nq);
     copy(walk->move.inputs + machine->nq, leaving, machine->nv);
     pmjac_run_once(&walk->move);
-    copy(ahead, walk->move.outputs, machine->nq);
-    copy_where(begins, ahead, walk->point, machine->nq);
+    copy_where(steps, ahead, walk->move.outputs, machine->nq);
     for (int at = 0; at < LANES; at++) {
         const Lane *lane = walk->lanes + at;
         if (lane->state == CORRECTS && lane->last)
@@ -213,7 +221,7 @@ static void predict(Walk *walk)
 }
 
 /* Whether a lane, whose q has just been looked at, is to be corrected once more. */
-static int corrects(const Machine *machine, Lane *lane, double gap, double size)
+INLINE int corrects(const Machine *machine, Lane *lane, double gap, double size)
 {
     if (lane->state != CORRECTS) return 0;
     int closed = gap <= machine->tolerance;
@@ -230,7 +238,7 @@ static int corrects(const Machine *machine, Lane *lane, double gap, double size)
 
 /* Newton's method from the arrival's q, until none is corrected any more. Lanes that are done are
  * looked at again where they are, and so stay. */
-static void correct(Walk *walk)
+INLINE void correct(Walk *walk)
 {
     const Machine *machine = walk->machine;
     Row *q = walk->arrival.inputs, *motion = q + machine->nq, *found = walk->arrival.outputs;
@@ -252,64 +260,83 @@ static void correct(Walk *walk)
 }
 
 /* Whether K* has an inverse where a step has led to. */
-static int invertible(const Machine *machine, const Row *of, int lane)
+INLINE int invertible(const Machine *machine, const Row *of, int lane)
 {
     return of[INVERSE][lane] * of[SIZE][lane] * machine->no_inverse < 1.0
         && regular(machine, of, lane, machine->arrival_tolerance);
 }
 
-/* Refuse what is not invertible, and steps that are not covered; the leg has their q and v at the
- * start. */
-static void judge(Walk *walk)
+INLINE int covered(const Machine *machine, const Row *bound, double inverse, int lane)
+{
+    double change = bound[0][lane], rho = bound[1][lane];
+    double tau = bound[2][lane], within = bound[3][lane];
+    return machine->margin * (change + inverse * within) < 1.0 && change < 1.0
+        && within * tau <= rho;
+}
+
+/* Refuse what is not invertible, and steps that are not covered by any bound; the leg has their q,
+ * v and inverse at the start. */
+INLINE void judge(Walk *walk)
 {
     const Machine *machine = walk->machine;
-    Row *found = walk->arrival.outputs, *other = walk->leg.inputs + machine->nq, *of;
+    Row *found = walk->arrival.outputs, *other = walk->leg.inputs + machine->nq;
     Row *arriving = other + machine->nq + machine->nv, *onward = velocity(machine, found), stride;
-    int any = 0;
+    const Row *inverse = arriving + machine->nv;
+    int left = 0;
     for (int at = 0; at < LANES; at++) {
         Lane *lane = walk->lanes + at;
         if (lane->state == CLOSED && !invertible(machine, known(machine, found), at))
             lane->state = REFUSED;
-        stride[at] = lane->stride, any |= lane->state == CLOSED;
+        stride[at] = lane->stride, left += lane->state == CLOSED;
     }
-    if (!any) return;
     copy(other, found, machine->nq);
     for (int64_t k = 0; k < machine->nv; k++)
         EACH arriving[k][i] = onward[k][i] * stride[i];
-    pmjac_run_once(&walk->leg);
-    of = walk->leg.outputs;
-    for (int at = 0; at < LANES; at++) {
-        double change = of[0][at], rho = of[1][at], tau = of[2][at];
-        double within = of[3][at], inverse = of[4][at];
-        if (!(machine->margin * (change + inverse * within) < 1.0 && change < 1.0
-              && within * tau <= rho) && walk->lanes[at].state == CLOSED)
-            walk->lanes[at].state = REFUSED;
+    int64_t from = 0;
+    for (int part = 0; part < BOUNDS && left; part++) {
+        run_part(&walk->leg, from, walk->leg_parts[part]);
+        from = walk->leg_parts[part];
+        for (int at = 0; at < LANES; at++) {
+            Lane *lane = walk->lanes + at;
+            if (lane->state == CLOSED
+                && covered(machine, walk->leg.outputs + 4 * part, inverse[0][at], at))
+                lane->state = COVERED, left--;
+        }
     }
+    for (int at = 0; at < LANES; at++)
+        if (walk->lanes[at].state == CLOSED) walk->lanes[at].state = REFUSED;
 }
 
 /* Arrive where steps are covered, and where paths begin. */
-static void take(Walk *walk)
+INLINE void take(Walk *walk)
 {
     const Machine *machine = walk->machine;
     int64_t here[LANES];
     for (int at = 0; at < LANES; at++) {
         Lane *lane = walk->lanes + at;
-        here[at] = lane->state == CLOSED || lane->state == BEGINS;
-        if (lane->state != CLOSED) continue;
+        here[at] = lane->state == COVERED || lane->state == BEGINS;
+        if (lane->state != COVERED) continue;
         lane->share = lane->last ? 1.0 : lane->share + lane->stride;
         lane->next = 2.0 * lane->stride, lane->iterations += lane->corrections;
     }
     copy_where(here, walk->point, walk->arrival.outputs, machine->nq + MOTIONS + 2 * machine->nv);
 }
 
+/* One step of each lane, tried. */
+FOR_EACH_PROCESSOR
+static void step(Walk *walk)
+{
+    predict(walk);
+    correct(walk);
+    judge(walk);
+    take(walk);
+}
+
 /* Walks on, up to so many steps of each lane; 1 where more of them lead further. */
 int pmjac_walk(Walk *walk, int64_t steps)
 {
     for (; steps; steps--) {
-        predict(walk);
-        correct(walk);
-        judge(walk);
-        take(walk);
+        step(walk);
         if (!set_all_out(walk)) return 0;
     }
     return 1;

@@ -12,6 +12,7 @@ import numpy as np
 
 from pmjac_pin.algebra import tape_runner
 from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.closing.recorded_step import BOUNDS
 from pmjac_pin.values.arrays import Array
 
 _FOLDER = Path(__file__).parent
@@ -81,6 +82,7 @@ class WalkStruct(ctypes.Structure):
     _fields_ = (
         ("machine", _Pointer),
         *((name, ProgramStruct) for name in ("move", "arrival", "leg")),
+        ("leg_parts", _Count * BOUNDS),
         *((name, _Pointer) for name in ("point", "lanes", "start", "displacement", "target")),
         *((name, _Count) for name in ("apart", "count", "taken", "most_tries", "few", "patience")),
         *((name, _Pointer) for name in ("q", "gap", "share", "iterations", "end")),
