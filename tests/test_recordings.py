@@ -11,7 +11,7 @@ import pytest
 import pmjac_pin as pj
 from pmjac_pin.algebra.programs import Recording, largest, root
 from pmjac_pin.algebra.recordings import Recordings
-from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.algebra.tape import Tape, _Writer
 from pmjac_pin.algebra.tape_runner import run
 
 QUICK = ("four_bar", "slider_crank")
@@ -71,6 +71,25 @@ def test_the_third_sibling_is_not_recorded(monkeypatch):
     monkeypatch.setattr(Recording, "term", None)
     for one, other in zip(tapes(third._recorded), kept, strict=True):
         assert one.code is other.code
+
+
+@pytest.mark.parametrize("name", WITH_PARAMETERS)
+def test_a_scan_plans_its_programs_once(name, rng, monkeypatch):
+    """At first one that is forgotten, then one that is kept; but for two numbers that may meet."""
+    mechanism, planned = pj.load(name), []
+
+    def plan(writer, write=_Writer.tape):
+        planned.append(writer)
+        return write(writer)
+
+    monkeypatch.setattr(_Writer, "tape", plan)
+    parameters = mechanism.parameters
+    designs = [
+        {key: value * (1.0 + 0.05 * rng.uniform(-1, 1)) for key, value in parameters.items()}
+        for _ in range(10)
+    ]
+    programs = [tapes(mechanism.with_parameters(values)._recorded) for values in designs]
+    assert len(planned) <= 2 * len(programs[0]) + 2
 
 
 def test_results_of_siblings(rng):

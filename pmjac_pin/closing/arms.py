@@ -24,6 +24,7 @@ from pmjac_pin.model.rows import Rows
 from pmjac_pin.values.arrays import Array
 
 _NONE = -1
+_ALIKE = 1.0 - 1e-14  # of a length: those of symmetric machines are equal but for rounding
 
 
 class _Freedom(NamedTuple):
@@ -111,7 +112,25 @@ def arms_of(model: pin.Model, loops: Sequence[Loop], values: Mapping[str, float]
         one, other = (find_frame(model, name) for name in loop.frames)
         chains = _chains(model, groups, one, other)
         blocks += [_block(rows, *chains) for rows in loop.rows(values)]
-    return Arms(np.array(groups.rates), np.array(groups.values), tuple(blocks))
+    return Arms(np.array(groups.rates), np.array(groups.values), _alike(blocks))
+
+
+def _alike(blocks: Sequence[Block]) -> tuple[Block, ...]:
+    """Return blocks whose segments are as long as those that they differ from by rounding alone.
+
+    So programs of machines of other dimensions have the same terms.
+    """
+    longest: dict[float, float] = {}
+    last = np.inf
+    for length in sorted({one.length for block in blocks for one in block.segments}, reverse=True):
+        last = last if length >= _ALIKE * last else length
+        longest[length] = last
+    return tuple(
+        block._replace(
+            segments=tuple(one._replace(length=longest[one.length]) for one in block.segments)
+        )
+        for block in blocks
+    )
 
 
 def without_arms(model: pin.Model, rows: int) -> Arms:
