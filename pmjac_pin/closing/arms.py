@@ -24,6 +24,8 @@ from pmjac_pin.model.rows import Rows
 from pmjac_pin.values.arrays import Array
 
 _NONE = -1
+# Rounding makes no segment shorter, nor by chance as long as a number that it is not.
+_LONGER = 1.0 + 1e-14
 _ALIKE = 1.0 - 1e-14  # of a length: those of symmetric machines are equal but for rounding
 
 
@@ -192,13 +194,13 @@ def _chain(model: pin.Model, groups: _Groups, joints: list[int], frame: Frame) -
         own = (slide,) * (slide != _NONE)
         lies += own
         if turning:
-            length = float(np.linalg.norm(place.translation))
+            length = _LONGER * float(np.linalg.norm(place.translation))
             segments.append(Segment(turns, length, slides, lies))
             place, turns = pin.SE3.Identity(), turns + turning
             slides = lies = ()
         slides += own  # in axes that turn with the joint
     place = place * frame.placement
-    length = float(np.linalg.norm(place.translation))
+    length = _LONGER * float(np.linalg.norm(place.translation))
     return [*segments, Segment(turns, length, slides, lies)]
 
 
