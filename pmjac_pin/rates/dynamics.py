@@ -177,7 +177,7 @@ def check_inertia(mass_matrix: Array, scale: Array, massless: tuple[str, ...]) -
     values = np.linalg.eigvalsh(mass_matrix * np.outer(scale, scale))
     if values.size and not values[0] > _NO_INERTIA * max(values[-1], 0.0):
         listed = ", ".join(massless[:6]) + ", ..." * (len(massless) > 6)
+        without = f": bodies without one are {listed}" if massless else ""
         raise NoInertiaError(
-            f"some motion of the motors moves no mass: bodies without one are {listed or 'none'}; "
-            "add inertia, or use statics"
+            f"some motion of the motors moves no mass{without}; add inertia, or use statics"
         )
