@@ -47,6 +47,9 @@ from .errors import (
     NoJacobianError as NoJacobianError,
 )
 from .errors import (
+    NoMotorsError as NoMotorsError,
+)
+from .errors import (
     NoToolError as NoToolError,
 )
 from .errors import (

@@ -80,7 +80,8 @@ class Size:
         if not spec.tool.is_none:
             points.append(tool.pose(model, data)[1])
         elif not points:
-            points = [places[index].translation for index in range(1, model.nframes)]
+            places = data.oMf if model.nframes > 1 else data.oMi
+            points = [place.translation for place in places.tolist()[1:]]
         opened = ROUNDING_OF_PLACES * float(np.abs(points).max())
         rods = _rods(loops)
         turned = (_arms(model, data, turns, frames) for frames in ends)
