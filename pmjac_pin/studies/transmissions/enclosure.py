@@ -27,7 +27,7 @@ from pmjac_pin.rates.partition import Partition, independent_rows
 from pmjac_pin.studies.contraction import contraction
 from pmjac_pin.studies.transmissions.newton_program import NewtonProgram
 from pmjac_pin.studies.transmissions.sheet import Sheet
-from pmjac_pin.studies.transmissions.sheet_equations import Along, Pieces, SheetEquations
+from pmjac_pin.studies.transmissions.sheet_equations import SLID, Along, Pieces, SheetEquations
 from pmjac_pin.values.arrays import Array, Index, Mask
 
 _AT_ONCE = 512  # pieces
@@ -38,12 +38,14 @@ _NARROW = 0.25  # ‖E‖ beyond which bounds on rates would be wide
 
 @dataclass(frozen=True, slots=True)
 class Enclosure:
-    """What is proven of a sheet, all over its rectangle; `failed` says why nothing is.
+    """Bounds on a sheet, all over its rectangle; `failed` says why nothing is proven.
 
     Attributes
     ----------
     error : ndarray, shape (k,)
         How far each follower of a `NewtonProgram` is from the sheet at most, m or rad.
+    reach : float
+        How far any entry of q is from the sheet at most.
     lower, upper : ndarray, shape (k, n)
         Bounds on their rates by those of the joints that drive.
     one_to_one : bool
@@ -56,6 +58,7 @@ class Enclosure:
     """
 
     error: Array
+    reach: float
     lower: Array
     upper: Array
     one_to_one: bool = False
@@ -71,6 +74,7 @@ class _Proven:
 
     good: Mask
     error: Array
+    entries: Array
     ratio: Intervals
     gap: Array
 
@@ -78,7 +82,12 @@ class _Proven:
 def enclose(program: NewtonProgram, sheet: Sheet) -> Enclosure:
     """Return what interval arithmetic proves of a sheet of closed poses."""
     count, n = program.followers.size, len(sheet.axes)
-    nothing = (np.full(count, np.inf), np.full((count, n), -np.inf), np.full((count, n), np.inf))
+    nothing = (
+        np.full(count, np.inf),
+        np.inf,
+        np.full((count, n), -np.inf),
+        np.full((count, n), np.inf),
+    )
     partition = program.rates.partition
     if partition.passive_rank < partition.passive.size:
         return Enclosure(*nothing, failed="joints are left free by those that drive")
@@ -142,9 +151,11 @@ class _Proof:
             reach = np.minimum(reach, _up(Y + E * reach[:, None]).max(axis=1))
         ratio = self._ratio(A, K, Z)
         good &= (Z < _NARROW) & _regular(ratio)
-        error = _up(Y + E * reach[:, None])[:, self._followers]
-        scale = self._partition.column_scale[self._partition.passive[self._followers]]
-        return _Proven(good, _up(error * scale), ratio, self._gap(along, K, reach))
+        every = _up(Y + E * reach[:, None]) * self._partition.column_scale[self._partition.passive]
+        # Slides go in axes that turn, and unit quaternions by half an angle.
+        entries = _up(every.max(axis=1) * SLID)
+        error = _up(every[:, self._followers])
+        return _Proven(good, error, entries, ratio, self._gap(along, K, reach))
 
     def together(self, found: list[_Proven], pieces: int) -> Enclosure:
         """Return what holds in all of them."""
@@ -154,7 +165,8 @@ class _Proof:
         gap = max(float(one.gap[one.good].max(initial=0.0)) for one in found)
         whole = Intervals(lower[None], upper[None])
         others = self._equations.rows - len(self._kept)
-        return Enclosure(error, lower, upper, bool(_regular(whole)[0]), pieces, others, gap)
+        reach = max(float(one.entries[one.good].max(initial=0.0)) for one in found)
+        return Enclosure(error, reach, lower, upper, bool(_regular(whole)[0]), pieces, others, gap)
 
     def _turns(self) -> float:
         """Return the largest turn of an unknown of 1."""

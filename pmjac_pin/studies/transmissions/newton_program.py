@@ -21,12 +21,15 @@ from pmjac_pin.algebra.tangents import tangents
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import run
 from pmjac_pin.closing.recorded_rates import RecordedRates
+from pmjac_pin.errors import ArgumentError
 from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
 from pmjac_pin.kinematics.recorded_motions import moved, recorded_entry_rates
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.sparse_qr import Triangle, norm
 from pmjac_pin.values.arrays import Array, Index, Mask
 
+_STEPS = 4  # of Newton's, from what is near: each doubles the digits
+_ENDED = 1e-9  # rad: the next step is rounding
 _PAIR = 2
 _OF_RATES = ("condition", "motion", "forbidden", "ratio")
 _FORBIDDEN = 1e-9  # beside [K K*]: rounding
@@ -143,6 +146,30 @@ class NewtonProgram:
             name: part.reshape(len(q), *array.shape)
             for (name, array), part in zip(outputs.items(), parts, strict=True)
         }
+
+    def polished(self, q: Array, x: Array) -> Array:
+        """Return closed poses near rows of q (b, nq), by Newton's steps.
+
+        Parameters
+        ----------
+        q : ndarray, shape (b, nq)
+        x : ndarray, shape (b, n)
+            The values of what drives, which q need not have.
+
+        Raises
+        ------
+        ArgumentError
+            The steps do not end.
+        """
+        outputs = {name: self.step[name] for name in ("next", "size")}
+        driven = self.rates.partition.actuated
+        q = self.mechanism.coordinates.with_values(q, driven, x)
+        for _ in range(_STEPS):
+            told = self.run(outputs, q)
+            q = told["next"]
+        if not (told["size"] < _ENDED).all():
+            raise ArgumentError("Newton's steps from the table do not end: take more `points`")
+        return q
 
     @property
     def rates_outputs(self) -> Mapping[str, Numbers]:
