@@ -9,6 +9,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from pmjac_pin.values.arrays import Array, Index
 
 _WIDTH = 96  # of a comment's lines
 _MOST_SEEDS = 9  # along a joint
+_MOST_DEGREE = 8
 _OF_STEP = ("next", "size", "gap", "condition", "motion", "ratio")
 
 
@@ -35,8 +37,8 @@ class HeaderParts:
     sheet : Sheet
     program : NewtonProgram
         The joints drive, the motors follow.
-    reach : float
-        How far entries of q are from the sheet at most.
+    alone : float
+        No other pose has all entries of q nearer to the sheet.
     motors : ndarray, shape (*grid, n)
         At the points of the sheet.
     """
@@ -44,19 +46,13 @@ class HeaderParts:
     transmission: Transmission
     sheet: Sheet
     program: NewtonProgram
-    reach: float
+    alone: float
     motors: Array
 
     @property
     def joint_columns(self) -> Index:
         """Columns of v."""
         return self.program.rates.partition.actuated
-
-    @property
-    def back(self) -> NewtonProgram:
-        """The motors drive, the joints follow."""
-        program = self.program
-        return NewtonProgram(self.transmission.by_motors, self.joint_columns, program.q)
 
     @property
     def kept(self) -> Index:
@@ -96,8 +92,7 @@ def c_header(parts: HeaderParts, name: str | None, head: Iterable[str]) -> str:
         _filled(HEAD, words),
         *_arrays(parts, called),
         _filled(INTERPOLATION[len(parts.sheet.axes)], words),
-        _program(parts.program, f"{called}_step_joints"),
-        _program(parts.back, f"{called}_step_motors"),
+        *_programs(parts.program, called),
         _filled(ALGEBRA[len(parts.sheet.axes)], words),
         _filled(POSES, words),
     ]
@@ -111,9 +106,13 @@ def _filled(template: str, words: Mapping[str, str]) -> str:
     return template
 
 
-def _program(program: NewtonProgram, called: str) -> str:
-    outputs: dict[str, Numbers] = {key: program.step[key] for key in _OF_STEP}
-    return c_function(f"static inline void {called}", program.recording, outputs)
+def _programs(program: NewtonProgram, name: str) -> Iterator[str]:
+    """Yield Newton's steps at held joints and to wanted motors: the step, or rates as well."""
+    for way, known in (("joints", program.step), ("motors", program.aimed)):
+        for what, keys in (("near", _OF_STEP[:2]), ("step", _OF_STEP)):
+            outputs = {key: known[key] for key in keys}
+            declared = f"static inline void {name}_{what}_{way}"
+            yield c_function(declared, program.recording, outputs)
 
 
 def _numbers(parts: HeaderParts) -> dict[str, str]:
@@ -125,6 +124,7 @@ def _numbers(parts: HeaderParts) -> dict[str, str]:
         "n": len(transmission.joints),
         "nn": len(transmission.joints) ** 2,
         "nq": parts.sheet.data.shape[-1],
+        "inputs": len(parts.program.recording.inputs),
         "kept": parts.kept.size,
         "seeds": len(_seeds(parts)),
     }
@@ -132,11 +132,20 @@ def _numbers(parts: HeaderParts) -> dict[str, str]:
     return {
         **{key: str(count) for key, count in counts.items()},
         **sizes,
-        "reach": _double(parts.reach + 1e-9),
+        "alone": _double(parts.alone),
+        "steepest": _double(_steepest(parts.sheet)),
         "gap": _double(transmission.by_motors.problem.tolerance),
         "tolerance": _double(partition.rank_tolerance),
         "bare": ", ".join(map(_double, bare.ravel().tolist())),
     }
+
+
+def _steepest(sheet: Sheet) -> float:
+    """Return twice the largest slope of an entry at a point, summed over joints."""
+    n = len(sheet.axes)
+    flat = np.abs(sheet.data.reshape(-1, 2**n, sheet.data.shape[-1]))
+    slopes: Array = flat[:, 1 : n + 1].sum(axis=1)
+    return 2.0 * float(slopes.max())
 
 
 def _snippets(parts: HeaderParts) -> dict[str, str]:
@@ -150,11 +159,87 @@ def _snippets(parts: HeaderParts) -> dict[str, str]:
         "q_to_joints": _lines(_read(joints, wraps, "x")),
         "q_to_now": _lines(_read(motors, wraps, "now")),
         "q_to_motors": _lines(_read(motors, wraps, "theta")),
+        **_sums(parts),
+        "guess": _lines(_guess(parts)),
         "apart": _lines(
             f"apart[{k}] = {_difference(f'theta[{k}]', f'now[{k}]', bool(wraps[column]))};"
             for k, (column, _) in enumerate(motors)
         ),
     }
+
+
+def _sums(parts: HeaderParts) -> dict[str, str]:
+    """Return the statements that sum up an interpolation, in straight-line code."""
+    kept = parts.kept
+    if len(parts.sheet.axes) == 1:
+        terms = [("one[{0}]", place) for place in range(4)]
+        places = [("near", "far")[place // 2] for place in range(4)]
+        offsets = [place % 2 for place in range(4)]
+        weights = [text.format(place) for text, place in terms]
+        declared: list[str] = []
+    else:
+        pairs = list(product(range(4), repeat=2))
+        places = [f"d{2 * (a // 2) + b // 2}" for a, b in pairs]
+        offsets = [2 * (a % 2) + b % 2 for a, b in pairs]
+        weights = [f"w{a}{b}" for a, b in pairs]
+        declared = [f"const double w{a}{b} = one[{a}] * other[{b}];" for a, b in pairs]
+    sums = (
+        f"q[{entry}] = "
+        + " + ".join(
+            f"{weight} * {place}[{offset * kept.size + k}]"
+            for weight, place, offset in zip(weights, places, offsets, strict=True)
+        )
+        + ";"
+        for k, entry in enumerate(kept.tolist())
+    )
+    return {"weights": _lines(declared), "sums": _lines(sums)}
+
+
+def _guess(parts: HeaderParts) -> Iterator[str]:
+    """Yield statements of a polynomial from motor to joint values, fitted to the points."""
+    n, wraps = len(parts.sheet.axes), parts.program.mechanism.coordinates.wraps
+    motors = parts.motors.reshape(-1, n)
+    joints = np.stack(np.meshgrid(*parts.sheet.axes, indexing="ij"), axis=-1).reshape(-1, n)
+    middle = 0.5 * (motors.min(axis=0) + motors.max(axis=0))
+    half = 0.5 * np.ptp(motors, axis=0)
+    exponents, coefficients = _fitted((motors - middle) / half, joints)
+    for k, column in enumerate(parts.program.followers.tolist()):
+        away = _difference(f"theta[{k}]", _double(middle[k]), bool(wraps[column]))
+        yield f"const double u{k} = ({away}) * {_double(1.0 / half[k])};"
+    for j in range(n):
+        known = {tuple(e): c for e, c in zip(exponents, coefficients[:, j].tolist(), strict=True)}
+        yield f"x[{j}] = {_horner(known, n)};"
+
+
+def _fitted(u: Array, joints: Array) -> tuple[list[tuple[int, ...]], Array]:
+    """Return exponents and coefficients of the polynomial of the degree that fits best."""
+    best, found = np.inf, None
+    for degree in range(1, _MOST_DEGREE + 1):
+        exponents = [e for e in product(range(degree + 1), repeat=u.shape[1]) if sum(e) <= degree]
+        if 2 * len(exponents) > len(u):
+            break
+        columns = np.stack([(u ** np.array(e)).prod(axis=1) for e in exponents], axis=1)
+        coefficients = np.linalg.lstsq(columns, joints, rcond=None)[0]
+        off = float(np.abs(columns @ coefficients - joints).max())
+        if found is None or off < 0.5 * best:
+            best, found = off, (exponents, coefficients)
+    if found is None:
+        return [(0,) * u.shape[1]], joints.mean(axis=0)[None]
+    return found
+
+
+def _horner(coefficients: Mapping[tuple[int, ...], float], n: int, place: int = 0) -> str:
+    """Return a polynomial of u0, u1 as an expression."""
+    if place == n:
+        return _double(coefficients[()])
+    parts: dict[int, dict[tuple[int, ...], float]] = {}
+    for exponents, number in coefficients.items():
+        parts.setdefault(exponents[0], {})[exponents[1:]] = number
+    text = ""
+    for power in sorted(parts, reverse=True):
+        inner = _horner(parts[power], n, place + 1)
+        text = f"({text}) * u{place} + ({inner})" if text else f"({inner})"
+    return text
 
 
 def _written(entries: Iterable[tuple[int, int]], wraps: Numbers, values: str) -> Iterator[str]:

@@ -57,15 +57,11 @@ INTERPOLATION = {
 static inline void @name@_interpolate(const double x[1], double q[@nq@])
 {
     const int cell = @name@_cell(@name@_axis0, @points0@, x[0]);
-    double basis[4];
-    int k, part;
-    @name@_basis(@name@_axis0, cell, x[0], basis);
-    for (k = 0; k < @kept@; ++k) {
-        double sum = 0.0;
-        for (part = 0; part < 4; ++part)
-            sum += basis[part] * @name@_data[cell + part / 2][(part % 2) * @kept@ + k];
-        q[@name@_kept[k]] = sum;
-    }
+    const double *near = @name@_data[cell];
+    const double *far = @name@_data[cell + 1];
+    double one[4];
+    @name@_basis(@name@_axis0, cell, x[0], one);
+    @sums@
     @joints_to_q@
 }
 
@@ -85,23 +81,17 @@ static inline void @name@_interpolate(const double x[2], double q[@nq@])
 {
     const int row = @name@_cell(@name@_axis0, @points0@, x[0]);
     const int column = @name@_cell(@name@_axis1, @points1@, x[1]);
-    double one[4], other[4], sum[@kept@];
-    int k, a, b;
+    const double *d0 = @name@_data[row * @points1@ + column];
+    const double *d1 = @name@_data[row * @points1@ + column + 1];
+    const double *d2 = @name@_data[(row + 1) * @points1@ + column];
+    const double *d3 = @name@_data[(row + 1) * @points1@ + column + 1];
+    double one[4], other[4];
     @name@_basis(@name@_axis0, row, x[0], one);
     @name@_basis(@name@_axis1, column, x[1], other);
-    for (k = 0; k < @kept@; ++k)
-        sum[k] = 0.0;
-    for (a = 0; a < 4; ++a) {
-        for (b = 0; b < 4; ++b) {
-            const double weight = one[a] * other[b];
-            const double *data = @name@_data[(row + a / 2) * @points1@ + column + b / 2]
-                + (2 * (a % 2) + b % 2) * @kept@;
-            for (k = 0; k < @kept@; ++k)
-                sum[k] += weight * data[k];
-        }
+    {
+        @weights@
+        @sums@
     }
-    for (k = 0; k < @kept@; ++k)
-        q[@name@_kept[k]] = sum[k];
     @joints_to_q@
 }
 
@@ -157,36 +147,41 @@ POSES = """static inline int @name@_failed(@name@_pose *pose, int status)
     return status;
 }
 
-/* Newton's steps at held joints, or motors, until they are rounding. */
-static inline int @name@_polish(int by_motors, double q[@nq@], double *motion, double rates[@nn@])
+/* Newton's steps at held joints, or to wanted motors, until they are rounding. */
+static inline int @name@_polish(
+    int by_motors, double q[@inputs@], double *motion, double rates[@nn@])
 {
-    double next[@nq@], size[1], gap[1], condition[1];
+    double next[@nq@], size[1] = {INFINITY}, gap[1], condition[1];
     int k, step;
     for (step = 0; step < 12; ++step) {
-        if (by_motors)
+        const int near = size[0] < 3e-7; /* the next step is its square: rounding, or almost */
+        if (by_motors && near)
             @name@_step_motors(q, next, size, gap, condition, motion, rates);
-        else
+        else if (by_motors)
+            @name@_near_motors(q, next, size);
+        else if (near)
             @name@_step_joints(q, next, size, gap, condition, motion, rates);
-        if (!(condition[0] * @tolerance@ < 1.0))
-            return isnan(condition[0]) ? @NAME@_NOT_CONVERGED : @NAME@_SINGULAR;
+        else
+            @name@_near_joints(q, next, size);
         for (k = 0; k < @nq@; ++k)
             q[k] = next[k];
-        if (size[0] <= 1e-14 * (10.0 + condition[0]))
+        if (!(size[0] < 10.0))
+            return @NAME@_NOT_CONVERGED;
+        if (near && !(condition[0] * @tolerance@ < 1.0))
+            return @NAME@_SINGULAR;
+        if (near && size[0] <= 1e-14 * (10.0 + condition[0]))
             return gap[0] <= @gap@ ? @NAME@_OK : @NAME@_NOT_CONVERGED;
     }
     return @NAME@_NOT_CONVERGED;
 }
 
-/* Whether q is as near the table at x as its error bound says: no other way to assemble it. */
-static inline int @name@_of_table(const double x[@n@], const double q[@nq@])
+/* Whether q is so near the table that no other pose is. */
+static inline int @name@_of_table(const double table[@nq@], const double q[@nq@], double within)
 {
-    double near[@nq@];
-    int k;
-    @name@_interpolate(x, near);
+    int k, near = 1;
     for (k = 0; k < @nq@; ++k)
-        if (!(fabs(q[k] - near[k]) <= @reach@))
-            return 0;
-    return 1;
+        near &= fabs(q[k] - table[k]) <= within;
+    return near;
 }
 
 static const double @name@_bare[@nn@] = {@bare@};
@@ -194,7 +189,7 @@ static const double @name@_bare[@nn@] = {@bare@};
 /* Position, from joints to motors. */
 static inline int @name@_at_joints(const double x[@n@], @name@_pose *pose)
 {
-    double q[@nq@], motion[1];
+    double q[@inputs@], table[@nq@], motion[1];
     double *theta = pose->motors;
     int k, status;
     if (!@name@_inside(x, 0.0))
@@ -202,10 +197,12 @@ static inline int @name@_at_joints(const double x[@n@], @name@_pose *pose)
     for (k = 0; k < @n@; ++k)
         pose->joints[k] = x[k];
     @name@_interpolate(x, q);
+    for (k = 0; k < @nq@; ++k)
+        table[k] = q[k];
     status = @name@_polish(0, q, motion, pose->ratio);
     if (status != @NAME@_OK)
         return @name@_failed(pose, status);
-    if (!@name@_of_table(x, q))
+    if (!@name@_of_table(table, q, @alone@))
         return @name@_failed(pose, @NAME@_NOT_CONVERGED);
     if (!@name@_inverted(pose->ratio, @name@_bare, motion[0], pose->inverse))
         return @name@_failed(pose, @NAME@_SINGULAR);
@@ -213,10 +210,17 @@ static inline int @name@_at_joints(const double x[@n@], @name@_pose *pose)
     return @NAME@_OK;
 }
 
-/* The joint values next to which the table has these motor values. */
-static inline void @name@_inverse(const double theta[@n@], double x[@n@])
+/* Joint values near those of these motor values: a polynomial. */
+static inline void @name@_guess(const double theta[@n@], double x[@n@])
 {
-    double now[@n@], apart[@n@], q[@nq@], next[@nq@], size[1], gap[1], condition[1], motion[1];
+    @guess@
+    @name@_clip(x);
+}
+
+/* The same by Newton's steps on the table, from the nearest of some points. */
+static inline void @name@_search(const double theta[@n@], double x[@n@])
+{
+    double now[@n@], apart[@n@], q[@inputs@], next[@nq@], size[1], gap[1], condition[1], motion[1];
     double rates[@nn@], inverse[@nn@], best = INFINITY;
     int i, k, seed, step;
     for (seed = 0; seed < @seeds@; ++seed) {
@@ -254,34 +258,52 @@ static inline void @name@_inverse(const double theta[@n@], double x[@n@])
     }
 }
 
-/* Position, from motors to joints. */
-static inline int @name@_at_motors(const double theta[@n@], @name@_pose *pose)
+static inline int @name@_from(
+    const double start[@n@], const double theta[@n@], @name@_pose *pose)
 {
-    double q[@nq@], motion[1], bare[@nn@];
+    double q[@inputs@], table[@nq@], motion[1], moved = 0.0;
     double *x = pose->joints;
-    int i, k, status;
-    for (k = 0; k < @n@; ++k)
-        if (!isfinite(theta[k]))
-            return @name@_failed(pose, @NAME@_OUTSIDE);
-    @name@_inverse(theta, x);
-    @name@_interpolate(x, q);
+    int k, status;
+    @name@_interpolate(start, q);
+    for (k = 0; k < @nq@; ++k)
+        table[k] = q[k];
     @motors_to_q@
-    status = @name@_polish(1, q, motion, pose->inverse);
+    for (k = 0; k < @n@; ++k)
+        q[@nq@ + k] = theta[k];
+    status = @name@_polish(1, q, motion, pose->ratio);
     if (status != @NAME@_OK)
         return @name@_failed(pose, status);
     @q_to_joints@
     if (!@name@_inside(x, 1e-12))
         return @name@_failed(pose, @NAME@_OUTSIDE);
-    if (!@name@_of_table(x, q))
-        return @name@_failed(pose, @NAME@_NOT_CONVERGED);
-    for (i = 0; i < @n@; ++i)
-        for (k = 0; k < @n@; ++k)
-            bare[@n@ * i + k] = 1.0 / @name@_bare[@n@ * k + i];
-    if (!@name@_inverted(pose->inverse, bare, motion[0], pose->ratio))
+    for (k = 0; k < @n@; ++k)
+        moved = fmax(moved, fabs(x[k] - start[k]));
+    if (!@name@_of_table(table, q, @alone@ - @steepest@ * moved)) {
+        @name@_interpolate(x, table);
+        if (!@name@_of_table(table, q, @alone@))
+            return @name@_failed(pose, @NAME@_NOT_CONVERGED);
+    }
+    if (!@name@_inverted(pose->ratio, @name@_bare, motion[0], pose->inverse))
         return @name@_failed(pose, @NAME@_SINGULAR);
     for (k = 0; k < @n@; ++k)
         pose->motors[k] = theta[k];
     return @NAME@_OK;
+}
+
+/* Position, from motors to joints. */
+static inline int @name@_at_motors(const double theta[@n@], @name@_pose *pose)
+{
+    double x[@n@];
+    int k, status;
+    for (k = 0; k < @n@; ++k)
+        if (!isfinite(theta[k]))
+            return @name@_failed(pose, @NAME@_OUTSIDE);
+    @name@_guess(theta, x);
+    status = @name@_from(x, theta, pose);
+    if (status == @NAME@_OK || status == @NAME@_SINGULAR)
+        return status;
+    @name@_search(theta, x);
+    return @name@_from(x, theta, pose);
 }
 
 /* Rates of the motors: ratio times those of the joints. */

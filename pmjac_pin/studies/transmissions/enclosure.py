@@ -32,7 +32,8 @@ from pmjac_pin.values.arrays import Array, Index, Mask
 
 _AT_ONCE = 512  # pieces
 _MOST_PIECES = 20_000
-_ROUNDS = 4
+_ROUNDS = 12
+_ALONE = 1e-4  # rad: how far at least no other pose is wanted
 _NARROW = 0.25  # ‖E‖ beyond which bounds on rates would be wide
 
 
@@ -44,8 +45,8 @@ class Enclosure:
     ----------
     error : ndarray, shape (k,)
         How far each follower of a `NewtonProgram` is from the sheet at most, m or rad.
-    reach : float
-        How far any entry of q is from the sheet at most.
+    alone : float
+        No other closed pose has all entries of q nearer to the sheet.
     lower, upper : ndarray, shape (k, n)
         Bounds on their rates by those of the joints that drive.
     one_to_one : bool
@@ -58,7 +59,7 @@ class Enclosure:
     """
 
     error: Array
-    reach: float
+    alone: float
     lower: Array
     upper: Array
     one_to_one: bool = False
@@ -74,7 +75,7 @@ class _Proven:
 
     good: Mask
     error: Array
-    entries: Array
+    alone: Array
     ratio: Intervals
     gap: Array
 
@@ -84,7 +85,7 @@ def enclose(program: NewtonProgram, sheet: Sheet) -> Enclosure:
     count, n = program.followers.size, len(sheet.axes)
     nothing = (
         np.full(count, np.inf),
-        np.inf,
+        0.0,
         np.full((count, n), -np.inf),
         np.full((count, n), np.inf),
     )
@@ -140,7 +141,7 @@ class _Proof:
         with np.errstate(divide="ignore", invalid="ignore"):
             radius = 2.0 * Y.max(axis=1) / (1.0 - self._sizes(A, K).sum(axis=2).max(axis=1))
         good = np.isfinite(radius) & (radius >= 0.0)
-        radius = np.where(good, radius, 0.0)
+        radius = np.where(good, np.maximum(radius, _ALONE / self._turns()), 0.0)
         K, cosine = self._equations.around(along, radius)
         E = _up(self._sizes(A, K).sum(axis=2))
         Z = E.max(axis=1)
@@ -153,9 +154,9 @@ class _Proof:
         good &= (Z < _NARROW) & _regular(ratio)
         every = _up(Y + E * reach[:, None]) * self._partition.column_scale[self._partition.passive]
         # Slides go in axes that turn, and unit quaternions by half an angle.
-        entries = _up(every.max(axis=1) * SLID)
+        alone = radius * self._partition.column_scale[self._partition.passive].min() / SLID**3
         error = _up(every[:, self._followers])
-        return _Proven(good, error, entries, ratio, self._gap(along, K, reach))
+        return _Proven(good, error, alone, ratio, self._gap(along, K, reach))
 
     def together(self, found: list[_Proven], pieces: int) -> Enclosure:
         """Return what holds in all of them."""
@@ -165,8 +166,8 @@ class _Proof:
         gap = max(float(one.gap[one.good].max(initial=0.0)) for one in found)
         whole = Intervals(lower[None], upper[None])
         others = self._equations.rows - len(self._kept)
-        reach = max(float(one.entries[one.good].max(initial=0.0)) for one in found)
-        return Enclosure(error, reach, lower, upper, bool(_regular(whole)[0]), pieces, others, gap)
+        alone = min(float(one.alone[one.good].min(initial=np.inf)) for one in found)
+        return Enclosure(error, alone, lower, upper, bool(_regular(whole)[0]), pieces, others, gap)
 
     def _turns(self) -> float:
         """Return the largest turn of an unknown of 1."""

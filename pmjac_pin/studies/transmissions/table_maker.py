@@ -24,6 +24,7 @@ from pmjac_pin.values.checks import as_flag
 
 _BETWEEN = (0.25, 0.5, 0.75)  # of a cell, where an error is looked for
 _MARGIN = 2.0  # of an estimate
+_ROUNDING = 1e-9  # rad or m
 
 
 def transmission_table(
@@ -76,7 +77,7 @@ def transmission_table(
         bounds, evidence = _estimated(found, program, sheet, why)
     else:
         evidence = Evidence("proof", _proven(found, bounds))
-    told = (bounds.error, bounds.reach, bounds.lower, bounds.upper)
+    told = (bounds.error, bounds.alone, bounds.lower, bounds.upper)
     return TransmissionTable(found, sheet, program, *told, evidence)
 
 
@@ -113,9 +114,9 @@ def _estimated(
         f"an estimate: twice the largest error at {len(x)} points between those of the table, and "
         f"the rates at these; {why}"
     )
-    error, reach = _MARGIN * off.max(axis=0), _MARGIN * float(np.abs(seen - exact).max())
+    error, alone = _MARGIN * off.max(axis=0), _MARGIN**2 * float(np.abs(seen - exact).max())
     lower, upper = rates.ratio.min(axis=0), rates.ratio.max(axis=0)
-    return Enclosure(error, reach, lower, upper), Evidence("tolerance", statement)
+    return Enclosure(error, alone + _ROUNDING, lower, upper), Evidence("tolerance", statement)
 
 
 def _check_regular(found: TransmissionMap, x: Array, rates: RatesTold) -> None:

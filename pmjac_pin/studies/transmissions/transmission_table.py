@@ -42,8 +42,8 @@ class TransmissionTable(ReadOnlyArrays):
     error : ndarray, shape (n,)
         How far each motor's interpolated value is from the exact one at most, m or rad; rounding,
         of some 1e-15, comes on top.
-    reach : float
-        How far any entry of q, a cosine or a sine too, is from the exact one at most.
+    alone : float
+        No other closed pose has all entries of q nearer to the interpolated ones.
     lower, upper : ndarray, shape (n, n)
         Between which R is, all over the rectangle.
     evidence : Evidence
@@ -54,7 +54,7 @@ class TransmissionTable(ReadOnlyArrays):
     sheet: Sheet
     program: NewtonProgram
     error: Array
-    reach: float
+    alone: float
     lower: Array
     upper: Array
     evidence: Evidence
@@ -137,7 +137,7 @@ class TransmissionTable(ReadOnlyArrays):
             transmission=self.transmission,
             sheet=self.sheet,
             program=self.program,
-            reach=self.reach,
+            alone=self.alone,
             motors=self.map.motors,
         )
         return c_header(parts, name, self.said())
