@@ -18,7 +18,7 @@ from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.model.tool_rows import WHOLE_TWIST, ToolRows
 from pmjac_pin.rates.factorisation import RANK_TOLERANCE, Factorisation, factorise
 from pmjac_pin.rates.tool_motion import ToolMotion
-from pmjac_pin.values.arrays import Array, Index, ReadOnlyArrays, norm, read_only
+from pmjac_pin.values.arrays import Array, Index, Mask, ReadOnlyArrays, norm, read_only
 from pmjac_pin.values.checks import SMALLEST, as_number, as_numbers
 from pmjac_pin.values.ties import pivots
 
@@ -73,6 +73,11 @@ class Partition(ReadOnlyArrays):
     tool_rates : ndarray, shape (nv,)
         Scaled rates by which the tool generically moves as fast as all else; empty where they are
         1 (`ToolMotion.rates`).
+    rotational : ndarray of bool, shape (nv,)
+        Which rates are in rad/s; empty where the matrices came from elsewhere.
+    rate_limits, effort_limits : ndarray, shape (nv,)
+        Of the model, m/s or rad/s and N or N m; infinite where it states none. Empty where the
+        matrices came from elsewhere.
     """
 
     actuated: Index
@@ -95,6 +100,9 @@ class Partition(ReadOnlyArrays):
     strokes: Array = field(default_factory=lambda: np.zeros(0))
     gap: float = 1e-12
     tool_rates: Array = field(default_factory=lambda: np.zeros(0))
+    rotational: Mask = field(default_factory=lambda: np.zeros(0, dtype=bool))
+    rate_limits: Array = field(default_factory=lambda: np.zeros(0))
+    effort_limits: Array = field(default_factory=lambda: np.zeros(0))
 
     @cached_property
     def _scale(self) -> Array:
