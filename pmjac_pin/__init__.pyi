@@ -139,9 +139,17 @@ from .studies.program import Program as Program
 from .studies.program import program as program
 from .studies.recut import recut as recut
 from .studies.sweep.sweep import sweep as sweep
-from .studies.transmission import Geared as Geared
-from .studies.transmission import Transmission as Transmission
-from .studies.transmission import transmission as transmission
+from .studies.transmissions.transmission import Geared as Geared
+from .studies.transmissions.transmission import Transmission as Transmission
+from .studies.transmissions.transmission import transmission as transmission
+from .studies.transmissions.transmission_map import TransmissionMap as TransmissionMap
+from .studies.transmissions.transmission_map import transmission_map as transmission_map
+from .studies.transmissions.transmission_table import (
+    TransmissionTable as TransmissionTable,
+)
+from .studies.transmissions.transmission_table import (
+    transmission_table as transmission_table,
+)
 from .viewer.viewer import Viewer as Viewer
 from .viewer.viewer import view as view
 from .words.labelled_matrix import LabelledMatrix as LabelledMatrix

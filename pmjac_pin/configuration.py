@@ -155,29 +155,44 @@ class Configuration(LoadedPose, Shown):
         """η(q), shape (p,): m for a point loop, m² for a distance loop; world axes."""
         return read_only(self._snapshot.residual)
 
-    @property
-    def tool_pose(self) -> pin.SE3:
-        """The tool's pose in the world; a copy.
+    def tool_pose(self, tool: str | Sequence[str] | None = None) -> pin.SE3:
+        """Return the tool's pose in the world: a rotation and a translation in m.
+
+        Parameters
+        ----------
+        tool : str or three str, optional
+            Another frame than the mechanism's tool, or three that span one: as of `with_tool`.
 
         Raises
         ------
         NoToolError
-            No frame is named as one: `with_tool` names it.
+            No frame is named as the tool.
+        UnknownNameError, ArgumentError
+            As `with_tool`.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> home = pj.load("four_bar").home
+        >>> home.tool_pose("rocker_tip").translation.round(3).tolist()
+        [2.469, 3.147, 0.0]
         """
+        if tool is not None:
+            return self.with_tool(tool).tool_pose()
         self._need_tool()
         return pin.SE3(self._snapshot.rotation, self._snapshot.position + self._parts.place)
 
     def with_tool(self, tool: str | Sequence[str]) -> Configuration:
         """Return this pose of the mechanism with another tool: a frame, or three that span it.
 
-        `tool_pose`, `jacobian()` and `singularity()` are its; see `Mechanism.with_tool`.
+        `tool_pose()`, `jacobian()` and `singularity()` are its; see `Mechanism.with_tool`.
 
         Examples
         --------
         >>> import pmjac_pin as pj
         >>> home = pj.load("four_bar").home
-        >>> home.with_tool("rocker_tip").tool_pose.translation.round(3).tolist()
-        [2.469, 3.147, 0.0]
+        >>> home.with_tool("rocker_tip").singularity().kind
+        'regular'
         """
         return self.mechanism.with_tool(tool).configuration(self.q)
 

@@ -132,19 +132,19 @@ class MechanismValue:
     @property
     def rows(self) -> tuple[str, ...]:
         """Names of the p rows of the loop equations."""
-        return self._parts.kinematics.loops.row_names
+        return self._parts.problem.partition.row_names
 
     @property
     def row_units(self) -> tuple[str, ...]:
         """Unit of each of the p rows: "m" for a point loop, "m²" for a distance loop."""
-        return self._parts.kinematics.loops.row_units
+        return self._parts.problem.partition.row_units
 
     @property
     def units(self) -> Mapping[str, str]:
         """Unit of each degree of freedom by its name: "m" or "rad"."""
-        parts = self._parts
-        turns, columns = parts.coordinates.rotational, parts.problem.partition.columns
-        return MappingProxyType({name: "rad" if turns[k] else "m" for name, k in columns.items()})
+        partition = self._parts.problem.partition
+        columns, units = partition.columns, partition.units
+        return MappingProxyType({name: units[k] for name, k in columns.items()})
 
     @property
     def nq(self) -> int:

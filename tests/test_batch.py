@@ -132,7 +132,7 @@ def test_measures_are_those_of_one_by_one(name, rng):
     found, jacobians = many.measures(q), many.jacobian(q)
     assert found.status.tolist() == jacobians.status.tolist()
     for k, pose in enumerate(map(mechanism.configuration, q)):
-        singularity, tool = pose.singularity(), pose.tool_pose
+        singularity, tool = pose.singularity(), pose.tool_pose()
         assert found.smallest[k] == pytest.approx(singularity.smallest, rel=1e-9, abs=1e-14)
         if singularity.smallest > 1e-12:
             assert found.condition[k] == pytest.approx(singularity.condition, rel=1e-9)
@@ -159,7 +159,7 @@ def test_measures_of_open_and_singular_poses():
     found = pj.batch(mechanism).measures([flat.q, flat.q + 0.1])
     assert found.status.tolist() == [pj.Status.SINGULAR, pj.Status.OPEN]
     np.testing.assert_allclose(found.smallest[0], flat.singularity().smallest, atol=1e-14)
-    np.testing.assert_allclose(found.position[0], flat.tool_pose.translation, atol=1e-14)
+    np.testing.assert_allclose(found.position[0], flat.tool_pose().translation, atol=1e-14)
     assert np.isnan([found.smallest[1], found.position[1, 0], *found.velocity_radii.ravel()]).all()
 
 

@@ -92,8 +92,8 @@ def test_far_from_the_origin_poses_and_models_stand_where_they_were_put(name):
     place = pin.SE3(pin.exp3(np.array([0.1, 0.2, -0.3])), np.array([5e5, 4.6e6, 100.0]))
     here = pj.load(name)
     there = transformed.moved(here, place)
-    expected = place * here.home.tool_pose
-    np.testing.assert_allclose(there.home.tool_pose.homogeneous, expected.homogeneous, atol=2e-9)
+    expected = place * here.home.tool_pose()
+    np.testing.assert_allclose(there.home.tool_pose().homogeneous, expected.homogeneous, atol=2e-9)
     joint = int(np.flatnonzero(np.array(list(there.model.parents)) == 0)[1])
     assert there.model.jointPlacements[joint] == place * here.model.jointPlacements[joint]
     world, aligned = (there.home.jacobian(frame).J_eq for frame in ("WORLD", "LOCAL_WORLD_ALIGNED"))

@@ -114,7 +114,7 @@ def test_a_plane_is_looked_at_with_its_upright_axis_upwards():
     [figure] = plot_modes(modes)
     for axes, mode in zip(figure.axes, modes, strict=True):
         drawn = np.concatenate([line.get_xydata() for line in axes.lines])
-        tool = mode.tool_pose.translation[:2]
+        tool = mode.tool_pose().translation[:2]
         assert np.abs(drawn - tool).max(axis=1).min() <= 1e-9
 
 

@@ -128,7 +128,7 @@ def test_a_slider_crank_by_its_closed_form():
     mechanism = pj.load("slider_crank", {"r": 1.0, "l": 3.0})
     configuration = mechanism.close([np.pi / 3])
     jacobian = configuration.jacobian()
-    assert configuration.tool_pose.translation[0] == pytest.approx(3.3722813232690143, abs=1e-14)
+    assert configuration.tool_pose().translation[0] == pytest.approx(3.3722813232690143, abs=1e-14)
     assert jacobian.J_eq[0, 0] == pytest.approx(-1.0167810760733205, abs=1e-14)
     assert jacobian.hessian[0, 0, 0] == pytest.approx(-0.3338349647695613, abs=1e-14)
 

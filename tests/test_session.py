@@ -275,7 +275,7 @@ def test_the_readout_is_the_library_s(name):
     for frame, rows in readout.J_eq.items():
         expected = configuration.jacobian(frame).J_eq
         np.testing.assert_allclose(rows, expected, rtol=0.0, atol=1e-12)
-    tool = configuration.tool_pose
+    tool = configuration.tool_pose()
     np.testing.assert_array_equal(readout.tool_position, tool.translation)
     np.testing.assert_allclose(pin.exp3(np.array(readout.tool_turn)), tool.rotation, atol=1e-12)
     np.testing.assert_array_equal(readout.passive, configuration.passive)

@@ -147,7 +147,7 @@ def test_a_wrench_is_written_in_a_frame(name, frame, rng):
     found = configuration.statics(wrench, frame=frame, gravity=False)
     wanted = -configuration.jacobian(frame).J_eq.T @ wrench
     np.testing.assert_allclose(found.efforts, wanted, atol=1e-10 * max(1.0, np.abs(wanted).max()))
-    tool = configuration.tool_pose
+    tool = configuration.tool_pose()
     turned = np.r_[tool.rotation @ wrench[:3], tool.rotation @ wrench[3:]]
     aligned = {
         "LOCAL": turned,

@@ -56,10 +56,15 @@ def c_text(name: str, recording: Recording, outputs: Outputs, head: Iterable[str
     }
     <BLANKLINE>
     """
+    lines = ["/*", *(f" * {in_comment(line)}" for line in head), " */", "#include <math.h>", ""]
+    return "\n".join([*lines, c_function(f"void {name}", recording, outputs)])
+
+
+def c_function(declared: str, recording: Recording, outputs: Outputs) -> str:
+    """Return the function alone, declared so: ``void name``, or ``static void name``."""
     arguments = [f"const double q[{len(recording.inputs)}]"]
     arguments += [f"double {key}[{array.size}]" for key, array in outputs.items() if array.size]
-    lines = ["/*", *(f" * {_in_comment(line)}" for line in head), " */", "#include <math.h>", ""]
-    lines += [f"void {name}(", ",\n".join(f"    {one}" for one in arguments) + ")", "{"]
+    lines = [f"{declared}(", ",\n".join(f"    {one}" for one in arguments) + ")", "{"]
     statements = _statements(recording, outputs, "q[{}]", _C_FUNCTIONS)
     lines += [f"    const double {left} = {right};" for left, right in statements]
     for key, array in outputs.items():
@@ -135,7 +140,8 @@ def _whole(operand: Operand) -> str:
     return _name(operand) if isinstance(operand, Term) else f"nothing + {_name(operand)}"
 
 
-def _in_comment(line: str) -> str:
+def in_comment(line: str) -> str:
+    """Return a line that ends no comment in C."""
     return _comment_text(line).replace("*/", "* /").replace("/*", "/ *")
 
 

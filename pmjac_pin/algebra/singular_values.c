@@ -2,7 +2,7 @@
  * all are orthogonal (Jacobi, from one side), more are reflected to two diagonals (Golub and
  * Kahan), whose singular values are found by halving.
  */
-#define LANES 16
+#define LANES 32
 #include "lanes.h"
 
 #define FEW 4 /* vectors */

@@ -52,13 +52,18 @@ static void run(
         double *result = slots[at[0] == STORE ? 0 : at[1]];
         const double *a = slots[at[2]], *b = slots[at[3]], *c = slots[at[4]];
         switch (at[0]) {
-        case LOAD:
-            for (int i = 0; i < LANES; i++)
-                result[i] = inputs[at[2] * count + start + (i < width ? i : width - 1)];
+        case LOAD: {
+            const double *given = inputs + at[2] * count + start;
+            if (width == LANES) EACH result[i] = given[i];
+            else for (int i = 0; i < LANES; i++) result[i] = given[i < width ? i : width - 1];
             break;
-        case STORE:
-            for (int i = 0; i < width; i++) outputs[at[1] * count + start + i] = a[i];
+        }
+        case STORE: {
+            double *target = outputs + at[1] * count + start;
+            if (width == LANES) EACH target[i] = a[i];
+            else for (int i = 0; i < width; i++) target[i] = a[i];
             break;
+        }
         case ADD: EACH result[i] = a[i] + b[i]; break;
         case SUBTRACT: EACH result[i] = a[i] - b[i]; break;
         case MULTIPLY: EACH result[i] = a[i] * b[i]; break;

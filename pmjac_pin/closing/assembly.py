@@ -215,9 +215,11 @@ def _partition(
         smallest_size=_SMALLEST_SIZE,
         strokes=size.strokes,
         gap=max(CLOSURE_TOLERANCE, opened / length),
-        rotational=coordinates.rotational,
         rate_limits=stated_limits(model.lowerVelocityLimit, model.upperVelocityLimit),
         effort_limits=stated_limits(model.lowerEffortLimit, model.upperEffortLimit),
+        units=tuple("rad" if turns else "m" for turns in coordinates.rotational.tolist()),
+        row_names=loops.row_names,
+        row_units=loops.row_units,
     )
 
 

@@ -73,11 +73,12 @@ class Size:
             [] if isinstance(loop, JointLoop) else [find_frame(model, name) for name in loop.frames]
             for loop in spec.loops
         ]
-        points = [data.oMf[frame.index].translation for frames in ends for frame in frames]
+        places = data.oMf
+        points = [places[frame.index].translation for frames in ends for frame in frames]
         if not spec.tool.is_none:
             points.append(tool.pose(model, data)[1])
         elif not points:
-            points = [data.oMf[index].translation for index in range(1, model.nframes)]
+            points = [places[index].translation for index in range(1, model.nframes)]
         opened = ROUNDING_OF_PLACES * float(np.abs(points).max())
         rods = _rods(loops)
         turned = (_arms(model, data, turns, frames) for frames in ends)

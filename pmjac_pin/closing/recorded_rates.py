@@ -20,8 +20,8 @@ from pmjac_pin.algebra.tangents import tangents
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
-from pmjac_pin.kinematics.recorded_motions import entry_rates_of, moved_by
-from pmjac_pin.model.twist_frame import FrameName
+from pmjac_pin.kinematics.recorded_motions import moved_by, recorded_entry_rates
+from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.rates.sparse_qr import Triangle, norm
 from pmjac_pin.values.arrays import Array, Index
@@ -221,7 +221,9 @@ class RecordedRates:
             kinematics = self.recorder.at(inputs[:nq])
             tool = [*kinematics.tool.ravel(), *kinematics.rotation.ravel(), *kinematics.position]
             of = [*kinematics.in_world()[1].ravel(), *tool]
-            along = entry_rates_of(self.recorder.tree, objects(inputs[:nq]), objects(inputs[nq:]))
+            along = recorded_entry_rates(
+                self.recorder.tree, objects(inputs[:nq]), objects(inputs[nq:])
+            )
             return [*tangents(of, inputs[:nq], along.tolist()), *tool]
 
         return self.recordings.tape("slopes", nq + self.recorder.nv, make)
@@ -258,16 +260,5 @@ class RecordedRates:
 
 
 def in_frame(kinematics: RecordedKinematics, frame: FrameName) -> Numbers:
-    """Return the tool's Jacobian in one of Pinocchio's frames, as `change_frame` does."""
-    linear, angular = kinematics.tool[:3], kinematics.tool[3:]
-    match frame:
-        case "LOCAL_WORLD_ALIGNED":
-            return kinematics.tool
-        case "LOCAL":
-            back = kinematics.rotation.T
-            return np.vstack([back @ linear, back @ angular])
-        case "WORLD":
-            x, y, z = kinematics.position
-            u, v, w = angular
-            moved_by = np.array([w * y - v * z, u * z - w * x, v * x - u * y])
-            return np.vstack([linear + moved_by, angular])
+    """Return the tool's Jacobian in one of Pinocchio's frames."""
+    return change_frame(kinematics.tool, frame, kinematics.rotation, kinematics.position)

@@ -92,6 +92,11 @@ def _shapes(where: str, element: Element) -> Iterator[_PlacedShape]:
                     ball = scaled(radius)
                     ball[2, 3] = end * length[0]
                     yield Sphere(), ball
+        case "mesh":  # bars are drawn in its place
+            return
+        case _:
+            known = "box, sphere, cylinder, capsule or mesh"
+            raise ModelFileError(f"{where}: this shape is no {known}")
 
 
 def _positive_numbers(where: str, element: Element, attribute: str, count: int = 1) -> Array:

@@ -151,10 +151,7 @@ class ManyLoops:
     def _coupled(self, coupling: Coupling, q: Array) -> Array:
         """Return a coupling's η (b,), as `Coupling.residual` does for one pose."""
         first, second = (self._values(q, column) for column in coupling.columns.tolist())
-        difference: Array = second - coupling.ratio * first - coupling.offset
-        if coupling.coordinates.wraps[coupling.columns[1]]:
-            difference -= 2.0 * np.pi * np.round(difference / (2.0 * np.pi))
-        return difference
+        return coupling.equation(first, second, _within_half_turns)
 
     def _values(self, q: Array, column: int) -> Array:
         """Return the values (b,) of a joint of one degree of freedom."""
@@ -163,3 +160,7 @@ class ManyLoops:
         if entries.shape[1] == 1:
             return entries[:, 0]
         return np.asarray(np.arctan2(entries[:, 1], entries[:, 0]))
+
+
+def _within_half_turns(angles: Array) -> Array:
+    return np.asarray(angles - 2.0 * np.pi * np.round(angles / (2.0 * np.pi)))

@@ -15,6 +15,7 @@ from pmjac_pin.algebra.jets import Jet
 from pmjac_pin.algebra.programs import Programs, Term, objects, root, zeros
 from pmjac_pin.kinematics.loops import Loops, by_twists
 from pmjac_pin.kinematics.places import through
+from pmjac_pin.kinematics.tool import spanned_jacobian, spanned_rotation
 from pmjac_pin.kinematics.tree import Link, Poses, Tree
 from pmjac_pin.model.coupling import Coupling
 from pmjac_pin.model.frames import find_frame
@@ -148,11 +149,12 @@ def _axes(poses: Poses, body: int) -> Numbers:
 
 def _coupled_gap(coupling: Coupling, q: Numbers) -> Any:
     first, second = (_joint_value(coupling, q, column) for column in coupling.columns.tolist())
-    difference = second - coupling.ratio * first - coupling.offset
-    if coupling.coordinates.wraps[coupling.columns[1]]:
-        turns = difference * (1.0 / math.tau)
-        difference = difference - math.tau * turns.recording.term("round", turns)
-    return difference
+    return coupling.equation(first, second, _less_its_turns)
+
+
+def _less_its_turns(angle: Any) -> Any:
+    turns = angle * (1.0 / math.tau)
+    return angle - math.tau * turns.recording.term("round", turns)
 
 
 def _joint_value(coupling: Coupling, q: Numbers, column: int) -> Any:
@@ -181,21 +183,14 @@ def _spanned(
     points: list[tuple[Numbers, Numbers, Numbers]],
 ) -> tuple[tuple[Numbers, Numbers, Numbers], Any]:
     """Return the same of the frame that three points span, as `PointsTool` does, and the sine."""
-    one, two, three = (position for _, position, _ in points)
-    rate, second, third = (jacobian[:3] for _, _, jacobian in points)
-    side, apex = two - one, three - one
+    places = np.array([position for _, position, _ in points], dtype=object)
+    rates = np.array([jacobian[:3] for _, _, jacobian in points], dtype=object)
+    side, apex = places[1] - places[0], places[2] - places[0]
     normal = _PROGRAMS.cross(side, apex)
-    longest, area = root(side @ side), root(normal @ normal)
-    x, z = side / longest, normal / area
-    y = _PROGRAMS.cross(z, x)
-    side_rate, apex_rate = second - rate, third - rate
-    length, sinking = x @ side, z @ side_rate
-    roll = (z @ apex_rate - sinking * (x @ apex / length)) / (y @ apex)
-    turn = np.array([roll, -sinking / length, (y @ side_rate) / length], dtype=object)
-    rotation = np.array([x, y, z], dtype=object).T
-    linear = (rate + second + third) / 3.0
-    frame = (rotation, (one + two + three) / 3.0, np.vstack([linear, rotation @ turn]))
-    return frame, area / (longest * root(apex @ apex))
+    rotation = spanned_rotation(places, root)
+    jacobian = spanned_jacobian(places, rates, rotation)
+    sine = root(normal @ normal) / (root(side @ side) * root(apex @ apex))
+    return (rotation, places.sum(axis=0) / 3.0, jacobian), sine
 
 
 def _spread_rates(jet: Jet, rates: Numbers) -> None:

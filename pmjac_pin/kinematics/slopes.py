@@ -129,14 +129,12 @@ class SlopesAlongMotions:
             ]
         points = np.array([position for _, _, position in each])
         rates = np.array([jacobian[:3] for jacobian, *_ in each])
-        return [
-            (
-                spanned_jacobian(points[..., b], rates[..., b]),
-                spanned_rotation(points[..., b]),
-                points[..., b].mean(axis=0) + self._place,
-            )
-            for b in range(count)
-        ]
+        found = []
+        for b in range(count):
+            rotation = spanned_rotation(points[..., b])
+            jacobian = spanned_jacobian(points[..., b], rates[..., b], rotation)
+            found.append((jacobian, rotation, points[..., b].mean(axis=0) + self._place))
+        return found
 
     def _frame(self, poses: Poses, frame: Frame, count: int) -> tuple[Numbers, Numbers, Numbers]:
         """Return a frame's Jacobian, rotation and position: (6, nv, b), (3, 3, b) and (3, b)."""

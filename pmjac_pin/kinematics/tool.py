@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Callable
+from typing import Any, Protocol
 
 import numpy as np
 import pinocchio as pin
@@ -74,7 +75,7 @@ class PointsTool:
         """Return the rates of the centroid and of the spanned frame."""
         points = self._points(model, data)
         rates = np.stack([frame_jacobian(model, data, index)[:3] for index in self._indices])
-        return spanned_jacobian(points, rates)
+        return spanned_jacobian(points, rates, spanned_rotation(points))
 
     def _points(self, model: pin.Model, data: pin.Data) -> Array:
         points = np.stack(
@@ -84,7 +85,7 @@ class PointsTool:
         return points
 
 
-def spanned_jacobian(points: Numbers, rates: Numbers) -> Numbers:
+def spanned_jacobian(points: Numbers, rates: Numbers, rotation: Numbers) -> Numbers:
     """Return the rates (6, nv) of the centroid and of the frame that three points (3, 3) span.
 
     With x, y, z the frame's axes, d = p₂ − p₁, e = p₃ − p₁, d = |d|, e_x = x·e, e_y = y·e,
@@ -94,23 +95,24 @@ def spanned_jacobian(points: Numbers, rates: Numbers) -> Numbers:
     Parameters
     ----------
     points, rates : ndarray, shapes (3, 3) and (3, 3, nv)
-        By rows, and how they move. Doubles, real or complex.
+        By rows, and how they move: numbers of any type.
+    rotation : ndarray, shape (3, 3)
+        `spanned_rotation` of the points.
     """
-    rotation = spanned_rotation(points)
     x, y, z = rotation.T
     side, apex = points[1] - points[0], points[2] - points[0]
     side_rate, apex_rate = rates[1] - rates[0], rates[2] - rates[0]
     length = x @ side
-    roll = (z @ apex_rate - (x @ apex / length) * (z @ side_rate)) / (y @ apex)
+    roll = (z @ apex_rate - (z @ side_rate) * (x @ apex / length)) / (y @ apex)
     turn = np.stack([roll, -(z @ side_rate) / length, (y @ side_rate) / length])
-    return np.vstack([rates.mean(axis=0), rotation @ turn])
+    return np.vstack([rates.sum(axis=0) / 3.0, rotation @ turn])
 
 
-def spanned_rotation(points: Numbers) -> Numbers:
-    """Return the axes of the frame that three points span: doubles, real or complex."""
+def spanned_rotation(points: Numbers, root: Callable[[Any], Any] = np.sqrt) -> Numbers:
+    """Return the axes of the frame that three points span: numbers of any type that has roots."""
     side, apex = points[1] - points[0], points[2] - points[0]
     normal = _cross(side, apex)
-    x, z = side / np.sqrt(side.dot(side)), normal / np.sqrt(normal.dot(normal))
+    x, z = side / root(side.dot(side)), normal / root(normal.dot(normal))
     return np.array([x, _cross(z, x), z]).T
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 import pinocchio as pin
@@ -13,6 +15,8 @@ from pmjac_pin.errors import ArgumentError
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.values.arrays import Array
+
+N = TypeVar("N")
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,10 +41,23 @@ class Coupling:
     def residual(self, q: Array) -> float:
         """Return η at q; for a second joint without end, within half a turn."""
         first, second = self.coordinates.values(q)[self.columns].tolist()
-        difference: float = second - self.ratio * first - self.offset
-        if self.coordinates.wraps[self.columns[1]]:
-            return math.remainder(difference, math.tau)
-        return difference
+        return float(self.equation(first, second, _within_half_a_turn))
+
+    def equation(self, first: N, second: N, wrapped: Callable[[N], N]) -> N:
+        """Return η of the joints' values, over any number type.
+
+        Parameters
+        ----------
+        first, second : numbers
+        wrapped : callable
+            angle ↦ the same angle within half a turn, for a second joint without end.
+        """
+        difference: Any = second - self.ratio * first - self.offset  # type: ignore[operator]
+        return wrapped(difference) if self.coordinates.wraps[self.columns[1]] else difference
+
+
+def _within_half_a_turn(angle: float) -> float:
+    return math.remainder(angle, math.tau)
 
 
 def couple(model: pin.Model, loop: JointLoop) -> Coupling:

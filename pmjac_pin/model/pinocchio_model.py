@@ -139,8 +139,9 @@ def _loop_kind(constraint: Any, number: int) -> type[PointLoop | FrameLoop]:
             return PointLoop
         case pin.RigidConstraintModel(type=pin.ContactType.CONTACT_6D):
             return FrameLoop
-    known = "PointLoop, RevoluteLoop, ... or a point or frame anchor of Pinocchio"
-    raise ArgumentError(f"loop {number} is a {type(constraint).__name__}; {known} expected")
+        case _:
+            known = "PointLoop, RevoluteLoop, ... or a point or frame anchor of Pinocchio"
+            raise ArgumentError(f"loop {number} is a {type(constraint).__name__}; {known} expected")
 
 
 def checked_tool(tool: str | Sequence[str]) -> Tool:

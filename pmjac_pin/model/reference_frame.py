@@ -15,5 +15,7 @@ def frame_name(frame: str | pin.ReferenceFrame) -> FrameName:
         match name.upper():
             case "LOCAL_WORLD_ALIGNED" | "LOCAL" | "WORLD" as known:
                 return known
+            case _:
+                pass
     names = "LOCAL, WORLD or LOCAL_WORLD_ALIGNED"
     raise ArgumentError(f"frame must be {names}, got {quoted(frame)}")

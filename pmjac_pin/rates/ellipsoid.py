@@ -32,14 +32,15 @@ from pmjac_pin.rates.ellipse import (
 )
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import LARGEST
+from pmjac_pin.values.shown import Shown
 from pmjac_pin.values.ties import first_largest
 
 _ORTHONORMAL = 1e-6  # of lengths and scalar products
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
-class Ellipsoid:
-    """An ellipsoid about the origin: {axes @ (radii * u) : |u| ≤ 1}.
+class Ellipsoid(Shown):
+    """An ellipsoid about the origin: {axes @ (radii * u) : |u| ≤ 1}; in a notebook, a table.
 
     It may be flat (a zero radius), a needle (two) or a point (three), or unbounded (infinite
     radii: a cylinder, a slab or all of space), but not flat and unbounded at once.

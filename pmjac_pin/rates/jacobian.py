@@ -24,7 +24,7 @@ from pmjac_pin.rates.polytope import Polytope, image_of_box, within_box
 from pmjac_pin.rates.second_order import hessian, passive_hessian
 from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.rates.tool_motion import TwistRanks
-from pmjac_pin.values.arrays import Array, norm, read_only
+from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.values.checks import as_limits
 from pmjac_pin.values.found_once import found_once
 
@@ -85,10 +85,7 @@ class EquivalentJacobian(SplitJacobian):
 
         ‖J‖ ‖G‖ for J_eq = J G: of that, rounding leaves some 1e-16 where J_eq should be zero.
         """
-        motions = self.motion_map / self.partition.column_scale[:, None]
-        tool = self.partition.tool_motion(self.tool_jacobian)
-        sizes = np.array([tool.size, tool.angular_size])
-        return read_only(sizes * norm(motions))
+        return self._sizes_of_motions(self.motion_map)
 
     @found_once
     def gv_eq(self) -> Array:

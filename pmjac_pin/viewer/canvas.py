@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, assert_never
 
 import msgspec
 
@@ -135,7 +135,15 @@ def _geometry(shape: Box | Cylinder | Cone | Sphere) -> dict[str, Any]:
         case Sphere():
             size = {"widthSegments": 24, "heightSegments": 16}
             return {"type": "SphereGeometry", "radius": 1, **size}
-    top = 0 if isinstance(shape, Cone) else 1
+        case Cylinder():
+            return _round(1.0)
+        case Cone():
+            return _round(0.0)
+        case _:
+            assert_never(shape)
+
+
+def _round(top: float) -> dict[str, Any]:
     size = {"radiusTop": top, "radiusBottom": 1, "height": 1, "radialSegments": 24}
     return {"type": "CylinderGeometry", **size}
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from typing import assert_never
 
 import numpy as np
 
@@ -154,6 +155,8 @@ def _ellipsoid_of_kind(jacobian: EquivalentJacobian, kind: EllipsoidKind) -> Ell
             return jacobian.angular_ellipsoid()
         case "force":
             return jacobian.force_ellipsoid()
+        case _:
+            assert_never(kind)
 
 
 def radius_label(radius: float, unit: str) -> str:

@@ -8,6 +8,7 @@ import logging
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import assert_never
 
 import numpy as np
 
@@ -115,6 +116,8 @@ class ModeFinder:
                     self._forget("")
             case ShowMode():
                 self._show(command.number)
+            case _:
+                assert_never(command)
 
     def follow(self) -> None:
         """Take notice of where the session is now."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import assert_never
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,6 +99,8 @@ class Session:
                     names=command.names,
                     scale=command.scale,
                 )
+            case _:
+                assert_never(command)
 
     def move(self, values: Sequence[float | None]) -> None:
         """Move motors, on this assembly mode, as far as the loops close.

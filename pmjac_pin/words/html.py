@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from html import escape
+from typing import assert_never
 
 from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table, Verbatim
 
@@ -31,6 +32,8 @@ def _block_html(block: Block) -> str:
             return f"<pre>{escape(block.text)}</pre>"
         case Table():
             return "".join(_table_html(block))
+        case _:
+            assert_never(block)
 
 
 def _table_html(table: Table) -> Iterator[str]:

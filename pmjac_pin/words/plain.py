@@ -44,4 +44,5 @@ def _plain(value: object) -> object:
             return value.tolist()
         case pin.SE3():
             return {"position": value.translation, "rotation": value.rotation}
-    raise TypeError(f"JSON has no word for a {type(value).__name__}")
+        case _:
+            raise TypeError(f"JSON has no word for a {type(value).__name__}")

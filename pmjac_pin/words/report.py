@@ -13,7 +13,7 @@ import msgspec
 import numpy as np
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import NoJacobianError, UnknownNameError, did_you_mean, quoted
+from pmjac_pin.errors import NoJacobianError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.rates.jacobian import EquivalentJacobian
@@ -34,7 +34,7 @@ from pmjac_pin.words.labelled_values import (
     limits_told,
     parameters_told,
 )
-from pmjac_pin.words.matrices import EQUIVALENT, equivalent_matrices, split_matrices
+from pmjac_pin.words.matrices import EQUIVALENT, matrices_of, parts_of
 from pmjac_pin.words.plain import told
 
 _ELLIPSOIDS = ("velocity", "angular", "force")
@@ -96,7 +96,7 @@ class Report(Printed):
     @cached_property
     def labels(self) -> Labels:
         """The mechanism's."""
-        return Labels.of(self.mechanism)
+        return Labels.of(self.mechanism.problem.partition)
 
     @property
     def joints(self) -> tuple[LabelledJoint, ...]:
@@ -119,14 +119,9 @@ class Report(Printed):
     @cached_property
     def matrices(self) -> dict[str, LabelledMatrix | None]:
         """The lecture's, by name; those from "passive_rates" on are None where J_eq is."""
-        found: dict[str, LabelledMatrix | None] = {}
-        found |= split_matrices(self.split, self.labels)
-        jacobian = self.jacobian
-        return found | (
-            dict.fromkeys(EQUIVALENT)
-            if jacobian is None
-            else equivalent_matrices(jacobian, self.labels)
-        )
+        if self.jacobian is None:
+            return {**matrices_of(self.split), **dict.fromkeys(EQUIVALENT)}
+        return {**matrices_of(self.jacobian)}
 
     @property
     def singular_values(self) -> dict[str, SingularValues | None]:
@@ -171,11 +166,7 @@ class Report(Printed):
         >>> table.rows, table.columns
         (('coupler_tip-rocker_tip x', 'coupler_tip-rocker_tip y'), ('phi1', 'phi2'))
         """
-        check_kind(name, str)
-        parts = ("Jv_eq", "Jw_eq") if name == "J_eq" else (name,)
-        known = ("J_eq", *self.matrices)
-        if parts[0] not in self.matrices:
-            raise UnknownNameError(f"no matrix {quoted(name)}{did_you_mean(name, known)}")
+        parts = parts_of(name, self.matrices)
         found = [matrix for part in parts if (matrix := self.matrices[part]) is not None]
         if not found:
             raise NoJacobianError(f"{name} does not exist here: {self.refusal}")
@@ -203,7 +194,7 @@ class Report(Printed):
             "iterations": configuration.iterations,
             "residual": self.residual,
             "residual_norm": configuration.residual_norm,
-            "tool": configuration.tool_pose,
+            "tool": configuration.tool_pose(),
             **told(self, "matrices", "det_K_star", "singular_values"),
             "singularity": singularity_told(singularity, mechanism.characteristic_length),
             "ellipsoids": {

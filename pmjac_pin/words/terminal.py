@@ -10,7 +10,7 @@ import re
 import sys
 import unicodedata
 from collections.abc import Iterable, Sequence
-from typing import TextIO
+from typing import TextIO, assert_never
 
 import rich.box
 import rich.table
@@ -85,6 +85,8 @@ def draw(console: Console, blocks: Iterable[Block]) -> None:
                 console.print(Text(one_line(block.text)), soft_wrap=True)
             case Table():
                 _draw_table(console, block)
+            case _:
+                assert_never(block)
 
 
 def plain_text(blocks: Iterable[Block], width: int) -> str:

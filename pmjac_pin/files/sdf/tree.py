@@ -172,7 +172,8 @@ def _loop(joint: SdfJoint, frames: tuple[str, str]) -> Loop:
         case "universal" | "revolute2":
             _check_perpendicular(joint)
             return UniversalLoop(frames=frames, axes=(directions[0], directions[1]))
-    raise ModelFileError(f"joint {joint.name!r} of type {joint.kind} cannot be cut")
+        case _:
+            raise ModelFileError(f"joint {joint.name!r} of type {joint.kind} cannot be cut")
 
 
 def _check_perpendicular(joint: SdfJoint) -> None:

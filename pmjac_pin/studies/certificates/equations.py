@@ -138,14 +138,14 @@ class LoopEquations:
     def _coupled(self, coupling: Coupling, q: Array) -> arb:
         """Enclose a gear's equation, which is linear."""
         first, second = (self._value(column, q) for column in coupling.columns.tolist())
-        residual: arb = second - arb(coupling.ratio) * first - arb(coupling.offset)
-        if coupling.coordinates.wraps[coupling.columns[1]]:
-            turns = round((float(residual.mid())) / math.tau)
-            residual -= 2 * turns * arb.pi()
-        return residual
+        return coupling.equation(first, second, _less_whole_turns)
 
     def _value(self, column: int, q: Array) -> arb:
         """Return the value of a joint of one degree of freedom."""
         link = next(one for one in self._tree.links.values() if one.column == column)
         entries = exactly(q[link.entries])
         return entries[0] if entries.size == 1 else arb.atan2(entries[1], entries[0])
+
+
+def _less_whole_turns(angle: arb) -> arb:
+    return angle - 2 * round(float(angle.mid()) / math.tau) * arb.pi()

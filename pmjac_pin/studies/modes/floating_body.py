@@ -61,7 +61,8 @@ def held(own: Frame, other: Frame, blocks: Sequence[Rows], name: str) -> Held | 
             return Held(own, other, None, name)
         case [Gap(), Tilt(hinge)]:
             return Held(own, other, hinge, name)
-    return None
+        case _:
+            return None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
