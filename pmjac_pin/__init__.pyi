@@ -17,6 +17,9 @@ from .errors import (
     ClosureError as ClosureError,
 )
 from .errors import (
+    EffortLimitError as EffortLimitError,
+)
+from .errors import (
     ForbiddenRatesError as ForbiddenRatesError,
 )
 from .errors import (

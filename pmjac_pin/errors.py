@@ -156,6 +156,19 @@ class NoEquilibriumError(PmjacError, ArithmeticError):
     """A load drives what neither motors nor loops hold."""
 
 
+class EffortLimitError(NoEquilibriumError):
+    """No efforts within the motors' limits balance a load.
+
+    Attributes
+    ----------
+    lacking : dict of str to float
+        By motor, how much more than its limit it takes, N or N m: of a motor that no other
+        relieves, or of several that share the load so that all are beyond by the same factor.
+    """
+
+    lacking: dict[str, float]
+
+
 class NoGradientError(PmjacError, ArithmeticError):
     """A measure has no gradient here: singular values are equal, or zero."""
 

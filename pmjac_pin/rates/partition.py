@@ -77,6 +77,9 @@ class Partition(ReadOnlyArrays):
     tool_rates : ndarray, shape (nv,)
         Scaled rates by which the tool generically moves as fast as all else; empty where they are
         1 (`ToolMotion.rates`).
+    rate_limits, effort_limits : ndarray, shape (nv,)
+        Of the model, m/s or rad/s and N or N m; infinite where it states none. Empty where the
+        matrices came from elsewhere.
     """
 
     actuated: Index
@@ -99,6 +102,8 @@ class Partition(ReadOnlyArrays):
     strokes: Array = field(default_factory=lambda: np.zeros(0))
     gap: float = 1e-12
     tool_rates: Array = field(default_factory=lambda: np.zeros(0))
+    rate_limits: Array = field(default_factory=lambda: np.zeros(0))
+    effort_limits: Array = field(default_factory=lambda: np.zeros(0))
     units: tuple[str, ...] = ()
     row_names: tuple[str, ...] = ()
     row_units: tuple[str, ...] = ()
