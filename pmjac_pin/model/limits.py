@@ -108,6 +108,20 @@ def limit_error(what: str, found: Mapping[str, Violation], advice: str = "") -> 
     )
 
 
+def stated_limits(lower: Array, upper: Array) -> Array:
+    """Return the rates or efforts (nv,) that a model allows both ways, infinite where it has none.
+
+    Files without a limit write 0, or what is as good as infinite.
+
+    Examples
+    --------
+    >>> stated_limits(np.array([-2.0, 0.0, -1e300]), np.array([3.0, 0.0, 1e300])).tolist()
+    [2.0, inf, inf]
+    """
+    both = np.minimum(-lower, upper)
+    return np.where((both > 0.0) & (both < LARGEST), both, np.inf)
+
+
 def unread_limits(model: pin.Model) -> Iterator[str]:
     """Yield what is to be said of limits in a model that nothing looks at: of several freedoms."""
     for name, joint in zip(model.names[1:], list(model.joints)[1:], strict=True):

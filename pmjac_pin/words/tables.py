@@ -16,6 +16,7 @@ from pmjac_pin.words.blocks import (
     Table,
 )
 from pmjac_pin.words.labelled_values import LabelledJoint
+from pmjac_pin.words.load_tables import load_blocks
 from pmjac_pin.words.numbers import matrix_numbers, number
 from pmjac_pin.words.report import Report, by_name
 
@@ -75,6 +76,7 @@ def report_blocks(report: Report) -> Iterator[Block]:
     yield from _singularity_blocks(report)
     yield singular_values_table(report)
     yield from ellipsoid_blocks(report, ("velocity", "angular", "force"))
+    yield from load_blocks(report.load, report.configuration)
 
 
 def title(report: Report) -> str:
