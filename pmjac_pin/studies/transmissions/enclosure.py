@@ -36,7 +36,8 @@ _ROUNDS = 12
 _WIDER = 20.0  # than a sheet's error: where no other pose is looked for
 _ENTRIES = 8.0  # a motion of 1 changes an entry of q by more than 1 / 8: slides turn, too
 _ALONE = 1e-4  # rad: how far at least no other pose is wanted
-_NARROW = 0.25  # ‖E‖ beyond which bounds on rates would be wide
+_NARROW = 0.25  # ‖E‖ beyond which bounds on rates are wide: pieces are halved for it
+_SMALLEST = 0.25  # of a cell, to which they are
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,7 +172,8 @@ class _Proof:
         for _ in range(_ROUNDS):  # what is within r is within Y + E r
             reach = np.minimum(reach, _up(Y + E * reach[:, None]).max(axis=1))
         ratio = self._ratio(A, K, Z)
-        good &= (Z < _NARROW) & _regular(ratio)
+        narrow = (Z < _NARROW) | (pieces.half.max(axis=0) <= _SMALLEST)
+        good &= narrow & _regular(ratio)
         every = _up(Y + E * reach[:, None]) * self._partition.column_scale[self._partition.passive]
         error = _up(every[:, self._followers])
         return _Proven(good, error, radius, ratio, self._gap(along, K, reach))
