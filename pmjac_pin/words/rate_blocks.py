@@ -12,7 +12,7 @@ from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.words.blocks import Block, Heading, Paragraph
 from pmjac_pin.words.matrices import matrices_of
 from pmjac_pin.words.singularity_tables import singularity_blocks
-from pmjac_pin.words.tables import LEGEND, TITLES, ellipsoid_table, titled_matrices
+from pmjac_pin.words.tables import LEGEND, TITLES, ellipsoid_table, motors_told, titled_matrices
 
 _ALLOWED_TITLES = {
     "motor_rates": "A = ∂θ̇/∂u (rates of all motors by those that lead)",
@@ -41,7 +41,7 @@ def _titles(jacobian: SplitJacobian) -> dict[str, str]:
 
 def principal_blocks(ellipsoid: Ellipsoid) -> Iterator[Block]:
     """Show the radii and the directions of an ellipsoid."""
-    yield Heading(f"Ellipsoid of rank {ellipsoid.rank}")
+    yield Heading(f"Ellipsoid of rank {ellipsoid.rank}{motors_told(ellipsoid)}")
     yield ellipsoid_table("", ellipsoid)
 
 
