@@ -7,8 +7,8 @@ import numpy as np
 from pmjac_pin.algebra.singular_values import singular_values
 from pmjac_pin.batches.results import ManyMeasures, Status, Statuses
 from pmjac_pin.rates.ellipse import flattened
-from pmjac_pin.rates.jacobian import RADIUS_ROUNDING
 from pmjac_pin.rates.partition import Partition
+from pmjac_pin.rates.tool_reach import RADIUS_ROUNDING
 from pmjac_pin.values.arrays import Array
 
 

@@ -12,6 +12,9 @@ from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_limits
 
+#: In which rates or efforts are counted that are given as such.
+SHARES = "shares of their limits"
+
 Limits: TypeAlias = ArrayLike | Literal["model"]
 
 
@@ -29,6 +32,20 @@ def rate_limits(given: Limits, partition: Partition) -> Array:
 def effort_limits(given: Limits, partition: Partition) -> Array:
     """Return limits of motor efforts, shape (n,), N or N m, as `rate_limits`."""
     return _limits(given, partition, partition.effort_limits, "effort")
+
+
+def rates_unit(partition: Partition) -> str:
+    """Return in which motor rates are counted, such as "m/s and rad/s"; "" where not known."""
+    return " and ".join(f"{unit}/s" for unit in _motor_units(partition))
+
+
+def efforts_unit(partition: Partition) -> str:
+    """Return in which motor efforts are counted, such as "N and N m"; "" where not known."""
+    return " and ".join({"m": "N", "rad": "N m"}[unit] for unit in _motor_units(partition))
+
+
+def _motor_units(partition: Partition) -> list[str]:
+    return sorted(set(partition.units_of(partition.actuated)))
 
 
 def _limits(given: Limits, partition: Partition, stated: Array, what: str) -> Array:

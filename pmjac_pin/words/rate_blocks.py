@@ -12,7 +12,14 @@ from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.words.blocks import Block, Heading, Paragraph
 from pmjac_pin.words.matrices import matrices_of
 from pmjac_pin.words.singularity_tables import singularity_blocks
-from pmjac_pin.words.tables import ALLOWED_TITLES, LEGEND, TITLES, ellipsoid_table, titled_matrices
+from pmjac_pin.words.tables import (
+    ALLOWED_TITLES,
+    LEGEND,
+    TITLES,
+    ellipsoid_table,
+    motors_told,
+    titled_matrices,
+)
 
 
 def jacobian_blocks(jacobian: SplitJacobian) -> Iterator[Block]:
@@ -35,7 +42,7 @@ def _titles(jacobian: SplitJacobian) -> dict[str, str]:
 
 def principal_blocks(ellipsoid: Ellipsoid) -> Iterator[Block]:
     """Show the radii and the directions of an ellipsoid."""
-    yield Heading(f"Ellipsoid of rank {ellipsoid.rank}")
+    yield Heading(f"Ellipsoid of rank {ellipsoid.rank}{motors_told(ellipsoid)}")
     yield ellipsoid_table("", ellipsoid)
 
 

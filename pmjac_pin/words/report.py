@@ -325,7 +325,10 @@ def singularity_told(found: Singularity, length: float) -> dict[str, object]:
 
 def ellipsoid_told(ellipsoid: Ellipsoid) -> dict[str, object]:
     """Return what is told of an ellipsoid: `directions` has an axis in each of its rows."""
-    return {**told(ellipsoid, "unit", "rank", "radii"), "directions": ellipsoid.axes.T}
+    return {
+        **told(ellipsoid, "unit", "motor_unit", "rank", "radii"),
+        "directions": ellipsoid.axes.T,
+    }
 
 
 def _first_radii(ellipsoid: Ellipsoid | None, motors: int) -> SingularValues | None:

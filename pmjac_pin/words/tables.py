@@ -143,7 +143,12 @@ def ellipsoid_blocks(report: Report, names: tuple[str, ...]) -> Iterator[Block]:
     for name in names:
         ellipsoid = report.ellipsoids[name]
         if ellipsoid is not None:
-            yield ellipsoid_table(ELLIPSOIDS[name], ellipsoid)
+            yield ellipsoid_table(f"{ELLIPSOIDS[name]}{motors_told(ellipsoid)}", ellipsoid)
+
+
+def motors_told(ellipsoid: Ellipsoid) -> str:
+    """Return in which the motors of an ellipsoid are counted, behind a comma; "" if not known."""
+    return f", motors in {ellipsoid.motor_unit}" if ellipsoid.motor_unit else ""
 
 
 def ellipsoid_table(heading: str, ellipsoid: Ellipsoid) -> Table:
