@@ -19,7 +19,7 @@ from pmjac_pin.algebra.tape_runner import kernel, run
 from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.grid import Grid
 from pmjac_pin.batches.judge import Judge
-from pmjac_pin.batches.measures import measured
+from pmjac_pin.batches.measures import measured, with_extremes
 from pmjac_pin.batches.pieces import Piece, Progress, Work, gathered
 from pmjac_pin.batches.results import (
     ManyClosed,
@@ -244,13 +244,14 @@ class Batch:
         """
         self.mechanism.need_tool()
         poses, by = self._poses(q), self._by(self._recorded.measures)
-        n = len(self.mechanism.actuated)
+        n, partition = len(self.mechanism.actuated), self._recorded.rates.partition
         shapes = ((6, n), (), (3,), (3,), (), (), (3,), (3, 3))  # in the order of ManyMeasures
 
         def work(piece: Piece) -> list[Array]:
-            told = by(poses[piece.at].T)
-            judged = self._judge.judged(piece, poses[piece.at], told, "LOCAL_WORLD_ALIGNED")
-            found = measured(*judged, told[DOUBTS + 6 * n :], self._recorded.rates.partition)
+            part = poses[piece.at]
+            told, extremes = with_extremes(by, part.T, DOUBTS + 6 * n + 15, partition)
+            judged = self._judge.judged(piece, part, told, "LOCAL_WORLD_ALIGNED")
+            found = measured(*judged, told[DOUBTS + 6 * n :], extremes, partition)
             return list(vars(found).values())
 
         whole = [(len(poses), *shape) for shape in shapes]
