@@ -15,14 +15,19 @@ import time
 from collections.abc import Callable
 
 import numpy as np
+from humanoid import humanoid
 from recording import unrecorded
 
 import pmjac_pin as pj
 
-NAMES = ("five_bar", "three_rps", "delta_rods", "delta", "stewart_gough")
+NAMES = ("five_bar", "three_rps", "delta_rods", "delta", "stewart_gough", "humanoid")
 MANY, SINGLE = 40_000, 100
 SPREAD = 0.03  # rad, or of the length
 ROUNDS = 5
+
+
+def machine(name: str) -> pj.Mechanism:
+    return humanoid() if name == "humanoid" else pj.load(name)
 
 
 def targets(mechanism: pj.Mechanism, count: int) -> np.ndarray:
@@ -64,7 +69,7 @@ def check(mechanism: pj.Mechanism, many: pj.Batch, values: np.ndarray) -> None:
 def compare(mechanism: pj.Mechanism) -> tuple[float, float, float]:
     """Seconds a pose, one by one and at once; and how much faster two threads are than one."""
     many, values = pj.batch(mechanism), targets(mechanism, MANY)
-    alone = unrecorded(pj.load(mechanism.name))
+    alone = unrecorded(machine(mechanism.name))
     check(alone, many, values[:20])
     single, batched, gains = [], [], []
     for _ in range(ROUNDS):
@@ -83,7 +88,7 @@ def main() -> None:
     columns = f"{'one by one':>12s}{'at once':>12s}{'ratio':>8s}{'2 threads':>12s}"
     print(f"{runs_on:16s}{columns}   µs a pose")
     for name in NAMES:
-        single, batched, gain = compare(pj.load(name))
+        single, batched, gain = compare(machine(name))
         ratio = single / batched
         print(
             f"{name:16s}{1e6 * single:12.1f}{1e6 * batched:12.2f}{ratio:8.1f}{f'× {gain:.2f}':>12s}"

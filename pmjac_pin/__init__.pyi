@@ -50,6 +50,9 @@ from .errors import (
     NoJacobianError as NoJacobianError,
 )
 from .errors import (
+    NoMotorsError as NoMotorsError,
+)
+from .errors import (
     NoToolError as NoToolError,
 )
 from .errors import (
@@ -139,6 +142,7 @@ from .studies.program import Program as Program
 from .studies.program import program as program
 from .studies.recut import recut as recut
 from .studies.sweep.sweep import sweep as sweep
+from .studies.transmissions.table_maker import transmission_table as transmission_table
 from .studies.transmissions.transmission import Geared as Geared
 from .studies.transmissions.transmission import Transmission as Transmission
 from .studies.transmissions.transmission import transmission as transmission
@@ -146,9 +150,6 @@ from .studies.transmissions.transmission_map import TransmissionMap as Transmiss
 from .studies.transmissions.transmission_map import transmission_map as transmission_map
 from .studies.transmissions.transmission_table import (
     TransmissionTable as TransmissionTable,
-)
-from .studies.transmissions.transmission_table import (
-    transmission_table as transmission_table,
 )
 from .viewer.viewer import Viewer as Viewer
 from .viewer.viewer import view as view

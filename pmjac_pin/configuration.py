@@ -345,6 +345,11 @@ class Configuration(LoadedPose, Shown):
     def _known(self) -> KnownPose | None:
         return self.mechanism._recorded.pose(self.q)
 
+    def _motion_by_home(self, rates: Array) -> tuple[Array, Array, Array] | None:
+        """Return what motor rates lead to by a program, None where nothing is certain."""
+        recorded = None if self._known is None else self.mechanism._recorded.motion()
+        return None if recorded is None else recorded.at(self.q, rates)
+
     @found_once
     def _point(self) -> Closed:
         return closed_point(self._problem, self.q)

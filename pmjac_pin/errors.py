@@ -66,6 +66,18 @@ class ModelFileError(PmjacError, ValueError):
     path: str = ""
 
 
+class NoMotorsError(ModelFileError):
+    """A file does not say which joints are motors, and nobody else does.
+
+    Attributes
+    ----------
+    candidates : tuple of str
+        Joints that may be: those of one degree of freedom or, where there are none, others.
+    """
+
+    candidates: Any = ()
+
+
 class UnknownNameError(PmjacError, KeyError):
     """A mechanism, joint, frame, pose or parameter that does not exist.
 

@@ -122,12 +122,13 @@ class MechanismValue:
         """Raise NoToolError where no frame is named as the tool."""
         if self.spec.tool.is_none:
             frames = self.possible_tools
-            listed = enumerated(frames, _MOST_FRAMES)
-            raise NoToolError(
-                f"{self.name} has no tool: name a frame by `tool`, as in jacobian(tool=...), of: "
-                f"{listed}",
-                frames=frames,
+            name = "name a frame by `tool`, as in jacobian(tool=...)"
+            advice = (
+                f"{name}, of: {enumerated(frames, _MOST_FRAMES)}"
+                if frames
+                else f"its model has no link that could be one; add a frame to it, and {name}"
             )
+            raise NoToolError(f"{self.name} has no tool: {advice}", frames=frames)
 
     @property
     def rows(self) -> tuple[str, ...]:

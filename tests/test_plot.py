@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 
+import numpy as np
 import pytest
 from mechanisms import loaded
 
@@ -80,3 +81,50 @@ def test_only_poses_are_drawn():
 def test_an_unbounded_ellipsoid_is_refused():
     with pytest.raises(pj.ArgumentError, match="unbounded"):
         pj.plot(loaded("five_bar").home, "force")
+
+
+def lines(axes):
+    return {line.get_label(): line.get_xydata() for line in axes.get_lines()}
+
+
+@pytest.mark.parametrize("quantity", ["linear", "force"])
+@pytest.mark.parametrize("name", ["five_bar", "three_rps", "stewart_gough", "sarrus", "ur5"])
+def test_the_polytope_is_drawn_and_the_ellipsoid_is_inscribed_in_it(name, quantity, rng):
+    """By supports: uᵀv ≤ Σ |uᵀ Jᵢ| limitᵢ of all that is drawn, and the outline reaches it."""
+    home = loaded(name).home
+    block = home.jacobian().Jv_eq
+    limits = rng.uniform(0.5, 2.0, block.shape[1])
+    figure = pj.plot(home, quantity, limits=limits, planes=["zy", "zx", "xy"])
+    for axes, plane in zip(figure.axes[2:], ("zy", "zx", "xy"), strict=True):
+        assert axes.get_title() == f"{'–'.join(plane.upper())} plane"
+        drawn, rows = lines(axes), ["xyz".index(letter) for letter in plane]
+        for angle in rng.uniform(0, 7, 12):
+            way = np.array([np.cos(angle), np.sin(angle)])
+            outer = (drawn["polytope, projection"] @ way).max()
+            assert (drawn["projection"] @ way).max() <= outer * (1 + 1e-9) + 1e-12
+            if quantity == "linear":
+                most = np.abs(way @ block[rows]) @ limits
+                assert outer == pytest.approx(most, abs=1e-9 * limits.max())
+
+
+def test_limits_are_those_of_the_model_or_said_to_be_none():
+    home = loaded("five_bar").home
+    given, stated = (pj.plot(home, limits=limits).axes[1] for limits in ([10.0, 10.0], "model"))
+    for label, drawn in lines(given).items():
+        if "polytope" in label:
+            np.testing.assert_array_equal(drawn, lines(stated)[label])
+    arm = loaded("serial_2r")
+    model = arm.model
+    model.upperVelocityLimit = model.lowerVelocityLimit = np.array([0.0, 7.0])
+    free = pj.Mechanism.from_pinocchio(model, [], arm.actuated, arm.spec.tool.names[0])
+    with pytest.raises(pj.ArgumentError, match="the model states no rate limit of theta1"):
+        pj.plot(free.close([0.3, 0.9]), limits="model")
+    with pytest.raises(pj.ArgumentError, match="motor limits are numbers or 'model', got 'file'"):
+        pj.plot(home, limits="file")
+    with pytest.raises(pj.ArgumentError, match="2 numbers expected"):
+        pj.plot(home, limits=[1.0])
+
+
+def test_forces_of_a_planar_machine_are_bounded_where_it_moves():
+    figure = pj.plot(loaded("five_bar").home, "force", limits="model")
+    assert titles(figure) == ["X–Y plane"]

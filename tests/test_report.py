@@ -163,6 +163,9 @@ def test_json_is_ascii_and_keeps_its_keys(homes):
         "singularity",
         "ellipsoids",
         "refusal",
+        "motion",
+        "statics",
+        "dynamics",
     ]
     assert strict(text)["residual"][0]["name"] == "S1-S2 distance²"
 

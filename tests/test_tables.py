@@ -126,6 +126,19 @@ def test_very_long_names_are_folded_not_cut():
     assert text.count("-0.1234") == 6
 
 
+@pytest.mark.parametrize("width", [24, 30, 40, 50, 60, 80])
+@pytest.mark.parametrize("words", [0, 1, 3])
+def test_names_that_begin_alike_stay_distinct(width, words):
+    """In each part of a table every name is whole, folded or not."""
+    names = [f"stewart_gough{end}" for end in ("", "_dietmaier", "_dietmaier_2", "_of_points")]
+    header = ("name", "freedom", "motors", "loops\n(rows)", *["what it is"] * words)
+    rows = tuple((name, "6", "6", "6 (18)", *["a platform on legs"] * words) for name in names)
+    text = drawn([Table("", header, rows, "<>>>" + "<" * words)], width)
+    for part in text.split("\n\n"):
+        _, _, below = part.rpartition("──\n")
+        assert "".join(re.findall(r"^\S+", below, re.MULTILINE)) == "".join(names)
+
+
 def test_words_are_wrapped_in_their_own_column():
     words = Table("", ("name", "meaning"), (("a", "many words " * 20),), "<<")
     lines = drawn([words], 40).splitlines()

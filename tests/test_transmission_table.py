@@ -5,102 +5,71 @@ What is said of an ankle is held against its closed formula, of other machines a
 
 from __future__ import annotations
 
+import csv
 import re
 from dataclasses import replace
 
 import mechanisms
 import numpy as np
 import pytest
+from scipy.interpolate import CubicHermiteSpline
 from test_transmission import motors_by_hand
+from transmission_machines import CASES, SMALL, drawn, table_of
 
 import pmjac_pin as pj
 from pmjac_pin.studies.transmissions.enclosure import enclose
 
-LEVEL = {"pitch": (-0.4, 0.25), "roll": (-0.15, 0.15)}
-SMALL = {"pitch": (-0.1, 0.15), "roll": (-0.1, 0.1)}
 
-
-def around(name, joints, share):
-    """Joint values around home."""
-    mechanism = mechanisms.loaded(name)
-    values = mechanism.home.joint_values
-    return {joint: (values[joint] - share, values[joint] + share) for joint in joints}
-
-
-# Machines and rectangles: revolute loops, rods on universal joints, slides, redundant rows.
-CASES = {
-    "humanoid_ankle": (LEVEL, 17),
-    "ankle": (SMALL, 9),
-    "four_bar": ({"phi1": (2.1, 2.5)}, 17),
-    "five_bar": (around("five_bar", ("phi1", "phi2"), 0.15), 9),
-    "slider_crank": (
-        around("slider_crank", mechanisms.loaded("slider_crank").passive[-1:], 0.05),
-        9,
-    ),
-}
-
-
-@pytest.fixture(scope="module")
-def tables():
-    return {
-        name: pj.transmission_table(mechanisms.loaded(name), over, points)
-        for name, (over, points) in CASES.items()
-    }
-
-
-def drawn(table, rng, count):
-    box = table.rectangle
-    return rng.uniform(box.lower, box.upper, (count, box.lower.size))
-
-
-def test_an_ankles_table_beside_its_closed_formula(tables, rng):
+def test_an_ankles_table_beside_its_closed_formula(rng):
     """Everywhere as near as the proven bound says; and the bound is no empty one."""
-    table = tables["humanoid_ankle"]
+    table = table_of("humanoid_ankle")
     x = drawn(table, rng, 3000)
     by_hand = np.array([motors_by_hand(*row) for row in x])
     off = np.abs(table.motor_values(x) - by_hand)
     assert (off <= table.error).all()
     assert (table.error < 15.0 * off.max(axis=0)).all()
     exact, ratio = table.exact(x)
-    np.testing.assert_allclose(exact, by_hand, atol=1e-12)
+    np.testing.assert_allclose(exact, by_hand, rtol=0, atol=1e-12)
     h = 1e-5
     for k, step in enumerate(h * np.eye(2)):
         sides = [np.array([motors_by_hand(*row) for row in x[:200] + s * step]) for s in (1, -1)]
-        np.testing.assert_allclose(ratio[:200, :, k], (sides[0] - sides[1]) / (2 * h), atol=1e-8)
+        np.testing.assert_allclose(
+            ratio[:200, :, k], (sides[0] - sides[1]) / (2 * h), rtol=0, atol=1e-8
+        )
     assert ((table.lower <= ratio) & (ratio <= table.upper)).all()
     assert table.evidence.kind == "proof"
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_a_table_is_as_near_as_it_says(tables, name, rng):
-    table = tables[name]
+def test_a_table_is_as_near_as_it_says(name, rng):
+    table = table_of(name)
     x = drawn(table, rng, 12)
     exact, ratio = table.exact(x)
     for k, row in enumerate(x):
         geared = table.transmission.at_joints(row, guess=table.transmission.by_joints.home)
-        np.testing.assert_allclose(exact[k], geared.motors, atol=1e-10)
-        np.testing.assert_allclose(ratio[k], geared.ratio, atol=1e-8)
+        np.testing.assert_allclose(exact[k], geared.motors, rtol=0, atol=1e-11)
+        np.testing.assert_allclose(ratio[k], geared.ratio, rtol=1e-9, atol=1e-9)
         assert (np.abs(table.motor_values(row) - geared.motors) <= table.error + 1e-12).all()
         assert ((table.lower <= geared.ratio) & (geared.ratio <= table.upper)).all()
     assert table.evidence.kind == "proof"
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_an_estimate_is_called_one_and_holds(tables, name, rng):
-    over, points = CASES[name]
-    guessed = pj.transmission_table(mechanisms.loaded(name), over, points, proof=False)
+def test_an_estimate_is_called_one_and_holds(name, rng):
+    make, over, points = CASES[name]
+    guessed = pj.transmission_table(make(), over, points, proof=False)
     assert guessed.evidence.kind == "tolerance"
     assert "an estimate" in guessed.evidence.statement
     x = drawn(guessed, rng, 4000)
-    exact, _ = tables[name].exact(x)
+    exact, _ = table_of(name).exact(x)
     assert (np.abs(guessed.motor_values(x) - exact) <= guessed.error + 1e-14).all()
-    assert (guessed.error <= 2.0 * tables[name].error + 1e-14).all()
+    assert (guessed.error <= 2.0 * table_of(name).error + 1e-14).all()
 
 
 @pytest.mark.parametrize("name", ["humanoid_ankle", "four_bar"])
-def test_a_proof_sees_a_wrong_number(tables, name):
+def test_a_proof_sees_a_wrong_number(name):
     """One value of the table off by 1e-4: so is what is proven, or nothing is."""
-    table = tables[name]
+    table = table_of(name)
     data = table.sheet.data.copy()
     middle = tuple(size // 2 for size in table.map.status.shape)
     motor = table.transmission.by_motors.coordinates.entry(int(table.program.followers[0]))
@@ -118,15 +87,15 @@ def test_more_points_are_nearer_by_the_fourth_power():
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_a_map_is_what_single_poses_say(tables, name):
-    found = tables[name].map
+def test_a_map_is_what_single_poses_say(name):
+    found = table_of(name).map
     limits = np.arange(1.0, 1.0 + len(found.joints))
     efforts, rates = found.efforts_alone(limits), found.rates_alone(limits)
     shape = found.status.shape
     for place in [(0,) * len(shape), tuple(size // 2 for size in shape)]:
         geared = found.transmission.at(found.transmission.by_joints.configuration(found.q[place]))
-        np.testing.assert_allclose(found.motors[place], geared.motors, atol=1e-10)
-        np.testing.assert_allclose(found.ratio[place], geared.ratio, atol=1e-9)
+        np.testing.assert_allclose(found.motors[place], geared.motors, rtol=0, atol=1e-10)
+        np.testing.assert_allclose(found.ratio[place], geared.ratio, rtol=0, atol=1e-8)
         np.testing.assert_allclose(
             found.reflected(limits)[place], geared.armature(limits), atol=1e-8
         )
@@ -153,7 +122,7 @@ def test_where_an_ankles_transmission_exists():
     real = np.isfinite(by_hand).all(axis=1).reshape(found.status.shape)
     assert 20 < real.sum() < real.size - 20
     np.testing.assert_array_equal(found.exists, real)
-    np.testing.assert_allclose(found.motors[real], by_hand[real.ravel()], atol=1e-8)
+    np.testing.assert_allclose(found.motors[real], by_hand[real.ravel()], rtol=0, atol=1e-9)
     assert np.isnan(found.ratio[~real]).all()
     assert np.isnan(found.efforts_alone([1.0, 1.0])[~real]).all()
     covered = found.covered()
@@ -266,3 +235,68 @@ def test_joints_that_do_not_determine_the_motors():
     value = mechanism.home.joint_values["theta"]
     with pytest.raises(pj.ArgumentError, match="do not determine what idles: rz"):
         pj.transmission_map(spun, {"theta": (value - 0.1, value + 0.1)})
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_an_npz_has_all_that_interpolation_takes(name, tmp_path, rng):
+    """By SciPy: of one joint its own Hermite polynomials, of two those of rows along columns."""
+    table = table_of(name)
+    table.save(tmp_path / "table.npz")
+    with np.load(tmp_path / "table.npz") as file:
+        saved = dict(file)
+    assert saved["joints"].tolist() == list(table.joints)
+    assert saved["motors"].tolist() == list(table.motors)
+    assert str(saved["evidence"]) == str(table.evidence)
+    for key in ("error", "lower", "upper"):
+        np.testing.assert_array_equal(saved[key], getattr(table, key))
+    x, values, ratio = drawn(table, rng, 50), saved["motor_values"], saved["ratio"]
+    found = []
+    for row in x:
+        if len(row) == 1:
+            found.append(CubicHermiteSpline(saved["axis0"], values, ratio[..., 0])(row[0]))
+            continue
+        along = CubicHermiteSpline(saved["axis1"], values, ratio[..., 1], axis=1)(row[1])
+        across = CubicHermiteSpline(saved["axis1"], ratio[..., 0], saved["twist"], axis=1)(row[1])
+        found.append(CubicHermiteSpline(saved["axis0"], along, across)(row[0]))
+    endless = table.transmission.by_motors.coordinates.wraps.any()
+    atol = 10.0 * table.error.max() if endless else 1e-12
+    np.testing.assert_allclose(found, table.motor_values(x), rtol=0, atol=atol)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_csv_has_a_row_for_each_point(name, tmp_path):
+    table = table_of(name)
+    table.save(tmp_path / "table.csv")
+    header, *rows = csv.reader((tmp_path / "table.csv").read_text().splitlines())
+    n = len(table.joints)
+    assert header[: 2 * n] == [*table.joints, *table.motors]
+    assert header[2 * n] == f"d{table.motors[0]}/d{table.joints[0]}"
+    numbers = np.array(rows, dtype=float)
+    assert len(numbers) == table.map.status.size
+    exact, ratio = table.exact(numbers[:, :n])
+    np.testing.assert_allclose(numbers[:, n : 2 * n], exact, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(numbers[:, 2 * n :], ratio.reshape(len(ratio), -1), rtol=1e-12)
+
+
+def test_a_saved_header_is_the_tables(tmp_path):
+    table = table_of("four_bar")
+    table.save(tmp_path / "rocker.h")
+    assert (tmp_path / "rocker.h").read_text() == table.c()
+
+
+def test_files_are_not_replaced_unasked(tmp_path):
+    table, place = table_of("four_bar"), tmp_path / "table.csv"
+    place.write_text("mine")
+    with pytest.raises(pj.OutputError, match=r"table.csv: exists already; --force replaces it"):
+        table.save(place)
+    assert place.read_text() == "mine"
+    table.save(place, force=True)
+    assert place.read_text().startswith("phi1,theta1,")
+    for name, message in (
+        ("table.txt", r"a table's file ends in .h, .npz, .csv"),
+        ("no folder/table.h", "there is no folder"),
+    ):
+        with pytest.raises(pj.OutputError, match=message):
+            table.save(tmp_path / name)
+    with pytest.raises(pj.ArgumentError, match="force is True or False"):
+        table.save(place, force="yes")

@@ -154,7 +154,7 @@ def test_a_model_file_locks_joints_itself(chain: Path) -> None:
 @pytest.mark.parametrize(
     ("locked", "message"),
     [
-        (["turn"], "joint 'turn' is locked; remove it from `actuated`"),
+        (["turn", "push"], r"all motors are locked \(turn, push\); hold fewer, or name others"),
         ("spin", "a list of joints or a mapping, got 'spin'"),
         (5, "a list of joints or a mapping, got 5"),
         ([["spin"]], "a list of joints or a mapping"),
@@ -167,6 +167,28 @@ def test_a_model_file_locks_joints_itself(chain: Path) -> None:
 def test_what_cannot_be_locked_in_a_mechanism(chain: Path, locked: object, message: str) -> None:
     with pytest.raises(pj.PmjacError, match=message):
         pj.load(chain, locked=locked)
+
+
+@pytest.mark.parametrize("held", ["turn", "push"])
+def test_a_locked_motor_is_none(chain: Path, held: str) -> None:
+    """The columns of the others stay what they were."""
+    free, locked = pj.load(chain), pj.load(chain, locked=[held])
+    kept = [name for name in free.actuated if name != held]
+    assert locked.actuated == tuple(kept)
+    assert f"held, and so no motor: {held}" in locked.notes
+    columns = [free.actuated.index(name) for name in kept]
+    whole, part = free.home.split_jacobian(), locked.home.split_jacobian()
+    np.testing.assert_allclose(part.Jv, whole.Jv[:, columns], atol=1e-14)
+    np.testing.assert_allclose(part.Jw, whole.Jw[:, columns], atol=1e-14)
+    with pytest.raises(pj.ArgumentError, match=f"{held!r} is given as `actuated` and as `locked`"):
+        pj.load(chain, locked=[held], actuated=iter(["turn", "push"]))
+
+
+def test_a_locked_joint_of_an_open_chain_is_no_motor(tmp_path: Path) -> None:
+    (tmp_path / "chain.urdf").write_text(CHAIN)
+    free = pj.load(tmp_path / "chain.urdf", tool="tip")
+    held = pj.load(tmp_path / "chain.urdf", tool="tip", locked=["spin"])
+    assert {*free.actuated} - {*held.actuated} == {"spin"}
 
 
 def test_a_locked_joint_has_no_value_in_a_pose(chain: Path) -> None:

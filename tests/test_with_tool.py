@@ -168,6 +168,29 @@ def test_elsewhere_the_error_names_the_ends_of_chains_first(folder):
         home.jacobian()
 
 
+def test_a_model_of_joints_alone_says_that_it_has_no_frame():
+    model = pin.Model()
+    model.addJoint(0, pin.JointModelRX(), pin.SE3.Identity(), "a")
+    bare = pj.Mechanism.from_pinocchio(model, [], ["a"])
+    for ask in (bare.home.jacobian, bare.home.tool_pose, lambda: pj.check(bare)):
+        with pytest.raises(
+            pj.NoToolError, match="has no link that could be one; add a frame"
+        ) as no:
+            ask()
+        assert no.value.frames == ()
+
+
+def test_check_of_a_joint_that_is_named_as_its_link_is(tmp_path):
+    path = tmp_path / "arm.urdf"
+    path.write_text(
+        '<robot name="arm"><link name="base"/><link name="hand"/>'
+        '<joint name="hand" type="continuous"><parent link="base"/><child link="hand"/></joint>'
+        "</robot>"
+    )
+    assert "'hand'" in pj.check(path).findings[0].message
+    assert pj.load(path).possible_tools == ("hand", "base")
+
+
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_a_mechanism_without_a_tool_is_the_same_machine(name, rng):
     """It closes, has ranks and modes; J_eq comes with a frame that is named then."""
@@ -199,7 +222,7 @@ def test_a_mechanism_without_a_tool_is_the_same_machine(name, rng):
         alone.home.jacobian,
         alone.home.allowed_jacobian,
         alone.home.dynamics,
-        alone.home.statics,
+        lambda: alone.home.statics(np.zeros(6)),
         alone.home.tool_pose,
         lambda: str(pj.report(alone.home)),
         lambda: pj.view(alone.home, open_browser=False, port=0),

@@ -194,7 +194,8 @@ class Batch:
 
         def work(piece: Piece) -> tuple[Array, Statuses]:
             part = poses[piece.at]
-            return self._judge.judged(piece, part, run(tape, part.T), name)
+            J_eq, status = self._judge.judged(piece, part, run(tape, part.T), name)
+            return J_eq.transpose(2, 0, 1), status
 
         return gathered(ManyJacobians, ((count, 6, n), (count,)), work, threads, progress)
 

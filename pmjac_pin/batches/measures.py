@@ -17,7 +17,7 @@ def measured(J_eq: Array, status: Statuses, found: Array, partition: Partition) 
 
     Parameters
     ----------
-    J_eq, status : ndarray, shapes (N, 6, n) and (N,)
+    J_eq, status : ndarray, shapes (6, n, N) and (N,)
     found : ndarray, shape (15 + k m_p, N)
         What `RecordedRates.measures_tape` gives after J_eq.
     partition : Partition
@@ -27,10 +27,10 @@ def measured(J_eq: Array, status: Statuses, found: Array, partition: Partition) 
     smallest, condition = _nearness(found[15:], size, partition)
     smallest[status == Status.OPEN] = condition[status == Status.OPEN] = np.nan
     return ManyMeasures(
-        J_eq=J_eq,
+        J_eq=J_eq.transpose(2, 0, 1),
         status=status,
-        velocity_radii=_radii_of_blocks(J_eq[:, :3], linear),
-        angular_radii=_radii_of_blocks(J_eq[:, 3:], angular),
+        velocity_radii=_radii_of_blocks(J_eq[:3], linear),
+        angular_radii=_radii_of_blocks(J_eq[3:], angular),
         smallest=smallest,
         condition=condition,
         position=tool[:, :3],
@@ -39,9 +39,9 @@ def measured(J_eq: Array, status: Statuses, found: Array, partition: Partition) 
 
 
 def _radii_of_blocks(block: Array, size: Array) -> Array:
-    """Return singular values of (N, 3, n) blocks, (N, 3), zero where they are rounding."""
-    values = singular_values(block.transpose(1, 2, 0)).T
-    radii = np.zeros((len(block), 3))
+    """Return singular values of (3, n, N) blocks, (N, 3), zero where they are rounding."""
+    values = singular_values(block).T
+    radii = np.zeros((len(values), 3))
     radii[:, : values.shape[1]] = values
     flat = flattened(radii, radii[:, :1])
     flat[flat <= RADIUS_ROUNDING * size[:, None]] = 0.0

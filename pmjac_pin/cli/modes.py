@@ -8,7 +8,7 @@ from typing import Annotated, TypeAlias
 
 from cyclopts import Parameter
 
-from pmjac_pin.cli.options import At, Choice, NameOption, parsed_motor_values
+from pmjac_pin.cli.options import At, Choice, NameOption, parsed_values
 from pmjac_pin.cli.output import Json, Output
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
@@ -121,4 +121,4 @@ def _motor_values(mechanism: Mechanism, at: str | None, pose: str | None) -> Giv
         return values
     if pose is not None:
         raise ArgumentError("--at and --from both give motor values; take one of them")
-    return parsed_motor_values(at)
+    return parsed_values("--at", at)

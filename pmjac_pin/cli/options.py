@@ -120,7 +120,7 @@ class PoseOption:
         start = unnamed if self.from_ is None else self.from_
         if self.at is None:
             return mechanism.pose(start), {"pose": start, "start": None}
-        values, limits = parsed_motor_values(self.at), mechanism.spec.enforce_limits
+        values, limits = parsed_values("--at", self.at), mechanism.spec.enforce_limits
         closed = mechanism.close(values, guess=start, enforce_limits=limits)
         return closed, {"pose": None, "start": start}
 
@@ -140,15 +140,15 @@ def numbers_by_name(option: str, items: Iterable[str]) -> dict[str, float]:
     return numbers
 
 
-def parsed_motor_values(at: str) -> list[float] | dict[str, float]:
-    """Return the numbers given by ``--at``, by the motors' names where it has them."""
-    items = at.split(",")
+def parsed_values(option: str, given: str) -> list[float] | dict[str, float]:
+    """Return the numbers that an option gives, by names where it has them."""
+    items = given.split(",")
     if all("=" in item for item in items):
-        return numbers_by_name("--at", items)
+        return numbers_by_name(option, items)
     try:
         return [float(item) for item in items]
     except ValueError:
-        message = f"--at takes numbers joined by commas, such as 0.5,1,2; got {quoted(at)}"
+        message = f"{option} takes numbers joined by commas, such as 0.5,1,2; got {quoted(given)}"
         raise ArgumentError(message) from None
 
 

@@ -27,5 +27,6 @@ def plot_command(
     """Draw the velocity ellipsoid at one pose and its sections; print the file's path."""
     configuration, names = pose.configuration(choice.load(mechanism))
     ellipsoid = configuration.jacobian(frame).velocity_ellipsoid()
-    save_pose_figure(report(configuration, frame, **names), ellipsoid, output)
+    found = report(configuration, frame, pose=names["pose"], start=names["start"])
+    save_pose_figure(found, ellipsoid, output)
     return [Verbatim(str(output))]

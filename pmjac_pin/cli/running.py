@@ -26,6 +26,7 @@ _COMMANDS = {
     "sweep": "map.toml --resume",
 }
 
+_WITH_NUMBERS = ("--at", "--rates", "--accelerations", "--wrench")
 _OF_PYTHON = re.compile(r"; enforce_limits=False .*$")  # what a message says of its switch
 _LONGEST_TYPED = 600  # characters of a message that quotes what was typed
 
@@ -91,11 +92,14 @@ def _run_app(argv: Sequence[str]) -> int:
 
 
 def _with_values_joined(argv: Sequence[str]) -> list[str]:
-    """Write ``--at -0.5,1`` as ``--at=-0.5,1``, which cannot be taken for an option."""
+    """Write ``--at -0.5,1`` as ``--at=-0.5,1``, which cannot be taken for an option.
+
+    And so of the other options that take numbers.
+    """
     tokens: list[str] = []
     for token in argv:
-        if tokens and tokens[-1] == "--at" and re.match(r"-[\d.]", token):
-            tokens[-1] = f"--at={token}"
+        if tokens and tokens[-1] in _WITH_NUMBERS and re.match(r"-[\d.]", token):
+            tokens[-1] = f"{tokens[-1]}={token}"
         else:
             tokens.append(token)
     return tokens

@@ -46,6 +46,8 @@ class LoadedPose:
 
         def _need_tool(self) -> None: ...
 
+        def _motion_by_home(self, rates: Array) -> tuple[Array, Array, Array] | None: ...
+
     def motion(
         self,
         rates: MotorValues,
@@ -75,7 +77,11 @@ class LoadedPose:
         (6,)
         """
         given = [self._motor_rates(each) for each in (rates, accelerations)]
-        return Motion(self.jacobian(frame), *given)
+        motion = Motion(self.jacobian(frame), *given)
+        known = self._motion_by_home(motion.rates)
+        if known is None or motion.jacobian.frame != "LOCAL_WORLD_ALIGNED":
+            return motion
+        return motion.known(*known)
 
     def dynamics(
         self, rates: MotorValues | None = None, *, springs: Springs | None = None
@@ -105,8 +111,8 @@ class LoadedPose:
         (6, 6)
         """
         tree, partition = self._parts.kinematics, self._problem.partition
-        motion = Motion(self.jacobian(), *map(self._motor_rates, (rates, None)))
-        G, idle, still = motion.jacobian.motion_map, motion.jacobian.idle_map, 0.0 * motion.v
+        motion = self.motion(self._motor_rates(rates))
+        (G, idle), still = motion.ways, 0.0 * motion.v
         forces = [tree.efforts(self.q, still, still), tree.efforts(self.q, motion.v, motion.bias)]
         forces[1] += self._held_springs(springs)
         whole, on_tree = tree.mass_matrix(self.q), np.array(forces).T

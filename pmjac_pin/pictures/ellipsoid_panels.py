@@ -10,8 +10,10 @@ import numpy as np
 
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.pictures.figures import matplotlib_package
+from pmjac_pin.pictures.solid_panels import draw_solid_in_plane, draw_solid_in_space
 from pmjac_pin.rates.ellipse import Ellipse
 from pmjac_pin.rates.ellipsoid import Ellipsoid
+from pmjac_pin.rates.solid import Solid
 from pmjac_pin.values.arrays import Array
 
 if TYPE_CHECKING:
@@ -24,6 +26,7 @@ PLANES = ("zy", "zx", "xy")
 _SURFACE, _SECTION, _SHADOW = "#56B4E9", "#0072B2", "#D55E00"
 _AXIS_COLOURS = ("#000000", "#009E73", "#CC79A7")
 _GRID = "#D9D9D9"
+_AXES = ("axis 1", "axis 2", "axis 3")
 
 _EYE_ELEVATION = 30.0  # degrees, of the eye above the x-y plane
 
@@ -41,7 +44,9 @@ def draw_ellipsoid(
     ellipsoid: Ellipsoid,
     planes: Mapping[str, Any],
     space: Any = None,
+    *,
     symbol: str | None = None,
+    solid: Solid | None = None,
 ) -> Any:
     """Draw an ellipsoid into places of a figure; return the axes in space, None without a place.
 
@@ -54,16 +59,24 @@ def draw_ellipsoid(
     space : SubplotSpec, optional
     symbol : str, optional
         Letter of the axis labels; by default read off the ellipsoid's unit.
+    solid : Solid, optional
+        A polytope in the same unit, drawn about it.
     """
-    scaled = _rescaled(ellipsoid)
+    reach = 0.0 if solid is None else solid.reach
+    factor, scaled = _rescaled(ellipsoid, reach)
+    limit = 1.15 * max(factor * reach, float(scaled.radii[0])) or 1.0
     labels = _axis_labels(symbol or QUANTITIES.get(ellipsoid.unit, ("v", ""))[0], scaled.unit)
     in_space = None
     if space is not None:
         in_space = panels.add_subplot(space, projection="3d", computed_zorder=False)
-        _draw_space(in_space, scaled, labels)
+        _draw_space(in_space, scaled, labels, limit)
+        if solid is not None:
+            draw_solid_in_space(in_space, solid.scaled(factor))
     for plane, place in planes.items():
         axes = panels.add_subplot(place)
-        _draw_plane(axes, scaled, plane, labels)
+        _draw_plane(axes, scaled, plane, labels, limit)
+        if solid is not None:
+            draw_solid_in_plane(axes, solid.scaled(factor), plane)
     _show_radii(panels.figure, axes, ellipsoid)
     return in_space
 
@@ -82,14 +95,17 @@ def check_bounded(ellipsoid: Ellipsoid) -> None:
         )
 
 
-def _rescaled(ellipsoid: Ellipsoid) -> Ellipsoid:
-    """Move very large and small radii into a power of ten in the unit, for short tick labels."""
-    largest = float(ellipsoid.radii[0])
+def _rescaled(ellipsoid: Ellipsoid, reach: float) -> tuple[float, Ellipsoid]:
+    """Move very large and small radii into a power of ten in the unit, for short tick labels.
+
+    Returns the factor of what is drawn, too; `reach` is that of what is drawn beside it.
+    """
+    largest = max(float(ellipsoid.radii[0]), reach)
     if largest == 0 or 1e-2 <= largest < 1e3:
-        return ellipsoid
+        return 1.0, ellipsoid
     exponent = max(3 * math.floor(math.log10(largest) / 3), -306)
     unit = f"$10^{{{exponent}}}$ {ellipsoid.unit}".rstrip()
-    return Ellipsoid(ellipsoid.radii / 10.0**exponent, ellipsoid.axes, unit)
+    return 10.0**-exponent, Ellipsoid(ellipsoid.radii / 10.0**exponent, ellipsoid.axes, unit)
 
 
 def _axis_labels(symbol: str, unit: str) -> dict[str, str]:
@@ -100,16 +116,12 @@ def _show_radii(figure: Any, axes: Any, ellipsoid: Ellipsoid) -> None:
     """Put a legend below a figure: the lines of a plane's panel, with the radii."""
     radii, unit = ellipsoid.radii.tolist(), ellipsoid.unit
     handles, names = axes.get_legend_handles_labels()
-    names[2:] = [f"{name}: {r:.4g} {unit}" for name, r in zip(names[2:], radii, strict=False)]
+    values = dict(zip(_AXES, radii, strict=True))
+    names = [f"{name}: {values[name]:.4g} {unit}" if name in values else name for name in names]
     figure.legend(handles, names, loc="outside lower center", ncols=5, fontsize=8.5, frameon=False)
 
 
-def _limit(ellipsoid: Ellipsoid) -> float:
-    return 1.15 * float(ellipsoid.radii[0]) or 1.0
-
-
-def _draw_space(axes: Any, ellipsoid: Ellipsoid, labels: dict[str, str]) -> None:
-    limit = _limit(ellipsoid)
+def _draw_space(axes: Any, ellipsoid: Ellipsoid, labels: dict[str, str], limit: float) -> None:
     x, y, z = np.moveaxis(ellipsoid.points(), -1, 0)
     axes.plot_surface(x, y, z, color=_SURFACE, alpha=0.2, linewidth=0, rstride=1, cstride=1)
     axes.plot_wireframe(x, y, z, color=_SECTION, alpha=0.3, linewidth=0.4, rcount=12, ccount=8)
@@ -154,9 +166,10 @@ def _azimuth(ellipsoid: Ellipsoid) -> float:
     return best[1]
 
 
-def _draw_plane(axes: Axes, ellipsoid: Ellipsoid, plane: str, labels: dict[str, str]) -> None:
+def _draw_plane(
+    axes: Axes, ellipsoid: Ellipsoid, plane: str, labels: dict[str, str], limit: float
+) -> None:
     axes.set_title("–".join(plane.upper()) + " plane", fontsize=10)
-    limit = _limit(ellipsoid)
     axes.axhline(0, color=_GRID, linewidth=0.8, zorder=0)
     axes.axvline(0, color=_GRID, linewidth=0.8, zorder=0)
     section = ellipsoid.section(plane)
@@ -169,7 +182,7 @@ def _draw_plane(axes: Axes, ellipsoid: Ellipsoid, plane: str, labels: dict[str, 
     rows = ["xyz".index(letter) for letter in plane]
     for index in range(ellipsoid.rank):
         x, y = ellipsoid.radii[index] * ellipsoid.axes[rows, index]
-        color, name = _AXIS_COLOURS[index], f"axis {index + 1}"
+        color, name = _AXIS_COLOURS[index], _AXES[index]
         axes.plot([0, x], [0, y], color=color, linewidth=1.4, zorder=1.5, label=name)
     axes.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal")
     axes.set_xlabel(labels[plane[0]], fontsize=9)

@@ -20,13 +20,22 @@ from pmjac_pin.pictures.figures import as_it_is, new_figure
 from pmjac_pin.pictures.pose_figure import headings
 from pmjac_pin.pictures.stick_drawing import draw_figure, frame_of, view_of
 from pmjac_pin.pictures.stick_figure import StickFigure, StickFigures
+from pmjac_pin.pictures.within_limits import GivenLimits, within_limits
 from pmjac_pin.rates.ellipsoid import Ellipsoid
+from pmjac_pin.rates.solid import Solid
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_names, as_numbers, check_kind
 from pmjac_pin.words.report import report
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+# By quantity: the words for what is drawn within limits.
+WITHIN = {
+    "linear": "Linear velocity of the tool within the motors' rate limits",
+    "angular": "Angular velocity of the tool within the motors' rate limits",
+    "force": "Force at the tool, where it moves, within the motors' effort limits",
+}
 
 _PANEL, _REST = 4.0, 1.2  # inches: a panel, and what stands above and below all
 _GRIDS = {1: (1, 2), 2: (1, 4), 3: (2, 3)}  # rows and columns, by how many planes are shown
@@ -38,6 +47,7 @@ def plot(
     configuration: Configuration,
     quantity: str = "linear",
     *,
+    limits: GivenLimits | None = None,
     frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED",
     planes: Sequence[str] | None = None,
     size: tuple[float, float] | None = None,
@@ -50,6 +60,10 @@ def plot(
     quantity : {"linear", "angular", "force"}
         The tool's velocities for motor rates |θ̇| = 1, its angular velocities, or the forces that
         motor efforts |τ| = 1 balance.
+    limits : array_like, shape (n,), or "model", optional
+        Of each motor's rate or effort, or those that the model states. The polytope of all that is
+        within them is drawn, and in it the ellipsoid for rates, or efforts, in units of their
+        limits; of forces those along which the tool moves.
     frame : {"LOCAL_WORLD_ALIGNED", "LOCAL", "WORLD"} or pin.ReferenceFrame
         Of the ellipsoid.
     planes : sequence of {"xy", "zx", "zy"}, optional
@@ -68,7 +82,8 @@ def plot(
     NoJacobianError
         There is no J_eq here.
     ArgumentError
-        No such quantity, plane or size; an ellipsoid without bounds.
+        No such quantity, plane or size; an ellipsoid without bounds; limits that are none, or that
+        the model does not state.
     MissingDependencyError
         matplotlib is not installed.
 
@@ -79,7 +94,7 @@ def plot(
     >>> [axes.get_title() for axes in figure.axes][1:]
     ['X–Y plane']
     """
-    ellipsoid = _ellipsoid_panel(configuration, quantity, frame)
+    ellipsoid, solid = _shown(configuration, quantity, frame, limits)
     drawn = StickFigures(configuration.mechanism)(configuration)
     view = view_of([drawn])
     shown = _planes(planes, view[2], ellipsoid)
@@ -89,18 +104,22 @@ def plot(
     figure: Any = new_figure(heading, usual if size is None else _inches(size), fontsize=13)
     figure.get_layout_engine().set(wspace=0.1, hspace=0.06)
     panels = figure.subfigures(1, 1)
-    panels.suptitle(as_it_is(f"{QUANTITIES[ellipsoid.unit][1]}\n{lines}"), fontsize=10)
+    about = QUANTITIES[ellipsoid.unit][1] if solid is None else WITHIN[quantity]
+    panels.suptitle(as_it_is(f"{about}\n{lines}"), fontsize=10)
     grid = panels.add_gridspec(rows, columns)
     _draw_machine(panels.add_subplot(grid[:, 0]), drawn, view)
     places = [grid[row, column] for row in range(rows) for column in range(1, columns)]
     space = places.pop(0) if len(shown) > 1 else None
-    draw_ellipsoid(panels, ellipsoid, dict(zip(shown, places, strict=True)), space)
+    draw_ellipsoid(panels, ellipsoid, dict(zip(shown, places, strict=True)), space, solid=solid)
     return figure  # type: ignore[no-any-return]
 
 
-def _ellipsoid_panel(
-    configuration: Configuration, quantity: str, frame: str | pin.ReferenceFrame
-) -> Ellipsoid:
+def _shown(
+    configuration: Configuration,
+    quantity: str,
+    frame: str | pin.ReferenceFrame,
+    limits: GivenLimits | None,
+) -> tuple[Ellipsoid, Solid | None]:
     check_kind(configuration, Configuration)
     jacobian = configuration.jacobian(frame)
     known = {
@@ -110,9 +129,12 @@ def _ellipsoid_panel(
     }
     if not isinstance(quantity, str) or quantity not in known:
         raise ArgumentError(f"no quantity {quoted(quantity)}{did_you_mean(quantity, known)}")
+    if limits is not None:
+        within = within_limits(configuration, jacobian, quantity, limits)  # type: ignore[arg-type]
+        return within.ellipsoid, within.solid
     ellipsoid = known[quantity]()
     check_bounded(ellipsoid)
-    return ellipsoid
+    return ellipsoid, None
 
 
 def _planes(given: Sequence[str] | None, eye: Array, ellipsoid: Ellipsoid) -> Sequence[str]:

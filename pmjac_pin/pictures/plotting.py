@@ -76,7 +76,7 @@ def plot_ellipsoid(
         panels.suptitle(as_it_is(subtitle), fontsize=10)
     first, *others = panels.add_gridspec(2, 2)
     planes = dict(zip(PLANES, others, strict=True))
-    space = draw_ellipsoid(panels, ellipsoid, planes, first, symbol)
+    space = draw_ellipsoid(panels, ellipsoid, planes, first, symbol=symbol)
     usual = QUANTITIES.get(ellipsoid.unit, ("v", ""))[1]
     space.set_title(usual if quantity is None else quantity, fontsize=10)
     return figure

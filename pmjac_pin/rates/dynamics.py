@@ -179,9 +179,9 @@ def check_inertia(mass_matrix: Array, scale: Array, massless: Callable[[], Seque
     """
     values = np.linalg.eigvalsh(mass_matrix * scale * scale[:, None])
     if values.size and not values[0] > _NO_INERTIA * max(values[-1], 0.0):
-        without = massless()
-        listed = ", ".join(without[:6]) + ", ..." * (len(without) > 6)
+        names = massless()
+        listed = ", ".join(names[:6]) + ", ..." * (len(names) > 6)
+        without = f": bodies without one are {listed}" if names else ""
         raise NoInertiaError(
-            f"some motion of the motors moves no mass: bodies without one are {listed or 'none'}; "
-            "add inertia, or use statics"
+            f"some motion of the motors moves no mass{without}; add inertia, or use statics"
         )

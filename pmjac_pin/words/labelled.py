@@ -17,6 +17,8 @@ RADIAN: Powers = (0, 1)
 
 _POWERS = {"m": METRE, "m²": SQUARE_METRE, "rad": RADIAN}
 
+_FORCES = {METRE: "N", RADIAN: "N m", SQUARE_METRE: "N/m"}
+
 LINEAR = ("v_x", "v_y", "v_z")
 ANGULAR = ("ω_x", "ω_y", "ω_z")
 
@@ -31,6 +33,17 @@ def powers_of(units: Iterable[str]) -> tuple[Powers, ...]:
 def rate_unit(powers: Powers) -> str:
     """Return the unit of a rate: m/s or rad/s."""
     return f"{unit(powers)}/s"
+
+
+def force_unit(powers: Powers) -> str:
+    """Return the unit of the force that does work on such a displacement: N on m, N m on rad.
+
+    Examples
+    --------
+    >>> force_unit(METRE), force_unit(RADIAN), force_unit(SQUARE_METRE)
+    ('N', 'N m', 'N/m')
+    """
+    return _FORCES[powers]
 
 
 def metric_unit(twist: Powers, joint: Powers) -> str:

@@ -6,12 +6,15 @@ what ``pmjac report --json`` writes.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, reduce
 
 import msgspec
 import numpy as np
+from numpy.typing import ArrayLike
 
+from pmjac_pin.closing.motor_values import MotorValues
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import NoJacobianError
 from pmjac_pin.mechanism import Mechanism
@@ -34,6 +37,7 @@ from pmjac_pin.words.labelled_values import (
     limits_told,
     parameters_told,
 )
+from pmjac_pin.words.load_report import LoadReport, load_told
 from pmjac_pin.words.matrices import EQUIVALENT, matrices_of, parts_of
 from pmjac_pin.words.plain import told
 
@@ -60,6 +64,8 @@ class Report(Printed):
         None where it does not exist.
     refusal : str or None
         Why not.
+    load : LoadReport
+        What was asked for beside the pose: `motion`, `statics`, `dynamics`.
     pose : str or None
         The pose's name; None where motor values were asked for.
     start : str or None
@@ -70,6 +76,7 @@ class Report(Printed):
     split: SplitJacobian
     jacobian: EquivalentJacobian | None
     refusal: str | None
+    load: LoadReport
     pose: str | None = None
     start: str | None = None
 
@@ -202,6 +209,7 @@ class Report(Printed):
                 for name, one in self.ellipsoids.items()
             },
             "refusal": self.refusal,
+            **load_told(self.load, configuration),
         }
 
 
@@ -211,10 +219,15 @@ def report(
     *,
     pose: str | None = None,
     start: str | None = None,
+    rates: MotorValues | None = None,
+    accelerations: MotorValues | None = None,
+    wrench: ArrayLike | Mapping[str, float] | None = None,
+    dynamics: bool = False,
 ) -> Report:
     """Collect what is known at a configuration.
 
-    Complete at singular poses too: what does not exist there is None, and `refusal` says why.
+    Complete at singular poses too: what does not exist there is None, and `refusal` says why. But
+    where rates, a wrench or dynamics are asked for, there is all of that or an error.
 
     Parameters
     ----------
@@ -225,11 +238,28 @@ def report(
         The pose's name, if it has one.
     start : str, optional
         The named pose from which the configuration was reached.
+    rates, accelerations : array_like, shape (n,), or mapping of str to float, optional
+        θ̇ and θ̈ of the motors, m or rad per s and s², 0 where only the other is given: `load.motion`
+        is what follows.
+    wrench : array_like, shape (6,), or mapping of str to float, optional
+        On the tool: a force in N by the world's axes and a moment in N m about the tool's origin,
+        or some of "fx", "fy", "fz", "mx", "my", "mz". `load.statics` balances it and the weight of
+        the bodies.
+    dynamics : bool
+        Whether `load.dynamics` has mass matrix, gravity and bias, and `load.efforts` those of
+        inverse dynamics, τ = M θ̈ + h − J_eqᵀ w.
 
     Raises
     ------
-    ArgumentError
-        No such frame.
+    ArgumentError, UnknownNameError
+        No such frame, motor or component; other numbers than one for each.
+    SingularError, ForbiddenRatesError, IdleMotionError
+        Rates or dynamics are asked for, or a wrench, where `Configuration.motion`, `dynamics` or
+        `statics` refuse them.
+    NoInertiaError
+        Dynamics of motors that move what has no mass.
+    NoEquilibriumError
+        The weight drives what idles.
 
     Examples
     --------
@@ -237,14 +267,25 @@ def report(
     >>> found = pj.report(pj.load("four_bar").home, pose="home")
     >>> found.matrices["K_star"].columns, found.det_K_star.unit
     (('phi1', 'phi2'), 'm²/rad²')
+    >>> found = pj.report(pj.load("three_rps").home, wrench={"fz": -30.0})
+    >>> found.load.statics.efforts.round(6).tolist()
+    [11.547005, 11.547005, 11.547005]
     """
     check_kind(configuration, Configuration)
     split = configuration.split_jacobian(frame)
+    load = LoadReport.of(
+        configuration,
+        frame,
+        rates=rates,
+        accelerations=accelerations,
+        wrench=wrench,
+        dynamics=dynamics,
+    )
     try:
         jacobian, refusal = configuration.jacobian(frame), None
     except NoJacobianError as error:
-        return Report(configuration, split, None, str(error), pose, start)
-    return Report(configuration, split, jacobian, refusal, pose, start)
+        return Report(configuration, split, None, str(error), load, pose, start)
+    return Report(configuration, split, jacobian, refusal, load, pose, start)
 
 
 def by_name(names: tuple[str, ...], columns: Array) -> list[dict[str, float]]:

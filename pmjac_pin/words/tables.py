@@ -17,6 +17,7 @@ from pmjac_pin.words.blocks import (
 )
 from pmjac_pin.words.labelled_matrix import LabelledMatrix
 from pmjac_pin.words.labelled_values import LabelledJoint
+from pmjac_pin.words.load_tables import load_blocks
 from pmjac_pin.words.numbers import matrix_numbers, number
 from pmjac_pin.words.report import Report
 from pmjac_pin.words.singularity_tables import singularity_blocks
@@ -74,6 +75,7 @@ def report_blocks(report: Report) -> Iterator[Block]:
     yield from singularity_blocks(report.singularity, length=report.mechanism.characteristic_length)
     yield singular_values_table(report)
     yield from ellipsoid_blocks(report, ("velocity", "angular", "force"))
+    yield from load_blocks(report.load, report.configuration)
 
 
 def title(report: Report) -> str:

@@ -27,23 +27,26 @@ from pmjac_pin.rates.partition import Partition, independent_rows
 from pmjac_pin.studies.contraction import contraction
 from pmjac_pin.studies.transmissions.newton_program import NewtonProgram
 from pmjac_pin.studies.transmissions.sheet import Sheet
-from pmjac_pin.studies.transmissions.sheet_equations import Along, Pieces, SheetEquations
+from pmjac_pin.studies.transmissions.sheet_equations import SLID, Along, Pieces, SheetEquations
 from pmjac_pin.values.arrays import Array, Index, Mask
 
 _AT_ONCE = 512  # pieces
 _MOST_PIECES = 20_000
-_ROUNDS = 4
+_ROUNDS = 12
+_ALONE = 1e-4  # rad: how far at least no other pose is wanted
 _NARROW = 0.25  # ‖E‖ beyond which bounds on rates would be wide
 
 
 @dataclass(frozen=True, slots=True)
 class Enclosure:
-    """What is proven of a sheet, all over its rectangle; `failed` says why nothing is.
+    """Bounds on a sheet, all over its rectangle; `failed` says why nothing is proven.
 
     Attributes
     ----------
     error : ndarray, shape (k,)
         How far each follower of a `NewtonProgram` is from the sheet at most, m or rad.
+    alone : float
+        No other closed pose has all entries of q nearer to the sheet.
     lower, upper : ndarray, shape (k, n)
         Bounds on their rates by those of the joints that drive.
     one_to_one : bool
@@ -56,6 +59,7 @@ class Enclosure:
     """
 
     error: Array
+    alone: float
     lower: Array
     upper: Array
     one_to_one: bool = False
@@ -71,6 +75,7 @@ class _Proven:
 
     good: Mask
     error: Array
+    alone: Array
     ratio: Intervals
     gap: Array
 
@@ -78,7 +83,12 @@ class _Proven:
 def enclose(program: NewtonProgram, sheet: Sheet) -> Enclosure:
     """Return what interval arithmetic proves of a sheet of closed poses."""
     count, n = program.followers.size, len(sheet.axes)
-    nothing = (np.full(count, np.inf), np.full((count, n), -np.inf), np.full((count, n), np.inf))
+    nothing = (
+        np.full(count, np.inf),
+        0.0,
+        np.full((count, n), -np.inf),
+        np.full((count, n), np.inf),
+    )
     partition = program.rates.partition
     if partition.passive_rank < partition.passive.size:
         return Enclosure(*nothing, failed="joints are left free by those that drive")
@@ -131,7 +141,7 @@ class _Proof:
         with np.errstate(divide="ignore", invalid="ignore"):
             radius = 2.0 * Y.max(axis=1) / (1.0 - self._sizes(A, K).sum(axis=2).max(axis=1))
         good = np.isfinite(radius) & (radius >= 0.0)
-        radius = np.where(good, radius, 0.0)
+        radius = np.where(good, np.maximum(radius, _ALONE / self._turns()), 0.0)
         K, cosine = self._equations.around(along, radius)
         E = _up(self._sizes(A, K).sum(axis=2))
         Z = E.max(axis=1)
@@ -142,9 +152,11 @@ class _Proof:
             reach = np.minimum(reach, _up(Y + E * reach[:, None]).max(axis=1))
         ratio = self._ratio(A, K, Z)
         good &= (Z < _NARROW) & _regular(ratio)
-        error = _up(Y + E * reach[:, None])[:, self._followers]
-        scale = self._partition.column_scale[self._partition.passive[self._followers]]
-        return _Proven(good, _up(error * scale), ratio, self._gap(along, K, reach))
+        every = _up(Y + E * reach[:, None]) * self._partition.column_scale[self._partition.passive]
+        # Slides go in axes that turn, and unit quaternions by half an angle.
+        alone = radius * self._partition.column_scale[self._partition.passive].min() / SLID**3
+        error = _up(every[:, self._followers])
+        return _Proven(good, error, alone, ratio, self._gap(along, K, reach))
 
     def together(self, found: list[_Proven], pieces: int) -> Enclosure:
         """Return what holds in all of them."""
@@ -154,7 +166,8 @@ class _Proof:
         gap = max(float(one.gap[one.good].max(initial=0.0)) for one in found)
         whole = Intervals(lower[None], upper[None])
         others = self._equations.rows - len(self._kept)
-        return Enclosure(error, lower, upper, bool(_regular(whole)[0]), pieces, others, gap)
+        alone = min(float(one.alone[one.good].min(initial=np.inf)) for one in found)
+        return Enclosure(error, alone, lower, upper, bool(_regular(whole)[0]), pieces, others, gap)
 
     def _turns(self) -> float:
         """Return the largest turn of an unknown of 1."""

@@ -9,7 +9,7 @@ on the columns of K* that are independent in general; dC[g₂] is how C changes 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -21,12 +21,15 @@ from pmjac_pin.algebra.tangents import tangents
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import run
 from pmjac_pin.closing.recorded_rates import RecordedRates
+from pmjac_pin.errors import ArgumentError
 from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
 from pmjac_pin.kinematics.recorded_motions import moved_by, recorded_entry_rates
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.sparse_qr import Triangle, norm
 from pmjac_pin.values.arrays import Array, Index, Mask
 
+_STEPS = 4  # of Newton's, from what is near: each doubles the digits
+_ENDED = 1e-9  # rad: the next step is rounding
 _PAIR = 2
 _OF_RATES = ("condition", "motion", "forbidden", "ratio")
 _FORBIDDEN = 1e-9  # beside [K K*]: rounding
@@ -80,8 +83,8 @@ class NewtonProgram:
 
     @cached_property
     def recording(self) -> Recording:
-        """The terms; its inputs are the entries of q."""
-        return Recording(self.rates.recorder.nq)
+        """The terms; its inputs are the entries of q, and values wanted of the followers."""
+        return Recording(self.rates.recorder.nq + self.followers.size)
 
     @cached_property
     def rates(self) -> RecordedRates:
@@ -102,20 +105,34 @@ class NewtonProgram:
         beside [K K*]. `motion` (1,): ‖G‖, dimensionless. `ratio` (k, n): rates of the followers
         by those of what drives.
         """
+        return self._stepped(self._correction)
+
+    @cached_property
+    def aimed(self) -> Mapping[str, Numbers]:
+        """Recorded numbers of a step that leads the followers to values wanted: as of `step`.
+
+        What drives moves by R⁻¹ (θ − θ(q) − δθ), R of one row or two, and all else with it.
+        """
+        correction, motions = self._correction, self._motions
+        lacking = self._lacking() - correction[self.followers]
+        return self._stepped(correction + motions @ _solved(motions[self.followers], lacking))
+
+    def _stepped(self, step: Numbers) -> Mapping[str, Numbers]:
+        """Return recorded numbers of a step (nv,)."""
         rates, partition = self.rates, self.rates.partition
-        triangle, count, step = self._triangle, rates.kept.size, zeros(partition.column_scale.size)
-        step[rates.kept] = -triangle.solve([count])[:, 0]
+        triangle, count = self._triangle, rates.kept.size
         whole = norm(rates.scaled(self._kinematics.rates))
         driven = range(count + 1, count + 1 + partition.actuated.size)
+        size = norm(step * (1.0 / partition.column_scale)) * (1.0 / partition.length)
         numbers = (
-            ("size", norm(step) * (1.0 / partition.length)),
+            ("size", size),
             ("gap", rates.gap(self._kinematics)),
             ("condition", triangle.inverse_norm() * whole),
             ("motion", norm(self._motions * self._bare)),
             ("forbidden", norm(triangle.matrix[np.ix_(triangle.left_over, driven)]) / whole),
         )
         return {
-            "next": moved_by(rates.recorder.tree, self._entries, step * partition.column_scale),
+            "next": moved_by(rates.recorder.tree, self._entries, step),
             **{name: objects([number]) for name, number in numbers},
             "ratio": self._motions[self.followers],
         }
@@ -136,13 +153,38 @@ class NewtonProgram:
     def run(self, outputs: Mapping[str, Numbers], q: Array) -> dict[str, Array]:
         """Return outputs (b, ...) at rows of q, shape (b, nq)."""
         terms = [term for array in outputs.values() for term in array.ravel()]
-        values = run(Tape.of(self.recording, terms), np.ascontiguousarray(q.T)).T
+        wanted = np.zeros((len(q), self.followers.size))
+        values = run(Tape.of(self.recording, terms), np.hstack([q, wanted]).T.copy()).T
         ends = np.cumsum([array.size for array in outputs.values()])
         parts = np.split(values, ends[:-1], axis=1)
         return {
             name: part.reshape(len(q), *array.shape)
             for (name, array), part in zip(outputs.items(), parts, strict=True)
         }
+
+    def polished(self, q: Array, x: Array) -> Array:
+        """Return closed poses near rows of q (b, nq), by Newton's steps.
+
+        Parameters
+        ----------
+        q : ndarray, shape (b, nq)
+        x : ndarray, shape (b, n)
+            The values of what drives, which q need not have.
+
+        Raises
+        ------
+        ArgumentError
+            The steps do not end.
+        """
+        outputs = {name: self.step[name] for name in ("next", "size")}
+        driven = self.rates.partition.actuated
+        q = self.mechanism.coordinates.with_values(q, driven, x)
+        for _ in range(_STEPS):
+            told = self.run(outputs, q)
+            q = told["next"]
+        if not (told["size"] < _ENDED).all():
+            raise ArgumentError("Newton's steps from the table do not end: take more `points`")
+        return q
 
     @property
     def rates_outputs(self) -> Mapping[str, Numbers]:
@@ -179,11 +221,38 @@ class NewtonProgram:
 
     @cached_property
     def _entries(self) -> Numbers:
-        return objects(self.recording.inputs)
+        return objects(self._inputs)
+
+    @property
+    def _inputs(self) -> Sequence[Term]:
+        return self.recording.inputs[: self.rates.recorder.nq]
+
+    @cached_property
+    def _correction(self) -> Numbers:
+        """Newton's step at held joints (nv,)."""
+        rates = self.rates
+        step, scale = zeros(rates.recorder.nv), rates.partition.column_scale
+        step[rates.kept] = -self._triangle.solve([rates.kept.size])[:, 0] * scale[rates.kept]
+        return step
+
+    def _lacking(self) -> Numbers:
+        """Return how far the followers are from the values wanted of them."""
+        coordinates, entries = self.mechanism.coordinates, self._entries
+        found = []
+        wanted = self.recording.inputs[self.rates.recorder.nq :]
+        for column, value in zip(self.followers.tolist(), wanted, strict=True):
+            entry = coordinates.entry(column)
+            if coordinates.wraps[column]:
+                c, s = (self.recording.term(wave, value) for wave in ("cos", "sin"))
+                x, y = entries[entry], entries[entry + 1]
+                found.append(self.recording.term("atan2", s * x - c * y, c * x + s * y))
+            else:
+                found.append(value - entries[entry])
+        return objects(found)
 
     @cached_property
     def _kinematics(self) -> RecordedKinematics:
-        return self.rates.recorder.at(self.recording.inputs)
+        return self.rates.recorder.at(self._inputs)
 
     @cached_property
     def _triangle(self) -> Triangle:
@@ -209,7 +278,7 @@ class NewtonProgram:
         """Return how the rates by one joint change as the other one moves."""
         rates, motion, kept = self.rates, self._motions[:, 0], self.rates.kept
         scale, known = rates.partition.column_scale, self._kinematics.rates
-        along = tangents(known.ravel().tolist(), self.recording.inputs, second.tolist())
+        along = tangents(known.ravel().tolist(), self._inputs, second.tolist())
         opening = (objects(along).reshape(known.shape) @ motion) * rates.partition.row_scale
         columns = np.column_stack([rates.scaled(known)[:, kept], opening])
         bent = zeros(scale.size)
@@ -218,7 +287,17 @@ class NewtonProgram:
         return objects(
             tangents(
                 first.tolist(),
-                [*self.recording.inputs, *motion[moving]],
+                [*self._inputs, *motion[moving]],
                 [*second, *bent[moving]],
             )
         )
+
+
+def _solved(matrix: Numbers, right: Numbers) -> Numbers:
+    """Return M⁻¹ b of one row or two, by Cramer's rule."""
+    if right.size < _PAIR:
+        return objects([right[0] / matrix[0, 0]])
+    (a, b), (c, d) = matrix
+    determinant = a * d - b * c
+    one, other = d * right[0] - b * right[1], a * right[1] - c * right[0]
+    return objects([one / determinant, other / determinant])

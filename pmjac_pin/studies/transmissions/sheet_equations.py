@@ -23,7 +23,7 @@ from pmjac_pin.values.arrays import Array, Index, Mask
 
 ORDER = 4
 _BOXES = Boxes()
-_SLID = 2.0  # more than √3: of three slides, and of axes that turn
+SLID = 2.0  # more than √3: of three slides, and of axes that turn
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -148,8 +148,8 @@ class SheetEquations:
             if column in self._driven:
                 return known
             kind = link.kind
-            slide = radius * self._scale[column] * _SLID
-            turn = radius * self._scale[column + kind.nv - 1] * _SLID
+            slide = radius * self._scale[column] * SLID
+            turn = radius * self._scale[column + kind.nv - 1] * SLID
             if kind.screw:
                 slide = abs(link.edge.pitch) * turn
             slides = tuple(x.widened(slide) for x in known.slides)

@@ -2,32 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import os
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pmjac_pin.errors import ArgumentError
-from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.errors import ArgumentError, OutputError
+from pmjac_pin.files.output_file import check_new, write_files
+from pmjac_pin.files.user_path import output_path, shown_path
 from pmjac_pin.studies.evidence import Evidence
-from pmjac_pin.studies.transmissions.enclosure import Enclosure, enclose
-from pmjac_pin.studies.transmissions.newton_program import NewtonProgram, RatesTold
+from pmjac_pin.studies.transmissions.c_header import HeaderParts, c_header
+from pmjac_pin.studies.transmissions.newton_program import NewtonProgram
 from pmjac_pin.studies.transmissions.rectangle import Rectangle
 from pmjac_pin.studies.transmissions.sheet import Sheet
+from pmjac_pin.studies.transmissions.tabulated import SUFFIXES, Tabulated, twist_of
 from pmjac_pin.studies.transmissions.transmission import Transmission
-from pmjac_pin.studies.transmissions.transmission_map import (
-    TransmissionMap,
-    newton_program,
-    transmission_map,
-)
+from pmjac_pin.studies.transmissions.transmission_map import TransmissionMap
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays
 from pmjac_pin.values.checks import as_flag, as_numbers
-
-_STEPS = 4  # of Newton's, from what is near: each doubles the digits
-_ENDED = 1e-9  # rad: the next step is rounding
-_BETWEEN = (0.25, 0.5, 0.75)  # of a cell, where an error is looked for
-_MARGIN = 2.0  # of an estimate
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -48,6 +42,8 @@ class TransmissionTable(ReadOnlyArrays):
     error : ndarray, shape (n,)
         How far each motor's interpolated value is from the exact one at most, m or rad; rounding,
         of some 1e-15, comes on top.
+    alone : float
+        No other closed pose has all entries of q nearer to the interpolated ones.
     lower, upper : ndarray, shape (n, n)
         Between which R is, all over the rectangle.
     evidence : Evidence
@@ -58,6 +54,7 @@ class TransmissionTable(ReadOnlyArrays):
     sheet: Sheet
     program: NewtonProgram
     error: Array
+    alone: float
     lower: Array
     upper: Array
     evidence: Evidence
@@ -107,9 +104,111 @@ class TransmissionTable(ReadOnlyArrays):
             Values outside the rectangle.
         """
         rows, shape = self._rows(joints)
-        q = polished(self.program, self.sheet.at(rows))
+        q = self.program.polished(self.sheet.at(rows), rows)
         ratio = self.program.run({"ratio": self.program.step["ratio"]}, q)["ratio"]
         return self._motors(q).reshape(shape), ratio.reshape(*shape, shape[-1])
+
+    def c(self, name: str | None = None) -> str:
+        """Return a header in C99 without dependencies: position, velocity and effort, both ways.
+
+        Each pose is the exact one: Newton's steps from the table, until they are rounding. What
+        does not converge, is outside the rectangle, singular, or no pose of the table has a
+        status of its own, and NaN for its numbers.
+
+        Parameters
+        ----------
+        name : str, optional
+            What its names begin with; by default the mechanism's.
+
+        Raises
+        ------
+        ArgumentError
+            A name that C does not allow.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> table = pj.transmission_table(pj.load("four_bar"), {"phi1": (2.2, 2.4)}, points=5)
+        >>> text = table.c("rocker")
+        >>> [line for line in text.splitlines() if "int rocker_at" in line]  # doctest: +ELLIPSIS
+        ['static inline int rocker_at_joints(...', 'static inline int rocker_at_motors(...']
+        """
+        parts = HeaderParts(
+            transmission=self.transmission,
+            sheet=self.sheet,
+            program=self.program,
+            alone=self.alone,
+            motors=self.map.motors,
+        )
+        return c_header(parts, name, self.said())
+
+    def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
+        """Write the table: as a C header (.h), for NumPy (.npz) or as text with commas (.csv).
+
+        Of an .npz, `motor_values` (*grid, n), `ratio` (*grid, n, n) and, of two joints, `twist`
+        (*grid, n), ∂²θ/∂x₁∂x₂, are at the points of `axis0` and `axis1`: cubic Hermite
+        polynomials of them are the interpolation whose `error` (n,) is told, but for motors that
+        turn without end, of which that is of their cosines and sines. `joints`, `motors`,
+        `lower`, `upper` and `evidence` are as here. A .csv has one row a point: joints, motors,
+        rates of motors by those of joints.
+
+        Parameters
+        ----------
+        path : str or Path
+            It ends in one of these.
+        force : bool
+            Replace a file that exists.
+
+        Raises
+        ------
+        OutputError
+            It ends otherwise, exists, or cannot be written; then nothing has changed.
+        """
+        force = as_flag(force, "force")
+        suffix = output_path(path).suffix
+        if suffix not in SUFFIXES:
+            ends = ", ".join(SUFFIXES)
+            raise OutputError(f"{shown_path(output_path(path))}: a table's file ends in {ends}")
+        check_new(path, force)
+        written = self.c() if suffix == ".h" else self.tabulated()
+        contents = written.encode() if isinstance(written, str) else written.encoded(suffix)
+        write_files({path: contents}, replace=force)
+
+    def tabulated(self) -> Tabulated:
+        """Return exact values at the points."""
+        n, data = len(self.joints), self.sheet.data
+        shape, flat = data.shape[:n], data.reshape(-1, *data.shape[n:])
+        poses: Array = flat[:, 0] if n == 1 else flat[:, 0, 0]
+        told = self.program.run({"ratio": self.program.step["ratio"]}, poses)
+        coordinates, columns = self.transmission.by_motors.coordinates, self.program.followers
+        return Tabulated(
+            joints=self.joints,
+            motors=self.motors,
+            axes=self.sheet.axes,
+            motor_values=self._motors(poses).reshape(*shape, n),
+            ratio=told["ratio"].reshape(*shape, n, n),
+            twist=None if n == 1 else twist_of(coordinates, columns, flat).reshape(*shape, n),
+            error=self.error,
+            lower=self.lower,
+            upper=self.upper,
+            evidence=str(self.evidence),
+        )
+
+    def said(self) -> Iterator[str]:
+        """Yield what the table is of and what it rests on, line by line."""
+        units = self.transmission.by_motors.units
+        motors, joints = (
+            ", ".join(f"{name} [{units[name]}]" for name in names)
+            for names in (self.motors, self.joints)
+        )
+        yield f"The transmission of {self.transmission.by_motors.name}"
+        yield f"between joints {joints} and motors {motors},"
+        yield f"for {self.rectangle}."
+        errors = zip(self.motors, self.error.tolist(), strict=True)
+        yield "Largest error of interpolation: " + ", ".join(
+            f"{name} {error:.2g} {units[name]}" for name, error in errors
+        )
+        yield str(self.evidence)
 
     def _motors(self, q: Array) -> Array:
         coordinates = self.transmission.by_motors.coordinates
@@ -133,137 +232,3 @@ class TransmissionTable(ReadOnlyArrays):
             for name, value in zip(self.motors, self.error.tolist(), strict=True)
         )
         return f"TransmissionTable({self.rectangle}; error {error}: {self.evidence.kind})"
-
-
-def transmission_table(
-    mechanism: Mechanism,
-    over: Mapping[str, ArrayLike],
-    points: int = 17,
-    *,
-    guess: str = "home",
-    enforce_limits: bool | str = "all",
-    proof: bool = True,
-) -> TransmissionTable:
-    """Return the transmission of a mechanism over a rectangle, as a table whose error is bounded.
-
-    Parameters
-    ----------
-    mechanism, over, points, guess, enforce_limits
-        As of `transmission_map`. The error goes with the fourth power of the points' distance.
-    proof : bool
-        Bound the error by interval arithmetic: existence, regularity and rates, too, are then
-        proven all over the rectangle. Where that does not reach, or is not wanted, the largest
-        error at points between is doubled: an estimate, and `evidence` says so.
-
-    Raises
-    ------
-    ArgumentError
-        Somewhere in the rectangle the transmission does not exist or is singular; the message
-        says where, and for which rectangle it exists.
-    UnknownNameError, ArgumentError, ForbiddenRatesError
-        As `transmission_map`.
-
-    Examples
-    --------
-    >>> import pmjac_pin as pj
-    >>> table = pj.transmission_table(pj.load("four_bar"), {"phi1": (2.2, 2.4)})
-    >>> table
-    TransmissionTable(phi1 2.2 to 2.4; error theta1 ...: proof)
-    >>> exact, ratio = table.exact([2.3])
-    >>> bool(abs(table.motor_values([2.3]) - exact) < table.error)
-    True
-    """
-    proof = as_flag(proof, "proof")
-    found = transmission_map(mechanism, over, points, guess=guess, enforce_limits=enforce_limits)
-    found.check_whole()
-    rows = found.q.reshape(-1, found.q.shape[-1])
-    program = newton_program(found.transmission, rows)
-    sheet = _sheet(found, program, rows)
-    bounds = enclose(program, sheet) if proof else None
-    if bounds is None or bounds.failed:
-        why = "no proof was asked for" if bounds is None else bounds.failed
-        error, lower, upper, evidence = _estimated(found, program, sheet, why)
-    else:
-        error, lower, upper = bounds.error, bounds.lower, bounds.upper
-        evidence = Evidence("proof", _proven(found, bounds))
-    return TransmissionTable(found, sheet, program, error, lower, upper, evidence)
-
-
-def polished(program: NewtonProgram, q: Array) -> Array:
-    """Return closed poses near some others, by Newton's steps.
-
-    Raises
-    ------
-    ArgumentError
-        The steps do not end.
-    """
-    outputs = {name: program.step[name] for name in ("next", "size")}
-    for _ in range(_STEPS):
-        told = program.run(outputs, q)
-        q = told["next"]
-    if not (told["size"] < _ENDED).all():
-        raise ArgumentError("Newton's steps from the table do not end: take more `points`")
-    return q
-
-
-def _sheet(found: TransmissionMap, program: NewtonProgram, rows: Array) -> Sheet:
-    """Return the polynomials of exact poses at the points of a map."""
-    q, shape = polished(program, rows), found.status.shape
-    told = program.run(program.ways, q)
-    slopes, twist = (
-        told[name].reshape(*shape, *told[name].shape[1:]) for name in ("slopes", "twist")
-    )
-    return Sheet.of(found.axes, q.reshape(*shape, -1), slopes, twist)
-
-
-def _estimated(
-    found: TransmissionMap, program: NewtonProgram, sheet: Sheet, why: str
-) -> tuple[Array, Array, Array, Evidence]:
-    """Return error and bounds on R as they are seen between the points."""
-    between = [
-        (axis[:-1, None] + np.diff(axis)[:, None] * np.array(_BETWEEN)).ravel()
-        for axis in sheet.axes
-    ]
-    x = np.stack(np.meshgrid(*between, indexing="ij"), axis=-1).reshape(-1, len(between))
-    seen = sheet.at(x)
-    exact = polished(program, seen)
-    rates = program.judged(program.run(program.rates_outputs, exact))
-    _check_regular(found, x, rates)
-    coordinates, columns = program.mechanism.coordinates, program.followers
-    motors = [coordinates.values_of(q, columns) for q in (seen, exact)]
-    turns = coordinates.wraps[columns]
-    off = np.abs(motors[0] - motors[1])
-    off = np.where(turns, np.minimum(off, 2.0 * np.pi - off), off)
-    statement = (
-        f"an estimate: twice the largest error at {len(x)} points between those of the table, and "
-        f"the rates at these; {why}"
-    )
-    error = _MARGIN * off.max(axis=0)
-    ratio, evidence = rates.ratio, Evidence("tolerance", statement)
-    return error, ratio.min(axis=0), ratio.max(axis=0), evidence
-
-
-def _check_regular(found: TransmissionMap, x: Array, rates: RatesTold) -> None:
-    """Raise ArgumentError where the transmission is singular at, or between, some points."""
-    sign = np.sign(np.linalg.det(found.ratio.reshape(-1, *rates.ratio.shape[1:])[0]))
-    wrong = ~(rates.regular & rates.allowed & (np.sign(np.linalg.det(rates.ratio)) == sign))
-    for row in x[wrong][:1].tolist():
-        where = ", ".join(
-            f"{name}={value:.6g}" for name, value in zip(found.joints, row, strict=True)
-        )
-        raise ArgumentError(f"the transmission is singular inside {found.rectangle}, near {where}")
-
-
-def _proven(found: TransmissionMap, bounds: Enclosure) -> str:
-    parts = [
-        f"all over {found.rectangle} there is one pose next to the table's, and it is regular, by "
-        f"interval arithmetic over {bounds.pieces} pieces"
-    ]
-    if bounds.one_to_one:
-        parts.append("no two of them have the same motor values")
-    if bounds.left_out:
-        parts.append(
-            f"of all rows but {bounds.left_out} that depend on the others, which they solve to "
-            f"{bounds.left_out_gap:.2g}"
-        )
-    return "; ".join(parts)

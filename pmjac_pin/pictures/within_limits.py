@@ -1,0 +1,97 @@
+"""What a tool can do within the limits of each motor: the polytope, and the ellipsoid in it.
+
+In units of its limit every motor's rate or effort is within ±1, a box; together of length 1 they
+fill a ball in that box. So the ellipsoid is inscribed in the polytope, whatever units motors have.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import ArgumentError, enumerated, quoted
+from pmjac_pin.rates.ellipsoid import Ellipsoid, velocity_ellipsoid
+from pmjac_pin.rates.jacobian import EquivalentJacobian
+from pmjac_pin.rates.solid import Solid, force_solid, moved, velocity_solid
+from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.checks import as_limits
+from pmjac_pin.words.motor_limits import motor_effort_limits, motor_rate_limits
+
+GivenLimits: TypeAlias = ArrayLike | Literal["model"]
+Quantity: TypeAlias = Literal["linear", "angular", "force"]
+
+
+@dataclass(frozen=True, eq=False)
+class WithinLimits:
+    """A polytope and the ellipsoid that is inscribed in it."""
+
+    solid: Solid
+    ellipsoid: Ellipsoid
+
+
+def within_limits(
+    configuration: Configuration,
+    jacobian: EquivalentJacobian,
+    quantity: Quantity,
+    limits: GivenLimits,
+) -> WithinLimits:
+    """Return what the tool does within limits, in the frame of `jacobian`.
+
+    Parameters
+    ----------
+    configuration : Configuration
+    jacobian : EquivalentJacobian
+        There.
+    quantity : {"linear", "angular", "force"}
+        Of a force those components along which the tool moves: the structure bears the others.
+    limits : array_like, shape (n,), or "model"
+        Of motor rates, m/s or rad/s, or of efforts, N or N m; or those that the model states.
+
+    Raises
+    ------
+    ArgumentError
+        Limits that are none, or that the model does not state; a tool that does not move so.
+    """
+    bounds = _checked(configuration, quantity, limits)
+    if quantity == "force":
+        block, moves = jacobian.Jv_eq, jacobian.velocity_ellipsoid()
+        return WithinLimits(force_solid(block, moves, bounds), _held(block, moves, bounds))
+    linear = quantity == "linear"
+    block = jacobian.Jv_eq if linear else jacobian.Jw_eq
+    moves = jacobian.velocity_ellipsoid() if linear else jacobian.angular_ellipsoid()
+    solid = velocity_solid(block, moves, bounds)
+    return WithinLimits(solid, velocity_ellipsoid(_flat(block, moves) * bounds, moves.unit))
+
+
+def _flat(block: Array, moves: Ellipsoid) -> Array:
+    """Return the rows of J_eq less what is rounding across the directions of motion."""
+    span = moved(moves)
+    return np.asarray(span @ (span.T @ block))
+
+
+def _held(block: Array, moves: Ellipsoid, bounds: Array) -> Ellipsoid:
+    """Return the polar within the directions of motion: flat where the tool does not move."""
+    found, rank = velocity_ellipsoid(_flat(block, moves) / bounds), moves.rank
+    order = [*range(rank - 1, -1, -1), *range(rank, 3)]
+    radii = np.append(1.0 / found.radii[:rank][::-1], np.zeros(3 - rank))
+    axes = found.axes[:, order].copy()
+    axes[:, 0] *= np.sign(np.linalg.det(axes))
+    return Ellipsoid(radii, axes, "N")
+
+
+def _checked(configuration: Configuration, quantity: Quantity, given: GivenLimits) -> Array:
+    mechanism = configuration.mechanism
+    if not isinstance(given, str):
+        return as_limits(given, len(mechanism.actuated))
+    if given != "model":
+        raise ArgumentError(f"motor limits are numbers or 'model', got {quoted(given)}")
+    force = quantity == "force"
+    found = motor_effort_limits(mechanism) if force else motor_rate_limits(mechanism)
+    if missing := [mechanism.actuated[k] for k in np.flatnonzero(np.isinf(found))]:
+        what = "effort" if force else "rate"
+        raise ArgumentError(f"the model states no {what} limit of {enumerated(missing)}")
+    return found
