@@ -317,6 +317,9 @@ class Configuration(LoadedPose, Shown):
     def singularity(self) -> Singularity:
         """Return the ranks here, the kind of singularity and what moves freely.
 
+        By singular values, and by the factorisation that `jacobian` takes, too, where no recorded
+        program tells it that K* has its rank for certain.
+
         Examples
         --------
         >>> import pmjac_pin as pj

@@ -122,7 +122,7 @@ class MechanismValue:
         """Raise NoToolError where no frame is named as the tool."""
         if self.spec.tool.is_none:
             frames = self.possible_tools
-            name = "name a frame by `tool`, as in jacobian(tool=...)"
+            name = "name a frame by `tool`, as in --tool or jacobian(tool=...)"
             advice = (
                 f"{name}, of: {enumerated(frames, _MOST_FRAMES)}"
                 if frames

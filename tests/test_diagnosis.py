@@ -230,7 +230,9 @@ def test_an_idle_motion_has_a_size_in_m_and_rad(offset):
     assert motion.tool_angular == pytest.approx(1.0)
     code = "under-actuated" if motion.felt else "idle-motion"
     told = f"{offset:.3g} m and 1 rad for each rad of 'spin'"
-    assert told in finding(pj.check(machine), code).message
+    message = finding(pj.check(machine), code).message
+    assert told in message
+    assert "'spin' turns or slides freely" in message
 
 
 def test_idle_motions_of_several_rods_come_apart():

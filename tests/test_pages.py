@@ -83,6 +83,22 @@ def test_a_table_of_motors_that_are_tied():
     assert "rates of all motors by those that lead" in tied._repr_html_()
 
 
+def test_a_report_of_motors_that_are_tied_has_the_rates_that_fit():
+    tied = pj.load("four_bar", actuated=["theta1", "phi1"])
+    report = pj.report(tied.home)
+    assert report.allowed.leading == ("theta1",)
+    np.testing.assert_array_equal(report.allowed.J_eq, tied.home.allowed_jacobian().J_eq)
+    assert "led by theta1" in str(report)
+    assert "rates of all motors by those that lead" in str(report)
+
+
+@pytest.mark.parametrize("name", ["four_bar", "three_rps"])
+def test_a_report_of_free_motors_has_no_rates_that_fit(name):
+    report = pj.report(loaded(name).home)
+    assert report.allowed is None
+    assert "led by" not in str(report)
+
+
 def test_matrices_from_elsewhere_have_no_tables_and_say_so():
     C, J = np.array([[-2.0, 1.0, -1.0], [1.0, 0.5, 2.0]]), np.ones((6, 3))
     partition = pj.Partition.from_matrices(C, J, [0], [1, 2])

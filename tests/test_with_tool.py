@@ -254,7 +254,10 @@ def test_a_folder_or_its_yaml_stands_for_the_urdf_in_it(folder):
     (folder / "robot.urdf").write_text(FOUR_BAR.replace('"bar"', '"robot"'))
     assert pj.load(folder, actuated=["a"], tool="far_end").name == "robot"
     (folder / "empty").mkdir()
-    with pytest.raises(pj.ModelFileError, match="no URDF in this folder"):
+    with pytest.raises(pj.ModelFileError, match=r"no URDF in this folder$"):
+        pj.load(folder / "empty")
+    (folder / "empty" / "robot.urdf.xacro").write_text("<robot/>")
+    with pytest.raises(pj.ModelFileError, match=r"this folder; there are: robot\.urdf\.xacro"):
         pj.load(folder / "empty")
 
 

@@ -42,14 +42,15 @@ class BetweenDimensions:
         self._legs = [
             _Leg(one.model, other.model, one.loops) for one, other in itertools.pairwise(stops)
         ]
-        self._rows, self._data = rows, stops[-1].model.createData()
+        last = stops[-1].model
+        self._rows, self._data, self._tool = rows, last.createData(), tool_kinematics(last, NO_TOOL)
 
     def at(self, share: float) -> Kinematics:
         """Return the loops alone at a share of the way; it serves until the next is asked for."""
         along = share * len(self._legs)
         number = min(int(along), len(self._legs) - 1)
         model, loops = self._legs[number].at(along - number, self._rows(share))
-        return Kinematics(model, loops, tool_kinematics(model, NO_TOOL), self._data)
+        return Kinematics(model, loops, self._tool, self._data)
 
 
 class _Leg:

@@ -159,11 +159,8 @@ class LoopSystem:
                 blocks.append((rows, block))
                 if isinstance(block, Distance):
                     self.rods[rows.start] = block.length
-                elif block.unit not in ("m", "rad"):
-                    raise ArgumentError(
-                        f"rows in {quoted(block.unit)} of a loop that is no rod: nothing says by "
-                        "how much they open with a gap; write them in m or rad"
-                    )
+                else:
+                    _check_unit(block)
                 names += [f"{prefix} {row}" for row in block.names]
                 units += [block.unit] * len(block.names)
                 owners += [prefix] * len(block.names)
@@ -326,3 +323,11 @@ def _closure(
     vectors = tuple(rows for rows, block in blocks if block.vector)
     indices = first.index, second.index
     return _Closure(constraint, blocks, second.joint, base, vectors, indices)
+
+
+def _check_unit(block: Rows) -> None:
+    if block.unit not in ("m", "rad"):
+        raise ArgumentError(
+            f"rows in {quoted(block.unit)} of a loop that is no rod: nothing says by how much "
+            "they open with a gap; write them in m or rad"
+        )

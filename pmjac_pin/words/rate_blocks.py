@@ -12,13 +12,14 @@ from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.words.blocks import Block, Heading, Paragraph
 from pmjac_pin.words.matrices import matrices_of
 from pmjac_pin.words.singularity_tables import singularity_blocks
-from pmjac_pin.words.tables import LEGEND, TITLES, ellipsoid_table, motors_told, titled_matrices
-
-_ALLOWED_TITLES = {
-    "motor_rates": "A = ∂θ̇/∂u (rates of all motors by those that lead)",
-    "Jv_eq": "[J_v]eq (linear velocity by rates of the motors that lead, loops closed)",
-    "Jw_eq": "[J_ω]eq (angular velocity by rates of the motors that lead, loops closed)",
-}
+from pmjac_pin.words.tables import (
+    ALLOWED_TITLES,
+    LEGEND,
+    TITLES,
+    ellipsoid_table,
+    motors_told,
+    titled_matrices,
+)
 
 
 def jacobian_blocks(jacobian: SplitJacobian) -> Iterator[Block]:
@@ -33,7 +34,7 @@ def jacobian_blocks(jacobian: SplitJacobian) -> Iterator[Block]:
 
 def _titles(jacobian: SplitJacobian) -> dict[str, str]:
     if isinstance(jacobian, AllowedJacobian):
-        return _ALLOWED_TITLES
+        return ALLOWED_TITLES
     if isinstance(jacobian, EquivalentJacobian):
         return {name: TITLES[name] for name in ("Jv_eq", "Jw_eq")}
     return {name: TITLES[name] for name in ("K", "K_star", "Jv", "Jv_star", "Jw", "Jw_star")}

@@ -18,6 +18,7 @@ from pmjac_pin.closing.motor_values import MotorValues
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import NoJacobianError
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.rates.allowed import AllowedJacobian
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.singularity import Singularity
@@ -122,6 +123,17 @@ class Report(Printed):
     def det_K_star(self) -> Quantity | None:
         """The determinant of K*; None where K* is not square."""
         return determinant(self.split, self.labels)
+
+    @cached_property
+    def allowed(self) -> AllowedJacobian | None:
+        """J_eq on the motor rates that fit each other, where the loops forbid others; else None."""
+        if self.jacobian is not None or not self.singularity.forbidden_rates.shape[1]:
+            return None
+        try:
+            found = self.configuration.allowed_jacobian(self.split.frame)
+        except NoJacobianError:
+            return None
+        return found if found.leading else None
 
     @cached_property
     def matrices(self) -> dict[str, LabelledMatrix | None]:

@@ -18,6 +18,7 @@ from pmjac_pin.words.blocks import (
 from pmjac_pin.words.labelled_matrix import LabelledMatrix
 from pmjac_pin.words.labelled_values import LabelledJoint
 from pmjac_pin.words.load_tables import load_blocks
+from pmjac_pin.words.matrices import matrices_of
 from pmjac_pin.words.numbers import matrix_numbers, number
 from pmjac_pin.words.report import Report
 from pmjac_pin.words.singularity_tables import singularity_blocks
@@ -34,6 +35,12 @@ TITLES = {
     "Jw_eq": "[J_ω]eq = J_ω − J_ω* K*⁻¹ K (angular velocity by motor rates, loops closed)",
     "gv_eq": "g_v = [J_v]eqᵀ [J_v]eq",
     "gw_eq": "g_ω = [J_ω]eqᵀ [J_ω]eq",
+}
+
+ALLOWED_TITLES = {
+    "motor_rates": "A = ∂θ̇/∂u (rates of all motors by those that lead)",
+    "Jv_eq": "[J_v]eq (linear velocity by rates of the motors that lead, loops closed)",
+    "Jw_eq": "[J_ω]eq (angular velocity by rates of the motors that lead, loops closed)",
 }
 
 SYMBOLS = {"K_star": "K*", "Jv_eq": "[J_v]eq", "Jw_eq": "[J_ω]eq"}
@@ -71,6 +78,11 @@ def report_blocks(report: Report) -> Iterator[Block]:
     else:
         yield Paragraph("Nothing is passive: [J_v]eq = J_v and [J_ω]eq = J_ω.")
     yield from matrix_blocks(report, ("gv_eq", "gw_eq"))
+    if report.allowed is not None:
+        yield Paragraph(
+            f"Rates that fit each other are led by {', '.join(report.allowed.leading)}:"
+        )
+        yield from titled_matrices(matrices_of(report.allowed), ALLOWED_TITLES)
     yield Heading("Singularity")
     yield from singularity_blocks(report.singularity, length=report.mechanism.characteristic_length)
     yield singular_values_table(report)

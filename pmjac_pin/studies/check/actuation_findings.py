@@ -122,7 +122,8 @@ def _holding_advice(joints: Sequence[str], several: Sequence[tuple[str, int]]) -
 
 
 def _idle(joints: Sequence[str], motion: FreeMotion, units: Mapping[str, str]) -> Finding:
-    moving = f"{listed_in_words(joints)} turn or slide freely with all motors locked"
+    move = "turns or slides" if len(joints) == 1 else "turn or slide"
+    moving = f"{listed_in_words(joints)} {move} freely with all motors locked"
     what = f"{moving}, moving {listed_in_words(motion.bodies)}"
     largest = max(motion.rates, key=lambda name: abs(motion.rates[name]))
     size = (
@@ -131,10 +132,8 @@ def _idle(joints: Sequence[str], motion: FreeMotion, units: Mapping[str, str]) -
     )
     if motion.felt:
         message = f"Under-actuated: {what}, and the tool feels it: {size}."
-        advice = (
-            f"Make one of them a motor ({largest!r}, for instance), or put the tool on a body that "
-            "stays at rest; no J_eq till then."
-        )
+        one = f"one of them a motor ({largest!r}, for instance)" if joints[1:] else "it a motor"
+        advice = f"Make {one}, or put the tool on a body that stays at rest; no J_eq till then."
         return Finding("error", "under-actuated", message, advice)
     advice = "Harmless for J_eq, as for a rod that spins between two ball joints."
     hardly = max(motion.tool_linear, motion.tool_angular) > _FELT_BY_ROUNDING

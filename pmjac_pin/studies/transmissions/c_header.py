@@ -37,8 +37,8 @@ class HeaderParts:
     sheet : Sheet
     program : NewtonProgram
         The joints drive, the motors follow.
-    alone : float
-        No other pose has all entries of q nearer to the sheet.
+    alone : ndarray, shape (nq,)
+        No other pose has each entry of q nearer to the sheet.
     motors : ndarray, shape (*grid, n)
         At the points of the sheet.
     """
@@ -46,7 +46,7 @@ class HeaderParts:
     transmission: Transmission
     sheet: Sheet
     program: NewtonProgram
-    alone: float
+    alone: Array
     motors: Array
 
     @property
@@ -132,7 +132,6 @@ def _numbers(parts: HeaderParts) -> dict[str, str]:
     return {
         **{key: str(count) for key, count in counts.items()},
         **sizes,
-        "alone": _double(parts.alone),
         "steepest": _double(_steepest(parts.sheet)),
         "gap": _double(transmission.by_motors.problem.tolerance),
         "tolerance": _double(partition.rank_tolerance),
@@ -280,6 +279,7 @@ def _arrays(parts: HeaderParts, name: str) -> Iterator[str]:
     yield _array(f"{name}_data[{data.shape[0]}][{data.shape[1]}]", data)
     seeds = _seeds(parts)
     yield _array(f"{name}_seeds[{len(seeds)}][{seeds.shape[1]}]", seeds)
+    yield _array(f"{name}_alone[{parts.alone.size}]", parts.alone)
     kept_names = ", ".join(map(str, kept.tolist()))
     yield f"static const int {name}_kept[{kept.size}] = {{{kept_names}}};\n"
 

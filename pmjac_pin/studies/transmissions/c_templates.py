@@ -176,11 +176,11 @@ static inline int @name@_polish(
 }
 
 /* Whether q is so near the table that no other pose is. */
-static inline int @name@_of_table(const double table[@nq@], const double q[@nq@], double within)
+static inline int @name@_of_table(const double table[@nq@], const double q[@nq@], double less)
 {
     int k, near = 1;
     for (k = 0; k < @nq@; ++k)
-        near &= fabs(q[k] - table[k]) <= within;
+        near &= fabs(q[k] - table[k]) <= @name@_alone[k] - less;
     return near;
 }
 
@@ -202,7 +202,7 @@ static inline int @name@_at_joints(const double x[@n@], @name@_pose *pose)
     status = @name@_polish(0, q, motion, pose->ratio);
     if (status != @NAME@_OK)
         return @name@_failed(pose, status);
-    if (!@name@_of_table(table, q, @alone@))
+    if (!@name@_of_table(table, q, 0.0))
         return @name@_failed(pose, @NAME@_NOT_CONVERGED);
     if (!@name@_inverted(pose->ratio, @name@_bare, motion[0], pose->inverse))
         return @name@_failed(pose, @NAME@_SINGULAR);
@@ -278,9 +278,9 @@ static inline int @name@_from(
         return @name@_failed(pose, @NAME@_OUTSIDE);
     for (k = 0; k < @n@; ++k)
         moved = fmax(moved, fabs(x[k] - start[k]));
-    if (!@name@_of_table(table, q, @alone@ - @steepest@ * moved)) {
+    if (!@name@_of_table(table, q, @steepest@ * moved)) {
         @name@_interpolate(x, table);
-        if (!@name@_of_table(table, q, @alone@))
+        if (!@name@_of_table(table, q, 0.0))
             return @name@_failed(pose, @NAME@_NOT_CONVERGED);
     }
     if (!@name@_inverted(pose->ratio, @name@_bare, motion[0], pose->inverse))

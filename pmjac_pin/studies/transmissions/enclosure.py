@@ -27,14 +27,17 @@ from pmjac_pin.rates.partition import Partition, independent_rows
 from pmjac_pin.studies.contraction import contraction
 from pmjac_pin.studies.transmissions.newton_program import NewtonProgram
 from pmjac_pin.studies.transmissions.sheet import Sheet
-from pmjac_pin.studies.transmissions.sheet_equations import SLID, Along, Pieces, SheetEquations
+from pmjac_pin.studies.transmissions.sheet_equations import Along, Pieces, SheetEquations
 from pmjac_pin.values.arrays import Array, Index, Mask
 
 _AT_ONCE = 512  # pieces
 _MOST_PIECES = 20_000
 _ROUNDS = 12
+_WIDER = 20.0  # than a sheet's error: where no other pose is looked for
+_ENTRIES = 8.0  # a motion of 1 changes an entry of q by more than 1 / 8: slides turn, too
 _ALONE = 1e-4  # rad: how far at least no other pose is wanted
-_NARROW = 0.25  # ‖E‖ beyond which bounds on rates would be wide
+_NARROW = 0.25  # ‖E‖ beyond which bounds on rates are wide: pieces are halved for it
+_SMALLEST = 0.25  # of a cell, to which they are
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,8 +48,8 @@ class Enclosure:
     ----------
     error : ndarray, shape (k,)
         How far each follower of a `NewtonProgram` is from the sheet at most, m or rad.
-    alone : float
-        No other closed pose has all entries of q nearer to the sheet.
+    alone : ndarray, shape (nq,)
+        No other closed pose has each entry of q nearer to the sheet than this.
     lower, upper : ndarray, shape (k, n)
         Bounds on their rates by those of the joints that drive.
     one_to_one : bool
@@ -59,7 +62,7 @@ class Enclosure:
     """
 
     error: Array
-    alone: float
+    alone: Array
     lower: Array
     upper: Array
     one_to_one: bool = False
@@ -75,7 +78,7 @@ class _Proven:
 
     good: Mask
     error: Array
-    alone: Array
+    radius: Array
     ratio: Intervals
     gap: Array
 
@@ -85,7 +88,7 @@ def enclose(program: NewtonProgram, sheet: Sheet) -> Enclosure:
     count, n = program.followers.size, len(sheet.axes)
     nothing = (
         np.full(count, np.inf),
-        0.0,
+        np.zeros(program.q.size),
         np.full((count, n), -np.inf),
         np.full((count, n), np.inf),
     )
@@ -97,21 +100,38 @@ def enclose(program: NewtonProgram, sheet: Sheet) -> Enclosure:
     except ArgumentError as error:
         return Enclosure(*nothing, failed=str(error))
     proof = _Proof(equations, partition, program.followers)
-    waiting, found = [Pieces.whole([axis.size - 1 for axis in sheet.axes])], []
+    try:
+        found = _all_over(sheet, proof)
+        widest = max(float(one.radius[one.good].max(initial=0.0)) for one in found)
+        if min(float(one.radius[one.good].min(initial=np.inf)) for one in found) < widest:
+            # Where one piece needs it, no other pose is wanted in any.
+            proof.least_radius = widest
+            found = _all_over(sheet, proof)
+    except _TooLargeError as error:
+        return Enclosure(*nothing, failed=f"cells are too large for a proof, at {error}")
+    return proof.together(found)
+
+
+class _TooLargeError(Exception):
+    """Pieces are too large for a proof however often they are halved; says where."""
+
+
+def _all_over(sheet: Sheet, proof: _Proof) -> list[_Proven]:
+    """Return what holds in the cells of a sheet, halved where they are too large."""
+    waiting = [Pieces.whole([axis.size - 1 for axis in sheet.axes])]
+    found: list[_Proven] = []
     done = 0
     while waiting:
         pieces = waiting.pop()
         for start in range(0, pieces.at.shape[1], _AT_ONCE):
             part = pieces[slice(start, start + _AT_ONCE)]
-            proven = proof.of(part)
+            found.append(proof.of(part))
             done += part.at.shape[1]
-            found.append(proven)
-            if not proven.good.all():
-                waiting.append(part[~proven.good].split())
+            if not (good := found[-1].good).all():
+                waiting.append(part[~good].split())
         if done + sum(one.at.shape[1] for one in waiting) > _MOST_PIECES:
-            where = sheet_place(sheet, waiting[-1])
-            return Enclosure(*nothing, failed=f"cells are too large for a proof, at {where}")
-    return proof.together(found, done)
+            raise _TooLargeError(sheet_place(sheet, waiting[-1]))
+    return found
 
 
 def sheet_place(sheet: Sheet, pieces: Pieces) -> str:
@@ -131,6 +151,7 @@ class _Proof:
         passive = partition.passive.tolist()
         self._followers = np.array([passive.index(k) for k in followers.tolist()], dtype=np.intp)
         self._kept = np.zeros(0, dtype=np.intp)
+        self.least_radius = _ALONE / self._turns()
 
     def of(self, pieces: Pieces) -> _Proven:
         """Return what holds in some pieces."""
@@ -139,9 +160,9 @@ class _Proof:
         A = self._inverse(K)
         Y = largest_sizes(self._after(A, term) for term in along.residual.values())
         with np.errstate(divide="ignore", invalid="ignore"):
-            radius = 2.0 * Y.max(axis=1) / (1.0 - self._sizes(A, K).sum(axis=2).max(axis=1))
+            radius = _WIDER * Y.max(axis=1) / (1.0 - self._sizes(A, K).sum(axis=2).max(axis=1))
         good = np.isfinite(radius) & (radius >= 0.0)
-        radius = np.where(good, np.maximum(radius, _ALONE / self._turns()), 0.0)
+        radius = np.where(good, np.maximum(radius, self.least_radius), 0.0)
         K, cosine = self._equations.around(along, radius)
         E = _up(self._sizes(A, K).sum(axis=2))
         Z = E.max(axis=1)
@@ -151,22 +172,22 @@ class _Proof:
         for _ in range(_ROUNDS):  # what is within r is within Y + E r
             reach = np.minimum(reach, _up(Y + E * reach[:, None]).max(axis=1))
         ratio = self._ratio(A, K, Z)
-        good &= (Z < _NARROW) & _regular(ratio)
+        narrow = (Z < _NARROW) | (pieces.half.max(axis=0) <= _SMALLEST)
+        good &= narrow & _regular(ratio)
         every = _up(Y + E * reach[:, None]) * self._partition.column_scale[self._partition.passive]
-        # Slides go in axes that turn, and unit quaternions by half an angle.
-        alone = radius * self._partition.column_scale[self._partition.passive].min() / SLID**3
         error = _up(every[:, self._followers])
-        return _Proven(good, error, alone, ratio, self._gap(along, K, reach))
+        return _Proven(good, error, radius, ratio, self._gap(along, K, reach))
 
-    def together(self, found: list[_Proven], pieces: int) -> Enclosure:
+    def together(self, found: list[_Proven]) -> Enclosure:
         """Return what holds in all of them."""
         error = np.max([one.error[one.good].max(axis=0, initial=0.0) for one in found], axis=0)
         lower = np.min([one.ratio.lower[one.good].min(axis=0, initial=np.inf) for one in found], 0)
         upper = np.max([one.ratio.upper[one.good].max(axis=0, initial=-np.inf) for one in found], 0)
         gap = max(float(one.gap[one.good].max(initial=0.0)) for one in found)
-        whole = Intervals(lower[None], upper[None])
+        whole, pieces = Intervals(lower[None], upper[None]), sum(one.good.size for one in found)
         others = self._equations.rows - len(self._kept)
-        alone = min(float(one.alone[one.good].min(initial=np.inf)) for one in found)
+        radius = min(float(one.radius[one.good].min(initial=np.inf)) for one in found)
+        alone = radius * self._equations.entry_scale() / _ENTRIES
         return Enclosure(error, alone, lower, upper, bool(_regular(whole)[0]), pieces, others, gap)
 
     def _turns(self) -> float:

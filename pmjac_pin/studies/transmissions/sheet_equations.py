@@ -23,7 +23,7 @@ from pmjac_pin.values.arrays import Array, Index, Mask
 
 ORDER = 4
 _BOXES = Boxes()
-SLID = 2.0  # more than √3: of three slides, and of axes that turn
+_SLID = 2.0  # more than √3: of three slides, and of axes that turn
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,6 +103,15 @@ class SheetEquations:
             if coupling.coordinates.wraps[coupling.columns].any():
                 raise ArgumentError("a gear on a joint that turns without end")
 
+    def entry_scale(self) -> Array:
+        """Return what an unknown of 1 is in each entry of q: `Partition.column_scale`."""
+        found = np.ones(max(link.entries.stop for link in self._tree.links.values()))
+        for link in self._tree.links.values():
+            slides, column = link.kind.slides, link.column
+            found[link.entries] = self._scale[column + link.kind.nv - 1]
+            found[link.entries.start : link.entries.start + slides] = self._scale[column]
+        return found
+
     def along(self, pieces: Pieces) -> Along:
         """Return the equations along the sheet over some pieces."""
         values, entries = self._values(pieces)
@@ -148,8 +157,8 @@ class SheetEquations:
             if column in self._driven:
                 return known
             kind = link.kind
-            slide = radius * self._scale[column] * SLID
-            turn = radius * self._scale[column + kind.nv - 1] * SLID
+            slide = radius * self._scale[column] * _SLID
+            turn = radius * self._scale[column + kind.nv - 1] * _SLID
             if kind.screw:
                 slide = abs(link.edge.pitch) * turn
             slides = tuple(x.widened(slide) for x in known.slides)

@@ -114,7 +114,7 @@ def _estimated(
         f"an estimate: twice the largest error at {len(x)} points between those of the table, and "
         f"the rates at these; {why}"
     )
-    error, alone = _MARGIN * off.max(axis=0), _MARGIN**2 * float(np.abs(seen - exact).max())
+    error, alone = _MARGIN * off.max(axis=0), _MARGIN**2 * np.abs(seen - exact).max(axis=0)
     lower, upper = rates.ratio.min(axis=0), rates.ratio.max(axis=0)
     return Enclosure(error, alone + _ROUNDING, lower, upper), Evidence("tolerance", statement)
 

@@ -42,8 +42,8 @@ class TransmissionTable(ReadOnlyArrays):
     error : ndarray, shape (n,)
         How far each motor's interpolated value is from the exact one at most, m or rad; rounding,
         of some 1e-15, comes on top.
-    alone : float
-        No other closed pose has all entries of q nearer to the interpolated ones.
+    alone : ndarray, shape (nq,)
+        No other closed pose has each entry of q nearer to the interpolated one than this.
     lower, upper : ndarray, shape (n, n)
         Between which R is, all over the rectangle.
     evidence : Evidence
@@ -54,7 +54,7 @@ class TransmissionTable(ReadOnlyArrays):
     sheet: Sheet
     program: NewtonProgram
     error: Array
-    alone: float
+    alone: Array
     lower: Array
     upper: Array
     evidence: Evidence
