@@ -340,3 +340,62 @@ def test_at_a_singular_pose_nothing_is_half_computed():
 def test_loads_that_are_none(asked, message):
     with pytest.raises(pj.PmjacError, match=message):
         pj.load("four_bar").home.statics(**asked)
+
+
+@pytest.mark.parametrize(
+    "name", ["four_bar", "watt_six_bar", "three_rps", "stewart_gough", "delta"]
+)
+def test_no_cut_is_special(name, rng):
+    """Efforts do not depend on where the loops are cut; nor do forces in loops that are in both."""
+    mechanism = heavy(name, rng, rotors=False)
+    load = {mechanism.spec.tool.frame: rng.normal(size=6)}
+    spring = {mechanism.actuated[0]: (rng.uniform(1.0, 9.0), rng.normal())}
+    known, cuts = mechanism.home.statics(load, springs=spring), 0
+    joints = [joint for joint in mechanism.passive if joint in mechanism.coordinates.names]
+    for joint in joints[:4]:
+        try:
+            cut = pj.recut(mechanism, joint)
+        except pj.ArgumentError:
+            continue
+        found = cut.home.statics(load, springs=spring).efforts
+        np.testing.assert_allclose(found, known.efforts, atol=1e-9 * np.abs(known.efforts).max())
+        cuts += 1
+    assert cuts
+
+
+def test_reactions_in_a_four_bar_by_its_free_bodies(rng):
+    """Three bodies in the plane, four pins and a torque: nine equations by hand."""
+    theta = 0.9
+    mechanism = parallelogram(theta)
+    model = mechanism.model
+    for joint in range(1, model.njoints):
+        lever = np.append(rng.normal(size=2) * 0.3, 0.0)
+        model.inertias[joint] = pin.Inertia(rng.uniform(1, 4), lever, 0.1 * np.eye(3))
+    configuration = rebuilt(mechanism, model).home
+    push = rng.normal(size=2) * 10.0
+    statics = configuration.statics({"coupler": np.r_[push, np.zeros(4)]})
+    data = model.createData()
+    pin.forwardKinematics(model, data, configuration.q)
+    pins = {"A": (0.0, 0.0), "B": data.oMi[2].translation[:2], "D": (1.0, 0.0)}
+    pins["C"] = data.oMi[2].act(np.array([1.0, 0.0, 0.0]))[:2]
+    # Unknown: forces at A on the crank, at B on the coupler, at C on the coupler, at D on the
+    # rocker, and the motor's torque on the crank.
+    matrix, right = np.zeros((9, 9)), np.zeros(9)
+    acting = {0: {"A": 1, "B": -1}, 1: {"B": 1, "C": 1}, 2: {"C": -1, "D": 1}}
+    for body, forces in acting.items():
+        rows = slice(3 * body, 3 * body + 3)
+        for letter, sign in forces.items():
+            column = 2 * "ABCD".index(letter)
+            x, y = pins[letter]
+            matrix[rows, column : column + 2] = sign * np.array([[1, 0], [0, 1], [-y, x]])
+        inertia = model.inertias[body + 1]
+        centre = data.oMi[body + 1].act(inertia.lever)[:2]
+        weight = inertia.mass * model.gravity.linear[:2]
+        right[rows] = -np.r_[weight, centre[0] * weight[1] - centre[1] * weight[0]]
+    x, y = pins["B"]  # where the coupler's frame is
+    right[3:6] -= np.r_[push, x * push[1] - y * push[0]]
+    matrix[2, 8] = 1.0
+    solved = np.linalg.solve(matrix, right)
+    assert statics.efforts[0] == pytest.approx(solved[8], abs=1e-9)
+    # The loop's row is p(tip) − p(end): λ acts on the coupler's tip, and against it on the rocker.
+    np.testing.assert_allclose(statics.loop_forces[:2], solved[4:6], atol=1e-9)
