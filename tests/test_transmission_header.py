@@ -13,6 +13,7 @@ from test_transmission import motors_by_hand
 from transmission_machines import CASES, drawn, table_of
 
 import pmjac_pin as pj
+from pmjac_pin.values.brief import at_most
 
 OPTIONS = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2", "-shared", "-fPIC")
 OK, OUTSIDE, NOT_CONVERGED, SINGULAR = range(4)
@@ -230,7 +231,7 @@ def test_a_header_says_what_it_is_of():
     assert "for pitch -0.4 to 0.25, roll -0.15 to 0.15" in comment
     assert str(table.evidence) in comment
     for motor, error in zip(table.motors, table.error, strict=True):
-        assert f"{motor} {error:.2g} rad" in comment
+        assert f"{motor} {at_most(error)} rad" in comment
 
 
 @pytest.mark.parametrize("name", ["1st", "a b", "", "double"])

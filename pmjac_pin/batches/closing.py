@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pmjac_pin.algebra.compiled_programs import CompiledPrograms
 from pmjac_pin.batches.one_by_one import close_one
 from pmjac_pin.batches.pieces import Piece
 from pmjac_pin.batches.results import Status, Statuses
@@ -13,6 +14,7 @@ from pmjac_pin.closing.closure import MOST_STEPS
 from pmjac_pin.closing.many_paths import GoOn, Walker
 from pmjac_pin.closing.path_kernel import many_paths_kernel
 from pmjac_pin.closing.paths_in_lanes import PathsInLanes
+from pmjac_pin.errors import MissingDependencyError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import beyond_limits
 from pmjac_pin.values.arrays import Array, Mask
@@ -36,13 +38,22 @@ class Closing:
     lanes: PathsInLanes | None = None
 
     @classmethod
-    def of(cls, mechanism: Mechanism) -> Closing:
-        """Record what is needed; nothing where motors are of several freedoms."""
+    def of(cls, mechanism: Mechanism, compiled: CompiledPrograms | None = None) -> Closing:
+        """Record what is needed, and compile it; nothing where motors are of several freedoms."""
         if not mechanism._recorded.walks:
             return cls(mechanism, None)
         tapes, library = mechanism._recorded.walking, many_paths_kernel()
         known = mechanism.problem, mechanism.coordinates
-        lanes = None if library is None else PathsInLanes(library, tapes, *known)
+        lanes = None
+        if library is not None:
+            programs = [None if compiled is None else compiled.of(tape) for tape in tapes]
+            lanes = PathsInLanes(library, tapes, *known, programs)
+        elif compiled is not None:
+            raise MissingDependencyError(
+                "compiled programs are run by a kernel that is built when pmjac_pin is installed, "
+                "and none was: install a C compiler, then pmjac_pin anew (pip install "
+                "--force-reinstall --no-deps pmjac_pin)"
+            )
         return cls(mechanism, Walker(*known, *tapes), lanes)
 
     def check(self, start: Array) -> None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,11 +18,13 @@ from pmjac_pin.closing.path_kernel import (
     Memory,
     WalkStruct,
     address,
-    rows,
 )
 from pmjac_pin.closing.step_guard import MARGIN
 from pmjac_pin.model.coordinates import JointCoordinates
-from pmjac_pin.values.arrays import Array, Index
+from pmjac_pin.values.arrays import Array, Index, aligned
+
+if TYPE_CHECKING:
+    from pmjac_pin.algebra.compiled_programs import CompiledProgram
 
 #: Where paths end, as `path_kernel.c` numbers it.
 SPENT, ARRIVED, DOUBTFUL, STUCK = range(4)
@@ -131,17 +135,21 @@ class KernelWalk:
     """
 
     def __init__(
-        self, library: ctypes.CDLL, machine: KernelMachine, move: Tape, arrival: Tape, leg: Tape
+        self,
+        library: ctypes.CDLL,
+        machine: KernelMachine,
+        tapes: tuple[Tape, Tape, Tape],
+        compiled: Sequence[CompiledProgram | None] = (None, None, None),
     ) -> None:
         lanes = library.pmjac_lanes()
-        programs = [Memory(tape, lanes) for tape in (move, arrival, leg)]
-        point, states = rows(arrival.outputs, lanes), (LaneStruct * lanes)()
+        programs = [Memory(tape, lanes, it) for tape, it in zip(tapes, compiled, strict=True)]
+        _, arrival, _ = tapes
+        point, states = aligned(arrival.outputs, lanes), (LaneStruct * lanes)()
         self._begin, self._walk = library.pmjac_begin, library.pmjac_walk
         self._kept = machine, programs, point, states
         self._struct = WalkStruct(
             ctypes.addressof(machine.struct),
             *(memory.struct for memory in programs),
-            leg.stages,
             address(point),
             ctypes.addressof(states),
         )

@@ -99,7 +99,7 @@ class OnePath:
         )
 
     def _work(self) -> tuple[KernelWalk, PathsToWalk]:
-        walk = KernelWalk(self._library, self._machine, *self._tapes)
+        walk = KernelWalk(self._library, self._machine, self._tapes)
         motors = np.zeros((2, 1, self._motors.size))
         paths = PathsToWalk.of(np.zeros((1, self._tapes[0].outputs)), *motors)
         walk.take(paths)

@@ -19,20 +19,32 @@ typedef double Row[LANES]; /* a number of each lane */
 
 int pmjac_lanes(void) { return LANES; }
 
-/* The slots hold the constants from the beginning, and nothing is written over them. */
+#define BOUNDS 3 /* that the leg tells of a step, a stage each */
+
+/* The slots hold the constants from the beginning, and nothing is written over them. Stages end
+ * after so many instructions. Where a program is compiled, the slots are what it keeps. */
 typedef struct {
     const int32_t *code;
-    int64_t length;
+    int64_t length, stages[BOUNDS];
     Row *slots, *inputs, *outputs;
+    void (*compiled)(
+        int64_t stage, int64_t lanes, const double *inputs, double *outputs, double *kept);
 } Program;
 
-static void run_part(const Program *program, int64_t from, int64_t to)
+static void run_stage(const Program *program, int stage)
 {
-    run(program->code + 5 * from, to - from, program->slots, (const double *)program->inputs,
-        LANES, 0, LANES, (double *)program->outputs);
+    const double *inputs = (const double *)program->inputs;
+    double *outputs = (double *)program->outputs;
+    if (program->compiled) {
+        program->compiled(stage, LANES, inputs, outputs, (double *)program->slots);
+        return;
+    }
+    int64_t from = stage ? program->stages[stage - 1] : 0, length = program->stages[stage] - from;
+    run(program->code + 5 * from, length, program->slots, inputs, LANES, 0, LANES, outputs);
 }
 
-void pmjac_run_once(const Program *program) { run_part(program, 0, program->length); }
+/* A program of one stage. */
+void pmjac_run_once(const Program *program) { run_stage(program, 0); }
 
 typedef struct {
     int64_t nq, nv, motors;
@@ -55,15 +67,12 @@ enum { IDLE, BEGINS, CORRECTS, CLOSED, COVERED, REFUSED };
  * become too small to be resolved. */
 enum { SPENT, ARRIVED, DOUBTFUL, STUCK, GOES_ON };
 
-#define BOUNDS 3 /* that the leg tells of a step, in as many parts */
-
 /* Paths, one row each, but for one start that is all paths': `apart` is 0 then. All of a point is
  * what the arrival's program gives: (q, gap, inverse, size, size of Newton's step, pace, Newton's
  * step, velocity). */
 typedef struct {
     const Machine *machine;
     Program move, arrival, leg;
-    int64_t leg_parts[BOUNDS]; /* where they end */
     Row *point;
     Lane *lanes;
     const double *start, *displacement, *target;
@@ -292,10 +301,8 @@ INLINE void judge(Walk *walk)
     copy(other, found, machine->nq);
     for (int64_t k = 0; k < machine->nv; k++)
         EACH arriving[k][i] = onward[k][i] * stride[i];
-    int64_t from = 0;
     for (int part = 0; part < BOUNDS && left; part++) {
-        run_part(&walk->leg, from, walk->leg_parts[part]);
-        from = walk->leg_parts[part];
+        run_stage(&walk->leg, part);
         for (int at = 0; at < LANES; at++) {
             Lane *lane = walk->lanes + at;
             if (lane->state == CLOSED

@@ -6,19 +6,21 @@ import ctypes
 import threading
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pmjac_pin.algebra import tape_runner
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.recorded_step import BOUNDS
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import aligned
+
+if TYPE_CHECKING:
+    from pmjac_pin.algebra.compiled_programs import CompiledProgram
 
 _FOLDER = Path(__file__).parent
 _ALGEBRA = _FOLDER.parent / "algebra"
 _SOURCES = (_FOLDER / "path_kernel.c", _ALGEBRA / "tape_kernel.c", _ALGEBRA / "lanes.h")
-_ALIGNED = 64  # bytes, of what vector instructions work on
 
 _Number, _Count = ctypes.c_double, ctypes.c_int64
 _Pointer = ctypes.c_void_p
@@ -46,9 +48,8 @@ class ProgramStruct(ctypes.Structure):
     _fields_ = (
         ("code", _Pointer),
         ("length", _Count),
-        ("slots", _Pointer),
-        ("inputs", _Pointer),
-        ("outputs", _Pointer),
+        ("stages", _Count * BOUNDS),
+        *((name, _Pointer) for name in ("slots", "inputs", "outputs", "compiled")),
     )
 
 
@@ -82,7 +83,6 @@ class WalkStruct(ctypes.Structure):
     _fields_ = (
         ("machine", _Pointer),
         *((name, ProgramStruct) for name in ("move", "arrival", "leg")),
-        ("leg_parts", _Count * BOUNDS),
         *((name, _Pointer) for name in ("point", "lanes", "start", "displacement", "target")),
         *((name, _Count) for name in ("apart", "count", "taken", "most_tries", "few", "patience")),
         *((name, _Pointer) for name in ("q", "gap", "share", "iterations", "end")),
@@ -97,6 +97,8 @@ class Memory:
     tape : Tape
     lanes : int
         For how many sets of inputs at a time.
+    compiled : CompiledProgram, optional
+        What computes the same.
 
     Attributes
     ----------
@@ -106,14 +108,19 @@ class Memory:
 
     __slots__ = ("_kept", "inputs", "outputs", "struct")
 
-    def __init__(self, tape: Tape, lanes: int = 1) -> None:
+    def __init__(self, tape: Tape, lanes: int = 1, compiled: CompiledProgram | None = None) -> None:
         code = np.ascontiguousarray(tape.code, dtype=np.int32)
-        slots = rows(tape.slots + 1, lanes)
-        slots[: len(tape.constants)] = tape.constants[:, None]
-        self.inputs, self.outputs = rows(tape.inputs, lanes), rows(tape.outputs, lanes)
-        self._kept = (code, slots)
+        slots = aligned(tape.slots + 1 if compiled is None else compiled.kept + 1, lanes)
+        if compiled is None:
+            slots[: len(tape.constants)] = tape.constants[:, None]
+        self.inputs, self.outputs = aligned(tape.inputs, lanes), aligned(tape.outputs, lanes)
+        self._kept = (code, slots, compiled)
         self.struct = ProgramStruct(
-            address(code), len(code), address(slots), address(self.inputs), address(self.outputs)
+            address(code),
+            len(code),
+            tape.stages or (len(code),),
+            *map(address, (slots, self.inputs, self.outputs)),
+            compiled and compiled.stage,
         )
 
 
@@ -134,11 +141,3 @@ class ThreadMemory(threading.local):
 def address(array: Any) -> int:
     """Return where an array's numbers are."""
     return int(array.ctypes.data)
-
-
-def rows(count: int, lanes: int) -> Array:
-    """Return zeros (count, lanes) where vector instructions find them."""
-    memory = np.zeros(8 * count * lanes + _ALIGNED, dtype=np.uint8)
-    start = -memory.ctypes.data % _ALIGNED
-    found: Array = memory[start : start + 8 * count * lanes].view(float).reshape(count, lanes)
-    return found

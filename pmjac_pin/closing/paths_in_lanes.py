@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ctypes
 import threading
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +16,9 @@ from pmjac_pin.closing.kernel_walk import DOUBTFUL, SPENT, KernelMachine, Kernel
 from pmjac_pin.closing.many_paths import FEW, LONG, GoOn, Paths, judged
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.values.arrays import Array
+
+if TYPE_CHECKING:
+    from pmjac_pin.algebra.compiled_programs import CompiledProgram
 
 _AT_ONCE = 64  # steps of each lane in one call: some milliseconds, in which nothing can interrupt
 
@@ -29,6 +34,8 @@ class PathsInLanes:
         Those of a `Walker`: move, arrival and leg.
     problem : ClosureProblem
     coordinates : JointCoordinates
+    compiled : sequence of CompiledProgram or None
+        What computes the same as the tapes.
     """
 
     def __init__(
@@ -37,8 +44,10 @@ class PathsInLanes:
         tapes: tuple[Tape, Tape, Tape],
         problem: ClosureProblem,
         coordinates: JointCoordinates,
+        compiled: Sequence[CompiledProgram | None] = (None, None, None),
     ) -> None:
         partition = problem.partition
+        self._compiled = compiled
         self._library, self._tapes, self._problem = library, tapes, problem
         self._machine = KernelMachine(
             problem,
@@ -75,7 +84,7 @@ class PathsInLanes:
         try:
             walk = self._threads.walk
         except AttributeError:
-            walk = KernelWalk(self._library, self._machine, *self._tapes)
+            walk = KernelWalk(self._library, self._machine, self._tapes, self._compiled)
             self._threads.walk = walk
         paths = PathsToWalk.of(q, displacement, target)
         walk.take(paths, most_steps, FEW, LONG)

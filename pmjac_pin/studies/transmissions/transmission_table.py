@@ -21,6 +21,7 @@ from pmjac_pin.studies.transmissions.tabulated import SUFFIXES, Tabulated, twist
 from pmjac_pin.studies.transmissions.transmission import Transmission
 from pmjac_pin.studies.transmissions.transmission_map import TransmissionMap
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays
+from pmjac_pin.values.brief import at_most
 from pmjac_pin.values.checks import as_flag, as_numbers
 
 
@@ -142,7 +143,9 @@ class TransmissionTable(ReadOnlyArrays):
         )
         return c_header(parts, name, self.said())
 
-    def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
+    def save(
+        self, path: str | os.PathLike[str], *, name: str | None = None, force: bool = False
+    ) -> None:
         """Write the table: as a C header (.h), for NumPy (.npz) or as text with commas (.csv).
 
         Of an .npz, `motor_values` (*grid, n), `ratio` (*grid, n, n) and, of two joints, `twist`
@@ -156,6 +159,8 @@ class TransmissionTable(ReadOnlyArrays):
         ----------
         path : str or Path
             It ends in one of these.
+        name : str, optional
+            What the names of a header begin with, as of `c`.
         force : bool
             Replace a file that exists.
 
@@ -170,7 +175,7 @@ class TransmissionTable(ReadOnlyArrays):
             ends = ", ".join(SUFFIXES)
             raise OutputError(f"{shown_path(output_path(path))}: a table's file ends in {ends}")
         check_new(path, force)
-        written = self.c() if suffix == ".h" else self.tabulated()
+        written = self.c(name) if suffix == ".h" else self.tabulated()
         contents = written.encode() if isinstance(written, str) else written.encoded(suffix)
         write_files({path: contents}, replace=force)
 
@@ -206,7 +211,7 @@ class TransmissionTable(ReadOnlyArrays):
         yield f"for {self.rectangle}."
         errors = zip(self.motors, self.error.tolist(), strict=True)
         yield "Largest error of interpolation: " + ", ".join(
-            f"{name} {error:.2g} {units[name]}" for name, error in errors
+            f"{name} {at_most(error)} {units[name]}" for name, error in errors
         )
         yield str(self.evidence)
 
@@ -228,7 +233,7 @@ class TransmissionTable(ReadOnlyArrays):
 
     def __repr__(self) -> str:
         error = ", ".join(
-            f"{name} {value:.2g}"
+            f"{name} {at_most(value)}"
             for name, value in zip(self.motors, self.error.tolist(), strict=True)
         )
         return f"TransmissionTable({self.rectangle}; error {error}: {self.evidence.kind})"

