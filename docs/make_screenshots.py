@@ -12,6 +12,7 @@ import pmjac_pin as pj
 FOLDER = Path(__file__).parent
 ARGUMENTS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 SIZE = {"width": 1280, "height": 800}
+LOADED = "viewer_load"
 
 
 def poses() -> dict[str, pj.Configuration]:
@@ -20,9 +21,19 @@ def poses() -> dict[str, pj.Configuration]:
     return {
         "viewer_four_bar": pj.load("four_bar").close([1.9]),
         "viewer_three_rps": three_rps.close([1.1, 1.0, 0.9]),
+        LOADED: pj.load("stewart_gough").close([0.7, 0.7, 0.62, 0.62, 0.66, 0.66]),
         # A thousandth of a metre before the end of this assembly mode.
         "viewer_near_singular": three_rps.close([1.0, 1.972, 1.0]),
     }
+
+
+def load_the_tool(page: Any) -> None:
+    """Hang 20 kg at the tool, and show what motors hold within their effort limits."""
+    page.uncheck("#linear")
+    page.check("#force_polytope")
+    page.fill("#weight-0-value", "20")
+    page.press("#weight-0-value", "Enter")
+    page.evaluate("document.getElementById('load-note').scrollIntoView({block: 'end'})")
 
 
 def take(browser: Any, configuration: pj.Configuration, path: Path) -> None:
@@ -33,6 +44,8 @@ def take(browser: Any, configuration: pj.Configuration, path: Path) -> None:
         # The page's policy forbids `eval`, and Playwright's own waiting with it.
         while not page.evaluate("Boolean(window.pmjac?.ready)"):
             page.wait_for_timeout(50)
+        if path.stem == LOADED:
+            load_the_tool(page)
         page.wait_for_timeout(1500)
         page.screenshot(path=path)
         page.close()

@@ -426,7 +426,7 @@ def test_updates_keep_up_with_a_slider_that_never_rests(viewer, open_page):
 def test_keyboard_alone(viewer, open_page):
     page = open_page(viewer)
     visited = []
-    for _ in range(24):
+    for _ in range(26):
         page.keyboard.press("Tab")
         visited.append(page.evaluate("document.activeElement.id"))
         if visited[-1] == "scale":
@@ -448,6 +448,8 @@ def test_keyboard_alone(viewer, open_page):
         "linear",
         "angular",
         "force",
+        "velocity_polytope",
+        "force_polytope",
         "scale",
     ]
     page.focus("#motor-0")
@@ -636,7 +638,7 @@ def test_the_legend_names_what_is_there(open_page):
             page = open_page(viewer)
             texts[name] = page.locator("#legend li").all_inner_texts()
             page.close()
-    assert texts["serial_2r"] == ["motor", "tool x, y, z"]
+    assert texts["serial_2r"] == ["motor", "tool x, y, z", "load"]
     assert set(texts["three_rps_ss"]) - set(texts["three_rps"]) == {"its rod"}
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import pickle
 import re
 
@@ -18,8 +19,11 @@ from pmjac_pin.rates.ellipsoid import velocity_ellipsoid
 from pmjac_pin.viewer.ellipsoids import LIMIT, THINNEST, directions_after, radius_label
 from pmjac_pin.viewer.free_motion import ALMOST_SINGULAR
 from pmjac_pin.viewer.scene import SceneMaker, SceneOptions
+from pmjac_pin.words.motor_limits import motor_rate_limits
 
-EVERYTHING = SceneOptions(linear=True, angular=True, force=True)
+EVERYTHING = SceneOptions(
+    linear=True, angular=True, force=True, velocity_polytope=True, force_polytope=True
+)
 MESH = '<mesh filename="package://nowhere/missing.stl"/>'
 
 
@@ -157,10 +161,11 @@ def test_options_choose_what_there_is(three_rps):
     maker = SceneMaker(three_rps)
     plain = SceneOptions(linear=False, names=False)
     groups = {item.name.split("/")[0] for item in maker.scene(three_rps.home, plain).items}
-    assert groups == {"links", "joints", "motors", "loops", "free", "tool"}
+    assert groups == {"links", "joints", "motors", "loops", "free", "tool", "load"}
     names = set(by_name(maker.scene(three_rps.home, EVERYTHING)))
     for kind in ("linear", "angular", "force"):
         assert f"ellipsoids/{kind}/surface" in names
+    assert {"polytopes/velocity/faces", "polytopes/force/edges"} <= names
 
 
 def test_wrong_arguments_are_refused(three_rps):
@@ -653,3 +658,66 @@ def test_an_idle_rod_hides_no_free_motion():
     along = items["free/joints/rx/forth"].transform[:3, 2]
     along = along / np.linalg.norm(along)
     np.testing.assert_allclose(abs(along @ [-np.sin(theta), np.cos(theta), 0]), 1.0, atol=1e-9)
+
+
+def drawn_corners(item):
+    """Return the corners of an item's triangles, in the world."""
+    unit = np.frombuffer(item.shape.corners, "<f4").reshape(-1, 3).astype(float)
+    return unit @ item.transform[:3, :3].T + item.transform[:3, 3]
+
+
+@pytest.mark.parametrize("name", ["three_rps", "stewart_gough", "five_bar", "ur5", "sarrus"])
+def test_polytopes_are_those_of_the_limits_about_the_tool(name):
+    """By supports: along every direction as far as Σ |uᵀ Jᵢ| limitᵢ, times one scale."""
+    mechanism = loaded(name)
+    there = mechanism.close(mechanism.home.actuated + 0.03, enforce_limits=False)
+    items, block = by_name(scene(there, EVERYTHING)), there.jacobian().Jv_eq
+    tool, limits = there.tool_pose.translation, motor_rate_limits(mechanism)
+    faces = items["polytopes/velocity/faces"]
+    edges, label = items["polytopes/velocity/edges"], items["polytopes/velocity/label"]
+    assert edges.visible
+    assert faces.visible == (np.linalg.matrix_rank(block, tol=1e-9) > 1)
+    ways = np.random.default_rng(3).normal(size=(30, 3))
+    reach = np.abs(ways @ block) @ limits
+    if faces.visible:
+        scales = ((drawn_corners(faces) - tool) @ ways.T).max(axis=0) / reach
+        np.testing.assert_allclose(scales, scales[0], rtol=1e-5)
+    else:  # a segment along the one direction of motion
+        arms = drawn_corners(edges) - tool
+        arm = arms[np.linalg.norm(arms, axis=1).argmax()]
+        along = np.abs(arm @ block).max() / np.linalg.norm(block, axis=0).max()
+        assert along == pytest.approx(np.linalg.norm(arm), rel=1e-3)
+    # The number at the farthest corner, by all combinations of motors at their limits.
+    signs = np.array(list(itertools.product((-1.0, 1.0), repeat=limits.size)))
+    farthest = np.linalg.norm(signs * limits @ block.T, axis=1).max()
+    assert label.shape.text.split()[0] == f"{farthest:#.4g}".rstrip(".")
+
+
+def test_faces_of_a_polytope_look_outwards():
+    mechanism = loaded("three_rps")
+    there = mechanism.close([1.1, 1.0, 0.9])
+    for kind in ("velocity", "force"):
+        shape = by_name(scene(there, EVERYTHING))[f"polytopes/{kind}/faces"].shape
+        corners, normals = (
+            np.frombuffer(each, "<f4").reshape(-1, 3, 3) for each in (shape.corners, shape.normals)
+        )
+        assert (np.einsum("tij,tij->ti", corners, normals) > 0.0).all()
+        np.testing.assert_allclose(np.linalg.norm(normals, axis=2), 1.0, atol=1e-5)
+        np.testing.assert_allclose(np.abs(corners).max(axis=(0, 1)), shape.half_extents, rtol=1e-6)
+
+
+def test_the_load_is_an_arrow_at_the_tool_along_it():
+    mechanism, maker = loaded("three_rps"), SceneMaker(loaded("three_rps"))
+    force = np.array([3.0, -4.0, 12.0])
+    items = by_name(maker.scene(mechanism.home, force=force))
+    tool = mechanism.home.tool_pose.translation
+    shaft, head = items["load/shaft"].transform, items["load/head"].transform
+    np.testing.assert_allclose(
+        shaft[:3, 2] / np.linalg.norm(shaft[:3, 2]), force / 13.0, atol=1e-12
+    )
+    np.testing.assert_allclose(shaft[:3, 3] - 0.5 * shaft[:3, 2], tool, atol=1e-12)
+    np.testing.assert_allclose(
+        head[:3, 3] - 0.5 * head[:3, 2], shaft[:3, 3] + 0.5 * shaft[:3, 2], atol=1e-12
+    )
+    assert items["load/label"].shape.text == "13.00 N"
+    assert not by_name(maker.scene(mechanism.home))["load/shaft"].visible

@@ -22,6 +22,7 @@ from pmjac_pin.viewer.messages import (
     NamedPose,
     Options,
     Refusal,
+    SetLoad,
     decode,
     encode,
 )
@@ -513,3 +514,117 @@ def test_messages():
         id=7, values=[1, 2.5]
     )
     assert json.loads(encode(Refusal(None, "no"))) == {"type": "error", "id": None, "message": "no"}
+
+
+def pushed(**changes):
+    """A command of the load panel."""
+    usual = {"kind": "weight", "mass": 0.0, "size": 0.0, "azimuth": 0.0, "elevation": 0.0}
+    return SetLoad(**(usual | changes))
+
+
+@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+def test_efforts_of_a_hung_weight_do_its_work(name):
+    """Virtual work without the library's statics: τᵀ θ̇ = m g ż, and what the bodies' own asks."""
+    session = session_of(name)
+    session.obey(pushed(mass=3.0))
+    load, home = session.state().load, session.configuration
+    own = home.statics().efforts
+    jacobian = home.jacobian().Jv_eq
+    efforts = np.array([one.value for one in load.efforts]) - own
+    size = 3.0 * 9.81 * np.abs(jacobian).max()
+    np.testing.assert_allclose(efforts, 3.0 * 9.81 * jacobian[2], atol=1e-9 * size)
+    assert load.force == pytest.approx((0.0, 0.0, -3.0 * 9.81))
+    assert (load.refusal, load.reason) == ("", "")
+
+
+def test_a_force_has_size_and_direction():
+    session = session_of("five_bar")
+    session.obey(pushed(kind="force", size=8.0, azimuth=0.7, elevation=-0.4))
+    load = session.state().load
+    expected = [math.cos(-0.4) * math.cos(0.7), math.cos(-0.4) * math.sin(0.7), math.sin(-0.4)]
+    np.testing.assert_allclose(load.force, 8.0 * np.array(expected), atol=1e-14)
+    jacobian = session.configuration.jacobian().Jv_eq
+    efforts = [one.value for one in load.efforts]
+    np.testing.assert_allclose(efforts, -jacobian.T @ load.force, atol=1e-12)
+
+
+def test_efforts_beyond_their_limits_are_told_and_only_those():
+    session = session_of()
+    # Three legs that lean by 30° share the weight alike, up to 100 N each.
+    limit = 3 * 100.0 * math.cos(math.pi / 6) / 9.81
+    for share, beyond in ((0.999, False), (1.001, True)):
+        session.obey(pushed(mass=share * limit))
+        assert session.state().load.beyond == (beyond,) * 3
+
+
+def test_a_load_stays_while_the_motors_move_and_with_other_lengths():
+    session = session_of()
+    session.obey(pushed(mass=2.0))
+    session.obey(MoveMotors(values=[1.1, 1.0, 0.9]))
+    load = session.state().load
+    assert load.mass == 2.0
+    jacobian = session.configuration.jacobian().Jv_eq
+    efforts = [one.value for one in load.efforts]
+    np.testing.assert_allclose(efforts, 2.0 * 9.81 * jacobian[2], atol=1e-10)
+
+
+def test_at_a_singular_pose_the_load_is_refused_in_words_and_the_rest_stays():
+    session = session_of(velocity_polytope=True, force_polytope=True)
+    session.obey(pushed(mass=2.0))
+    session.obey(MoveMotors(values=[1.0, 3.0, 1.0]))
+    state = session.state()
+    assert "singular" in state.load.refusal
+    assert "no J_eq exists" in state.load.reason
+    assert all(math.isnan(one.value) and one.limit == 100.0 for one in state.load.efforts)
+    message = json.loads(encode(state))
+    assert [one["value"] for one in message["load"]["efforts"]] == [None] * 3
+    assert set(state.drawn.no_polytopes) == {"velocity", "force"}
+    assert not [i for i in session.scene().items if i.visible and "polytope" in i.name]
+    for back in ([1.0, 1.9, 1.0], [1.1, 1.0, 0.9]):
+        session.obey(MoveMotors(values=back))
+    state = session.state()
+    assert (state.load.refusal, state.drawn.no_polytopes) == ("", {})
+    assert len([i for i in session.scene().items if i.visible and "polytope" in i.name]) == 6
+
+
+def test_motors_that_are_tied_have_the_smallest_efforts_and_say_so():
+    tied = pj.load("four_bar", actuated=["theta1", "phi1"])
+    session = Session(tied.home, SceneOptions(velocity_polytope=True))
+    session.obey(pushed(kind="force", size=10.0, azimuth=-math.pi / 2))
+    state = session.state()
+    assert "work against each other" in state.load.note
+    efforts = np.array([one.value for one in state.load.efforts])
+    allowed = tied.home.allowed_jacobian()
+    work = allowed.motor_rates[:, 0] @ efforts + np.dot(allowed.Jv_eq[:, 0], state.load.force)
+    assert work == pytest.approx(0.0, abs=1e-12)
+    assert "no equivalent Jacobian" in state.drawn.no_polytopes["velocity"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"mass": -1.0}, "mass is 0 to 1e\\+06 kg, got -1"),
+        ({"mass": 1e9}, "mass is 0 to"),
+        ({"size": math.nan}, "size is 0 to 1e\\+06 N, got nan"),
+        ({"azimuth": 7.0}, "azimuth is at most a turn, got 7"),
+    ],
+)
+def test_loads_that_are_none_are_refused_and_nothing_changes(changes, said):
+    session = session_of()
+    session.obey(pushed(mass=2.0))
+    with pytest.raises(pj.ArgumentError, match=said):
+        session.obey(pushed(**changes))
+    assert session.load.mass == 2.0
+
+
+@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+def test_sliders_of_a_load_go_beyond_what_the_motors_hold_at_home(name):
+    session = session_of(name)
+    mass, size, azimuth, elevation = session.state(about=True).about.load
+    assert (mass.unit, size.unit, azimuth.unit, elevation.unit) == ("kg", "N", "rad", "rad")
+    assert 0.0 < mass.upper <= 2e6
+    assert 0.0 < size.upper <= 2e6
+    session.obey(pushed(mass=mass.upper))
+    moved = np.abs(session.configuration.jacobian().Jv_eq[2]).max() > 1e-6
+    if moved:
+        assert any(session.state().load.beyond)

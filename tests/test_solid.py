@@ -106,3 +106,18 @@ def test_a_tool_that_stands_has_no_polytope():
     for make in (velocity_solid, force_solid):
         with pytest.raises(pj.ArgumentError, match="does not move"):
             make(np.zeros((3, 1)), moves, [1.0])
+
+
+@pytest.mark.parametrize("off", [1e-3, 1e-5, 1e-7, 1e-9])
+def test_what_is_thin_is_as_exact_as_what_is_thick(off):
+    """Beside a symmetric home a platform moves nearly along one line, and forces are huge."""
+    jacobian = loaded("three_rps").close([1.0 + off, 1.0, 1.0]).jacobian()
+    block, moves, limits = jacobian.Jv_eq, jacobian.velocity_ellipsoid(), [100.0, 70.0, 50.0]
+    held, reach = force_solid(block, moves, limits), velocity_solid(block, moves, limits)
+    for solid in (held, reach):
+        assert len(solid.corners) - len(solid.edges) + len(solid.faces) == 2
+    shares = np.abs(held.corners @ block) / limits
+    np.testing.assert_allclose(shares.max(axis=1), 1.0, atol=1e-9)
+    for way in np.random.default_rng(1).normal(size=(20, 3)):
+        most = np.abs(way @ block) @ limits
+        assert (reach.corners @ way).max() == pytest.approx(most, rel=1e-9)

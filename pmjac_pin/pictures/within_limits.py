@@ -33,6 +33,19 @@ class WithinLimits:
     ellipsoid: Ellipsoid
 
 
+def solid_within(
+    configuration: Configuration,
+    jacobian: EquivalentJacobian,
+    quantity: Quantity,
+    limits: GivenLimits,
+) -> Solid:
+    """Return the polytope alone; parameters and errors as of `within_limits`."""
+    bounds = _checked(configuration, quantity, limits)
+    block, moves = _block(jacobian, quantity)
+    make = force_solid if quantity == "force" else velocity_solid
+    return make(block, moves, bounds)
+
+
 def within_limits(
     configuration: Configuration,
     jacobian: EquivalentJacobian,
@@ -56,15 +69,19 @@ def within_limits(
     ArgumentError
         Limits that are none, or that the model does not state; a tool that does not move so.
     """
+    solid = solid_within(configuration, jacobian, quantity, limits)
     bounds = _checked(configuration, quantity, limits)
+    block, moves = _block(jacobian, quantity)
     if quantity == "force":
-        block, moves = jacobian.Jv_eq, jacobian.velocity_ellipsoid()
-        return WithinLimits(force_solid(block, moves, bounds), _held(block, moves, bounds))
-    linear = quantity == "linear"
-    block = jacobian.Jv_eq if linear else jacobian.Jw_eq
-    moves = jacobian.velocity_ellipsoid() if linear else jacobian.angular_ellipsoid()
-    solid = velocity_solid(block, moves, bounds)
+        return WithinLimits(solid, _held(block, moves, bounds))
     return WithinLimits(solid, velocity_ellipsoid(_flat(block, moves) * bounds, moves.unit))
+
+
+def _block(jacobian: EquivalentJacobian, quantity: Quantity) -> tuple[Array, Ellipsoid]:
+    """Return rows of J_eq and the ellipsoid of their motions."""
+    if quantity == "angular":
+        return jacobian.Jw_eq, jacobian.angular_ellipsoid()
+    return jacobian.Jv_eq, jacobian.velocity_ellipsoid()
 
 
 def _flat(block: Array, moves: Ellipsoid) -> Array:

@@ -107,8 +107,8 @@ def velocity_solid(block: Array, moves: Ellipsoid, limits: ArrayLike) -> Solid:
     >>> reach.corners.shape, reach.unit
     ((4, 3), 'm/s')
     """
-    span, bounds = moved(moves), as_limits(limits, block.shape[1])
-    return solid_of(image_of_box(span.T @ block, bounds, moves.unit), span)
+    rows, bounds = _unit_rows(block, moves), as_limits(limits, block.shape[1])
+    return solid_of(image_of_box(rows, bounds, moves.unit), moved(moves) * _radii(moves))
 
 
 def force_solid(block: Array, moves: Ellipsoid, limits: ArrayLike) -> Solid:
@@ -126,9 +126,21 @@ def force_solid(block: Array, moves: Ellipsoid, limits: ArrayLike) -> Solid:
     ArgumentError
         As `velocity_solid`.
     """
-    span, bounds = moved(moves), as_limits(limits, block.shape[1])
+    rows, bounds = _unit_rows(block, moves), as_limits(limits, block.shape[1])
     unit = "N" if moves.unit == "m/s" else "N m"
-    return solid_of(within_box(span.T @ block, bounds, unit), span)
+    return solid_of(within_box(rows, bounds, unit), moved(moves) / _radii(moves))
+
+
+def _unit_rows(block: Array, moves: Ellipsoid) -> Array:
+    """Return the rows (d, n) of J_eq along its axes over its radii: orthonormal.
+
+    Corners and faces of what is long and thin are found where it is neither.
+    """
+    return np.asarray(moved(moves).T @ block / _radii(moves)[:, None])
+
+
+def _radii(moves: Ellipsoid) -> Array:
+    return moves.radii[: moves.rank]
 
 
 def moved(moves: Ellipsoid) -> Array:
@@ -145,7 +157,10 @@ def moved(moves: Ellipsoid) -> Array:
 
 
 def solid_of(polytope: Polytope, span: Array | None = None) -> Solid:
-    """Return a polytope of d dimensions in space, by orthonormal columns (3, d) that span it."""
+    """Return a polytope of d dimensions in space, by the columns (3, d) that it is mapped by.
+
+    They are right-handed where there are three.
+    """
     axes = np.eye(3)[:, : polytope.vertices.shape[1]] if span is None else span
     corners = polytope.vertices @ axes.T
     count, dimension = polytope.vertices.shape

@@ -18,6 +18,8 @@ PAGE_FILES = (
     "fit.js",
     "labels.js",
     "legend.js",
+    "load.css",
+    "load.js",
     "modes.css",
     "modes.js",
     "numbers.js",

@@ -14,6 +14,7 @@ import msgspec
 
 from pmjac_pin.files.shapes import Box, Colour, Cone, Cylinder, Shape, Sphere, Text
 from pmjac_pin.values.arrays import Array
+from pmjac_pin.viewer.facets import Facets
 from pmjac_pin.viewer.items import Item
 from pmjac_pin.viewer.palette import hexadecimal
 
@@ -22,6 +23,7 @@ Packet = tuple[str, bytes]
 ROOT = "/pmjac"
 
 # Three.js stands its cylinders along y: a quarter turn about x puts them along z.
+_FLOATS = 0x17  # of meshcat's MessagePack extensions: numbers of four bytes
 _UPRIGHT = [1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1]
 _AS_IT_IS = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
 
@@ -35,7 +37,7 @@ class Canvas:
 
     def __init__(self) -> None:
         self._commands: dict[str, bytes] = dict(_STAGE)
-        self._shapes: dict[str, Shape] = {}
+        self._shapes: dict[str, Shape | Facets] = {}
         self._matrices: dict[str, bytes] = {}
         self._visible: dict[str, bool] = {}
 
@@ -97,7 +99,9 @@ def _set_object(path: str, item: Item) -> bytes:
     return msgspec.msgpack.encode({"type": "set_object", "path": path, "object": made})
 
 
-def _mesh(shape: Box | Cylinder | Cone | Sphere, colour: Colour, *, on_top: bool) -> dict[str, Any]:
+def _mesh(
+    shape: Box | Cylinder | Cone | Sphere | Facets, colour: Colour, *, on_top: bool
+) -> dict[str, Any]:
     geometry, material = _identity(), _identity()
     opacity = colour[3]
     clear = opacity < 1.0
@@ -115,6 +119,8 @@ def _mesh(shape: Box | Cylinder | Cone | Sphere, colour: Colour, *, on_top: bool
                 # What is inside a clear surface is seen through it.
                 "depthWrite": not (clear or on_top),
                 "depthTest": not on_top,
+                # Of a polygon both sides are seen; of a closed shape the front is enough.
+                "side": 2 if isinstance(shape, Facets) else 0,
             }
         ],
         "object": {
@@ -128,8 +134,11 @@ def _mesh(shape: Box | Cylinder | Cone | Sphere, colour: Colour, *, on_top: bool
     }
 
 
-def _geometry(shape: Box | Cylinder | Cone | Sphere) -> dict[str, Any]:
+def _geometry(shape: Box | Cylinder | Cone | Sphere | Facets) -> dict[str, Any]:
     match shape:
+        case Facets():
+            attributes = {"position": _floats(shape.corners), "normal": _floats(shape.normals)}
+            return {"type": "BufferGeometry", "data": {"attributes": attributes}}
         case Box():
             return {"type": "BoxGeometry", "width": 1, "height": 1, "depth": 1}
         case Sphere():
@@ -141,6 +150,12 @@ def _geometry(shape: Box | Cylinder | Cone | Sphere) -> dict[str, Any]:
             return _round(0.0)
         case _:
             assert_never(shape)
+
+
+def _floats(numbers: bytes) -> dict[str, Any]:
+    """Return threes of numbers of four bytes as Three.js reads them."""
+    array = msgspec.msgpack.Ext(_FLOATS, numbers)
+    return {"itemSize": 3, "type": "Float32Array", "array": array, "normalized": False}
 
 
 def _round(top: float) -> dict[str, Any]:

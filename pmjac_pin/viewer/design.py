@@ -12,6 +12,7 @@ from pmjac_pin.errors import ArgumentError, ClosureError, PmjacError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.parameter import Parameter
 from pmjac_pin.studies.assembled_poses import assembled_poses
+from pmjac_pin.viewer.load_sliders import load_sliders
 from pmjac_pin.viewer.messages import Slider
 from pmjac_pin.viewer.motors import motors_of
 from pmjac_pin.viewer.scene import SceneMaker
@@ -32,6 +33,8 @@ class Design:
         Those that close.
     maker : SceneMaker
     motors : tuple of Slider
+    loads : tuple of Slider
+        Of what acts on the tool.
     ranks : ToolRanks
     """
 
@@ -39,6 +42,7 @@ class Design:
     poses: Mapping[str, Configuration]
     maker: SceneMaker
     motors: tuple[Slider, ...]
+    loads: tuple[Slider, ...]
     ranks: ToolRanks
 
     @classmethod
@@ -48,7 +52,8 @@ class Design:
         if left_out := [name for name in mechanism.poses if name not in poses]:
             _logger.warning("poses that do not close are left out: %s", ", ".join(left_out))
         ranks = ToolRanks.of(mechanism)
-        return cls(mechanism, poses, SceneMaker(mechanism), motors_of(mechanism), ranks)
+        sliders = motors_of(mechanism), load_sliders(mechanism)
+        return cls(mechanism, poses, SceneMaker(mechanism), *sliders, ranks)
 
     @property
     def parameters(self) -> tuple[Slider, ...]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError
-from pmjac_pin.files.shapes import Cone, Cylinder, Sphere
+from pmjac_pin.files.shapes import Cone, Cylinder, Sphere, Text
 from pmjac_pin.pictures.anatomy import Anatomy
 from pmjac_pin.rates.ellipse import ties, turned_into_plane
 from pmjac_pin.rates.ellipsoid import Ellipsoid
@@ -72,7 +72,7 @@ class EllipsoidLayer:
         """Return surface, axes and labels."""
         ellipsoid = pose.ellipsoids.get(self._kind)
         transforms, visible = np.zeros((10, 4, 4)), np.zeros(10, dtype=bool)
-        texts = {7: "", 8: "", 9: ""}
+        texts = {number: Text("") for number in (7, 8, 9)}
         if ellipsoid is not None:
             drawn = self.drawn_radii(ellipsoid, pose.scale)
             transforms[0] = _surface(pose.tool, ellipsoid.axes, drawn)
@@ -82,7 +82,7 @@ class EllipsoidLayer:
             visible[:] = [True, *(3 * [n < ellipsoid.rank for n in range(3)])]
             for n, radius in enumerate(ellipsoid.radii[: ellipsoid.rank].tolist()):
                 cut = radius * self.automatic * pose.scale > LIMIT * self._size
-                texts[7 + n] = radius_label(radius, ellipsoid.unit) + ", cut" * cut
+                texts[7 + n] = Text(radius_label(radius, ellipsoid.unit) + ", cut" * cut)
         specks(transforms, visible, pose.tool, SPECK * self._size)
         return Drawing(transforms, visible, texts)
 

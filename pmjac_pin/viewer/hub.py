@@ -30,6 +30,7 @@ from pmjac_pin.viewer.messages import (
 )
 from pmjac_pin.viewer.mode_finder import ModeFinder
 from pmjac_pin.viewer.pose_facts import pose_facts
+from pmjac_pin.viewer.scene import solids_of
 from pmjac_pin.viewer.session import Session
 from pmjac_pin.viewer.static_page import Picture
 
@@ -141,7 +142,9 @@ class Hub:
                 await self._redesign(command.values)
                 about = jump = True
             else:
+                before = set(solids_of(self.session.options))
                 self.session.obey(command)
+                jump = jump or not set(solids_of(self.session.options)) <= before
             self._publish(page, about=about, jump=jump)
             return encode(self.session.state(number, about=about, jump=jump))
         except PmjacError as error:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.files.shapes import Colour, Shape
 from pmjac_pin.values.arrays import Array
+from pmjac_pin.viewer.facets import Facets
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -19,8 +20,8 @@ class Item:
     ----------
     name : str
         A path such as "links/crank/crank_bar": unique, and never the beginning of another's.
-    shape : Shape
-        Of unit size. From pose to pose only a Text changes.
+    shape : Shape or Facets
+        Of unit size. From pose to pose only a Text and Facets change.
     colour : tuple of four float
         Red, green, blue and opacity, 0 to 1.
     transform : ndarray, shape (4, 4)
@@ -34,7 +35,7 @@ class Item:
     """
 
     name: str
-    shape: Shape
+    shape: Shape | Facets
     colour: Colour
     transform: Array
     visible: bool = True
@@ -46,7 +47,7 @@ class Part:
     """What of an item never changes."""
 
     name: str
-    shape: Shape
+    shape: Shape | Facets
     colour: Colour
     on_top: bool = False
 

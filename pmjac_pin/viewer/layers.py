@@ -10,13 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.files.shapes import Colour, Text
+from pmjac_pin.files.shapes import Colour, Shape, Text
 from pmjac_pin.pictures.bodies import PointsOfBodies
 from pmjac_pin.rates.ellipsoid import Ellipsoid
+from pmjac_pin.rates.solid import Solid
 from pmjac_pin.values.arrays import Array, Index
+from pmjac_pin.viewer.facets import Facets
 from pmjac_pin.viewer.items import Part, stretched_between
 
 EllipsoidKind = Literal["linear", "angular", "force"]
+SolidKind = Literal["velocity", "force"]
 
 SPECK = 1e-6  # of the mechanism's size: what is smaller is hidden
 
@@ -35,7 +38,11 @@ class DrawnPose:
     placements : ndarray, shape (njoints + 1, 4, 4)
         oMi of all joints, and the tool's pose as the last.
     scale : float
-        Of the ellipsoids, relative to the automatic one.
+        Of ellipsoids and polytopes, relative to the automatic one.
+    solids : mapping of str to Solid
+        By kind, the polytopes that are drawn.
+    force : ndarray, shape (3,)
+        On the tool, N, in the world.
     """
 
     configuration: Configuration
@@ -43,6 +50,8 @@ class DrawnPose:
     directions: Mapping[EllipsoidKind, Array]
     placements: Array
     scale: float
+    solids: Mapping[SolidKind, Solid]
+    force: Array
 
     @property
     def tool(self) -> Array:
@@ -59,13 +68,13 @@ class Drawing:
     ----------
     transforms : ndarray, shape (k, 4, 4)
     visible : ndarray of bool, shape (k,)
-    texts : mapping of int to str
-        What some of the parts read, by their place in the layer.
+    shapes : mapping of int to Shape or Facets
+        Of those parts that have another one at every pose, by their place in the layer.
     """
 
     transforms: Array
     visible: NDArray[np.bool_]
-    texts: Mapping[int, str] = field(default_factory=dict)
+    shapes: Mapping[int, Shape | Facets] = field(default_factory=dict)
 
 
 class Layer(Protocol):

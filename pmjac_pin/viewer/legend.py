@@ -12,6 +12,7 @@ from pmjac_pin.viewer.palette import (
     GAP,
     GEAR,
     JOINT,
+    LOAD,
     MOTOR,
     ROD,
     SECOND_ANCHOR,
@@ -27,7 +28,7 @@ def legend(mechanism: Mechanism) -> tuple[Key, ...]:
     --------
     >>> import pmjac_pin as pj
     >>> [key.text for key in legend(pj.load("serial_2r"))]
-    ['motor', 'tool x, y, z']
+    ['motor', 'tool x, y, z', 'load']
     """
     closures = [loop for loop in mechanism.spec.loops if not isinstance(loop, JointLoop)]
     entries = [
@@ -38,6 +39,7 @@ def legend(mechanism: Mechanism) -> tuple[Key, ...]:
         (bool(closures), "open gap", [GAP]),
         (len(closures) < len(mechanism.spec.loops), "gears", [WHEEL, GEAR]),
         (True, "tool x, y, z", list(AXIS_COLOURS)),
+        (True, "load", [LOAD]),
         (bool(closures), "free at a singularity", [FREE]),
     ]
     return tuple(

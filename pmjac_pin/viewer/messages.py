@@ -12,6 +12,7 @@ import msgspec
 
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.viewer.framing import Framing
+from pmjac_pin.viewer.load_readout import LoadReadout
 from pmjac_pin.viewer.readout import Readout
 from pmjac_pin.words.plain import encoded
 
@@ -58,6 +59,18 @@ class Options(_Command, frozen=True, tag="options", kw_only=True):
     force: bool
     names: bool
     scale: Scale
+    velocity_polytope: bool = False
+    force_polytope: bool = False
+
+
+class SetLoad(_Command, frozen=True, tag="load", kw_only=True):
+    """Hang a mass at the tool, kg, or push it, N, along a direction in rad."""
+
+    kind: Literal["weight", "force"]
+    mass: float
+    size: float
+    azimuth: float
+    elevation: float
 
 
 class Reframe(_Command, frozen=True, tag="frame"):
@@ -79,7 +92,7 @@ class ShowMode(_Command, frozen=True, tag="mode", kw_only=True):
 
 
 ModesCommand: TypeAlias = FindModes | StopSearch | ShowMode
-PoseCommand: TypeAlias = MoveMotors | Home | NamedPose | Options
+PoseCommand: TypeAlias = MoveMotors | Home | NamedPose | Options | SetLoad
 Command: TypeAlias = PoseCommand | SetParameters | Reframe | ModesCommand
 
 
@@ -119,6 +132,7 @@ class About(msgspec.Struct, frozen=True):
     poses: tuple[str, ...]
     home: Readout
     legend: tuple[Key, ...]
+    load: tuple[Slider, ...]
 
 
 class Notice(msgspec.Struct, frozen=True):
@@ -146,6 +160,9 @@ class Drawn(msgspec.Struct, frozen=True):
     force: bool
     names: bool
     scale: float
+    velocity_polytope: bool
+    force_polytope: bool
+    no_polytopes: dict[str, str]
 
 
 class State(msgspec.Struct, frozen=True, kw_only=True, tag="state", tag_field="type"):
@@ -161,6 +178,7 @@ class State(msgspec.Struct, frozen=True, kw_only=True, tag="state", tag_field="t
     readout : Readout
     notice : Notice
     drawn : Drawn
+    load : LoadReadout
     about : About, optional
         Where it has changed, or the page does not know it yet.
     framing : Framing, optional
@@ -176,6 +194,7 @@ class State(msgspec.Struct, frozen=True, kw_only=True, tag="state", tag_field="t
     readout: Readout
     notice: Notice
     drawn: Drawn
+    load: LoadReadout
     about: About | None = None
     framing: Framing | None = None
     jump: Framing | None = None

@@ -43,6 +43,15 @@ PRINCIPAL: dict[str, Colour] = {
 }
 
 
+# Of the polytopes: faces and edges.
+SOLID: dict[str, Colour] = {"velocity": (*_BLUE, 0.14), "force": (*_VERMILION, 0.12)}
+SOLID_EDGE: dict[str, Colour] = {
+    "velocity": (0.0, 0.36, 0.56, 1.0),
+    "force": (0.62, 0.27, 0.0, 1.0),
+}
+LOAD: Colour = (0.6, 0.0, 0.5, 1.0)
+
+
 def hexadecimal(colour: Colour) -> str:
     """Return a colour as a page writes it, without its opacity.
 

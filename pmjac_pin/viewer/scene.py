@@ -16,20 +16,23 @@ import numpy as np
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, quoted
-from pmjac_pin.files.shapes import Text
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.pictures.anatomy import Anatomy
 from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.values.checks import as_flag
 from pmjac_pin.viewer.closures import anchor_layer, axis_layer, gap_layer, rod_layer
 from pmjac_pin.viewer.ellipsoids import EllipsoidLayer, directions_after, find_ellipsoids
+from pmjac_pin.viewer.force_arrow import ForceLayer
 from pmjac_pin.viewer.free_motion import FreeMotionLayer
 from pmjac_pin.viewer.gears import belt_layer, wheel_layer
 from pmjac_pin.viewer.items import Item
 from pmjac_pin.viewer.joints import joint_layer, motor_names, rail_layer, tool_layer
-from pmjac_pin.viewer.layers import Drawing, DrawnPose, EllipsoidKind, Layer
+from pmjac_pin.viewer.layers import Drawing, DrawnPose, EllipsoidKind, Layer, SolidKind
 from pmjac_pin.viewer.links import link_layer
+from pmjac_pin.viewer.load_sliders import load_sliders
+from pmjac_pin.viewer.solids import SolidLayer, find_solids
 
+_LIKE: dict[SolidKind, EllipsoidKind] = {"velocity": "linear", "force": "force"}
 _DRAWN_ELLIPSOIDS: tuple[EllipsoidKind, ...] = ("linear", "angular", "force")
 
 
@@ -45,6 +48,8 @@ class SceneOptions:
         Of the ellipsoids, relative to the automatic one; positive.
     names : bool
         The motors' names.
+    velocity_polytope, force_polytope : bool
+        What the tool can do within the limits of each motor.
     """
 
     linear: bool = True
@@ -52,9 +57,11 @@ class SceneOptions:
     force: bool = False
     scale: float = 1.0
     names: bool = True
+    velocity_polytope: bool = False
+    force_polytope: bool = False
 
     def __post_init__(self) -> None:
-        for name in (*_DRAWN_ELLIPSOIDS, "names"):
+        for name in (*_DRAWN_ELLIPSOIDS, "names", "velocity_polytope", "force_polytope"):
             as_flag(getattr(self, name), name)
         if not 0.0 < self.scale < math.inf:
             raise ArgumentError(f"scale must be a positive number, got {quoted(self.scale)}")
@@ -107,10 +114,15 @@ class SceneMaker:
             belt_layer(anatomy),
             FreeMotionLayer(anatomy),
             tool_layer(anatomy),
+            ForceLayer(anatomy, load_sliders(mechanism)[1].upper),
         )
         self._names = motor_names(anatomy)
         self._ellipsoids: dict[EllipsoidKind, EllipsoidLayer] = {
             kind: EllipsoidLayer(anatomy, kind) for kind in _DRAWN_ELLIPSOIDS
+        }
+        self._solids: dict[SolidKind, SolidLayer] = {
+            kind: SolidLayer(anatomy, kind, self._ellipsoids[like].automatic)
+            for kind, like in _LIKE.items()
         }
 
     def scene(
@@ -118,6 +130,7 @@ class SceneMaker:
         configuration: Configuration,
         options: SceneOptions | None = None,
         directions: Mapping[EllipsoidKind, Array] | None = None,
+        force: Array | None = None,
     ) -> Scene:
         """Return what is to be seen of a configuration.
 
@@ -129,6 +142,8 @@ class SceneMaker:
         directions : mapping of str to ndarray, optional
             Those of an earlier scene. A principal axis has no sign: its arrow points to the side
             where it pointed there, so that it does not jump to and fro while the pose changes.
+        force : ndarray, shape (3,), optional
+            That acts on the tool, N, in the world.
 
         Raises
         ------
@@ -140,7 +155,15 @@ class SceneMaker:
         ellipsoids = find_ellipsoids(configuration, _ellipsoids_of(options))
         directions = directions_after(directions or {}, ellipsoids)
         placements = self._placements(configuration)
-        pose = DrawnPose(configuration, ellipsoids, directions, placements, options.scale)
+        pose = DrawnPose(
+            configuration,
+            ellipsoids,
+            directions,
+            placements,
+            options.scale,
+            find_solids(configuration, solids_of(options)),
+            np.zeros(3) if force is None else force,
+        )
         layers = list(self._layers(options))
         drawings = [layer.draw(pose) for layer in layers]
         transforms = read_only(np.concatenate([drawing.transforms for drawing in drawings]))
@@ -166,10 +189,21 @@ class SceneMaker:
             yield self._names
         for kind in _ellipsoids_of(options):
             yield self._ellipsoids[kind]
+        for solid in solids_of(options):
+            yield self._solids[solid]
 
 
 def _ellipsoids_of(options: SceneOptions) -> tuple[EllipsoidKind, ...]:
     return tuple(kind for kind in _DRAWN_ELLIPSOIDS if getattr(options, kind))
+
+
+def solids_of(options: SceneOptions) -> tuple[SolidKind, ...]:
+    """Return the polytopes that are chosen."""
+    chosen: dict[SolidKind, bool] = {
+        "velocity": options.velocity_polytope,
+        "force": options.force_polytope,
+    }
+    return tuple(kind for kind, wanted in chosen.items() if wanted)
 
 
 def _blocks(transforms: Array, drawings: list[Drawing]) -> Iterator[Array]:
@@ -181,8 +215,8 @@ def _blocks(transforms: Array, drawings: list[Drawing]) -> Iterator[Array]:
 
 
 def _items(layer: Layer, drawing: Drawing, transforms: Array) -> Iterator[Item]:
-    texts = drawing.texts
+    shapes = drawing.shapes
     visible = drawing.visible.tolist()
     for number, (part, transform) in enumerate(zip(layer.parts, transforms, strict=True)):
-        shape = Text(texts[number]) if number in texts else part.shape
+        shape = shapes.get(number, part.shape)
         yield Item(part.name, shape, part.colour, transform, visible[number], part.on_top)

@@ -18,6 +18,8 @@ from pmjac_pin.viewer.framing import Framing, frame
 from pmjac_pin.viewer.layers import EllipsoidKind
 from pmjac_pin.viewer.leaving import beside_singularity, shortly_before
 from pmjac_pin.viewer.legend import legend
+from pmjac_pin.viewer.load import Load
+from pmjac_pin.viewer.load_readout import make_load_readout
 from pmjac_pin.viewer.messages import (
     About,
     Drawn,
@@ -28,11 +30,13 @@ from pmjac_pin.viewer.messages import (
     Options,
     Passive,
     PoseCommand,
+    SetLoad,
     State,
 )
 from pmjac_pin.viewer.motors import WIDEST_SLIDER
 from pmjac_pin.viewer.readout import Readout, make_readout
-from pmjac_pin.viewer.scene import Scene, SceneOptions
+from pmjac_pin.viewer.scene import Scene, SceneOptions, solids_of
+from pmjac_pin.viewer.solids import solid_or_refusal
 
 _NO_NOTICE = Notice("", "")
 
@@ -56,6 +60,8 @@ class Session:
         The mechanism with the parameters of now.
     configuration : Configuration
     options : SceneOptions
+    load : Load
+        At the tool.
     notice : Notice
         Why the last motion ended early, if it did.
     pose : str or None
@@ -66,6 +72,7 @@ class Session:
         self.design = Design.of(configuration.mechanism)
         self.configuration = configuration
         self.options = options
+        self.load = Load()
         self.notice = _NO_NOTICE
         self.pose = self._name_of(configuration)
         self._start = configuration
@@ -98,6 +105,16 @@ class Session:
                     force=command.force,
                     names=command.names,
                     scale=command.scale,
+                    velocity_polytope=command.velocity_polytope,
+                    force_polytope=command.force_polytope,
+                )
+            case SetLoad():
+                self.load = Load(
+                    kind=command.kind,
+                    mass=command.mass,
+                    size=command.size,
+                    azimuth=command.azimuth,
+                    elevation=command.elevation,
                 )
             case _:
                 assert_never(command)
@@ -198,7 +215,9 @@ class Session:
 
     def scene(self) -> Scene:
         """Return what is to be drawn now; its arrows go on from those of the last one."""
-        scene = self.design.maker.scene(self.configuration, self.options, self._directions)
+        force = self.load.force(self.mechanism)
+        maker = self.design.maker
+        scene = maker.scene(self.configuration, self.options, self._directions, force)
         self._directions = scene.directions
         return scene
 
@@ -237,11 +256,21 @@ class Session:
                 bool(self.options.force),
                 bool(self.options.names),
                 float(self.options.scale),
+                bool(self.options.velocity_polytope),
+                bool(self.options.force_polytope),
+                self._no_polytopes(),
             ),
+            load=make_load_readout(self.configuration, self.load),
             about=self._about() if about else None,
             framing=self.framing() if framing else None,
             jump=self.framing() if jump else None,
         )
+
+    def _no_polytopes(self) -> dict[str, str]:
+        """Return why polytopes that are chosen are not there, by their kinds."""
+        kinds = solids_of(self.options)
+        found = {kind: solid_or_refusal(self.configuration, kind)[1] for kind in kinds}
+        return {kind: refusal for kind, refusal in found.items() if refusal}
 
     def _about(self) -> About:
         units = self.mechanism.units
@@ -254,6 +283,7 @@ class Session:
             poses=tuple(self.design.poses),
             home=make_readout(self.mechanism.home, self.design.ranks),
             legend=legend(self.mechanism),
+            load=self.design.loads,
         )
 
     def _stop(self, values: list[float], error: ClosureError) -> Notice:

@@ -149,6 +149,8 @@ def view(
     angular: bool = False,
     force: bool = False,
     names: bool = True,
+    velocity_polytope: bool = False,
+    force_polytope: bool = False,
 ) -> Viewer:
     """Show a mechanism and its ellipsoids in the browser; return at once.
 
@@ -164,6 +166,8 @@ def view(
         Which ellipsoids to draw at the tool.
     names : bool
         Whether to write the motors' names beside them.
+    velocity_polytope, force_polytope : bool
+        Whether to draw what the tool does within the rate, or effort, limits of each motor.
 
     Returns
     -------
@@ -178,7 +182,14 @@ def view(
     """
     if open_browser is not None:
         open_browser = as_flag(open_browser, "open_browser")
-    options = SceneOptions(linear=linear, angular=angular, force=force, names=names)
+    options = SceneOptions(
+        linear=linear,
+        angular=angular,
+        force=force,
+        names=names,
+        velocity_polytope=velocity_polytope,
+        force_polytope=force_polytope,
+    )
     viewer = Viewer(configuration, options, port)
     if _is_interactive() if open_browser is None else open_browser:
         _open_browser(viewer.url)

@@ -4,6 +4,7 @@ import { Connection } from "./connection.js";
 import { $ } from "./elements.js";
 import { listenToAngles } from "./angles.js";
 import { buildLegend } from "./legend.js";
+import { buildLoad, listenToLoad, showLoad } from "./load.js";
 import { listenToModes, showModes } from "./modes.js";
 import { listenToOptions, showOptions } from "./options.js";
 import { adoptPicture, capture, frameOn, keepInView, resetView } from "./picture.js";
@@ -47,6 +48,7 @@ function build(news) {
   buildParameters(about.parameters);
   buildLegend(about.legend);
   buildTool(about.passive);
+  buildLoad(about.load, complain);
   buildJacobian(about.motors);
   buildSections();
 }
@@ -70,6 +72,7 @@ function show() {
   showMotors();
   showParameters();
   showTool(readout);
+  showLoad(state.load);
   showReadout(readout, decimals);
   showSections(readout.sections, decimals.Jv);
   showOptions(state.drawn, connection.idle);
@@ -130,6 +133,7 @@ connection = new Connection({
     complain(text);
     if (!connection.moving) showMotors();
     showParameters();
+    showLoad(state.load);
   },
   lost,
 });
@@ -139,6 +143,7 @@ $("pose").addEventListener("change", () => goTo({ command: "pose", name: $("pose
 $("reset").addEventListener("click", () => { resetView(); connection.send({ command: "frame" }); });
 $("snapshot").addEventListener("click", () => { if (capture()) snapshot(capture(), about, state); });
 listenToModes((command) => (command.command === "mode" ? goTo(command) : connection.send(command)));
+listenToLoad(connection);
 listenToOptions((command) => connection.send(command));
 listenToAngles(show);
 $("frame").addEventListener("change", show);

@@ -2,7 +2,7 @@
 
 import { $ } from "./elements.js";
 
-const BOXES = ["linear", "angular", "force", "names"];
+const BOXES = ["linear", "angular", "force", "names", "velocity_polytope", "force_polytope"];
 
 export function listenToOptions(send) {
   const choose = () => {
@@ -15,6 +15,7 @@ export function listenToOptions(send) {
 
 // `settled`: no choice of ours is on its way that this would undo.
 export function showOptions(drawn, settled) {
+  $("no-polytopes").textContent = [...new Set(Object.values(drawn.no_polytopes))].join(" ");
   if (!settled) return;
   for (const name of BOXES) $(name).checked = drawn[name];
   $("scale").value = Math.log10(drawn.scale);
