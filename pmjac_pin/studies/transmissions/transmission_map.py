@@ -30,8 +30,8 @@ _TRIED = 9  # poses, until one is regular
 class TransmissionMap(ReadOnlyArrays):
     """A transmission at all points of a grid of joint values.
 
-    Made by `pmjac_pin.transmission_map`. Arrays begin with the axes of the grid, one a joint; they
-    are NaN where `status` is not CLOSED.
+    Made by `pmjac_pin.transmission_map`. Arrays begin with the axes of the grid, one a joint;
+    motors and ratios are NaN where `status` is not CLOSED.
 
     Attributes
     ----------
