@@ -214,7 +214,7 @@ FOUR_BAR = {"phi1": (2.2, 2.4)}
         (["phi1"], {}, "`over` is a mapping of joints"),
         ({"phi1": (2.2, 2.4), "phi2": (0.0, 1.0)}, {}, "as many joints as motors, 1, got 2"),
         (dict.fromkeys("abc", (0.0, 1.0)), {}, "a rectangle is of one joint or two"),
-        (FOUR_BAR, {"points": 1}, "`points` is 2 to 1000"),
+        (FOUR_BAR, {"points": 1}, "`points` is 2 to 1000 along each joint"),
         (FOUR_BAR, {"points": 2.5}, "`points` is a number"),
         (FOUR_BAR, {"points": True}, "`points` is a number"),
         (FOUR_BAR, {"guess": "away"}, "away"),

@@ -22,7 +22,7 @@ from pmjac_pin.studies.transmissions.transmission import Transmission, transmiss
 from pmjac_pin.values.arrays import Array, Index, Mask, ReadOnlyArrays
 from pmjac_pin.values.checks import as_limits, as_numbers, as_vector
 
-_FEWEST, _MOST_POINTS = 2, 1000  # along each joint
+_FEWEST, _MOST_POINTS = 2, {1: 1000, 2: 200}  # along each joint, of one or two
 _TRIED = 9  # poses, until one is regular
 
 
@@ -233,7 +233,7 @@ def transmission_map(
     """
     rectangle = Rectangle.of(over)
     known = transmission(mechanism, rectangle.joints)
-    axes = rectangle.axes(_count(points))
+    axes = rectangle.axes(_count(points, len(rectangle.joints)))
     grid = batch(known.by_joints).grid(
         dict(zip(rectangle.joints, axes, strict=True)), guess, enforce_limits=enforce_limits
     )
@@ -311,9 +311,10 @@ def _reach(limits: Array, matrices: Array) -> Array:
         return np.asarray((limits[:, None] / sizes).min(axis=-2))
 
 
-def _count(points: object) -> int:
+def _count(points: object, joints: int) -> int:
     if isinstance(points, bool) or not isinstance(points, int | np.integer):
         raise ArgumentError(f"`points` is a number, 2 or more, got {quoted(points)}")
-    if not _FEWEST <= points <= _MOST_POINTS:
-        raise ArgumentError(f"`points` is {_FEWEST} to {_MOST_POINTS} along a joint, got {points}")
+    most = _MOST_POINTS[joints]
+    if not _FEWEST <= points <= most:
+        raise ArgumentError(f"`points` is {_FEWEST} to {most} along each joint, got {points}")
     return int(points)
