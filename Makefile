@@ -38,6 +38,7 @@ bench: .venv/ready
 screenshots: .venv/ready
 	$(BIN)/python docs/make_screenshots.py
 	$(BIN)/pmjac modes three_rps --from lecture_a -o docs/assembly_modes.png
+	$(BIN)/pmjac transmission humanoid_ankle --joints pitch,roll --over pitch=-0.4:0.25,roll=-0.15:0.15 --limits 60,60 -o docs/transmission.png --force
 
 readme: .venv/ready
 	$(BIN)/python scripts/update_readme.py
