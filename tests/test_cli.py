@@ -346,7 +346,6 @@ MISTAKES = {
     "report four_bar --set l1=0": "parameter 'l1' = 0 m is not within [0.001, 1e+06]",
     "report four_bar --set l1=nan": "parameter 'l1' = nan m is not within [0.001, 1e+06]",
     "report /none/here.toml": "/none/here.toml: No such file or directory",
-    "report /proc/self/.": "/proc/self: there is no URDF in this folder",
     "plot four_bar": 'Command "plot" parameter --output requires an argument.',
     "plot four_bar -o /none/a.png": "/none/a.png: there is no folder /none",
     "plot four_bar -o /tmp": "/tmp: is a folder; give the name of a file in it",
@@ -368,6 +367,7 @@ def test_mistakes_get_one_line(run, line, message):
         (("plot", *FOLD[1:], "-o", "figure.png"), r"K\* has rank 1 here and 2 in general"),
         (("report", "a\nb"), r"unknown mechanism 'a\\nb'"),
         (("report", ""), "unknown mechanism ''"),
+        (("report", "/proc/self/."), "/proc/self: there is no URDF in this folder"),
         (
             ("report", "three_rps_ss", "--set", "a=100"),
             "three_rps_ss: the pose 'home' closes where",

@@ -14,7 +14,7 @@ from differences import difference_quotient
 import pmjac_pin as pj
 from pmjac_pin.files.urdf.locking import lock_joints
 from pmjac_pin.files.urdf.robot import parse_urdf
-from pmjac_pin.model.linkage import aligned, edges_of
+from pmjac_pin.model.linkage import edges_of, turned_to
 from pmjac_pin.viewer.motors import motors_of
 
 # A loop of seven joints with axes anywhere: one degree of freedom.
@@ -32,7 +32,7 @@ TURNING = {"X": pin.JointModelRX, "Y": pin.JointModelRY, "Z": pin.JointModelRZ}
 def turn_of(letter, axis):
     """A rotation that takes one of the axes to a unit vector."""
     to_z = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}[letter]
-    return aligned(axis) * aligned(to_z).inverse()
+    return turned_to(axis) * turned_to(to_z).inverse()
 
 
 def from_pinocchio(letter):

@@ -9,7 +9,7 @@ import scipy.linalg
 from mechanisms import loaded
 
 import pmjac_pin as pj
-from pmjac_pin.model.linkage import aligned
+from pmjac_pin.model.linkage import turned_to
 from pmjac_pin.model.rows import across
 from pmjac_pin.rates.actuation import analyse_actuation
 from pmjac_pin.rates.ellipsoid import velocity_ellipsoid
@@ -66,10 +66,10 @@ def test_the_idle_motion_that_an_error_tells_keeps_its_sign(rng):
 def test_bases_across_an_axis_do_not_depend_on_rounding(axis, rng):
     unit = np.array(axis) / np.linalg.norm(axis)
     ellipsoid = velocity_ellipsoid(np.diag([3.0, 2.0, 1.0]))
-    bases = [across(unit), aligned(unit).rotation, ellipsoid.section(unit).basis]
+    bases = [across(unit), turned_to(unit).rotation, ellipsoid.section(unit).basis]
     for _ in range(10):
         other = unit + 1e-15 * rng.normal(size=3)
-        others = [across(other), aligned(other).rotation, ellipsoid.section(other).basis]
+        others = [across(other), turned_to(other).rotation, ellipsoid.section(other).basis]
         for base, again in zip(bases, others, strict=True):
             np.testing.assert_allclose(again, base, atol=1e-13)
 

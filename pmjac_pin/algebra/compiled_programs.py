@@ -67,7 +67,7 @@ class CompiledProgram:
             A cache that cannot be written, or that others can write to.
         """
         compiler = _compiler(os.environ.get("CC", "cc"))
-        built = cache_folder() / f"{_name(tape, compiler)}.so"
+        built = cache_folder() / f"{_digest_name(tape, compiler)}.so"
         if not _is_whole(built):
             _build(built, tape, compiler.command)
         return cls(ctypes.CDLL(str(built)), tape)
@@ -164,7 +164,7 @@ def _compiler(given: str) -> _Compiler:
     )
 
 
-def _name(tape: Tape, compiler: _Compiler) -> str:
+def _digest_name(tape: Tape, compiler: _Compiler) -> str:
     """Return the digest of all that a compiled program depends on."""
     digest = hashlib.sha256()
     numbers = np.array([tape.slots, tape.inputs, tape.outputs, *tape.stages])

@@ -29,24 +29,24 @@ def main(argv: "Sequence[str] | None" = None) -> int:
         The exit status.
     """
     if argv is not None:
-        return _run(argv)
+        return _run_argv(argv)
     # Where Ctrl-C is ignored, as in the background of a script, it stays so.
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        return _run(sys.argv[1:])
+        return _run_argv(sys.argv[1:])
     signal.signal(signal.SIGINT, _leave)  # C code that is being imported may lose an exception
     from pmjac_pin.cli.running import import_commands  # noqa: PLC0415
 
     import_commands(sys.argv[1:])
     try:
         signal.signal(signal.SIGINT, signal.default_int_handler)
-        status = _run(sys.argv[1:])
+        status = _run_argv(sys.argv[1:])
     except KeyboardInterrupt:  # a second one
         status = INTERRUPTED
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is done; Python's end would show a traceback
     return status
 
 
-def _run(argv: "Sequence[str]") -> int:
+def _run_argv(argv: "Sequence[str]") -> int:
     from pmjac_pin.cli.running import run_command  # noqa: PLC0415
 
     return run_command(argv)

@@ -26,7 +26,9 @@ from pmjac_pin.values.arrays import Array
 _NO_GROUP = -1
 # Rounding makes no segment shorter, nor by chance as long as a number that it is not.
 _LONGER = 1.0 + 1e-14
-_ALIKE = 1.0 - 1e-14  # of a length: those of symmetric machines are equal but for rounding
+_ALIKE_BUT_FOR_ROUNDING = (
+    1.0 - 1e-14
+)  # of a length: those of symmetric machines are equal but for rounding
 
 
 class _Freedom(NamedTuple):
@@ -125,7 +127,7 @@ def _alike(blocks: Sequence[BoundedRows]) -> tuple[BoundedRows, ...]:
     longest: dict[float, float] = {}
     last = np.inf
     for length in sorted({one.length for block in blocks for one in block.segments}, reverse=True):
-        last = last if length >= _ALIKE * last else length
+        last = last if length >= _ALIKE_BUT_FOR_ROUNDING * last else length
         longest[length] = last
     return tuple(
         block._replace(

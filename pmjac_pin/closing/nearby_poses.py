@@ -26,7 +26,9 @@ _SEEN = 100.0  # tolerances: a gap of the square of a distance may have a small 
 _AWAY = 0.1  # of a probe's distance: nearer to home, the loops have only pulled it back
 _TOO_FAR = 20.0  # times a probe's distance: another assembly mode
 _SHAKEN = 3  # starts of each joint that is displaced and held
-_MOVES = 0.05  # a joint's share in the rates that loops allow, below which others are tried
+_LEAST_SHARE_OF_RATES = (
+    0.05  # a joint's share in the rates that loops allow, below which others are tried
+)
 
 
 def nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
@@ -73,13 +75,13 @@ def reach_of_joints(problem: ClosureProblem, q: Array) -> float:
     steps, farthest = allowed @ np.linalg.inv(allowed[leading]), math.inf
     for joint, step in zip(leading.tolist(), steps.T, strict=True):
         distances = (*_seen_distances(problem), *_short_distances(problem, joint))
-        farthest = min(farthest, _reach(problem, q, step, leading, distances))
+        farthest = min(farthest, _farthest_reach(problem, q, step, leading, distances))
         if not farthest:
             break
     return farthest
 
 
-def _reach(
+def _farthest_reach(
     problem: ClosureProblem,
     q: Array,
     step: Array,
@@ -128,7 +130,7 @@ def _allowed(problem: ClosureProblem, q: Array) -> Array:
 
 def _moving(allowed: Array) -> list[int]:
     """Return the joints that take part well in what the loops allow."""
-    return [int(k) for k in np.flatnonzero(np.linalg.norm(allowed, axis=1) > _MOVES)]
+    return [int(k) for k in np.flatnonzero(np.linalg.norm(allowed, axis=1) > _LEAST_SHARE_OF_RATES)]
 
 
 def _directions(

@@ -20,7 +20,9 @@ from pmjac_pin.values.arrays import Array
 if TYPE_CHECKING:
     from pmjac_pin.algebra.compiled_programs import CompiledProgram
 
-_AT_ONCE = 64  # steps of each lane in one call: some milliseconds, in which nothing can interrupt
+_LANE_STEPS_AT_ONCE = (
+    64  # steps of each lane in one call: some milliseconds, in which nothing can interrupt
+)
 
 
 class PathsInLanes:
@@ -90,7 +92,7 @@ class PathsInLanes:
         walk.take(paths, most_steps, FEW, LONG)
         walk.begin()
         go_on()
-        while walk.go_on(_AT_ONCE):
+        while walk.go_on(_LANE_STEPS_AT_ONCE):
             go_on()
         ended = Paths(paths.q, paths.share, paths.end != SPENT)
         return judged(self._problem, ended, displacement, paths.end == DOUBTFUL)

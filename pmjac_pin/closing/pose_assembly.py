@@ -23,7 +23,7 @@ from pmjac_pin.values.arrays import Array, norm
 _MOTOR_WEIGHTS = (0.1, 1.0)
 _FAR_MOTORS = 1e-2  # lengths: at the end of the reach, motors move about as far as the gap
 _STARTS_WITHIN = 64  # random, within all limits
-_MOST_JOINTS = 8
+_MOST_SHAKEN = 8
 _SHAKES = (0.03, 0.03, 0.1, 0.1, 0.3, 0.3, 0.6, 0.6)  # rad or share of the length
 
 
@@ -165,9 +165,9 @@ def _within_limits(parts: Parts) -> str:
         q = _anywhere(parts, rng)
         found = assemble(problem, q, weights, room=coordinates.room)
         if found.gap <= problem.tolerance:
-            pose = coordinates.joint_values(found.q, coordinates.names[:_MOST_JOINTS])
+            pose = coordinates.joint_values(found.q, coordinates.names[:_MOST_SHAKEN])
             values = ", ".join(f"{name} = {_few_digits(value)}" for name, value in pose.items())
-            more = ", ..." * (len(coordinates.names) > _MOST_JOINTS)
+            more = ", ..." * (len(coordinates.names) > _MOST_SHAKEN)
             return f"within all limits they close elsewhere, at {values}{more}"
     return f"from {_STARTS_WITHIN} random starts no pose within all limits was found"
 

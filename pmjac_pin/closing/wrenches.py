@@ -36,7 +36,9 @@ def held_wrenches(parts: Parts, q: Array, wrenches: Wrenches, frame: FrameName) 
     UnknownNameError, ArgumentError
         No such frame, or numbers that are no wrench.
     """
-    return [_held(parts, q, tool, wrench, frame) for tool, wrench in _by_tool(parts, wrenches)]
+    return [
+        _held_by_motors(parts, q, tool, wrench, frame) for tool, wrench in _by_tool(parts, wrenches)
+    ]
 
 
 def _by_tool(parts: Parts, wrenches: Wrenches) -> list[tuple[Tool, Array]]:
@@ -48,7 +50,7 @@ def _by_tool(parts: Parts, wrenches: Wrenches) -> list[tuple[Tool, Array]]:
     ]
 
 
-def _held(parts: Parts, q: Array, tool: Tool, wrench: Array, frame: FrameName) -> Array:
+def _held_by_motors(parts: Parts, q: Array, tool: Tool, wrench: Array, frame: FrameName) -> Array:
     kinematics = parts.kinematics
     jacobian, rotation, position = kinematics.tool_at(q, tool_kinematics(kinematics.model, tool))
     written = change_frame(jacobian, frame, rotation, position + parts.place)

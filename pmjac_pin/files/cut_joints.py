@@ -56,7 +56,7 @@ class CutJoints:
         """
         checked = Element("robot")
         checked.extend([checked_joint(element, links) for element in elements])
-        tree = _tree(list(links), joints_of(checked), whole)
+        tree = _tree_of_links(list(links), joints_of(checked), whole)
         return cls(elements, checked, balls, tree)
 
     @cached_property
@@ -125,7 +125,9 @@ class CutJoints:
         return notes
 
 
-def _tree(links: Sequence[str], joints: Sequence[UrdfJoint], kept: Collection[str]) -> SpanningTree:
+def _tree_of_links(
+    links: Sequence[str], joints: Sequence[UrdfJoint], kept: Collection[str]
+) -> SpanningTree:
     for joint in joints:
         if joint.parent == joint.child:
             message = f"joint {joint.name!r} joins link {joint.parent!r} with itself"

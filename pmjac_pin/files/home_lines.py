@@ -13,7 +13,7 @@ from pmjac_pin.files.joint_dialects import home_within_limits
 from pmjac_pin.files.urdf.geared_urdf import read_geared_urdf
 
 _NUMBERS = {"floating": 6, "planar": 3}  # of joints of several degrees of freedom
-_MOST_JOINTS = 60
+_MOST_WRITTEN = 60
 
 
 def home_line(given: Mapping[str, Any], path: Path) -> str:
@@ -38,7 +38,7 @@ def home_line(given: Mapping[str, Any], path: Path) -> str:
     first = [name for name in given["actuated"] if name in moving]
     names = [*first, *(name for name in moving if name not in first)]
     values = []
-    for name in [name for name in names if name not in given.get("locked", ())][:_MOST_JOINTS]:
+    for name in [name for name in names if name not in given.get("locked", ())][:_MOST_WRITTEN]:
         count = 3 if name in balls else _NUMBERS.get(moving[name].type, 1)
         value = str([0.0] * count) if count > 1 else f"{inside.get(name, 0.0):.6g}"
         values.append(f"{_key(name)} = {value}")

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 
 _LATE_DECLARATION = re.compile(r"\A(\s++)<\?xml\s[^>]*+>")
-_ROOT = re.compile(r"\A(?:\s++|<\?.*?\?>|<!--.*?-->)*+<[^\s/>!?]++", re.DOTALL)
+_ROOT_ELEMENT = re.compile(r"\A(?:\s++|<\?.*?\?>|<!--.*?-->)*+<[^\s/>!?]++", re.DOTALL)
 _PREFIX = re.compile(r"""<([A-Za-z_][\w.-]*+):|\s([A-Za-z_][\w.-]*+):[\w.-]++\s*+=\s*+["']""")
 _RESERVED_PREFIXES = ("xml", "xmlns")
 _COMMENT = "<!--"
@@ -36,7 +36,7 @@ def with_prefixes_bound(text: str) -> str:
     >>> with_prefixes_bound("<robot><drake:mimic/></robot>")
     '<robot xmlns:drake="drake"><drake:mimic/></robot>'
     """
-    if (start := _ROOT.match(text)) is None:
+    if (start := _ROOT_ELEMENT.match(text)) is None:
         return text
     root = text[start.end() : text.find(">", start.end())]
     found = {one or other for one, other in _PREFIX.findall(text)}

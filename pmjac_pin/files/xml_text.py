@@ -77,7 +77,7 @@ def numbers(
 def numbers_in(what: str, text: str, *, count: int = 1, largest: float = LARGEST) -> list[float]:
     """Return the numbers of a text: finite, so many, and none of them beyond `largest`."""
     try:
-        values = [float(word) for word in text.split()] if _is_plain(text) else []
+        values = [float(word) for word in text.split()] if _is_plain_text(text) else []
     except ValueError:
         values = []
     if len(values) != count or not all(map(math.isfinite, values)):
@@ -105,6 +105,6 @@ def label(element: Element) -> str:
     return f"{element.tag} {quoted(element.get('name'))}"
 
 
-def _is_plain(text: str) -> bool:
+def _is_plain_text(text: str) -> bool:
     # float() also reads 1_0 and the digits of other scripts, which no parser of URDF does.
     return text.isascii() and "_" not in text

@@ -100,14 +100,14 @@ def _track(
     if np.array_equal(first.rotation, last.rotation):
         return lambda share: pin.SE3.Interpolate(first, last, share)
     if one.frames[carrier].parentJoint != joint or not carrier:
-        return _turning(first, last)
+        return _turning_track(first, last)
     carrying = _frame_track(one, other, carrier)
     carriers = (model.frames[carrier].placement for model in (one, other))
-    own = _turning(*(place.actInv(end) for place, end in zip(carriers, ends, strict=True)))
+    own = _turning_track(*(place.actInv(end) for place, end in zip(carriers, ends, strict=True)))
     return lambda share: carrying(share) * own(share)
 
 
-def _turning(first: pin.SE3, last: pin.SE3) -> _Track:
+def _turning_track(first: pin.SE3, last: pin.SE3) -> _Track:
     rotation, begin = first.rotation.copy(), first.translation.copy()
     turn, slide = pin.log3(rotation.T @ last.rotation), last.translation - begin
     return lambda share: pin.SE3(rotation @ pin.exp3(share * turn), begin + share * slide)

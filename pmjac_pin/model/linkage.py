@@ -80,7 +80,7 @@ class Edge:
         )
 
 
-def aligned(axis: Sequence[float] | Array) -> pin.SE3:
+def turned_to(axis: Sequence[float] | Array) -> pin.SE3:
     """Return a rotation that takes z to a unit vector.
 
     Examples
@@ -108,7 +108,7 @@ def edges_of(model: pin.Model) -> dict[str, Edge]:
     for joint in list(model.joints)[1:]:
         name, index = model.names[joint.id], joint.id
         kind = known_kind(joint, name)
-        turn = aligned(_axis(model, data, joint)) if kind.nv == 1 else pin.SE3.Identity()
+        turn = turned_to(_axis(model, data, joint)) if kind.nv == 1 else pin.SE3.Identity()
         entries = slice(joint.idx_q, joint.idx_q + joint.nq)
         edges[name] = Edge(
             name,

@@ -26,7 +26,7 @@ PLANES = ("zy", "zx", "xy")
 _SURFACE, _SECTION, _SHADOW = "#56B4E9", "#0072B2", "#D55E00"
 _AXIS_COLOURS = ("#000000", "#009E73", "#CC79A7")
 _GRID = "#D9D9D9"
-_AXES = ("axis 1", "axis 2", "axis 3")
+_AXIS_NAMES = ("axis 1", "axis 2", "axis 3")
 
 _EYE_ELEVATION = 30.0  # degrees, of the eye above the x-y plane
 
@@ -128,7 +128,7 @@ def _show_radii(figure: Any, axes: Any, ellipsoid: Ellipsoid) -> None:
     """Put a legend below a figure: the lines of a plane's panel, with the radii."""
     radii, unit = ellipsoid.radii.tolist(), ellipsoid.unit
     handles, names = axes.get_legend_handles_labels()
-    values = dict(zip(_AXES, radii, strict=True))
+    values = dict(zip(_AXIS_NAMES, radii, strict=True))
     names = [f"{name}: {values[name]:.4g} {unit}" if name in values else name for name in names]
     figure.legend(handles, names, loc="outside lower center", ncols=5, fontsize=8.5, frameon=False)
 
@@ -194,7 +194,7 @@ def _draw_plane(
     rows = ["xyz".index(letter) for letter in plane]
     for index in range(ellipsoid.rank):
         x, y = ellipsoid.radii[index] * ellipsoid.axes[rows, index]
-        color, name = _AXIS_COLOURS[index], _AXES[index]
+        color, name = _AXIS_COLOURS[index], _AXIS_NAMES[index]
         axes.plot([0, x], [0, y], color=color, linewidth=1.4, zorder=1.5, label=name)
     axes.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal")
     axes.set_xlabel(labels[plane[0]], fontsize=9)

@@ -101,7 +101,7 @@ def plot(
     view = view_of([drawn])
     across = _across(view[2])
     if across is not None and "xyz"[across] not in "".join(wanted or ()):
-        ellipsoid = _in_plane(ellipsoid, across)
+        ellipsoid = _forces_in_plane(ellipsoid, across)
     check_bounded(ellipsoid)
     shown = wanted or _usual_planes(across, ellipsoid)
     rows, columns = _GRIDS[len(shown)]
@@ -157,7 +157,7 @@ def _across(eye: Array) -> int | None:
     return across if abs(eye[across]) > 1.0 - _ACROSS else None
 
 
-def _in_plane(ellipsoid: Ellipsoid, across: int) -> Ellipsoid:
+def _forces_in_plane(ellipsoid: Ellipsoid, across: int) -> Ellipsoid:
     """Return what a planar machine bears in its plane, where it bears anything across it."""
     unbounded = np.isinf(ellipsoid.radii).tolist() == [True, False, False]
     if not (unbounded and abs(ellipsoid.axes[across, 0]) > 1.0 - _ACROSS):

@@ -20,7 +20,7 @@ from pmjac_pin.values.ties import first_largest
 _ELEVATION = 25.0  # degrees, of the eye above the x-y plane
 _AZIMUTHS = range(-45, 315, 15)  # degrees, where the eye may be: the first is the usual one
 _IN_A_PLANE = 1e-6  # of the picture's width
-_MARGIN = 0.06  # of the picture's width, about the drawing
+_PICTURE_MARGIN = 0.06  # of the picture's width, about the drawing
 
 # Okabe and Ito's palette, which colour-blind readers can tell apart.
 _GROUND, _LINK, _MOTOR, _ANCHOR, DARK = "#8C8C8C", "#0072B2", "#D55E00", "#F0E442", "#262626"
@@ -59,7 +59,7 @@ def frame_of(figures: Sequence[StickFigure], view: Array) -> tuple[Array, Array]
     """Return the lowest and the highest corner of a picture that holds them all, shapes (2,)."""
     seen = np.concatenate([figure.points for figure in figures]) @ view[:2].T
     low, high = seen.min(axis=0), seen.max(axis=0)
-    margin = _MARGIN * float((high - low).max())
+    margin = _PICTURE_MARGIN * float((high - low).max())
     return low - margin, high + margin
 
 

@@ -16,7 +16,7 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, enumerated, quoted
 from pmjac_pin.rates.ellipsoid import Ellipsoid, velocity_ellipsoid
 from pmjac_pin.rates.jacobian import EquivalentJacobian
-from pmjac_pin.rates.solid import Solid, force_solid, moved, velocity_solid
+from pmjac_pin.rates.solid import Solid, directions_of, force_solid, velocity_solid
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_limits
 from pmjac_pin.words.motor_limits import motor_effort_limits, motor_rate_limits
@@ -40,7 +40,7 @@ def solid_within(
     limits: GivenLimits,
 ) -> Solid:
     """Return the polytope alone; parameters and errors as of `within_limits`."""
-    bounds = _checked(configuration, quantity, limits)
+    bounds = _checked_limits(configuration, quantity, limits)
     block, moves = _block(jacobian, quantity)
     make = force_solid if quantity == "force" else velocity_solid
     return make(block, moves, bounds)
@@ -70,7 +70,7 @@ def within_limits(
         Limits that are none, or that the model does not state; a tool that does not move so.
     """
     solid = solid_within(configuration, jacobian, quantity, limits)
-    bounds = _checked(configuration, quantity, limits)
+    bounds = _checked_limits(configuration, quantity, limits)
     block, moves = _block(jacobian, quantity)
     if quantity == "force":
         return WithinLimits(solid, _held(block, moves, bounds))
@@ -86,7 +86,7 @@ def _block(jacobian: EquivalentJacobian, quantity: Quantity) -> tuple[Array, Ell
 
 def _flat(block: Array, moves: Ellipsoid) -> Array:
     """Return the rows of J_eq less what is rounding across the directions of motion."""
-    span = moved(moves)
+    span = directions_of(moves)
     return np.asarray(span @ (span.T @ block))
 
 
@@ -100,7 +100,7 @@ def _held(block: Array, moves: Ellipsoid, bounds: Array) -> Ellipsoid:
     return Ellipsoid(radii, axes, "N")
 
 
-def _checked(configuration: Configuration, quantity: Quantity, given: GivenLimits) -> Array:
+def _checked_limits(configuration: Configuration, quantity: Quantity, given: GivenLimits) -> Array:
     mechanism = configuration.mechanism
     if not isinstance(given, str):
         return as_limits(given, len(mechanism.actuated))

@@ -26,12 +26,12 @@ def rate_limits(given: Limits, partition: Partition) -> Array:
     ArgumentError
         Other numbers than one above 0 for each motor; a motor for which the model states none.
     """
-    return _limits(given, partition, partition.rate_limits, "rate")
+    return _limits_of(given, partition, partition.rate_limits, "rate")
 
 
 def effort_limits(given: Limits, partition: Partition) -> Array:
     """Return limits of motor efforts, shape (n,), N or N m, as `rate_limits`."""
-    return _limits(given, partition, partition.effort_limits, "effort")
+    return _limits_of(given, partition, partition.effort_limits, "effort")
 
 
 def rates_unit(partition: Partition) -> str:
@@ -48,7 +48,7 @@ def _motor_units(partition: Partition) -> list[str]:
     return sorted(set(partition.units_of(partition.actuated)))
 
 
-def _limits(given: Limits, partition: Partition, stated: Array, what: str) -> Array:
+def _limits_of(given: Limits, partition: Partition, stated: Array, what: str) -> Array:
     if not isinstance(given, str):
         return as_limits(given, partition.actuated.size)
     if given != "model":

@@ -108,7 +108,7 @@ def velocity_solid(block: Array, moves: Ellipsoid, limits: ArrayLike) -> Solid:
     ((4, 3), 'm/s')
     """
     rows, bounds = _unit_rows(block, moves), as_limits(limits, block.shape[1])
-    return solid_of(image_of_box(rows, bounds, moves.unit), moved(moves) * _radii(moves))
+    return solid_of(image_of_box(rows, bounds, moves.unit), directions_of(moves) * _radii(moves))
 
 
 def force_solid(block: Array, moves: Ellipsoid, limits: ArrayLike) -> Solid:
@@ -128,7 +128,7 @@ def force_solid(block: Array, moves: Ellipsoid, limits: ArrayLike) -> Solid:
     """
     rows, bounds = _unit_rows(block, moves), as_limits(limits, block.shape[1])
     unit = "N" if moves.unit == "m/s" else "N m"
-    return solid_of(within_box(rows, bounds, unit), moved(moves) / _radii(moves))
+    return solid_of(within_box(rows, bounds, unit), directions_of(moves) / _radii(moves))
 
 
 def _unit_rows(block: Array, moves: Ellipsoid) -> Array:
@@ -136,14 +136,14 @@ def _unit_rows(block: Array, moves: Ellipsoid) -> Array:
 
     Corners and faces of what is long and thin are found where it is neither.
     """
-    return np.asarray(moved(moves).T @ block / _radii(moves)[:, None])
+    return np.asarray(directions_of(moves).T @ block / _radii(moves)[:, None])
 
 
 def _radii(moves: Ellipsoid) -> Array:
     return moves.radii[: moves.rank]
 
 
-def moved(moves: Ellipsoid) -> Array:
+def directions_of(moves: Ellipsoid) -> Array:
     """Return orthonormal columns (3, d) that span the directions of an ellipsoid.
 
     Raises

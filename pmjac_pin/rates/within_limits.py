@@ -17,7 +17,7 @@ from pmjac_pin.values.arrays import Array, Mask
 JUST_WITHIN = 1e-10  # of the limits: what rounding may leave of motors that are at theirs
 _SHARING = 1e-12  # of an internal effort of length 1
 _PRESSING = 1e-9  # of multipliers that add up to 1
-_ROUNDING = 1e-12  # of a limit
+_ROUNDED_EFFORTS = 1e-12  # of a limit
 
 
 def needed_limits(particular: Array, internal: Array, limits: Array) -> Array:
@@ -91,6 +91,6 @@ def _polished(ways: Array, least: Array, active: Mask, share: Array) -> Array:
     while True:
         y = np.linalg.lstsq(ways[active], least[active], rcond=None)[0]
         lacking = np.where(active, 0.0, (least - ways @ y) * share)
-        if lacking.max() <= _ROUNDING:
+        if lacking.max() <= _ROUNDED_EFFORTS:
             return np.asarray(y)
         active[lacking.argmax()] = True

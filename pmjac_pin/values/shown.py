@@ -8,7 +8,7 @@ from typing import Any
 #: What makes pages and tables. They are named, not imported: values know that there are words, not
 #: which, and these are loaded at the moment when something is shown.
 _PAGES = "pmjac_pin.words.pages"
-_TABLES = "pmjac_pin.words.matrices"
+_TABLES_MODULE = "pmjac_pin.words.matrices"
 
 
 class Shown:
@@ -68,4 +68,4 @@ class Tabled(Shown):
         ω_y [rad/s]    0.0000
         ω_z [rad/s]   -0.3345
         """
-        return import_module(_TABLES).table_of(self, name)
+        return import_module(_TABLES_MODULE).table_of(self, name)

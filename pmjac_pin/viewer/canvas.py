@@ -23,7 +23,7 @@ Packet = tuple[str, bytes]
 ROOT = "/pmjac"
 
 # Three.js stands its cylinders along y: a quarter turn about x puts them along z.
-_FLOATS = 0x17  # of meshcat's MessagePack extensions: numbers of four bytes
+_FOUR_BYTE_NUMBERS = 0x17  # of meshcat's MessagePack extensions: numbers of four bytes
 _UPRIGHT = [1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1]
 _AS_IT_IS = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
 
@@ -137,7 +137,7 @@ def _mesh(
 def _geometry(shape: Box | Cylinder | Cone | Sphere | Facets) -> dict[str, Any]:
     match shape:
         case Facets():
-            attributes = {"position": _floats(shape.corners), "normal": _floats(shape.normals)}
+            attributes = {"position": _threes(shape.corners), "normal": _threes(shape.normals)}
             return {"type": "BufferGeometry", "data": {"attributes": attributes}}
         case Box():
             return {"type": "BoxGeometry", "width": 1, "height": 1, "depth": 1}
@@ -152,9 +152,9 @@ def _geometry(shape: Box | Cylinder | Cone | Sphere | Facets) -> dict[str, Any]:
             assert_never(shape)
 
 
-def _floats(numbers: bytes) -> dict[str, Any]:
+def _threes(numbers: bytes) -> dict[str, Any]:
     """Return threes of numbers of four bytes as Three.js reads them."""
-    array = msgspec.msgpack.Ext(_FLOATS, numbers)
+    array = msgspec.msgpack.Ext(_FOUR_BYTE_NUMBERS, numbers)
     return {"itemSize": 3, "type": "Float32Array", "array": array, "normalized": False}
 
 

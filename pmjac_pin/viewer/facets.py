@@ -11,7 +11,7 @@ import numpy as np
 
 from pmjac_pin.values.arrays import Array
 
-_SIDES = 6  # of a rod
+_ROD_SIDES = 6  # of a rod
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,7 @@ def rods(starts: Array, ends: Array, radius: float) -> Array:
     least = np.eye(3)[np.abs(along).argmin(axis=1)]
     across = np.cross(along, least)
     across /= np.linalg.norm(across, axis=1, keepdims=True)
-    angles = np.linspace(0.0, 2.0 * np.pi, _SIDES, endpoint=False)[:, None, None]
+    angles = np.linspace(0.0, 2.0 * np.pi, _ROD_SIDES, endpoint=False)[:, None, None]
     around = radius * (np.cos(angles) * across + np.sin(angles) * np.cross(along, across))
     low, high = starts + around, ends + around  # (sides, j, 3)
     low_next, high_next = (np.roll(each, -1, axis=0) for each in (low, high))

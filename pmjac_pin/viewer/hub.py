@@ -76,7 +76,7 @@ class Outbox(Generic[Message]):
                     await self._send(message)
 
 
-def _array(commands: list[bytes]) -> list[bytes]:
+def _message_of(commands: list[bytes]) -> list[bytes]:
     """Return one message: the MessagePack array of these MessagePack values."""
     return [b"".join([b"\xdd", len(commands).to_bytes(4, "big"), *commands])]
 
@@ -115,7 +115,7 @@ class Hub:
 
     def add_scene(self, scene: object, send: Send) -> None:
         """Draw the whole picture in a meshcat viewer that has just been opened."""
-        self._scenes[scene] = outbox = Outbox(send, _array)
+        self._scenes[scene] = outbox = Outbox(send, _message_of)
         outbox.put(self.canvas.commands())
 
     def remove(self, browser: object) -> None:

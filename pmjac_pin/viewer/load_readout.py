@@ -12,7 +12,7 @@ from pmjac_pin.rates.statics import Statics
 from pmjac_pin.viewer.load import Load
 from pmjac_pin.words.load_report import MotorEffort, motor_efforts
 
-_SINGULAR = "No motor efforts balance a load at this pose: it is singular."
+_NO_BALANCE = "No motor efforts balance a load at this pose: it is singular."
 
 
 class LoadReadout(msgspec.Struct, frozen=True):
@@ -64,7 +64,9 @@ def make_load_readout(configuration: Configuration, load: Load) -> LoadReadout:
     try:
         statics = configuration.statics([*force, 0.0, 0.0, 0.0])
     except PmjacError as error:
-        short = _SINGULAR if isinstance(error, SingularError) else f"Nothing balances it: {error}."
+        short = (
+            _NO_BALANCE if isinstance(error, SingularError) else f"Nothing balances it: {error}."
+        )
         none = np.full(len(configuration.mechanism.actuated), np.nan)
         unknown = motor_efforts(configuration, none)
         return LoadReadout(*given, unknown, (False,) * none.size, "", short, str(error))

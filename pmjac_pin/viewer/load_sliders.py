@@ -14,7 +14,9 @@ from pmjac_pin.viewer.messages import Slider
 from pmjac_pin.words.motor_limits import motor_effort_limits
 
 _DOWN = -0.5 * math.pi
-_BEYOND = 1.5  # times what brings the first motor to its limit at home: as far as sliders go
+_SLIDERS_BEYOND = (
+    1.5  # times what brings the first motor to its limit at home: as far as sliders go
+)
 _USUAL = 100.0  # N, where no motor has a limit
 _LARGEST = 1e6  # N
 
@@ -32,11 +34,11 @@ def load_sliders(mechanism: Mechanism) -> tuple[Slider, ...]:
     """
     gravity = gravity_of(mechanism)
     pull = float(np.linalg.norm(gravity))
-    heaviest = _rounded(_strongest(mechanism, gravity / pull) / pull if pull else _USUAL)
+    heaviest = _next_round(_strongest(mechanism, gravity / pull) / pull if pull else _USUAL)
     strongest = min(_strongest(mechanism, way) for way in np.eye(3))
     return (
         Slider("mass", "kg", 0.0, heaviest, False, "hung at the tool"),
-        Slider("size", "N", 0.0, _rounded(strongest), False, "of the force"),
+        Slider("size", "N", 0.0, _next_round(strongest), False, "of the force"),
         Slider("azimuth", "rad", -math.pi, math.pi, True, "from the world's x towards its y"),
         Slider("elevation", "rad", _DOWN, -_DOWN, True, "from the world's x-y plane towards its z"),
     )
@@ -49,11 +51,11 @@ def _strongest(mechanism: Mechanism, way: Array) -> float:
     except PmjacError:
         return _USUAL
     share = float(np.abs(found / motor_effort_limits(mechanism)).max(initial=0.0))
-    held = _BEYOND / share if share > 1.0 / _LARGEST else math.inf
+    held = _SLIDERS_BEYOND / share if share > 1.0 / _LARGEST else math.inf
     return held if held < _LARGEST else _USUAL
 
 
-def _rounded(value: float) -> float:
+def _next_round(value: float) -> float:
     """Return the next of 1, 2, 5, 10, ..."""
     power = 10.0 ** math.floor(math.log10(value))
     return next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= 0.999 * value)

@@ -31,7 +31,7 @@ from pmjac_pin.viewer.palette import SOLID, SOLID_EDGE
 from pmjac_pin.words.motor_limits import motor_effort_limits, motor_rate_limits
 
 _QUANTITIES: dict[SolidKind, Quantity] = {"velocity": "linear", "force": "force"}
-_EDGE = 0.004  # of the mechanism's size, the radius of an edge
+_EDGE_RADIUS = 0.004  # of the mechanism's size, the radius of an edge
 _NO_JACOBIAN = "No polytope: there is no equivalent Jacobian at this pose."
 
 
@@ -80,7 +80,7 @@ class SolidLayer:
 
     def _shapes(self, solid: Solid, corners: Array, drawn: float) -> dict[int, Facets | Text]:
         starts, ends = (corners[list(each)] for each in zip(*solid.edges, strict=True))
-        edges = Facets.of(rods(starts, ends, _EDGE * self._size / drawn))
+        edges = Facets.of(rods(starts, ends, _EDGE_RADIUS * self._size / drawn))
         if not solid.faces:
             return {1: edges}
         return {0: Facets.of(fans(corners, solid.faces)), 1: edges}

@@ -11,7 +11,7 @@ from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table
 
 _DASH = "–"
 _NO_MOTION = 1e-12  # m or rad
-_LEGEND = (
+_DIAGNOSIS_LEGEND = (
     "rank: of the loop's own rows; needed: what the rank of all loses without it; open by: as the "
     "file has home."
 )
@@ -63,20 +63,20 @@ def _loop_blocks(diagnosis: Diagnosis) -> Iterator[Block]:
     rows = []
     for loop in diagnosis.loops:
         alone = [] if loop.gap_alone is None else [brief(loop.gap_alone)]
-        ranks = [] if failed else [_count(loop.rank), _count(loop.needed)]
+        ranks = [] if failed else [_count_text(loop.rank), _count_text(loop.needed)]
         sizes = (str(len(loop.equations)), *ranks, brief(loop.gap_given), *alone)
         rows.append((loop.name, loop.kind, loop.group or _DASH, *sizes))
     header = ("loop", "kind", "its joints\nmove", "rows", *columns)
     yield Table("", header, tuple(rows), "<<<>" + ">" * len(columns))
-    yield Paragraph(_FAILED_LEGEND if failed else _LEGEND)
+    yield Paragraph(_FAILED_LEGEND if failed else _DIAGNOSIS_LEGEND)
 
 
 def _mobility(found: Mobility) -> Table:
     rows = [
         ("degrees of freedom of the tree's joints", str(found.freedoms)),
         ("loop equations", str(found.rows)),
-        ("independent ones, the rank of [K K*]", _count(found.rank)),
-        ("mobility, by rank", _count(found.mobility)),
+        ("independent ones, the rank of [K K*]", _count_text(found.rank)),
+        ("mobility, by rank", _count_text(found.mobility)),
         ("Grübler–Kutzbach in space", str(found.gruebler)),
         ("with each loop in its joints' own group", str(found.gruebler_in_groups)),
     ]
@@ -179,7 +179,7 @@ def _on_lines(names: Sequence[str]) -> str:
     return "\n".join(names) or _DASH
 
 
-def _count(value: int | None) -> str:
+def _count_text(value: int | None) -> str:
     return _DASH if value is None else str(value)
 
 

@@ -166,10 +166,10 @@ def _motion_told(motion: Motion, labels: Labels) -> dict[str, object]:
     motors, passive = labels.actuated_powers, labels.passive_powers
     return {
         "frame": motion.jacobian.frame,
-        "rates": _rates(labels.actuated, motion.rates, motors, "/s"),
-        "accelerations": _rates(labels.actuated, motion.accelerations, motors, "/s²"),
-        "passive_rates": _rates(labels.passive, motion.passive_rates, passive, "/s"),
-        "passive_accelerations": _rates(
+        "rates": _rates_told(labels.actuated, motion.rates, motors, "/s"),
+        "accelerations": _rates_told(labels.actuated, motion.accelerations, motors, "/s²"),
+        "passive_rates": _rates_told(labels.passive, motion.passive_rates, passive, "/s"),
+        "passive_accelerations": _rates_told(
             labels.passive, motion.passive_accelerations, passive, "/s²"
         ),
         "twist": _quantities(LINEAR + ANGULAR, motion.twist, _twist_units("/s")),
@@ -215,7 +215,7 @@ def _twist_units(per: str) -> tuple[str, ...]:
     return (f"m{per}",) * 3 + (f"rad{per}",) * 3
 
 
-def _rates(
+def _rates_told(
     names: Sequence[str], values: Array, powers: Sequence[Powers], per: str
 ) -> tuple[Quantity, ...]:
     return _quantities(names, values, [f"{unit(power)}{per}" for power in powers])

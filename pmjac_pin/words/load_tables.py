@@ -87,7 +87,7 @@ def _statics_blocks(
     yield from _efforts_blocks("Motor efforts that balance it", efforts)
     if count := statics.internal_efforts.shape[1]:
         yield Paragraph(
-            f"These are the smallest: motors may work against each other in {_ways(count)}."
+            f"These are the smallest: motors may work against each other in {_ways_text(count)}."
         )
     if forces := loop_forces(configuration, statics):
         numbers = _column(statics.loop_forces)
@@ -99,7 +99,7 @@ def _statics_blocks(
     if count := statics.self_stress.shape[1]:
         yield Paragraph(
             f"These are the smallest: equilibrium does not say what redundant rows do to each "
-            f"other, in {_ways(count)}."
+            f"other, in {_ways_text(count)}."
         )
 
 
@@ -141,7 +141,7 @@ def _weightless(names: tuple[str, ...]) -> str:
     return f" The model gives no mass to the bodies of {enumerated(names)}: they weigh nothing."
 
 
-def _ways(count: int) -> str:
+def _ways_text(count: int) -> str:
     return "one way" if count == 1 else f"{count} independent ways"
 
 

@@ -17,16 +17,16 @@ def mechanism_blocks(mechanism: Mechanism) -> Iterator[Block]:
         yield Paragraph(description)
     for note in mechanism.notes:
         yield Paragraph(f"Note: {note}")
-    yield Paragraph(_counts(mechanism))
+    yield Paragraph(_counts_line(mechanism))
     yield _freedoms_table(mechanism)
     if mechanism.parameters:
         yield parameters_table(mechanism)
     if mechanism.spec.loops:
         yield _loops_table(mechanism)
-    yield Paragraph(f"Poses: {', '.join(mechanism.poses)}. Tool: {_tool(mechanism)}.")
+    yield Paragraph(f"Poses: {', '.join(mechanism.poses)}. Tool: {_tool_text(mechanism)}.")
 
 
-def _counts(mechanism: Mechanism) -> str:
+def _counts_line(mechanism: Mechanism) -> str:
     rank = mechanism.problem.partition.constraint_rank
     mobility = "not known" if mechanism.mobility is None else mechanism.mobility
     return (
@@ -59,7 +59,7 @@ def _loops_table(mechanism: Mechanism) -> Table:
     return Table("Loops", ("between", "kind", "equations"), rows, "<<>")
 
 
-def _tool(mechanism: Mechanism) -> str:
+def _tool_text(mechanism: Mechanism) -> str:
     tool = mechanism.spec.tool
     if tool.is_none:
         return "none is named"

@@ -15,7 +15,7 @@ from pmjac_pin.words.modes_report import ModeReport, ModesReport
 from pmjac_pin.words.numbers import matrix_numbers
 from pmjac_pin.words.tables import motor_line
 
-_SIGNS = {1: "+", -1: "-", 0: "0", None: ""}
+_ORIENTATION_SIGNS = {1: "+", -1: "-", 0: "0", None: ""}
 
 MODES_LEGEND = (
     "σ is the smallest singular value of K*, relative to the size of [K K*]; share, of the random "
@@ -122,7 +122,7 @@ def _mode_row(mode: ModeReport) -> tuple[str, ...]:
         str(mode.number),
         f"{mode.configuration.residual_norm:.1e}",
         brief(mode.singularity.smallest),
-        _SIGNS[mode.sign],
+        _ORIENTATION_SIGNS[mode.sign],
         f"{100.0 * mode.share:.2f}",
         mirror,
         f"{mode.certificate.existence_radius:.0e}" if mode.certificate else "no",

@@ -27,7 +27,7 @@ def matrix_numbers(matrix: Iterable[Sequence[float]], size: float = 0.0) -> list
     rounding = SHOWN_AS_ZERO * max(largest, size)
     if largest <= rounding:
         largest = 0.0
-    return [[_written(x, largest, rounding) for x in row] for row in rows]
+    return [[_digits(x, largest, rounding) for x in row] for row in rows]
 
 
 def number(value: float) -> str:
@@ -35,7 +35,7 @@ def number(value: float) -> str:
     return matrix_numbers([[value]])[0][0]
 
 
-def _written(value: float, largest: float, rounding: float) -> str:
+def _digits(value: float, largest: float, rounding: float) -> str:
     if not math.isfinite(value):
         return "∞" if value > 0 else "-∞" if value < 0 else "nan"
     if abs(value) <= rounding:

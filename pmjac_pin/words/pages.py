@@ -24,12 +24,12 @@ from pmjac_pin.words.report import Report, report
 from pmjac_pin.words.tables import joints_table, matrix_blocks, report_blocks, title
 from pmjac_pin.words.terminal import plain_text
 
-_WIDTH = 100  # characters of a line where a page is printed
+_PAGE_WIDTH = 100  # characters of a line where a page is printed
 
 
 def text_page(value: object) -> str:
     """Return a value's page as text."""
-    return plain_text(blocks_of(value), _WIDTH)
+    return plain_text(blocks_of(value), _PAGE_WIDTH)
 
 
 def html_page(value: object) -> str:
@@ -45,7 +45,7 @@ def blocks_of(value: object) -> Iterable[Block]:
     TypeError
         It has no page.
     """
-    for kind, blocks in _BLOCKS.items():
+    for kind, blocks in _PAGE_BLOCKS.items():
         if isinstance(value, kind):
             return blocks(value)
     raise TypeError(f"no page shows a {type(value).__name__}")
@@ -83,7 +83,7 @@ def _modes_page(modes: AssemblyModes) -> Iterator[Block]:
     yield Paragraph(no_more(modes.evidence))
 
 
-_BLOCKS: Mapping[type, Callable[[Any], Iterable[Block]]] = {
+_PAGE_BLOCKS: Mapping[type, Callable[[Any], Iterable[Block]]] = {
     Diagnosis: diagnosis_blocks,
     Report: report_blocks,
     Configuration: lambda configuration: _pose_page(report(configuration)),

@@ -26,7 +26,7 @@ def transmission_blocks(table: TransmissionTable, motor_limits: ArrayLike) -> It
     points = " by ".join(str(axis.size) for axis in table.map.axes)
     yield Paragraph(f"{table.rectangle}; {points} points.")
     yield _ratios(table)
-    yield _limits(table, motor_limits)
+    yield _limits_table(table, motor_limits)
     yield _errors(table)
     yield Paragraph(_LEGEND)
     yield Paragraph(f"{table.evidence}.")
@@ -37,24 +37,24 @@ def _ratios(table: TransmissionTable) -> Table:
     rows = [
         (
             f"{motor} by {joint}",
-            *_ends(ratio[..., i, j]),
+            *_extremes_text(ratio[..., i, j]),
             f"[{at_least(table.lower[i, j], 3)}, {at_most(table.upper[i, j], 3)}]",
         )
         for i, motor in enumerate(table.motors)
         for j, joint in enumerate(table.joints)
     ]
-    rows.append(("condition", *_ends(condition), ""))
+    rows.append(("condition", *_extremes_text(condition), ""))
     return Table("Gear ratios", ("", "least", "largest", "bounds"), tuple(rows), "<>>>")
 
 
-def _limits(table: TransmissionTable, motor_limits: ArrayLike) -> Table:
+def _limits_table(table: TransmissionTable, motor_limits: ArrayLike) -> Table:
     units = table.transmission.by_motors.units
     found = (
         ("effort", {"rad": "N m", "m": "N"}, table.map.efforts_alone(motor_limits)),
         ("rate", {"rad": "rad/s", "m": "m/s"}, table.map.rates_alone(motor_limits)),
     )
     rows = [
-        (f"{what} of {joint} alone [{unit[units[joint]]}]", *_ends(reach[..., k]))
+        (f"{what} of {joint} alone [{unit[units[joint]]}]", *_extremes_text(reach[..., k]))
         for what, unit, reach in found
         for k, joint in enumerate(table.joints)
     ]
@@ -71,7 +71,7 @@ def _errors(table: TransmissionTable) -> Table:
     return Table("Error of interpolation", ("", "at most"), rows, "<>")
 
 
-def _ends(values: Array) -> Sequence[str]:
+def _extremes_text(values: Array) -> Sequence[str]:
     return _rounded(np.nanmin(values)), _rounded(np.nanmax(values))
 
 

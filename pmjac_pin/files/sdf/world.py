@@ -42,12 +42,12 @@ def the_model(sdf: Element) -> tuple[Element, list[str], list[str]]:
     if len(models) > 1 and len(moving) == 1:
         notes = [f"{label(model)} is static, and left out" for model in static]
         tied = [note for model in static for note in _ties_to_others(model)]
-        return _flat(moving[0]), notes, [*unread, *tied]
+        return _flat_model(moving[0]), notes, [*unread, *tied]
     if len(models) != 1:
         got = f"there are {len(models)} models" + (f", {len(static)} of them static" * bool(static))
         raise ModelFileError(f"{got}; a file with one <model> is read")
     notes = [f"{label(models[0])} is static; it is read as if it were not"] if static else []
-    return _flat(models[0]), notes, unread
+    return _flat_model(models[0]), notes, unread
 
 
 def is_static(model: Element) -> bool:
@@ -81,7 +81,7 @@ def _ties_to_others(model: Element) -> list[str]:
     return found
 
 
-def _flat(model: Element) -> Element:
+def _flat_model(model: Element) -> Element:
     for tag in ("model", "include"):
         if model.find(tag) is not None:
             todo = "write its links and joints into the model itself"

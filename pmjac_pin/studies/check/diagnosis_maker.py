@@ -115,7 +115,9 @@ def _undriven(
         return undriven(check(source, **given), candidates, ())
     if mechanism.problem.partition.isolated:
         return undriven(_diagnosed(mechanism), candidates, ())
-    return undriven(_diagnosed(mechanism), *commanding(mechanism, _regular(mechanism), candidates))
+    return undriven(
+        _diagnosed(mechanism), *commanding(mechanism, _regular_pose(mechanism), candidates)
+    )
 
 
 def _diagnosed(mechanism: Mechanism) -> Diagnosis:
@@ -139,7 +141,7 @@ def _without_tool(diagnosis: Diagnosis) -> Diagnosis:
 
 def _of_mechanism(mechanism: Mechanism) -> Diagnosis:
     structure, partition = Structure.of(mechanism, mechanism.home.q), mechanism.problem.partition
-    q = _regular(mechanism)
+    q = _regular_pose(mechanism)
     scaled = partition.scaled(mechanism.kinematics.snapshot(q).constraint_jacobian)
     ranks = loop_ranks(scaled, mechanism.kinematics.loops.slices, partition)
     diagnosis = Diagnosis(
@@ -236,7 +238,7 @@ def _redundancy(scaled: Array, ranks: tuple[LoopRank, ...], mechanism: Mechanism
     )
 
 
-def _regular(mechanism: Mechanism) -> Array:
+def _regular_pose(mechanism: Mechanism) -> Array:
     """Return the home pose or, where that is singular, one near it that is less so."""
     partition = mechanism.problem.partition
     generic = (partition.constraint_rank, partition.passive_rank)

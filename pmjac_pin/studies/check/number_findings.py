@@ -14,7 +14,7 @@ from pmjac_pin.values.brief import brief
 
 _MANY_TURNS = 4.0 * math.pi  # rad: few joints that turn have limits beyond
 _MOST_DEGREES = 720.0
-_NO_LIMIT = 100.0  # rad, either way: what people write for none
+_WRITTEN_FOR_NONE = 100.0  # rad, either way: what people write for none
 
 
 def number_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
@@ -87,7 +87,7 @@ def _like_degrees(freedom: FreedomEntry) -> bool:
     ends = [abs(end) for end in (freedom.lower, freedom.upper) if end is not None]
     if freedom.unit != "rad" or not all(end.is_integer() for end in ends):
         return False
-    return {*ends} != {_NO_LIMIT} and _MANY_TURNS < max(ends, default=0.0) <= _MOST_DEGREES
+    return {*ends} != {_WRITTEN_FOR_NONE} and _MANY_TURNS < max(ends, default=0.0) <= _MOST_DEGREES
 
 
 def _interval(freedom: FreedomEntry, factor: float) -> str:

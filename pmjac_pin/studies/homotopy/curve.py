@@ -117,7 +117,7 @@ class Curve:
             _, jacobian = self._system(at, across, stretch.planes(part))
             change = np.zeros_like(at)
             change[:, -2] = -stretch.pull.missed_by_ray(at)
-            return _solved(jacobian, change)
+            return _each_solved(jacobian, change)
 
         h = stretch.length[:, None]
         one = velocity(points, 0.0)
@@ -133,7 +133,7 @@ class Curve:
         size: Array = np.full(len(points), np.inf)
         for _ in range(steps):
             residual, jacobian = self._system(points, across, planes)
-            step = _solved(jacobian, residual)
+            step = _each_solved(jacobian, residual)
             points = points - step
             t, dt = np.abs(points[:, -1]), np.abs(step[:, -1])
             size = np.linalg.norm(step[:, :-1], axis=1) + dt / (1.0 + t)
@@ -179,7 +179,7 @@ def distinct(points: Complex, known: Complex) -> Complex:
     return np.array(kept).reshape(len(kept), points.shape[1])
 
 
-def _solved(matrices: Complex, vectors: Complex) -> Complex:
+def _each_solved(matrices: Complex, vectors: Complex) -> Complex:
     """Return A⁻¹ b for each; nothing where A is singular."""
     try:
         return np.asarray(np.linalg.solve(matrices, vectors[:, :, None])[:, :, 0])

@@ -15,7 +15,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import Frame, find_frame
 from pmjac_pin.values.arrays import Array
 
-_ENTRIES = 31  # of a piece: which sort it is of, its middle, and up to three lines
+_PIECE_ENTRIES = 31  # of a piece: which sort it is of, its middle, and up to three lines
 
 
 class Drawings:
@@ -53,7 +53,7 @@ class Drawings:
 
     def __call__(self, poses: WorldPoses) -> Array:
         """Return what each piece looks like in each pose, shape (b, pieces, entries)."""
-        looks = np.zeros((poses.positions.shape[1], len(self._pieces), _ENTRIES))
+        looks = np.zeros((poses.positions.shape[1], len(self._pieces), _PIECE_ENTRIES))
         for index, (body, sort, shape, place) in enumerate(self._pieces):
             sizes = np.linalg.norm(place[:3, :3], axis=0)
             axes = poses.rotations[body] @ (place[:3, :3] / sizes)

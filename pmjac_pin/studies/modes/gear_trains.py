@@ -113,7 +113,7 @@ def gear_trains(
 
     for name in sorted(_all(gears), key=tells_nothing):
         if name not in known:
-            lines = _lines(name, gears)
+            lines = _gear_lines(name, gears)
             known.update(lines)
             trains.append(_train(coordinates, lines, motors))
     return tuple(trains)
@@ -123,7 +123,7 @@ def _all(gears: Sequence[JointLoop]) -> list[str]:
     return list(dict.fromkeys(name for gear in gears for name in gear.joints))
 
 
-def _lines(first: str, gears: Sequence[JointLoop]) -> dict[str, tuple[float, float]]:
+def _gear_lines(first: str, gears: Sequence[JointLoop]) -> dict[str, tuple[float, float]]:
     """Return slope and offset of each joint that hangs together with the first."""
     lines, waiting = {first: (1.0, 0.0)}, [first]
     while waiting:

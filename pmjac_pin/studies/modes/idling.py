@@ -19,9 +19,9 @@ from pmjac_pin.studies.modes.search import ManyClosures
 from pmjac_pin.studies.modes.search_problem import SearchProblem
 from pmjac_pin.values.arrays import Array, Mask
 
-_TRIED = 24  # closed poses that are looked at
+_POSES_TRIED = 24  # closed poses that are looked at
 _TURNS = 2  # how often each of them idles for a while
-_REGULAR = 1e-2  # of the size of [K K*]: the worse, the less is known of what idles
+_REGULAR_ENOUGH = 1e-2  # of the size of [K K*]: the worse, the less is known of what idles
 _IDLE_STEP = 1e-4  # of an idle motion, rad or lengths
 _AT_REST = 1e-5  # what an idle motion of one changes, and does not count as moved
 _SAME_ROOT = 1e-5  # two roots that meet are known to √1e-12
@@ -53,7 +53,7 @@ class Idling:
         problem = raised(problem, rows)
         if not problem.idle or not len(rows):
             return cls(problem, (), 0.0)
-        some = rows[np.unique(np.linspace(0, len(rows) - 1, _TRIED).astype(int))]
+        some = rows[np.unique(np.linspace(0, len(rows) - 1, _POSES_TRIED).astype(int))]
         rows = _regular_rows(problem, _wandered(problem, some))
         gaps = problem.loops.evaluate(rows)[0] * problem.partition.row_scale / problem.length
         looseness = _LOOSE * float(np.linalg.norm(gaps, axis=1).max())
@@ -155,7 +155,7 @@ def _regular_rows(problem: SearchProblem, rows: Array) -> Array:
     if not rank:
         return rows
     smallest = np.array([one.singular_values[rank - 1] / one.size for one in found])
-    return np.asarray(rows[smallest >= min(_REGULAR, float(smallest.max()))])
+    return np.asarray(rows[smallest >= min(_REGULAR_ENOUGH, float(smallest.max()))])
 
 
 def _idle_motions(problem: SearchProblem, rows: Array) -> Array:

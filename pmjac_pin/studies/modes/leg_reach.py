@@ -43,7 +43,7 @@ def reached(mechanism: Mechanism, leg: Leg, q: Array) -> Array:
     return min(poses, key=cost)
 
 
-def _ends(mechanism: Mechanism, leg: Leg, q: Array) -> tuple[pin.Data, Array, Array, Array]:
+def _leg_ends(mechanism: Mechanism, leg: Leg, q: Array) -> tuple[pin.Data, Array, Array, Array]:
     """Return the kinematics at q, and centre, end and target of a leg in the world."""
     model = mechanism.kinematics.model
     data = model.createData()
@@ -61,7 +61,7 @@ def _hinge_angles(
     mechanism: Mechanism, leg: Leg, passive: list[Edge], zero: Array
 ) -> list[tuple[float, float]]:
     """Return both pairs of angles (second hinge, first hinge)."""
-    data, centre, end, target = _ends(mechanism, leg, zero)
+    data, centre, end, target = _leg_ends(mechanism, leg, zero)
     b, a = ((data.oMi[edge.child] * edge.after.inverse()).rotation[:, 2] for edge in passive)
     w, d = end - centre, target - centre
     aside = np.cross(b, a)
@@ -78,7 +78,7 @@ def _hinge_angles(
 
 def _ball_turned(mechanism: Mechanism, leg: Leg, name: str, q: Array) -> Array:
     """Return q with a ball turned the shortest way from where its leg points."""
-    data, centre, end, target = _ends(mechanism, leg, q)
+    data, centre, end, target = _leg_ends(mechanism, leg, q)
     turn = pin.Quaternion.FromTwoVectors(end - centre, target - centre).matrix()
     model = mechanism.kinematics.model
     joint = model.joints[model.getJointId(name)]

@@ -29,9 +29,9 @@ Span: TypeAlias = tuple[Frame, Frame, float]
 
 _ROUNDED_LENGTHS = 1.0 + 1e-9  # for lengths that are added up
 _DIGITS = 1e-14  # of values that are added up
-_ROUNDS = 10  # in which one loop's bounds help in others
+_ROUNDS_OF_BOUNDS = 10  # in which one loop's bounds help in others
 _FAR = 5.0  # times the loop's own sides: how far is looked where nothing bounds a slide
-_NO_LIMIT = 1000.0  # times them: limits so far from each other, as 1e9, are none
+_AS_GOOD_AS_NONE = 1000.0  # times them: limits so far from each other, as 1e9, are none
 _PARALLEL_SLIDES = 1e-6  # axes whose directions differ by less do not tell how far each one slid
 
 
@@ -110,7 +110,7 @@ def slide_ranges(problem: SearchProblem, limits: bool) -> dict[str, SlideRange]:
     """
     edges = [edge for _, edge in problem.passive if edge.kind.along]
     polygons = Polygons(problem.model, problem.base, edges, _spans(problem))
-    bounds = polygons.bounds({edge.name: _limits(edge, limits) for edge in edges})
+    bounds = polygons.bounds({edge.name: _edge_limits(edge, limits) for edge in edges})
     units = {edge.name: "rad" if edge.kind.screw else "m" for edge in edges}
     return {
         name: _cut_off(
@@ -163,7 +163,7 @@ class Polygons:
             Values that are allowed.
         """
         ranges = {name: (low.copy(), high.copy()) for name, (low, high) in limits.items()}
-        for _ in range(_ROUNDS):
+        for _ in range(_ROUNDS_OF_BOUNDS):
             before = dict(ranges)
             for polygon in self._polygons:
                 _tighten(polygon, self.slides, ranges)
@@ -192,7 +192,7 @@ def _slide(data: pin.Data, edge: Edge, values: Array) -> _Slide:
     return _Slide(reach * parent[:, list(edge.kind.along)], values, abs(reach))
 
 
-def _limits(edge: Edge, limits: bool) -> tuple[Array, Array]:
+def _edge_limits(edge: Edge, limits: bool) -> tuple[Array, Array]:
     lower, upper = edge.bounds if limits else (-np.inf, np.inf)
     return np.full(len(edge.kind.along), lower), np.full(len(edge.kind.along), upper)
 
@@ -292,7 +292,7 @@ def _bound(
 def _cut_off(slide: _Slide, bounds: tuple[Array, Array], unit: str, length: float) -> SlideRange:
     """Return the range, cut off where it is beyond all measure."""
     lower, upper = bounds
-    if (upper - lower <= _NO_LIMIT * length / slide.reach).all():
+    if (upper - lower <= _AS_GOOD_AS_NONE * length / slide.reach).all():
         return SlideRange(lower, upper, unit)
     far = _FAR * length / slide.reach
     nearest = np.clip(slide.values, lower, upper)

@@ -58,7 +58,7 @@ class SweepWork:
         count = int(np.prod(shape))
         found = {name: VARIABLES[name].empty([count], self.labels) for name in self.measures}
         for parameters, which in self._machines(values, count):
-            if (mechanism := _at(self.machine, parameters)) is not None:
+            if (mechanism := _machine_at(self.machine, parameters)) is not None:
                 many = batch_of(mechanism, which.size)
                 targets = self._targets(many, values, which)
                 poses = many.close(
@@ -96,7 +96,7 @@ def _unpickled_machine(machine: bytes) -> Mechanism:
 
 
 @lru_cache(maxsize=_MACHINES)
-def _at(machine: bytes, parameters: tuple[tuple[str, float], ...]) -> Mechanism | None:
+def _machine_at(machine: bytes, parameters: tuple[tuple[str, float], ...]) -> Mechanism | None:
     """Return a machine at some parameters; None where it does not assemble."""
     try:
         return _unpickled_machine(machine).with_parameters(dict(parameters))
