@@ -28,6 +28,8 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/bench_parameters.py
 	$(BIN)/python benchmarks/bench_error.py
 	$(BIN)/python benchmarks/bench_dynamics.py
+	$(BIN)/python benchmarks/bench_polytope.py
+	$(BIN)/python benchmarks/bench_transmission.py
 	$(BIN)/python benchmarks/bench_modes.py
 	$(BIN)/python benchmarks/bench_homotopy.py
 	$(BIN)/python benchmarks/bench_proof.py

@@ -12,6 +12,7 @@ from functools import partial
 
 import numpy as np
 import pinocchio as pin
+from recording import recorded, unrecorded
 
 import pmjac_pin as pj
 
@@ -87,10 +88,11 @@ def ours(mechanism: pj.Mechanism, q: np.ndarray, rates: np.ndarray) -> tuple[np.
 
 
 def main() -> None:
-    print(f"{'':14s}{'by hand, µs':>14s}{'here, µs':>12s}{'ratio':>8s}")
+    print(f"{'µs':14s}{'by hand':>10s}{'recorded':>10s}{'ratio':>8s}{'without':>10s}{'ratio':>8s}")
     for name in NAMES:
-        mechanism, rng = heavy(name), np.random.default_rng(0)
+        mechanism, rng = recorded(heavy(name)), np.random.default_rng(0)
         by_hand, n = ByHand(mechanism), len(mechanism.actuated)
+        plain = unrecorded(heavy(name))
         home = mechanism.home.actuated
         poses = [mechanism.close(home + rng.uniform(-0.02, 0.02, n)).q for _ in range(POSES)]
         rates = rng.normal(size=(POSES, n))
@@ -98,15 +100,16 @@ def main() -> None:
             by_hand(poses[0], rates[0]), ours(mechanism, poses[0], rates[0]), strict=True
         ):
             np.testing.assert_allclose(one, other, atol=1e-9 * max(1.0, np.abs(one).max()))
-        times: tuple[list[float], list[float]] = ([], [])
+        ways = (by_hand, partial(ours, mechanism), partial(ours, plain))
+        times: tuple[list[float], ...] = ([], [], [])
         for _ in range(ROUNDS):
-            for of, found in zip((by_hand, partial(ours, mechanism)), times, strict=True):
+            for of, found in zip(ways, times, strict=True):
                 start = time.process_time()
                 for q, rate in zip(poses, rates, strict=True):
                     of(q, rate)
                 found.append((time.process_time() - start) / POSES)
-        hand, here = (1e6 * statistics.median(found) for found in times)
-        print(f"{name:14s}{hand:14.1f}{here:12.1f}{here / hand:8.2f}")
+        hand, here, slow = (1e6 * statistics.median(found) for found in times)
+        print(f"{name:14s}{hand:10.1f}{here:10.1f}{here / hand:8.2f}{slow:10.1f}{slow / hand:8.2f}")
 
 
 if __name__ == "__main__":

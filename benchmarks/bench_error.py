@@ -28,7 +28,7 @@ def middle(theta: mp.mpf, side: int) -> list[mp.mpf]:
 
 def velocity(pose: pj.Configuration) -> list[mp.mpf]:
     """Return J_v, its x and y, with fifty digits."""
-    theta, height = mp.mpf(float(pose.actuated[0])), float(pose.tool_pose.translation[1])
+    theta, height = mp.mpf(float(pose.actuated[0])), float(pose.tool_pose().translation[1])
     side = min((1, -1), key=lambda way: abs(float(middle(theta, way)[1]) - height))
     step = mp.mpf(10) ** -20
     return [mp.diff(lambda t, k=k: middle(t, side)[k], theta, h=step) for k in (0, 1)]

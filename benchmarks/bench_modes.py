@@ -54,7 +54,7 @@ class Multistart:
         )
         if np.abs(found.fun).max() > 1e-9 * self.length:
             return None
-        pose = self.mechanism.configuration(self.pose(start, found.x)).tool_pose
+        pose = self.mechanism.configuration(self.pose(start, found.x)).tool_pose()
         return pose.homogeneous.ravel()
 
 

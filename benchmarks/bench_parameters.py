@@ -111,7 +111,7 @@ def optimum() -> tuple[int, float, pj.Mechanism]:
         pose, points = machine.home, []
         for angle in motors:
             pose = machine.close([angle], guess=pose)
-            points.append(pose.tool_pose.translation[:2])
+            points.append(pose.tool_pose().translation[:2])
         length, width = np.linalg.svd(np.array(points) - np.mean(points, axis=0))[1]
         return float(width / length)
 

@@ -7,13 +7,15 @@ import pmjac_pin as pj
 
 def recorded(mechanism: pj.Mechanism) -> pj.Mechanism:
     """Let the next call record what single poses need."""
-    for earned in (mechanism._recorded._pose, mechanism._recorded._path):
+    known = mechanism._recorded
+    for earned in (known._pose, known._path, known._slopes, known._motion):
         earned._left = 1
     return mechanism
 
 
 def unrecorded(mechanism: pj.Mechanism) -> pj.Mechanism:
     """Let no call record anything."""
-    for earned in (mechanism._recorded._pose, mechanism._recorded._path):
+    known = mechanism._recorded
+    for earned in (known._pose, known._path, known._slopes, known._motion):
         earned._left = 1 << 60
     return mechanism

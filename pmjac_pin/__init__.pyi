@@ -17,6 +17,9 @@ from .errors import (
     ClosureError as ClosureError,
 )
 from .errors import (
+    EffortLimitError as EffortLimitError,
+)
+from .errors import (
     ForbiddenRatesError as ForbiddenRatesError,
 )
 from .errors import (
@@ -45,6 +48,9 @@ from .errors import (
 )
 from .errors import (
     NoJacobianError as NoJacobianError,
+)
+from .errors import (
+    NoMotorsError as NoMotorsError,
 )
 from .errors import (
     NoToolError as NoToolError,
@@ -96,6 +102,7 @@ from .model.loop_spec import (
 )
 from .model.spec import MechanismSpec as MechanismSpec
 from .pictures.plot import plot as plot
+from .pictures.transmission_figure import plot_transmission as plot_transmission
 from .rates.allowed import AllowedJacobian as AllowedJacobian
 from .rates.allowed import allowed_jacobian as allowed_jacobian
 from .rates.dynamics import Dynamics as Dynamics
@@ -136,9 +143,15 @@ from .studies.program import Program as Program
 from .studies.program import program as program
 from .studies.recut import recut as recut
 from .studies.sweep.sweep import sweep as sweep
-from .studies.transmission import Geared as Geared
-from .studies.transmission import Transmission as Transmission
-from .studies.transmission import transmission as transmission
+from .studies.transmissions.table_maker import transmission_table as transmission_table
+from .studies.transmissions.transmission import Geared as Geared
+from .studies.transmissions.transmission import Transmission as Transmission
+from .studies.transmissions.transmission import transmission as transmission
+from .studies.transmissions.transmission_map import TransmissionMap as TransmissionMap
+from .studies.transmissions.transmission_map import transmission_map as transmission_map
+from .studies.transmissions.transmission_table import (
+    TransmissionTable as TransmissionTable,
+)
 from .viewer.viewer import Viewer as Viewer
 from .viewer.viewer import view as view
 from .words.labelled_matrix import LabelledMatrix as LabelledMatrix

@@ -18,9 +18,10 @@ from pmjac_pin.closing.generic_ranks import on_branch_of
 from pmjac_pin.closing.idle_motions import gained_and_idle
 from pmjac_pin.closing.loaded_pose import LoadedPose
 from pmjac_pin.closing.parts import Parts
-from pmjac_pin.errors import ArgumentError, ClosureError, quoted
+from pmjac_pin.errors import ArgumentError, ClosureError
 from pmjac_pin.kinematics.pinocchio import Snapshot
 from pmjac_pin.model.limits import Violation, violations
+from pmjac_pin.model.reference_frame import frame_name
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.pose_rounding import PoseRounding
 from pmjac_pin.rates.allowed import AllowedJacobian, allowed_jacobian
@@ -154,29 +155,44 @@ class Configuration(LoadedPose, Shown):
         """η(q), shape (p,): m for a point loop, m² for a distance loop; world axes."""
         return read_only(self._snapshot.residual)
 
-    @property
-    def tool_pose(self) -> pin.SE3:
-        """The tool's pose in the world; a copy.
+    def tool_pose(self, tool: str | Sequence[str] | None = None) -> pin.SE3:
+        """Return the tool's pose in the world: a rotation and a translation in m.
+
+        Parameters
+        ----------
+        tool : str or three str, optional
+            Another frame than the mechanism's tool, or three that span one: as of `with_tool`.
 
         Raises
         ------
         NoToolError
-            No frame is named as one: `with_tool` names it.
+            No frame is named as the tool.
+        UnknownNameError, ArgumentError
+            As `with_tool`.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> home = pj.load("four_bar").home
+        >>> home.tool_pose("rocker_tip").translation.round(3).tolist()
+        [2.469, 3.147, 0.0]
         """
+        if tool is not None:
+            return self.with_tool(tool).tool_pose()
         self._need_tool()
         return pin.SE3(self._snapshot.rotation, self._snapshot.position + self._parts.place)
 
     def with_tool(self, tool: str | Sequence[str]) -> Configuration:
         """Return this pose of the mechanism with another tool: a frame, or three that span it.
 
-        `tool_pose`, `jacobian()` and `singularity()` are its; see `Mechanism.with_tool`.
+        `tool_pose()`, `jacobian()` and `singularity()` are its; see `Mechanism.with_tool`.
 
         Examples
         --------
         >>> import pmjac_pin as pj
         >>> home = pj.load("four_bar").home
-        >>> home.with_tool("rocker_tip").tool_pose.translation.round(3).tolist()
-        [2.469, 3.147, 0.0]
+        >>> home.with_tool("rocker_tip").singularity().kind
+        'regular'
         """
         return self.mechanism.with_tool(tool).configuration(self.q)
 
@@ -301,6 +317,9 @@ class Configuration(LoadedPose, Shown):
     def singularity(self) -> Singularity:
         """Return the ranks here, the kind of singularity and what moves freely.
 
+        By singular values, and by the factorisation that `jacobian` takes, too, where no recorded
+        program tells it that K* has its rank for certain.
+
         Examples
         --------
         >>> import pmjac_pin as pj
@@ -328,6 +347,11 @@ class Configuration(LoadedPose, Shown):
     @found_once
     def _known(self) -> KnownPose | None:
         return self.mechanism._recorded.pose(self.q)
+
+    def _motion_by_home(self, rates: Array) -> tuple[Array, Array, Array] | None:
+        """Return what motor rates lead to by a program, None where nothing is certain."""
+        recorded = None if self._known is None else self.mechanism._recorded.motion()
+        return None if recorded is None else recorded.at(self.q, rates)
 
     @found_once
     def _point(self) -> Closed:
@@ -380,16 +404,3 @@ class Configuration(LoadedPose, Shown):
 
 def _unpickled(mechanism: Mechanism, q: Array, iterations: int) -> Configuration:
     return Configuration._of_q(mechanism, mechanism._checked(q), iterations)
-
-
-def frame_name(frame: str | pin.ReferenceFrame) -> FrameName:
-    """Return the name of one of Pinocchio's frames, or say which there are."""
-    name = frame.name if isinstance(frame, pin.ReferenceFrame) else frame
-    if isinstance(name, str):  # of an array, a comparison is none
-        match name.upper():
-            case "LOCAL_WORLD_ALIGNED" | "LOCAL" | "WORLD" as known:
-                return known
-            case _:
-                pass
-    names = "LOCAL, WORLD or LOCAL_WORLD_ALIGNED"
-    raise ArgumentError(f"frame must be {names}, got {quoted(frame)}")

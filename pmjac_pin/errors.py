@@ -66,6 +66,18 @@ class ModelFileError(PmjacError, ValueError):
     path: str = ""
 
 
+class NoMotorsError(ModelFileError):
+    """A file does not say which joints are motors, and nobody else does.
+
+    Attributes
+    ----------
+    candidates : tuple of str
+        Joints that may be: those of one degree of freedom or, where there are none, others.
+    """
+
+    candidates: Any = ()
+
+
 class UnknownNameError(PmjacError, KeyError):
     """A mechanism, joint, frame, pose or parameter that does not exist.
 
@@ -142,6 +154,19 @@ class NoJacobianError(PmjacError, ArithmeticError):
 
 class NoEquilibriumError(PmjacError, ArithmeticError):
     """A load drives what neither motors nor loops hold."""
+
+
+class EffortLimitError(NoEquilibriumError):
+    """No efforts within the motors' limits balance a load.
+
+    Attributes
+    ----------
+    lacking : dict of str to float
+        By motor, how much more than its limit it takes, N or N m: of a motor that no other
+        relieves, or of several that share the load so that all are beyond by the same factor.
+    """
+
+    lacking: dict[str, float]
 
 
 class NoGradientError(PmjacError, ArithmeticError):

@@ -9,7 +9,7 @@ from pathlib import Path
 import msgspec
 
 from pmjac_pin.closing.blueprint import Blueprint
-from pmjac_pin.errors import PmjacError
+from pmjac_pin.errors import ArgumentError, PmjacError, enumerated, quoted
 from pmjac_pin.files.catalog import find_model_file
 from pmjac_pin.files.source import Source, read_source
 from pmjac_pin.mechanism import Mechanism
@@ -40,7 +40,7 @@ def load(
         Values for parameters that the model file declares, m or rad.
     locked : iterable of str, or mapping of str to float or floats, optional
         Joints to hold, beside those that the model file locks: at their values in the home pose,
-        or at the values given, rad or m.
+        or at the values given, rad or m. A motor among them is none then, and `notes` says so.
     actuated : iterable of str, optional
         The motors, in the order of the columns of K and J, instead of those that the file tells.
     tool : str, optional
@@ -69,7 +69,7 @@ def load(
         No such mechanism, parameter, motor or frame.
     ModelFileError
         The file or its URDF cannot be read, contradicts itself, or does not say which joints
-        are motors.
+        are motors (`NoMotorsError`, which has the candidates).
     ArgumentError
         A parameter outside its range, or neither a name nor a path.
     ClosureError
@@ -106,8 +106,19 @@ def adjusted(
     tolerance: float | None,
     enforce_limits: bool | None,
 ) -> Source:
-    """Return what a file says, but for what `load` was given in place of it."""
+    """Return what a file says, but for what `load` was given in place of it.
+
+    Raises
+    ------
+    ArgumentError
+        A motor that was given is locked; values that are none.
+    """
     spec = source.spec.with_locked(locked).with_tool_rows(tool_rows, tool_axes)
+    if both := [name for name in source.driven if name not in spec.actuated]:
+        raise ArgumentError(f"joint {quoted(both[0])} is given as `actuated` and as `locked`")
+    if held := [name for name in source.spec.actuated if name not in spec.actuated]:
+        note = f"held, and so no motor: {enumerated(held)}"
+        source = replace(source, notes=(*source.notes, note))
     if tolerance is not None:
         spec = msgspec.structs.replace(spec, tolerance=tolerance)
     if enforce_limits is not None:

@@ -28,16 +28,18 @@ from pmjac_pin.model.spec import JointValue
 from pmjac_pin.model.unit_turns import with_unit_turns
 from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.values.checks import as_numbers
+from pmjac_pin.values.shown import Shown
 
 if TYPE_CHECKING:
     from pmjac_pin.kinematics.slopes import SlopesAlongMotions
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Mechanism(MechanismSiblings):
+class Mechanism(MechanismSiblings, Shown):
     """A mechanism with closed loops: made by `load` or `Mechanism.from_pinocchio`.
 
-    A value: it can be shared between threads, copied, and pickled to other processes.
+    A value: it can be shared between threads, copied, and pickled to other processes. In a notebook
+    it shows itself: its degrees of freedom with their limits, its parameters, loops and poses.
 
     Attributes
     ----------

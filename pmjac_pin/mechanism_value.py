@@ -122,29 +122,30 @@ class MechanismValue:
         """Raise NoToolError where no frame is named as the tool."""
         if self.spec.tool.is_none:
             frames = self.possible_tools
-            listed = enumerated(frames, _MOST_FRAMES)
-            raise NoToolError(
-                f"{self.name} has no tool: name a frame by `tool`, as in jacobian(tool=...), of: "
-                f"{listed}",
-                frames=frames,
+            name = "name a frame by `tool`, as in --tool or jacobian(tool=...)"
+            advice = (
+                f"{name}, of: {enumerated(frames, _MOST_FRAMES)}"
+                if frames
+                else f"its model has no link that could be one; add a frame to it, and {name}"
             )
+            raise NoToolError(f"{self.name} has no tool: {advice}", frames=frames)
 
     @property
     def rows(self) -> tuple[str, ...]:
         """Names of the p rows of the loop equations."""
-        return self._parts.kinematics.loops.row_names
+        return self._parts.problem.partition.row_names
 
     @property
     def row_units(self) -> tuple[str, ...]:
         """Unit of each of the p rows: "m" for a point loop, "m²" for a distance loop."""
-        return self._parts.kinematics.loops.row_units
+        return self._parts.problem.partition.row_units
 
     @property
     def units(self) -> Mapping[str, str]:
         """Unit of each degree of freedom by its name: "m" or "rad"."""
-        parts = self._parts
-        turns, columns = parts.coordinates.rotational, parts.problem.partition.columns
-        return MappingProxyType({name: "rad" if turns[k] else "m" for name, k in columns.items()})
+        partition = self._parts.problem.partition
+        columns, units = partition.columns, partition.units
+        return MappingProxyType({name: units[k] for name, k in columns.items()})
 
     @property
     def nq(self) -> int:

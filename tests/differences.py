@@ -12,7 +12,7 @@ def difference_quotient(configuration, h):
 
     def pose(step):
         closed = mechanism.close(theta + step, guess=configuration, enforce_limits=False)
-        return closed.tool_pose
+        return closed.tool_pose()
 
     columns = []
     for k in range(theta.size):

@@ -59,8 +59,8 @@ def by_differences(configuration, h=1e-5):
         for way in (1.0, -1.0):
             q = pin.integrate(model, configuration.q, way * h * np.eye(model.nv)[column])
             values = mechanism.coordinates.values(q)[columns]
-            pose = mechanism.close(values, guess=configuration).tool_pose
-            turned = pin.log3(pose.rotation @ configuration.tool_pose.rotation.T)
+            pose = mechanism.close(values, guess=configuration).tool_pose()
+            turned = pin.log3(pose.rotation @ configuration.tool_pose().rotation.T)
             twist += way / (2.0 * h) * np.r_[pose.translation, turned]
         found.append(twist)
     return np.column_stack(found)

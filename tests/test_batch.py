@@ -7,8 +7,10 @@ import pandas
 import pinocchio as pin
 import pytest
 import xarray
+from humanoid import humanoid
 from mechanisms import SAMPLE, loaded, mostly_slow
 from random_machines import random_machine
+from recording import unrecorded
 
 import pmjac_pin as pj
 
@@ -18,13 +20,15 @@ QUICK = ("four_bar", "five_bar", "bennett", "delta", "random 1")  # whose long p
 
 def machines_and_shares():
     """Short paths, and long ones that meet folds: of some machines these take many seconds."""
-    for name in [*NAMES, *(f"random {seed}" for seed in range(10))]:
-        quick = name in SAMPLE or name in QUICK or name in ("random 0", "random 2")
+    for name in [*NAMES, "humanoid", *(f"random {seed}" for seed in range(10))]:
+        quick = name in SAMPLE or name in QUICK or name in ("humanoid", "random 0", "random 2")
         yield pytest.param(name, 0.03, marks=[] if quick else [pytest.mark.slow])
         yield pytest.param(name, 0.6, marks=[] if name in QUICK else [pytest.mark.slow])
 
 
 def machine(name):
+    if name == "humanoid":
+        return humanoid()
     return random_machine(int(name.split()[1])) if name.startswith("random ") else loaded(name)
 
 
@@ -132,7 +136,7 @@ def test_measures_are_those_of_one_by_one(name, rng):
     found, jacobians = many.measures(q), many.jacobian(q)
     assert found.status.tolist() == jacobians.status.tolist()
     for k, pose in enumerate(map(mechanism.configuration, q)):
-        singularity, tool = pose.singularity(), pose.tool_pose
+        singularity, tool = pose.singularity(), pose.tool_pose()
         assert found.smallest[k] == pytest.approx(singularity.smallest, rel=1e-9, abs=1e-14)
         if singularity.smallest > 1e-12:
             assert found.condition[k] == pytest.approx(singularity.condition, rel=1e-9)
@@ -153,13 +157,40 @@ def test_measures_are_those_of_one_by_one(name, rng):
             np.testing.assert_allclose(radii, ellipsoid.radii, rtol=1e-9, atol=tolerance)
 
 
+@pytest.mark.parametrize(
+    ("count", "share"), [(20, 0.1), pytest.param(500, 0.2, marks=pytest.mark.slow)]
+)
+def test_a_humanoid_is_what_pinocchio_and_singular_values_say(count, share, rng):
+    """To the last digits: poses, J_eq, its singular values, K*'s; and statuses are equal."""
+    mechanism, many = unrecorded(humanoid()), pj.batch(humanoid())
+    values = targets(mechanism, count, share, rng)
+    poses = many.close(values, enforce_limits=False)
+    found = many.measures(poses.q)
+    ends = [single(mechanism, one)[0] for one in values]
+    np.testing.assert_array_equal(poses.status == pj.Status.CLOSED, np.array(ends) == 1.0)
+    assert np.mean(ends) > 0.9
+    for k in np.flatnonzero(poses.status == pj.Status.CLOSED).tolist():
+        q, pose = single(mechanism, values[k])[1], mechanism.configuration(poses.q[k])
+        singularity = pose.singularity()
+        np.testing.assert_allclose(poses.q[k], q, rtol=0.0, atol=1e-14 / singularity.smallest)
+        jacobian = pose.jacobian()
+        rounding = 2e-15 * singularity.condition * np.abs(jacobian.J_eq).max()
+        np.testing.assert_allclose(found.J_eq[k], jacobian.J_eq, rtol=0.0, atol=rounding)
+        blocks = (jacobian.Jv_eq, jacobian.Jw_eq)
+        radii = [np.linalg.svd(block, compute_uv=False) for block in blocks]
+        told = [found.velocity_radii[k], found.angular_radii[k]]
+        np.testing.assert_allclose(told, radii, rtol=0.0, atol=rounding)
+        assert found.smallest[k] == pytest.approx(singularity.smallest, rel=1e-12)
+        assert found.condition[k] == pytest.approx(singularity.condition, rel=1e-12)
+
+
 def test_measures_of_open_and_singular_poses():
     mechanism = pj.load("four_bar", {"l0": 2.0, "l1": 1.0, "l2": 2.0, "l3": 1.0})
     flat = mechanism.close([0.0], enforce_limits=False)
     found = pj.batch(mechanism).measures([flat.q, flat.q + 0.1])
     assert found.status.tolist() == [pj.Status.SINGULAR, pj.Status.OPEN]
     np.testing.assert_allclose(found.smallest[0], flat.singularity().smallest, atol=1e-14)
-    np.testing.assert_allclose(found.position[0], flat.tool_pose.translation, atol=1e-14)
+    np.testing.assert_allclose(found.position[0], flat.tool_pose().translation, atol=1e-14)
     assert np.isnan([found.smallest[1], found.position[1, 0], *found.velocity_radii.ravel()]).all()
 
 

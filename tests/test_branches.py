@@ -203,6 +203,6 @@ def test_modes_are_those_that_a_home_on_their_branch_finds(name):
     expected = pj.assembly_modes(theirs, values, rng=0, limits=False)
     assert len(found) == len(expected) > 1
     for one, other in zip(found, expected, strict=True):
-        assert one.tool_pose.isApprox(other.tool_pose, 1e-7)
+        assert one.tool_pose().isApprox(other.tool_pose(), 1e-7)
     with pytest.raises(pj.IdleMotionError):
         pj.assembly_modes(ours, ours.home.actuated, rng=0, limits=False)

@@ -30,7 +30,7 @@ def test_inverse_jacobian_of_a_stewart_platform_are_its_leg_lines(seed, scale):
     arms = held @ pose.rotation.T
     legs = arms + pose.translation - base
     np.testing.assert_allclose(home.actuated, np.linalg.norm(legs, axis=1), rtol=1e-12)
-    np.testing.assert_allclose(home.tool_pose.homogeneous, pose.homogeneous, atol=1e-12 * scale)
+    np.testing.assert_allclose(home.tool_pose().homogeneous, pose.homogeneous, atol=1e-12 * scale)
     n = legs / np.linalg.norm(legs, axis=1)[:, None]
     lines = np.hstack([n, np.cross(arms, n)])
     np.testing.assert_allclose(lines @ home.jacobian().J_eq, np.eye(6), atol=1e-9)
@@ -42,15 +42,15 @@ def test_the_catalogues_platform_made_of_its_points():
     pin.framesForwardKinematics(model, data, known.home.q)
     world = [data.oMf[model.getFrameId(f"P{k}")].translation for k in range(1, 7)]
     feet = [data.oMi[model.getJointId(f"alpha{k}")].translation for k in range(1, 7)]
-    pose = known.home.tool_pose
+    pose = known.home.tool_pose()
     held = (np.array(world) - pose.translation) @ pose.rotation
     made = pj.stewart(np.array(feet), held, pose)
     expected = known.home.jacobian().J_eq
     np.testing.assert_allclose(made.home.jacobian().J_eq, expected, atol=1e-9)
     moved = known.home.actuated + np.array([0.02, -0.01, 0.0, 0.03, 0.01, -0.02])
     np.testing.assert_allclose(
-        made.close(moved).tool_pose.homogeneous,
-        known.close(moved).tool_pose.homogeneous,
+        made.close(moved).tool_pose().homogeneous,
+        known.close(moved).tool_pose().homogeneous,
         atol=1e-10,
     )
 
@@ -68,7 +68,7 @@ def test_the_catalogues_delta_made_of_its_lengths():
     for values in ([0.3, 0.3, 0.3], [0.1, 0.5, 0.4]):
         one, other = made.close(values), known.close(values)
         np.testing.assert_allclose(
-            one.tool_pose.homogeneous, other.tool_pose.homogeneous, atol=1e-10
+            one.tool_pose().homogeneous, other.tool_pose().homogeneous, atol=1e-10
         )
         np.testing.assert_allclose(one.jacobian().J_eq, other.jacobian().J_eq, atol=1e-9)
 
@@ -79,7 +79,7 @@ def test_jacobian_of_a_delta_is_that_of_its_rods(directions):
     base, arm, rod, plate, angle = 0.25, 0.3, 0.75, 0.08, 0.4
     made = pj.delta(base, arm, rod, plate, directions=directions, home=angle)
     configuration = made.close([0.5, 0.2, 0.4])
-    place = configuration.tool_pose.translation
+    place = configuration.tool_pose().translation
     by_v, by_motors = np.zeros((3, 3)), np.zeros((3, 3))
     for k, (turn, theta) in enumerate(
         zip(np.deg2rad(directions), configuration.actuated, strict=True)

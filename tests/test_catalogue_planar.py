@@ -26,8 +26,8 @@ def in_plane(configuration):
 
 
 def platform_pose(configuration):
-    x, y, _ = configuration.tool_pose.translation
-    return np.array([x, y, pin.log3(configuration.tool_pose.rotation)[2]])
+    x, y, _ = configuration.tool_pose().translation
+    return np.array([x, y, pin.log3(configuration.tool_pose().rotation)[2]])
 
 
 # --- Slider-crank --------------------------------------------------------------------------------
@@ -82,7 +82,7 @@ def test_five_bar_is_its_closed_form(pose, rng):
     for configuration in mechanisms.random_closed(mechanism, rng, 10, 0.2, start=pose):
         lengths = tuple(mechanism.parameters.values())
         tip, J = planar.five_bar(configuration.actuated, lengths, side)
-        np.testing.assert_allclose(configuration.tool_pose.translation, [*tip, 0], atol=EXACT)
+        np.testing.assert_allclose(configuration.tool_pose().translation, [*tip, 0], atol=EXACT)
         np.testing.assert_allclose(in_plane(configuration), J, atol=EXACT * np.abs(J).max())
 
 
@@ -91,7 +91,7 @@ def test_five_bar_of_other_lengths(lengths):
     given = dict(zip(("l0", "l1", "l2", "l3", "l4"), lengths, strict=True))
     configuration = pj.load("five_bar", given).home
     tip, J = planar.five_bar(configuration.actuated, lengths, 1)
-    np.testing.assert_allclose(configuration.tool_pose.translation, [*tip, 0], atol=EXACT)
+    np.testing.assert_allclose(configuration.tool_pose().translation, [*tip, 0], atol=EXACT)
     np.testing.assert_allclose(in_plane(configuration), J, atol=EXACT)
 
 
@@ -111,7 +111,7 @@ def test_watt_six_bar_is_its_closed_form(pose, sides, crank):
     points = planar.watt_six_bar_points(crank, [given[name] for name in SIZES], angles, sides)
     velocities, turning = planar.watt_six_bar(points)
     configuration = mechanism.close([crank], guess=pose)
-    np.testing.assert_allclose(configuration.tool_pose.translation, [*points["E"], 0], atol=1e-9)
+    np.testing.assert_allclose(configuration.tool_pose().translation, [*points["E"], 0], atol=1e-9)
     expected = [*velocities["E"], turning]
     np.testing.assert_allclose(in_plane(configuration)[:, 0], expected, atol=1e-9)
 

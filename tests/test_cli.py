@@ -17,6 +17,7 @@ import pmjac_pin as pj
 from pmjac_pin.cli import main
 from pmjac_pin.cli.running import app
 
+COMMANDS = ("list", "report", "modes", "check", "plot", "demo", "convert", "sweep", "transmission")
 ROOT = Path(__file__).resolve().parent.parent
 FOLD = ("report", "four_bar", "--set", "l1=3,l2=2.5,l3=2", "--at", "1.3715642395497258")
 
@@ -73,13 +74,11 @@ def equals(report, key, expected):
 def test_alone_it_shows_its_help(shown):
     text = shown()
     assert text == shown("--help")
-    for command in ("list", "report", "modes", "check", "plot", "demo", "convert", "sweep"):
+    for command in COMMANDS:
         assert re.search(rf"│ {command} +\w", text)
 
 
-@pytest.mark.parametrize(
-    "command", ["list", "report", "modes", "check", "plot", "demo", "convert", "sweep"]
-)
+@pytest.mark.parametrize("command", COMMANDS)
 def test_help_of_a_command(shown, command):
     text = shown(command, "--help")
     assert f"Usage: pmjac {command}" in text

@@ -283,7 +283,7 @@ def test_operation_modes_are_not_changed_in_passing(name):
     pose = mechanism.close(start, guess=values)
     if name == "three_rps":
         turn = pin.SE3(pin.AngleAxis(-5 * np.pi / 6, np.array([0.0, 0, 1])).matrix(), np.zeros(3))
-        values["platform"] = pin.SE3ToXYZQUAT(pose.tool_pose * turn)
+        values["platform"] = pin.SE3ToXYZQUAT(pose.tool_pose() * turn)
         mechanism = loaded("three_rps")
         pose = mechanism.close(start, guess=values)
     with pytest.raises(pj.ClosureError, match="meets a singularity") as caught:

@@ -11,7 +11,7 @@ from mechanisms import loaded
 
 def same_machine(configuration, other):
     """The pose of `other` with the same motors and legs: three_rps with three_rps_ss's angles."""
-    tool = configuration.tool_pose.homogeneous
+    tool = configuration.tool_pose().homogeneous
     turn = -5 * np.pi / 6  # plate axes from tool axes, about the common normal
     plate = tool.copy()
     plate[:3, :3] = tool[:3, :3] @ np.array(
@@ -32,7 +32,7 @@ def test_contact_constraints_and_distance_loops_give_the_same_j_eq():
     for configuration in mechanisms.random_poses("three_rps_ss", 3, 120):
         twin = same_machine(configuration, other)
         np.testing.assert_allclose(
-            twin.tool_pose.homogeneous, configuration.tool_pose.homogeneous, atol=1e-9
+            twin.tool_pose().homogeneous, configuration.tool_pose().homogeneous, atol=1e-9
         )
         for frame in ("LOCAL_WORLD_ALIGNED", "LOCAL", "WORLD"):
             J_eq = configuration.jacobian(frame).J_eq

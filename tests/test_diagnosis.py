@@ -6,6 +6,7 @@ import pickle
 import re
 from pathlib import Path
 
+import looped
 import mechanisms
 import numpy as np
 import pinocchio as pin
@@ -13,6 +14,7 @@ import pytest
 from mechanisms import Z, loaded
 
 import pmjac_pin as pj
+from pmjac_pin.studies.check.undriven import commanding, undriven
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -202,9 +204,35 @@ def test_an_idle_rod(tool, felt, code, severity):
     assert (motion.felt, motion.bodies) == (felt, ("rod1", "rod2", "rod"))
     assert moving(motion.rates) == {"rx", "ry", "rz"}
     assert finding(diagnosis, code).severity == severity
+    told = re.search(r"(\S+) m and (\S+) rad for each rad of", finding(diagnosis, code).message)
+    assert bool(told) == felt
     if felt:
         with pytest.raises(pj.IdleMotionError):
             mechanism.home.jacobian()
+
+
+@pytest.mark.parametrize("offset", [0.1, 5.6e-4, 1e-8])
+def test_an_idle_motion_has_a_size_in_m_and_rad(offset):
+    """A point beside the axis of a rod that spins: its distance from it for each rad of spin."""
+    joints = [
+        ("theta", "revolute", "ground", "crank", (0, 0, 0), Z),
+        ("spin", "revolute", "crank", "rod", (1.0, 0, 0), (1, 0, 0)),
+        ("end", "fixed", "rod", "rod_tip", (2.0, 0, 0)),
+        ("side", "fixed", "rod", "rod_side", (1.0, offset, 0)),
+        ("psi", "revolute", "ground", "rocker", (3.0, 0, 0), Z),
+    ]
+    loops = [pj.PointLoop(frames=("rod_tip", "rocker"))]
+    model = pin.buildModelFromXML(mechanisms.tree(*joints))
+    machine = pj.Mechanism.from_pinocchio(model, loops, ["psi"], "rod_side", home={})
+    [motion] = [m for m in pj.check(machine).actuation.free_motions if "spin" in moving(m.rates)]
+    assert motion.rates["spin"] == pytest.approx(1.0)
+    assert motion.tool_linear == pytest.approx(offset)
+    assert motion.tool_angular == pytest.approx(1.0)
+    code = "under-actuated" if motion.felt else "idle-motion"
+    told = f"{offset:.3g} m and 1 rad for each rad of 'spin'"
+    message = finding(pj.check(machine), code).message
+    assert told in message
+    assert "'spin' turns or slides freely" in message
 
 
 def test_idle_motions_of_several_rods_come_apart():
@@ -317,6 +345,95 @@ def test_a_loose_base_is_one_finding_with_advice_that_is_taken(tmp_path, kind, f
     assert locked == ["root"]
     assert not codes(pj.check(path, **says, locked=locked), "error")
     pj.load(path, **says, locked=locked).home.jacobian()
+
+
+# --- no motors -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["four_bar", "five_bar", "planar_3rrr", "watt_six_bar", "sarrus"])
+def test_without_motors_what_does_not_depend_on_them_is_known(tmp_path, name):
+    """Loops, mobility and their evidence are those of the machine with its motors."""
+    known = loaded(name)
+    model_file, _ = pj.convert(name, tmp_path / "mine.toml")
+    driven = pj.check(model_file)
+    joints = known.coordinates
+    candidates = [name for name in joints.names if joints.degrees_of_freedom(name) == 1]
+    found = undriven(driven, *commanding(known, known.home.q, candidates))
+    untold = finding(found, "no-motors")
+    assert untold.severity == found.severity == "error"
+    assert (found.mobility, found.loops, found.evidence) == (
+        driven.mobility,
+        driven.loops,
+        driven.evidence,
+    )
+    suggested = re.search("`--actuated ([^`]*)`", untold.advice)[1].split(",")
+    assert len(suggested) == known.mobility
+    told = pj.check(pj.load(model_file, actuated=suggested))
+    assert not codes(told, "error")
+    assert {one.role for one in found.freedoms} == {"unknown"}
+    assert found.actuation is None
+    assert not {one.code for one in found.findings} & {"actuation", "conditioning", "no-limits"}
+
+
+@pytest.mark.parametrize("tool", [None, "middle"])
+def test_loops_without_motors_are_a_page(tmp_path, tool):
+    path = tmp_path / "loops.urdf"
+    path.write_text(looped.two_parents())
+    found = pj.check(path, tool=tool)
+    assert found.mobility.mobility == 1
+    assert ("no-tool" in codes(found, "warning")) == (tool is None)
+    assert re.search(
+        r"Name 1 motor .* of: theta1, phi2(, \w+)?; such as", str(found).replace("\n", " ")
+    )
+    assert "motor" not in {row.role for row in found.freedoms}
+
+
+def test_loops_that_do_not_assemble_without_motors_are_a_page(tmp_path):
+    path = tmp_path / "loops.urdf"
+    text = looped.with_element(looped.loop_element()).replace('xyz="4', 'xyz="400')
+    path.write_text(text)
+    found = pj.check(path)
+    assert codes(found, "error") >= {"no-motors", "home-open"}
+
+
+# --- limits in degrees ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("limits", "odd"),
+    [
+        ((-90.0, 90.0), True),
+        ((0.0, 360.0), True),
+        ((-17.0, 117.0), True),
+        ((-180.0, 180.0), True),
+        ((-np.pi, np.pi), False),
+        ((-4.0 * np.pi, 4.0 * np.pi), False),
+        ((-10.0, 10.0), False),
+        ((-31.4159, 31.4159), False),
+        ((-100.0, 100.0), False),
+        ((-1e4, 1e4), False),
+        ((-1e16, 1e16), False),
+    ],
+)
+def test_limits_that_look_like_degrees(tmp_path, limits, odd):
+    lower, upper = limits
+    path = tmp_path / "arm.urdf"
+    limit = f'<limit lower="{lower!r}" upper="{upper!r}" effort="1" velocity="1"/>'
+    links = '<link name="a"/><link name="b"/><link name="c"/>'
+    turn = f'<joint name="t" type="revolute"><parent link="a"/><child link="b"/>{limit}</joint>'
+    slide = f'<joint name="s" type="prismatic"><parent link="b"/><child link="c"/>{limit}</joint>'
+    path.write_text(f'<robot name="arm">{links}{turn}{slide}</robot>')
+    found = pj.check(path, tool="c")
+    if not odd:
+        assert "limits-in-degrees" not in codes(found, "note")
+        return
+    hint = finding(found, "limits-in-degrees")
+    assert hint.severity == "note"
+    assert "'s'" not in hint.message
+    written = re.search(r"\[(.*), (.*)\] rad", hint.advice)
+    np.testing.assert_allclose(
+        [float(end) for end in written.groups()], np.deg2rad(limits), rtol=1e-3
+    )
 
 
 # --- poses ---------------------------------------------------------------------------------------

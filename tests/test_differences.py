@@ -106,7 +106,7 @@ def test_j_eq_is_the_tool_jacobian_on_the_motion_map(poses):
 def test_frames_change_by_the_adjoint(poses):
     for configuration in poses:
         local = configuration.jacobian("LOCAL").J_eq
-        pose = configuration.tool_pose
+        pose = configuration.tool_pose()
         aligned = pin.SE3(pose.rotation, np.zeros(3))
         scale = 1e-12 * (1 + np.abs(local).max())
         for frame, action in (

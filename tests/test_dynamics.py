@@ -100,7 +100,7 @@ def check_by_multipliers(configuration, rng):
 
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_power_is_the_change_of_energy(name, rng):
-    """d/dt (kinetic + potential) = θ̇ᵀτ + twistᵀw, the energies by Pinocchio's own functions."""
+    """d/dt (kinetic + potential + springs') = θ̇ᵀτ + twistᵀw, the former two by Pinocchio."""
     mechanism = heavy(name, rng)
     configuration = away(mechanism, rng)
     n = len(mechanism.actuated)
@@ -108,16 +108,20 @@ def test_power_is_the_change_of_energy(name, rng):
     wrench, model, data = rng.normal(size=6), mechanism.model, mechanism.model.createData()
     bare = model.copy()  # of some joints, Pinocchio's energy leaves armatures out
     bare.armature = np.zeros(model.nv)
-    efforts = configuration.dynamics(rates).efforts(accelerations, wrench)
+    joints = [name for name, value in configuration.joint_values.items() if np.isscalar(value)]
+    springs = {joint: rng.uniform(0.5, 2.0, 2) for joint in joints[::2]}
+    entries = [model.joints[model.getJointId(joint)].idx_q for joint in springs]
+    stiffness, rest = np.array(list(springs.values())).T
+    efforts = configuration.dynamics(rates, springs=springs).efforts(accelerations, wrench)
     power = rates @ efforts + configuration.motion(rates).twist @ wrench
 
     def energy(t):
         theta = configuration.actuated + t * rates + 0.5 * t**2 * accelerations
         there = mechanism.close(theta, guess=configuration, enforce_limits=False)
         v = there.jacobian().motion_map @ (rates + t * accelerations)
-        rotors = 0.5 * model.armature @ v**2
+        stored = 0.5 * model.armature @ v**2 + 0.5 * stiffness @ (there.q[entries] - rest) ** 2
         moving = pin.computeKineticEnergy(bare, data, there.q, v)
-        return moving + rotors + pin.computePotentialEnergy(model, data, there.q)
+        return moving + stored + pin.computePotentialEnergy(model, data, there.q)
 
     h = 1e-3
     found = (8 * (energy(h) - energy(-h)) - (energy(2 * h) - energy(-2 * h))) / (12 * h)
@@ -279,3 +283,82 @@ def test_what_idles_may_have_any_mass(size, rng):
     slope = (8 * (mass(0.7 + h) - mass(0.7 - h)) - (mass(0.7 + 2 * h) - mass(0.7 - 2 * h))) / 12 / h
     bias = dynamics.bias - configuration.dynamics([0.0]).bias
     assert bias[0] == pytest.approx(0.5 * slope * rates[0] ** 2, rel=1e-6, abs=1e-9)
+
+
+DRIVEN = {
+    "ankle": ["pitch", "roll"],
+    "five_bar": ["phi1", "phi2"],
+    "four_bar": ["phi1"],
+    "slider_crank": ["x"],
+    "three_rps": ["theta1", "theta2", "theta3"],
+}
+
+
+@pytest.mark.parametrize("name", DRIVEN)
+def test_in_the_coordinates_of_other_joints_it_is_the_same_machine(name, rng):
+    """θ̇ = R ẋ: M_x = Rᵀ M R, g_x = Rᵀ g, h_x = Rᵀ (M Ṙ ẋ + h), and the same accelerations."""
+    configuration = away(heavy(name, rng), rng)
+    mechanism = configuration.mechanism
+    joints = DRIVEN[name]
+    other = mechanism.driven_by(joints).configuration(configuration.q)
+    n = len(mechanism.actuated)
+    columns = mechanism.problem.partition.actuated
+    x_rates, efforts, wrench = rng.normal(size=n), rng.normal(size=n), rng.normal(size=6)
+    led = other.motion(x_rates)
+    R, bias = other.jacobian().motion_map[columns], led.bias[columns]
+    rates = R @ x_rates
+    one, two = configuration.dynamics(rates), other.dynamics(x_rates)
+    size = np.abs(two.mass_matrix).max()
+    np.testing.assert_allclose(two.mass_matrix, R.T @ one.mass_matrix @ R, atol=1e-9 * size)
+    np.testing.assert_allclose(two.gravity, R.T @ one.gravity, atol=1e-9 * size)
+    wanted = R.T @ (one.mass_matrix @ bias + one.bias)
+    np.testing.assert_allclose(two.bias, wanted, atol=1e-9 * max(size, np.abs(wanted).max()))
+    found = one.accelerations(efforts, wrench)
+    by_joints = R @ two.accelerations(R.T @ efforts, wrench) + bias
+    np.testing.assert_allclose(found, by_joints, atol=1e-8 * max(1.0, np.abs(found).max()))
+    held = other.statics(wrench).efforts
+    np.testing.assert_allclose(
+        held, R.T @ configuration.statics(wrench).efforts, atol=1e-9 * max(1.0, np.abs(held).max())
+    )
+
+
+@pytest.mark.parametrize("name", ["four_bar", "five_bar", "three_rps", "delta", "watt_six_bar"])
+def test_energy_along_a_simulated_motion_is_the_work_of_the_motors(name, rng):
+    """By Runge and Kutta's steps, the loops closed at each: E(t) − E(0) = ∫ (θ̇ᵀτ + twistᵀw) dt."""
+    mechanism = heavy(name, rng)
+    model, data = mechanism.model, mechanism.model.createData()
+    bare = model.copy()  # of some joints, Pinocchio's energy leaves armatures out
+    bare.armature = np.zeros(model.nv)
+    n, steps = len(mechanism.actuated), 40
+    pushing, wrench = rng.normal(size=n), rng.normal(size=6)
+    scale = mechanism.problem.partition.motor_scale
+    start = mechanism.home
+    dynamics = start.dynamics()
+    efforts = dynamics.gravity + pushing * np.abs(dynamics.mass_matrix).max() * scale.min()
+    h = 0.1 / steps
+
+    def flow(state, guess):
+        theta, rates = state[:n], state[n : 2 * n]
+        there = mechanism.close(theta, guess=guess, enforce_limits=False)
+        moving = there.dynamics(rates)
+        power = rates @ efforts + moving.motion.twist @ wrench
+        return np.r_[rates, moving.accelerations(efforts, wrench), power], there
+
+    def energy(state, guess):
+        there = mechanism.close(state[:n], guess=guess, enforce_limits=False)
+        v = there.jacobian().motion_map @ state[n : 2 * n]
+        rotors = 0.5 * model.armature @ v**2
+        weight = pin.computePotentialEnergy(model, data, there.q)
+        return pin.computeKineticEnergy(bare, data, there.q, v) + rotors + weight
+
+    state = np.r_[start.actuated, rng.normal(size=n) * scale, 0.0]
+    first, there = energy(state, start), start
+    for _ in range(steps):
+        k1, there = flow(state, there)
+        k2, _ = flow(state + 0.5 * h * k1, there)
+        k3, _ = flow(state + 0.5 * h * k2, there)
+        k4, _ = flow(state + h * k3, there)
+        state = state + h / 6.0 * (k1 + 2 * k2 + 2 * k3 + k4)
+    gained = energy(state, there) - first
+    assert gained == pytest.approx(state[-1], rel=1e-6, abs=1e-6)
+    assert abs(gained) > 1e-3

@@ -230,7 +230,10 @@ def test_two_ways_to_one_pose_differ_by_no_more(name, rng):
     for pose in mechanisms.random_closed(mechanism, rng, 2, spread=0.05):
         again = mechanism.close(mechanism.home.actuated, guess=pose)
         other = again.jacobian()
-        if np.abs(again.tool_pose.homogeneous - mechanism.home.tool_pose.homogeneous).max() < 1e-6:
+        if (
+            np.abs(again.tool_pose().homogeneous - mechanism.home.tool_pose().homogeneous).max()
+            < 1e-6
+        ):
             assert (np.abs(one.J_eq - other.J_eq) <= estimate + other.error_estimate).all()
 
 

@@ -7,7 +7,6 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from looped import TOOL, joint, link
-from mutations import mutations
 
 import pmjac_pin as pj
 from pmjac_pin.files.urdf.extended_urdf import closure_yaml_beside, read_extended_urdf
@@ -187,23 +186,3 @@ def test_a_urdf_that_is_wrong_is_named(write):
     with pytest.raises(pj.ModelFileError, match="the child link 'roker' does not exist") as caught:
         read_extended_urdf(path)
     assert str(caught.value).startswith(f"{path}: ")
-
-
-FULL = f"{YAML}joint_name: [phi1, phi2]\njoint_type: [SPHERICAL, UJOINT_XY]\nfree_flyer: false\n"
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(30))
-def test_fuzz(write, seed):
-    rng = np.random.default_rng(seed)
-    texts = zip(mutations(FULL, rng, 40), mutations(urdf(), rng, 40), strict=True)
-    for number, (yaml, text) in enumerate(texts):
-        path = write(yaml, text if number % 2 else urdf())
-        try:
-            model = read_extended_urdf(path)
-            model.spec(tool=TOOL)
-        except pj.PmjacError as error:
-            assert "\n" not in str(error)
-            assert isinstance(error, pj.UnknownNameError) or str(path.parent) in str(error)
-        else:
-            pin.buildModelFromXML(model.urdf.kinematic_xml())

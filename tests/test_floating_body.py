@@ -46,7 +46,7 @@ def test_the_body_is_put_where_it_is_held(name, pose):
     q = mechanism.coordinates.with_values(neutral, columns, configuration.actuated)
     found = configuration.mechanism.configuration(start(mechanism, problem, q, values))
     np.testing.assert_allclose(
-        found.tool_pose.homogeneous, configuration.tool_pose.homogeneous, atol=1e-10
+        found.tool_pose().homogeneous, configuration.tool_pose().homogeneous, atol=1e-10
     )
 
 

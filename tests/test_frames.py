@@ -45,8 +45,8 @@ def test_recutting_keeps_what_a_shared_name_means():
         model, mechanism.spec.loops, ["theta1"], "theta1", home=mechanism.home.q
     )
     np.testing.assert_allclose(
-        pj.recut(named, "phi2").home.tool_pose.homogeneous,
-        named.home.tool_pose.homogeneous,
+        pj.recut(named, "phi2").home.tool_pose().homogeneous,
+        named.home.tool_pose().homogeneous,
         atol=1e-10,
     )
 

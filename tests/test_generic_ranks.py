@@ -215,7 +215,7 @@ def test_from_the_singular_home_of_a_3_upu():
             values[f"u{k}"] = math.atan2(leg @ out, leg[2])
             values[f"v{k}"] = -math.atan2(aside, math.hypot(leg @ out, leg[2]))
         pose = mechanism.close([values[name] for name in mechanism.actuated], guess=values)
-        np.testing.assert_allclose(pose.tool_pose.translation, leg, atol=1e-9)
+        np.testing.assert_allclose(pose.tool_pose().translation, leg, atol=1e-9)
         found = pose.singularity()
         assert (found.gained, found.lost, found.tool_rank) == (2, 0, 3)
 

@@ -96,7 +96,7 @@ def of_parts(path):
 
 
 def test_what_a_mechanism_is_made_of_is_known_in_its_own_room_only():
-    folders = (PACKAGE, PACKAGE / "closing", PACKAGE / "batches")
+    folders = (PACKAGE, PACKAGE / "closing")
     room = [path for folder in folders for path in folder.glob("*.py")]
     root = PACKAGE.parent
     files = [path for name in FOLDERS for path in (root / name).rglob("*.py")]

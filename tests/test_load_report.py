@@ -96,7 +96,7 @@ def test_a_balanced_force_is_that_of_a_lever():
     """Virtual work: an arm of two links, its motors against a force at the tip, by hand."""
     arm = loaded("serial_2r")
     here = arm.close([0.3, 0.9])
-    tip = here.tool_pose.translation
+    tip = here.tool_pose().translation
     force = np.array([2.0, -5.0, 0.0])
     told = pj.report(here, wrench=[*force, 0, 0, 0]).load.statics.efforts
     # The first joint is the world's origin; by its moment alone.

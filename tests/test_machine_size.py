@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -92,8 +93,8 @@ def test_far_from_the_origin_poses_and_models_stand_where_they_were_put(name):
     place = pin.SE3(pin.exp3(np.array([0.1, 0.2, -0.3])), np.array([5e5, 4.6e6, 100.0]))
     here = pj.load(name)
     there = transformed.moved(here, place)
-    expected = place * here.home.tool_pose
-    np.testing.assert_allclose(there.home.tool_pose.homogeneous, expected.homogeneous, atol=2e-9)
+    expected = place * here.home.tool_pose()
+    np.testing.assert_allclose(there.home.tool_pose().homogeneous, expected.homogeneous, atol=2e-9)
     joint = int(np.flatnonzero(np.array(list(there.model.parents)) == 0)[1])
     assert there.model.jointPlacements[joint] == place * here.model.jointPlacements[joint]
     world, aligned = (there.home.jacobian(frame).J_eq for frame in ("WORLD", "LOCAL_WORLD_ALIGNED"))
@@ -189,6 +190,18 @@ def test_a_fine_screw_closes_from_either_side(size, forward):
         share = rng.uniform(0.3, 0.5)
         pose = mechanism.close([turns * size * share])
         assert pose.joint_values["slide"] == pytest.approx(size * share, abs=1e-9)
+
+
+@pytest.mark.parametrize("far", [0.3, 1e6])
+def test_of_an_open_chain_no_loop_is_said_to_close(far):
+    """A short lever beside the origin, or a machine on a map: nothing rests on a gap."""
+    joints = [
+        ("a", "revolute", "ground", "arm", (far, 0, 0), (0, 0, 1)),
+        ("f", "fixed", "arm", "hand", (1e-4 if far < 1.0 else 0.5, 0, 0)),
+    ]
+    chain = mechanisms.build(joints, [], ["a"], "hand", {})
+    assert chain.place.any()
+    assert not any(finding.code == "far-from-origin" for finding in pj.check(chain).findings)
 
 
 def test_check_and_pictures_of_a_machine_far_away():

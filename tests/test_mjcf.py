@@ -497,7 +497,7 @@ def test_files_that_are_too_large_are_not_opened(tmp_path) -> None:
 
 def test_no_mujoco(read, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    with pytest.raises(pj.ModelFileError, match=r'pip install "pmjac_pin\[mjcf\]"'):
+    with pytest.raises(pj.MissingDependencyError, match=r'pip install "pmjac_pin\[mjcf\]"'):
         read(FOUR_BAR)
 
 

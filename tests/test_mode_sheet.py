@@ -7,6 +7,7 @@ import sys
 import mechanisms
 import numpy as np
 import pytest
+from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.pictures.figures import save_pages
@@ -81,19 +82,45 @@ def test_links_that_pass_over_each_other_are_not_interrupted(lecture):
     assert "white" not in colours
 
 
+def drawn_points(axes):
+    return np.concatenate([line.get_xydata() for line in axes.lines])
+
+
 def test_all_panels_have_one_scale_and_nothing_is_cut_off(lecture):
     [figure] = plot_modes(lecture)
-    panels = figure.axes
-    limits = {(axes.get_xlim(), axes.get_ylim()) for axes in panels}
-    assert len(limits) == 1
-    [((left, right), (low, high))] = limits
-    for axes in panels:
+    sizes = [np.ptp([axes.get_xlim(), axes.get_ylim()], axis=1) for axes in figure.axes]
+    np.testing.assert_allclose(sizes, np.broadcast_to(sizes[0], (8, 2)))
+    for axes in figure.axes:
         assert axes.get_aspect() == 1.0
-        points = np.concatenate([line.get_xydata() for line in axes.lines])
+        points = drawn_points(axes)
+        (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
         assert points[:, 0].min() > left
         assert points[:, 0].max() < right
         assert points[:, 1].min() > low
         assert points[:, 1].max() < high
+
+
+def test_no_panel_is_larger_than_its_widest_and_its_highest_mode():
+    """Pistons on both sides of the crank leave no white bands, as a common frame would."""
+    [figure] = plot_modes(pj.assembly_modes(loaded("slider_crank"), [0.9], rng=0))
+    own = [np.ptp(drawn_points(axes), axis=0) for axes in figure.axes]
+    together = np.ptp(np.concatenate(list(map(drawn_points, figure.axes))), axis=0)
+    panel = np.ptp([figure.axes[0].get_xlim(), figure.axes[0].get_ylim()], axis=1)
+    largest = np.max(own, axis=0)
+    assert (panel <= largest + 0.15 * largest.max()).all()
+    assert panel[0] < 0.8 * together[0]
+    for axes in figure.axes:
+        points = drawn_points(axes)
+        middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+        panel_middle = np.mean([axes.get_xlim(), axes.get_ylim()], axis=1)
+        assert (np.abs(middle - panel_middle) <= 0.1 * panel).all()
+
+
+@pytest.mark.parametrize("height", [1.0, 1.3])
+@pytest.mark.parametrize("count", [8, 12, 40])
+def test_where_rows_can_be_full_they_are(count, height):
+    layout = PageLayout.of(count, height)
+    assert layout.rows * layout.columns * len(layout.pages(count)) == count
 
 
 def test_a_planar_mechanism_is_drawn_in_its_plane(four_bar):
@@ -114,7 +141,7 @@ def test_a_plane_is_looked_at_with_its_upright_axis_upwards():
     [figure] = plot_modes(modes)
     for axes, mode in zip(figure.axes, modes, strict=True):
         drawn = np.concatenate([line.get_xydata() for line in axes.lines])
-        tool = mode.tool_pose.translation[:2]
+        tool = mode.tool_pose().translation[:2]
         assert np.abs(drawn - tool).max(axis=1).min() <= 1e-9
 
 

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 import os
+import re
+import shutil
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +18,8 @@ from mechanisms import loaded
 import pmjac_pin as pj
 from pmjac_pin.files.catalog import find_model_file
 from pmjac_pin.files.model_file import read_model_file
+
+ROOT = Path(__file__).resolve().parent.parent
 
 MODEL = find_model_file("four_bar").read_text()
 URDF = (find_model_file("four_bar").parent.parent / "urdf" / "four_bar.urdf").read_text()
@@ -124,7 +129,10 @@ MODEL_ERRORS = {
         ('["theta1"]', "[]"),
         "{path}: `actuated` is empty: name at least one motor joint",
     ),
-    "no home": (("[poses.home]", "[poses.hom]"), "{path}: `poses.home` is missing; there are: hom"),
+    "no home": (
+        ("[poses.home]", "[poses.hom]"),
+        "{path}: `poses.home` is missing; there are: hom; give joint values",
+    ),
     "a pose of the wrong type": (
         ("theta1 = 0.9", 'theta1 = "0.9"'),
         "{path}: Expected `float | array`, got `str` - at `poses[...][...]`",
@@ -369,4 +377,56 @@ def test_what_is_no_regular_file_is_not_opened(tmp_path, name):
     else:
         os.mkfifo(path)
     with pytest.raises(pj.ModelFileError, match="is no regular file"):
+        pj.load(path)
+
+
+# --- what to write where there is no home pose ---------------------------------------------------
+
+
+def without_poses(text):
+    """A model file up to its poses: those of the catalogue come after what is needed."""
+    return text[: text.index("[poses.home]")]
+
+
+@pytest.mark.parametrize("name", ["four_bar", "three_rps", "watt_six_bar"])
+@pytest.mark.parametrize("header", ["", "[poses]\n"])
+def test_the_line_that_gives_a_home_pose_is_told(tmp_path, name, header):
+    """It is TOML, has every joint, and where it says it does the file is whole."""
+    text = without_poses((ROOT / "models" / f"{name}.toml").read_text())
+    path = tmp_path / "mine.toml"
+    path.write_text(text + header)
+    shutil.copy(ROOT / "urdf" / f"{name}.urdf", tmp_path)
+    with pytest.raises(
+        pj.ModelFileError, match="give joint values near which the loops close"
+    ) as no:
+        pj.load(path)
+    (line,) = re.findall(r"such as `(.*)`", str(no.value))
+    place = re.search("above the first .table.|under .poses.", str(no.value))[0]
+    top, _, tables = text.partition("\n[")
+    assert bool(header) == place.startswith("under")
+    path.write_text(f"{text}{header}{line}\n" if header else f"{top}\n{line}\n[{tables}")
+    joints = tomllib.loads(path.read_text())["poses"]["home"]
+    known = loaded(name)
+    assert list(joints)[: len(known.actuated)] == list(known.actuated)
+    assert {*joints} == {*known.coordinates.names}
+    try:
+        assert pj.load(path).actuated == known.actuated
+    except pj.ClosureError as error:  # zeros may be far from any closed pose
+        assert "does not assemble" in str(error)
+
+
+def test_home_values_to_write_are_within_limits_and_skip_locked_joints(tmp_path):
+    (tmp_path / "arm.urdf").write_text(
+        """<robot name="arm"><link name="a"/><link name="b"/><link name="c"/><link name="d"/>
+        <joint name="lift 1" type="prismatic"><parent link="a"/><child link="b"/>
+        <limit lower="0.2" upper="0.6" effort="1" velocity="1"/></joint>
+        <joint name="ball" type="spherical"><parent link="b"/><child link="c"/></joint>
+        <joint name="held" type="continuous"><parent link="c"/><child link="d"/></joint></robot>"""
+    )
+    path = tmp_path / "arm.toml"
+    path.write_text(
+        'urdf = "arm.urdf"\nactuated = ["lift 1", "ball"]\ntool.frame = "d"\nlocked.held = 0.1\n'
+    )
+    wanted = re.escape('`poses.home = {"lift 1" = 0.4, ball = [0.0, 0.0, 0.0]}`')
+    with pytest.raises(pj.ModelFileError, match=wanted):
         pj.load(path)

@@ -34,8 +34,8 @@ def test_the_numbers_are_those_of_the_configurations(lecture):
         assert found["smallest"] == mode.singularity().smallest
         assert found["det_K_star"]["value"] == mode.split_jacobian().det_K_star
         assert found["sign"] == np.sign(found["det_K_star"]["value"])
-        np.testing.assert_array_equal(found["tool"]["position"], mode.tool_pose.translation)
-        np.testing.assert_array_equal(found["tool"]["rotation"], mode.tool_pose.rotation)
+        np.testing.assert_array_equal(found["tool"]["position"], mode.tool_pose().translation)
+        np.testing.assert_array_equal(found["tool"]["rotation"], mode.tool_pose().rotation)
         np.testing.assert_array_equal(found["q"], mode.q)
         values = {joint["name"]: joint["value"] for joint in found["joints"]}
         assert values == dict(mode.joint_values)

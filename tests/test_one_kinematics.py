@@ -18,12 +18,14 @@ from pmjac_pin.algebra.floats import Floats
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.algebra.polynomials import Polynomials, symbols
 from pmjac_pin.algebra.programs import Programs, Recording, Term
+from pmjac_pin.algebra.series import SeriesAlgebra
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.loops import Loops, by_twists, riding
 from pmjac_pin.kinematics.tree import Poses, Tree
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.joint_kind import JointMotion
 from pmjac_pin.model.joint_kinds import JOINT_KINDS
+from pmjac_pin.model.loop_spec import LOOP_KINDS
 
 SLANTED = (0.6, 0.0, 0.8)
 LOOPS = {
@@ -178,6 +180,16 @@ def by_floats(loops, model, q, rooted, way):
     return assembled(loops, way(loops.pairs[0], poses), model.nv, lambda x: x)
 
 
+def by_complex_floats(loops, model, q):
+    """On the real axis, by the entries that complex steps start from."""
+    motion = as_numbers(motions(model, q), lambda x: x.astype(complex))
+    poses = Poses(loops.tree, Floats(rooted=False), motion)
+    blocks = by_twists(loops.pairs[0], poses)
+    for block in blocks:
+        assert (np.imag(block.rows.value) == 0.0).all()
+    return assembled(loops, blocks, model.nv, np.real)
+
+
 def by_boxes(loops, model, q, way):
     motion = as_numbers(motions(model, q), Intervals.exact)
     poses = Poses(loops.tree, Boxes(), motion, range(model.nv) if way is riding else ())
@@ -186,6 +198,14 @@ def by_boxes(loops, model, q, way):
         for part in (block.rows.value, block.rows.rates):
             assert part is None or part.width.max() < 1e-11
     return assembled(loops, blocks, model.nv, lambda x: x.middle)
+
+
+def by_series(loops, model, q, way):
+    algebra = SeriesAlgebra(2, 3)
+    motion = as_numbers(motions(model, q), lambda x: algebra.boxes(Intervals.exact(x)))
+    poses = Poses(loops.tree, algebra, motion, range(model.nv) if way is riding else ())
+    blocks = way(loops.pairs[0], poses)
+    return assembled(loops, blocks, model.nv, lambda x: x.value.middle)
 
 
 def by_balls(loops, model, q, way):
@@ -280,8 +300,11 @@ NUMBERS = {
     "floats, riding": lambda *case: by_floats(*case, True, riding),
     "floats without roots, twists": lambda *case: by_floats(*case, False, by_twists),
     "floats without roots, riding": lambda *case: by_floats(*case, False, riding),
+    "complex floats, twists": by_complex_floats,
     "boxes, twists": lambda *case: by_boxes(*case, by_twists),
     "boxes, riding": lambda *case: by_boxes(*case, riding),
+    "series, twists": lambda *case: by_series(*case, by_twists),
+    "series, riding": lambda *case: by_series(*case, riding),
     "balls, twists": lambda *case: by_balls(*case, by_twists),
     "balls, riding": lambda *case: by_balls(*case, riding),
     "polynomials, riding": by_polynomials,
@@ -332,6 +355,11 @@ def test_value_and_derivative_are_pinocchios(kind, joint, rng):
     model = machine(JOINTS[joint], rng)
     for loop, q in cases(model, kind, rng):
         check(model, Tree(model), loop, q, pinocchios(model, loop, q))
+
+
+def test_every_kind_of_loop_is_tried():
+    """A gear has no frames: test_many_loops.py, test_recorded.py, test_certificate_rows.py."""
+    assert set(LOOPS) == set(LOOP_KINDS) - {"joint"}
 
 
 def test_every_kind_of_joint_is_tried():

@@ -46,7 +46,7 @@ def tilted(name):
 
 
 def same_place(one, other, room):
-    difference = one.tool_pose.homogeneous - other.tool_pose.homogeneous
+    difference = one.tool_pose().homogeneous - other.tool_pose().homogeneous
     return np.abs(difference).max() <= room
 
 

@@ -89,7 +89,7 @@ def test_the_agile_eyes_four_and_four_times_one():
     for theta in ([0.2, 0.1, -0.3], [0.3, -0.2, 0.4], [-0.5, 0.1, 0.2]):
         modes = homotopy.at(theta)
         for mode, label in zip(modes.real, found.of(modes), strict=True):
-            poses.setdefault(label, []).append(mode.tool_pose.rotation)
+            poses.setdefault(label, []).append(mode.tool_pose().rotation)
     for label in (1, 2, 3, 4):
         assert len(poses[label]) == 3
         for other in poses[label][1:]:

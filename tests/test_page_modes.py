@@ -46,7 +46,7 @@ def test_find_click_and_drag(open_page, viewer):  # noqa: F811
     lines(page).nth(image - 1).click()
     quiet(page)
     wait(page, f"document.querySelector('#modes [aria-current]').value === '{image}'")
-    assert viewer.configuration.tool_pose.translation[2] < 0
+    assert viewer.configuration.tool_pose().translation[2] < 0
     below = viewer.configuration
     page.locator("#motor-0").focus()
     page.keyboard.press("ArrowLeft")

@@ -97,7 +97,7 @@ def test_a_mode_that_lies_below_is_in_view(open_page):  # noqa: F811
         wait(page, "document.getElementById('modes').dataset.status === 'found'")
         page.locator("#modes button").last.click()
         quiet(page)
-        assert viewer.configuration.tool_pose.translation[2] < 0.0
+        assert viewer.configuration.tool_pose().translation[2] < 0.0
         assert page.evaluate(CAMERA) != first
         assert page.evaluate(f"{SHARE}({SCENE})") == 1
         edge = pixels(page)

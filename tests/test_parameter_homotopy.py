@@ -132,7 +132,7 @@ def test_it_settles_what_a_short_search_leaves_open(gough):
     assert (few.evidence.kind, len(few) < 40) == ("nothing", True)
     modes = pj.assembly_modes(mechanism, theta, rng=0, limits=False, most_starts=1, homotopy=gough)
     assert (modes.evidence.kind, len(modes), modes.starts) == ("tolerance", 40, 512)
-    heights = [mode.tool_pose.translation[2] for mode in modes]
+    heights = [mode.tool_pose().translation[2] for mode in modes]
     assert heights == sorted(heights, reverse=True)
 
 

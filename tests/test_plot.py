@@ -78,9 +78,12 @@ def test_only_poses_are_drawn():
         pj.plot(loaded("five_bar"))
 
 
-def test_an_unbounded_ellipsoid_is_refused():
+@pytest.mark.parametrize(
+    ("name", "planes"), [("five_bar", ["zx"]), ("five_bar", ["xy", "zx"]), ("four_bar", None)]
+)
+def test_an_unbounded_ellipsoid_is_refused(name, planes):
     with pytest.raises(pj.ArgumentError, match="unbounded"):
-        pj.plot(loaded("five_bar").home, "force")
+        pj.plot(loaded(name).home, "force", planes=planes)
 
 
 def lines(axes):
@@ -128,3 +131,16 @@ def test_limits_are_those_of_the_model_or_said_to_be_none():
 def test_forces_of_a_planar_machine_are_bounded_where_it_moves():
     figure = pj.plot(loaded("five_bar").home, "force", limits="model")
     assert titles(figure) == ["X–Y plane"]
+
+
+@pytest.mark.parametrize("name", ["five_bar", "planar_3rrr"])
+@pytest.mark.parametrize("planes", [None, ["xy"]])
+def test_forces_of_a_planar_machine_are_those_in_its_plane(name, planes):
+    """|J_vᵀ f| = 1 on the outline; across the plane the structure bears any force."""
+    home = loaded(name).home
+    figure = pj.plot(home, "force", planes=planes)
+    [panel] = [axes for axes in figure.axes if axes.get_title() == "X–Y plane"]
+    assert len(figure.axes) == 2
+    [outline] = [line for line in panel.lines if line.get_label() == "section"]
+    efforts = outline.get_xydata() @ home.jacobian().Jv_eq[:2]
+    np.testing.assert_allclose(np.linalg.norm(efforts, axis=1), 1.0, atol=1e-9)

@@ -43,7 +43,7 @@ def test_closed_poses_solve_them_at_any_motor_values(name, rng):
         [q] = form.poses(x.real)
         found = closed_pose(mechanism, q, limits=False)
         np.testing.assert_allclose(
-            found.tool_pose.homogeneous, configuration.tool_pose.homogeneous, atol=1e-8
+            found.tool_pose().homogeneous, configuration.tool_pose().homogeneous, atol=1e-8
         )
 
 

@@ -11,7 +11,7 @@ import pytest
 import pmjac_pin as pj
 from pmjac_pin.algebra.programs import Recording, largest, root
 from pmjac_pin.algebra.recordings import Recordings
-from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.algebra.tape import Tape, _Writer
 from pmjac_pin.algebra.tape_runner import run
 
 QUICK = ("four_bar", "slider_crank")
@@ -71,6 +71,46 @@ def test_the_third_sibling_is_not_recorded(monkeypatch):
     monkeypatch.setattr(Recording, "term", None)
     for one, other in zip(tapes(third._recorded), kept, strict=True):
         assert one.code is other.code
+
+
+@pytest.fixture
+def planned(monkeypatch):
+    """The programs that are planned from here on."""
+    programs = []
+
+    def plan(writer, write=_Writer.tape):
+        programs.append(writer)
+        return write(writer)
+
+    monkeypatch.setattr(_Writer, "tape", plan)
+    return programs
+
+
+def scanned(mechanism, rng):
+    """Ten designs."""
+    for _ in range(10):
+        shares = 1.0 + 0.05 * rng.uniform(-1, 1, len(mechanism.parameters))
+        sizes = np.array([*mechanism.parameters.values()]) * shares
+        yield mechanism.with_parameters(
+            dict(zip(mechanism.parameters, sizes.tolist(), strict=True))
+        )
+
+
+@pytest.mark.parametrize("name", WITH_PARAMETERS)
+def test_a_scan_plans_its_programs_once(name, rng, planned):
+    """At first one that is forgotten, then one that is kept; but for two numbers that may meet."""
+    programs = [tapes(design._recorded) for design in scanned(pj.load(name), rng)]
+    assert len(planned) <= 2 * len(programs[0]) + 2
+
+
+@pytest.mark.parametrize("name", ["four_bar", pytest.param("delta", marks=pytest.mark.slow)])
+def test_batches_of_a_scan_plan_once(name, rng, planned):
+    """Moves, arrivals, legs and measures."""
+    for design in scanned(pj.load(name), rng):
+        targets = design.home.actuated + rng.uniform(-0.05, 0.05, (20, design.mobility))
+        many = pj.batch(design)
+        many.measures(many.close(targets).q)
+    assert len(planned) <= 2 * 4 + 2
 
 
 def test_results_of_siblings(rng):

@@ -41,7 +41,7 @@ def test_j_eq_is_the_same_cut_at_every_joint(name, rng):
         for configuration in poses:
             twin = recut.close(configuration.actuated)
             np.testing.assert_allclose(
-                twin.tool_pose.homogeneous, configuration.tool_pose.homogeneous, atol=1e-9
+                twin.tool_pose().homogeneous, configuration.tool_pose().homogeneous, atol=1e-9
             )
             J_eq = configuration.jacobian().J_eq
             difference = np.abs(twin.jacobian().J_eq - J_eq).max()
@@ -54,8 +54,8 @@ def test_named_poses_stay_on_their_assembly_modes(name):
     recut = pj.recut(mechanism, "theta2")
     for pose in mechanism.poses:
         np.testing.assert_allclose(
-            recut.pose(pose).tool_pose.homogeneous,
-            mechanism.pose(pose).tool_pose.homogeneous,
+            recut.pose(pose).tool_pose().homogeneous,
+            mechanism.pose(pose).tool_pose().homogeneous,
             atol=1e-10,
         )
 

@@ -65,7 +65,7 @@ def found_of(mechanism, theta, monkeypatch):
 
 
 def same_place(one, other):
-    return np.abs(one.tool_pose.homogeneous - other.tool_pose.homogeneous).max() <= 1e-9
+    return np.abs(one.tool_pose().homogeneous - other.tool_pose().homogeneous).max() <= 1e-9
 
 
 def turned_over(pose, legs):

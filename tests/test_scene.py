@@ -293,7 +293,7 @@ def test_meshes_of_an_arm_become_bars_from_joint_to_joint():
         expected = [data.oMi[joint].translation, data.oMi[joint + 1].translation]
         np.testing.assert_allclose(ends(items[f"links/{link}/bar1"]), expected, atol=1e-9)
     last = ends(items["links/wrist_3_link/bar1"])[1]
-    np.testing.assert_allclose(last, home.tool_pose.translation, atol=1e-9)
+    np.testing.assert_allclose(last, home.tool_pose().translation, atol=1e-9)
     assert len([name for name in items if name.startswith("motors/")]) == 6
 
 
@@ -531,7 +531,7 @@ def test_the_ellipsoid_is_the_jacobians(name, scale, rng):
                 get = pj.EquivalentJacobian.angular_ellipsoid
             ellipsoid, unit_at_home = get(jacobian), get(home).radii[0] or 1.0
             surface = items[f"ellipsoids/{kind}/surface"].transform
-            tool = pose.tool_pose.translation
+            tool = pose.tool_pose().translation
             np.testing.assert_allclose(surface[:3, 3], tool, atol=1e-12)
             _, drawn, _ = np.linalg.svd(surface[:3, :3])
             size = items_size(mechanism)
@@ -601,7 +601,7 @@ def coupler_turn(configuration):
     """The velocities of the coupler's middle and end with the crank locked: about its pin B."""
     theta = configuration.actuated[0]
     pin_b = 3.0 * np.array([np.cos(theta), np.sin(theta), 0])
-    middle = configuration.tool_pose.translation
+    middle = configuration.tool_pose().translation
     across = np.cross([0, 0, 1], middle - pin_b)
     return middle, across / np.linalg.norm(across)
 
@@ -672,7 +672,7 @@ def test_polytopes_are_those_of_the_limits_about_the_tool(name):
     mechanism = loaded(name)
     there = mechanism.close(mechanism.home.actuated + 0.03, enforce_limits=False)
     items, block = by_name(scene(there, EVERYTHING)), there.jacobian().Jv_eq
-    tool, limits = there.tool_pose.translation, motor_rate_limits(mechanism)
+    tool, limits = there.tool_pose().translation, motor_rate_limits(mechanism)
     faces = items["polytopes/velocity/faces"]
     edges, label = items["polytopes/velocity/edges"], items["polytopes/velocity/label"]
     assert edges.visible
@@ -710,7 +710,7 @@ def test_the_load_is_an_arrow_at_the_tool_along_it():
     mechanism, maker = loaded("three_rps"), SceneMaker(loaded("three_rps"))
     force = np.array([3.0, -4.0, 12.0])
     items = by_name(maker.scene(mechanism.home, force=force))
-    tool = mechanism.home.tool_pose.translation
+    tool = mechanism.home.tool_pose().translation
     shaft, head = items["load/shaft"].transform, items["load/head"].transform
     np.testing.assert_allclose(
         shaft[:3, 2] / np.linalg.norm(shaft[:3, 2]), force / 13.0, atol=1e-12

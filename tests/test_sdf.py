@@ -523,7 +523,7 @@ def test_visuals_are_where_the_file_has_them(tmp_path, geometry, sizes):
     [found] = read_visuals(mechanism.urdf)
     assert (found.link, found.colour) == ("arm", (1.0, 0.0, 0.0, 1.0))
     assert mechanism.unread == ()
-    placed = mechanism.home.tool_pose.homogeneous
+    placed = mechanism.home.tool_pose().homogeneous
     given = [placed @ transform for _, transform in found.pieces]
     assert len(given) == len(sizes)
     for transform, size in zip(given, sizes, strict=True):

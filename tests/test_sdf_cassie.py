@@ -131,7 +131,7 @@ def test_the_foot_moves_as_differences_through_the_closure_say(locked, rods) -> 
     for column in range(5):
         shift = step * np.eye(10)[column]
         ahead, behind = (
-            cassies.close(here.actuated + sign * shift, here).tool_pose for sign in (1, -1)
+            cassies.close(here.actuated + sign * shift, here).tool_pose() for sign in (1, -1)
         )
         linear = (ahead.translation - behind.translation) / (2 * step)
         angular = pin.log3(ahead.rotation @ behind.rotation.T) / (2 * step)

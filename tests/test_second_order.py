@@ -128,7 +128,7 @@ def test_a_slider_crank_by_its_closed_form():
     mechanism = pj.load("slider_crank", {"r": 1.0, "l": 3.0})
     configuration = mechanism.close([np.pi / 3])
     jacobian = configuration.jacobian()
-    assert configuration.tool_pose.translation[0] == pytest.approx(3.3722813232690143, abs=1e-14)
+    assert configuration.tool_pose().translation[0] == pytest.approx(3.3722813232690143, abs=1e-14)
     assert jacobian.J_eq[0, 0] == pytest.approx(-1.0167810760733205, abs=1e-14)
     assert jacobian.hessian[0, 0, 0] == pytest.approx(-0.3338349647695613, abs=1e-14)
 
@@ -260,6 +260,35 @@ def test_recorded_programs_and_complex_steps_are_one(name, rng):
     np.testing.assert_allclose(one.constraint, other.constraint, atol=1e-13 * size)
     for frame in FRAMES:
         np.testing.assert_allclose(one.tool(frame), other.tool(frame), atol=1e-13 * size)
+
+
+@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+def test_a_recorded_motion_is_that_of_the_matrices(name, rng):
+    """One program for G, its change and the drift; by slopes and by singular values without."""
+    configuration = somewhere(name, rng)
+    mechanism, n = configuration.mechanism, len(configuration.mechanism.actuated)
+    if path_kernel() is None or mechanism._recorded._one_pose() is None:
+        pytest.skip("no kernel was built, or ranks decide at each pose")
+    motion = mechanism._recorded._recorded_motion()
+    jacobian = configuration.jacobian()
+    for _ in range(3):
+        rates, accelerations = rng.normal(size=(2, n))
+        plain = pj.Motion(jacobian, rates, accelerations)
+        known = pj.Motion(jacobian, rates, accelerations).known(*motion.at(configuration.q, rates))
+        for field in ("v", "a", "bias", "drift", "acceleration", "twist", "passive_accelerations"):
+            one, other = getattr(known, field), getattr(plain, field)
+            size = max(1.0, np.abs(other).max(initial=0.0))
+            np.testing.assert_allclose(one, other, atol=1e-11 * size, err_msg=field)
+        assert known.ways[1].shape == plain.ways[1].shape
+
+
+def test_a_motion_is_recorded_when_it_is_asked_for_often(rng):
+    mechanism = mechanisms.loaded("four_bar")
+    if path_kernel() is None:
+        pytest.skip("no kernel was built")
+    found = [mechanism.close([0.9]).motion([1.5], [0.5]).acceleration for _ in range(400)]
+    assert mechanism._recorded.motion() is not None
+    np.testing.assert_allclose(found[-1], found[0], atol=1e-12)
 
 
 @pytest.mark.parametrize("joint", JOINTS)

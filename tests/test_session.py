@@ -257,11 +257,11 @@ def test_the_same_mechanism_loaded_twice_is_welcome():
 def test_an_update_computes_jacobian_and_ellipsoids_once(monkeypatch):
     session, computed = session_of(), []
 
-    def counted(jacobian, unit, rounding):
+    def counted(jacobian, unit, *others):
         computed.append(unit)
-        return velocity_ellipsoid(jacobian, unit, rounding)
+        return velocity_ellipsoid(jacobian, unit, *others)
 
-    monkeypatch.setattr("pmjac_pin.rates.jacobian.velocity_ellipsoid", counted)
+    monkeypatch.setattr("pmjac_pin.rates.tool_reach.velocity_ellipsoid", counted)
     session.obey(MoveMotors(values=[1.2, 1.0, 1.0]))
     session.scene()
     session.state()
@@ -276,7 +276,7 @@ def test_the_readout_is_the_library_s(name):
     for frame, rows in readout.J_eq.items():
         expected = configuration.jacobian(frame).J_eq
         np.testing.assert_allclose(rows, expected, rtol=0.0, atol=1e-12)
-    tool = configuration.tool_pose
+    tool = configuration.tool_pose()
     np.testing.assert_array_equal(readout.tool_position, tool.translation)
     np.testing.assert_allclose(pin.exp3(np.array(readout.tool_turn)), tool.rotation, atol=1e-12)
     np.testing.assert_array_equal(readout.passive, configuration.passive)

@@ -165,7 +165,7 @@ def test_three_rps_is_singular_where_three_rps_ss_is(singular_rps):
     legs, platform = loaded("three_rps_ss"), loaded("three_rps")
     for lengths, theta in singular_rps:
         values = dict(zip(legs.actuated + legs.passive, (*lengths, *theta), strict=True))
-        tool = legs.configuration(as_q(legs, values)).tool_pose
+        tool = legs.configuration(as_q(legs, values)).tool_pose()
         turn = pin.SE3(
             pin.AngleAxis(-5 * np.pi / 6, np.array([0.0, 0.0, 1.0])).matrix(), np.zeros(3)
         )

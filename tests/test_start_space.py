@@ -76,7 +76,7 @@ def rack(theta):
 @pytest.mark.parametrize("theta", [1.2, 0.2])
 def test_a_pinion_keeps_its_turns(theta):
     modes = pj.assembly_modes(rack(theta), [theta], rng=0)
-    found = sorted(mode.tool_pose.translation[0] for mode in modes)
+    found = sorted(mode.tool_pose().translation[0] for mode in modes)
     root = np.sqrt(1.5**2 - (0.5 * np.sin(theta)) ** 2)
     np.testing.assert_allclose(found, 0.5 * np.cos(theta) + np.array([-root, root]), atol=1e-9)
 
@@ -298,7 +298,9 @@ def test_legs_driven_out_far_lead_to_eight_modes(ratio):
     values = ratio * mechanism.home.actuated
     modes = pj.assembly_modes(mechanism, values, rng=0, limits=False)
     assert len(modes) == 8
-    assert sorted(np.sign([mode.tool_pose.translation[2] for mode in modes])) == [-1] * 4 + [1] * 4
+    assert (
+        sorted(np.sign([mode.tool_pose().translation[2] for mode in modes])) == [-1] * 4 + [1] * 4
+    )
 
 
 def test_what_does_not_close_to_the_tolerance_is_told():

@@ -53,7 +53,7 @@ def test_distance_loops_are_rods():
 def test_every_mechanism_has_a_figure_with_its_tool(name):
     home = loaded(name).home
     figure = figure_of(home)
-    pose = home.tool_pose
+    pose = home.tool_pose()
     np.testing.assert_allclose(figure.tool[0], pose.translation)
     ends = (figure.tool[1:] - figure.tool[0]).T
     np.testing.assert_allclose(ends / np.linalg.norm(ends, axis=0), pose.rotation, atol=1e-12)

@@ -76,7 +76,7 @@ def test_measures():
         pose = mechanism.close([float(point.l1), *mechanism.home.actuated[1:]])
         radii = pose.jacobian().velocity_ellipsoid().radii
         np.testing.assert_allclose(point.velocity_radii, radii, atol=1e-9)
-        singularity, placed = pose.singularity(), pose.tool_pose
+        singularity, placed = pose.singularity(), pose.tool_pose()
         assert point.smallest == pytest.approx(singularity.smallest, rel=1e-8)
         assert point.condition == pytest.approx(singularity.condition, rel=1e-8)
         np.testing.assert_allclose(point.position, placed.translation, atol=1e-9)
@@ -145,6 +145,7 @@ def test_results_do_not_depend_on_chunks_and_stores(chunk, tmp_path):
     for name in ("status", *ALL):
         np.testing.assert_allclose(found[name], expected[name], rtol=1e-10, atol=1e-10)
     assert found.attrs["pmjac_pin_sweep"]["name"] == "three_rps"
+    assert found.attrs["evidence"].startswith("tolerance: ")
     assert list(found.motor) == ["l1", "l2", "l3"]
     opened = xarray.open_zarr(tmp_path / "store.zarr", consolidated=False, chunks=None)
     assert opened.done.all()

@@ -73,7 +73,8 @@ def test_no_line_is_too_long_and_no_number_is_cut(reports, name, width):
                 entry for row in matrix_numbers(matrix.values, matrix.size) for entry in row
             )
             [block] = [b for b in matrix_blocks(report, (key,)) if isinstance(b, Table)]
-            found = re.findall(r"-?\d\.\d{3,4}(?:e-\d\d)?\b", drawn([block], width))
+            alone = drawn([block], width)
+            found = re.findall(r"-?\d\.\d{3,4}(?:e-\d\d)?\b|(?<=\s)0(?=\s)", alone)
             assert sorted(found) == shown
 
 
@@ -123,6 +124,19 @@ def test_very_long_names_are_folded_not_cut():
     text = drawn([wide])
     assert max(map(len, text.splitlines())) <= 80
     assert text.count("-0.1234") == 6
+
+
+@pytest.mark.parametrize("width", [24, 30, 40, 50, 60, 80])
+@pytest.mark.parametrize("words", [0, 1, 3])
+def test_names_that_begin_alike_stay_distinct(width, words):
+    """In each part of a table every name is whole, folded or not."""
+    names = [f"stewart_gough{end}" for end in ("", "_dietmaier", "_dietmaier_2", "_of_points")]
+    header = ("name", "freedom", "motors", "loops\n(rows)", *["what it is"] * words)
+    rows = tuple((name, "6", "6", "6 (18)", *["a platform on legs"] * words) for name in names)
+    text = drawn([Table("", header, rows, "<>>>" + "<" * words)], width)
+    for part in text.split("\n\n"):
+        _, _, below = part.rpartition("──\n")
+        assert "".join(re.findall(r"^\S+", below, re.MULTILINE)) == "".join(names)
 
 
 def test_words_are_wrapped_in_their_own_column():

@@ -126,7 +126,7 @@ def test_singular_values_at_some_places(values_kernel, shape, rng):
     np.testing.assert_allclose(singular_values(matrices, (2, 0)), some, rtol=1e-12)
 
 
-@pytest.mark.parametrize("size", [1e-200, 1e-100, 1e-30, 1e30, 1e100])
+@pytest.mark.parametrize("size", [1e-305, 1e-200, 1e-100, 1e-30, 1e30, 1e100, 1e305])
 @pytest.mark.parametrize("vectors", [3, 9])
 def test_singular_values_of_any_size(values_kernel, vectors, size, rng):
     matrices = size * rng.normal(size=(vectors, 9, 20))
@@ -143,7 +143,10 @@ def test_small_singular_values_of_few_are_exact_beside_their_columns(values_kern
     np.testing.assert_allclose(found[:, 0], scale, rtol=1e-14)
 
 
-def test_singular_values_of_what_is_no_number():
+@pytest.mark.parametrize("by_kernel", [True, False])
+def test_singular_values_of_what_is_no_number(by_kernel, monkeypatch):
+    if not by_kernel:
+        monkeypatch.setattr("pmjac_pin.algebra.singular_values.kernel", lambda: None)
     matrices = np.ones((2, 3, 3))
     matrices[0, 0, 1], matrices[1, 2, 2] = np.nan, np.inf
     found = singular_values(matrices)

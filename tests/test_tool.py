@@ -61,6 +61,6 @@ def test_three_points_in_one_line_span_no_frame():
 
 def test_tool_pose_is_a_copy():
     configuration = loaded("four_bar").home
-    before = configuration.tool_pose.homogeneous
-    configuration.tool_pose.translation[:] = 99.0
-    np.testing.assert_array_equal(configuration.tool_pose.homogeneous, before)
+    before = configuration.tool_pose().homogeneous
+    configuration.tool_pose().translation[:] = 99.0
+    np.testing.assert_array_equal(configuration.tool_pose().homogeneous, before)

@@ -25,6 +25,7 @@ PLANAR = ("five_bar", "planar_3rpr", "planar_3rrr", "serial_2r")
 STATED = {
     "agile_eye": "wx wy wz",
     "ankle": "wx wy wz",
+    "humanoid_ankle": "wx wy wz",
     "delta": "vx vy vz",
     "delta_rods": "vx vy vz",
     "five_bar": "vx vy",

@@ -17,29 +17,7 @@ RODS, OFFSETS = np.array([0.195, 0.14]), np.array([1.2028, -1.2030])
 
 def ankle():
     """A humanoid's ankle: pitch, then roll; two cranks about x pull its foot by rods."""
-    model, loops = pin.Model(), []
-
-    def add(parent, joint, place, name):
-        index = model.addJoint(parent, joint, place, name)
-        model.addJointFrame(index)
-        return index
-
-    def mark(name, joint, at):
-        place = pin.SE3(np.eye(3), np.asarray(at, dtype=float))
-        model.addFrame(pin.Frame(name, joint, 0, place, pin.FrameType.OP_FRAME))
-
-    pitch = add(0, pin.JointModelRY(), pin.SE3.Identity(), "pitch")
-    foot = add(pitch, pin.JointModelRX(), pin.SE3.Identity(), "roll")
-    mark("foot", foot, np.zeros(3))
-    for k in range(2):
-        place = pin.SE3(pin.utils.rotate("x", OFFSETS[k]), CRANKS[k])
-        crank = add(0, pin.JointModelRX(), place, f"q{k + 1}")
-        mark(f"tip{k}", crank, (0.0, 0.0, RADIUS))
-        mark(f"heel{k}", foot, FEET[k])
-        loops.append(pj.DistanceLoop(frames=(f"tip{k}", f"heel{k}"), length=RODS[k]))
-    return pj.Mechanism.from_pinocchio(
-        model, loops, ["q1", "q2"], "foot", name="ankle", tool_rows=["wx", "wy"]
-    )
+    return mechanisms.loaded("humanoid_ankle")
 
 
 def motors_by_hand(pitch, roll):
@@ -75,6 +53,18 @@ def test_an_ankles_motors(joints):
     np.testing.assert_allclose(geared.motors, motors_by_hand(*joints), atol=1e-13)
 
 
+def test_an_ankles_motors_wherever_its_foot_is(rng):
+    mechanism = ankle()
+    transmission = pj.transmission(mechanism, ["pitch", "roll"])
+    for joints in rng.uniform([-0.5, -0.15], [0.25, 0.15], (20, 2)):
+        by_hand = motors_by_hand(*joints)
+        np.testing.assert_allclose(
+            transmission.at_joints(joints).motors, by_hand, rtol=0, atol=1e-12
+        )
+        there = transmission.at_motors(by_hand).joints
+        np.testing.assert_allclose(there, joints, rtol=0, atol=1e-12)
+
+
 @pytest.mark.parametrize("joints", RATIOS)
 def test_an_ankles_ratios(joints):
     geared = pj.transmission(ankle(), ["pitch", "roll"]).at_joints(joints)
@@ -101,7 +91,7 @@ def test_an_ankles_effort_limits_are_a_rhombus():
 
 
 MACHINES = {
-    "ankle by hand": (ankle, ["pitch", "roll"]),
+    "humanoid_ankle": (ankle, ["pitch", "roll"]),
     "ankle": (lambda: pj.load("ankle"), None),
     "four_bar": (lambda: pj.load("four_bar"), ["phi1"]),
     "five_bar": (lambda: pj.load("five_bar"), ["phi1", "phi2"]),
@@ -174,7 +164,11 @@ def test_masses_in_the_joints_coordinates():
     model = mechanism.model
     for joint in range(1, model.njoints):
         model.inertias[joint] = pin.Inertia(1.0, np.array([0.01, 0.02, 0.03]), 0.01 * np.eye(3))
-    mechanism = pj.Mechanism.from_pinocchio(model, mechanism.spec.loops, ["q1", "q2"], "foot")
+    loops = [
+        pj.DistanceLoop(frames=(f"tip{k}", f"heel{k}"), length=rod)
+        for k, rod in enumerate(RODS, start=1)
+    ]
+    mechanism = pj.Mechanism.from_pinocchio(model, loops, ["motor1", "motor2"], "sole")
     geared = pj.transmission(mechanism, ["pitch", "roll"]).at_joints([0.1, 0.05])
     by_joints = geared.configuration.dynamics()
     by_motors = mechanism.configuration(geared.configuration.q).dynamics()

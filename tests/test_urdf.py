@@ -403,15 +403,16 @@ def test_several_roots():
     ("text", "message"),
     [
         (joint(kind="revolut"), "has the unknown type 'revolut'; did you mean 'revolute'?"),
+        (joint(kind="sphericl"), "has the unknown type 'sphericl'; did you mean 'spherical'?"),
         (
             joint(kind="ball"),
             "has the unknown type 'ball'; there are:"
-            " revolute, continuous, prismatic, fixed, floating, planar",
+            " revolute, continuous, prismatic, fixed, floating, planar, spherical",
         ),
         (
             joint().replace(' type="revolute"', ""),
             "has the unknown type ''; there are:"
-            " revolute, continuous, prismatic, fixed, floating, planar",
+            " revolute, continuous, prismatic, fixed, floating, planar, spherical, ball",
         ),
         (joint().replace('<parent link="a"/>', ""), 'has no parent; write <parent link="..."/>'),
         (
@@ -677,7 +678,7 @@ def test_moves_name_what_exists(delta):
         ),
         (
             Move(visual="mesh", length=1.0),
-            "visual 'mesh' is a <mesh> and has no `length` to move; it has: none",
+            "visual 'mesh' is a <mesh> and has no `length` to move",
         ),
         (Move(visual="bare", length=1.0), "visual 'bare' needs a <geometry> with one shape"),
         (

@@ -138,7 +138,7 @@ def test_a_mechanism_has_no_column_for_a_locked_joint(chain: Path) -> None:
     split = free.home.split_jacobian()
     np.testing.assert_allclose(held.home.jacobian().Jv_eq, split.Jv, atol=1e-14)
     np.testing.assert_allclose(held.home.jacobian().Jw_eq, split.Jw, atol=1e-14)
-    assert free.home.tool_pose.isApprox(held.home.tool_pose, 1e-12)
+    assert free.home.tool_pose().isApprox(held.home.tool_pose(), 1e-12)
 
 
 def test_a_value_given_goes_before_the_home_poses(chain: Path) -> None:
@@ -154,7 +154,7 @@ def test_a_model_file_locks_joints_itself(chain: Path) -> None:
 @pytest.mark.parametrize(
     ("locked", "message"),
     [
-        (["turn"], "joint 'turn' is locked; remove it from `actuated`"),
+        (["turn", "push"], r"all motors are locked \(turn, push\); hold fewer, or name others"),
         ("spin", "a list of joints or a mapping, got 'spin'"),
         (5, "a list of joints or a mapping, got 5"),
         ([["spin"]], "a list of joints or a mapping"),
@@ -169,6 +169,28 @@ def test_what_cannot_be_locked_in_a_mechanism(chain: Path, locked: object, messa
         pj.load(chain, locked=locked)
 
 
+@pytest.mark.parametrize("held", ["turn", "push"])
+def test_a_locked_motor_is_none(chain: Path, held: str) -> None:
+    """The columns of the others stay what they were."""
+    free, locked = pj.load(chain), pj.load(chain, locked=[held])
+    kept = [name for name in free.actuated if name != held]
+    assert locked.actuated == tuple(kept)
+    assert f"held, and so no motor: {held}" in locked.notes
+    columns = [free.actuated.index(name) for name in kept]
+    whole, part = free.home.split_jacobian(), locked.home.split_jacobian()
+    np.testing.assert_allclose(part.Jv, whole.Jv[:, columns], atol=1e-14)
+    np.testing.assert_allclose(part.Jw, whole.Jw[:, columns], atol=1e-14)
+    with pytest.raises(pj.ArgumentError, match=f"{held!r} is given as `actuated` and as `locked`"):
+        pj.load(chain, locked=[held], actuated=iter(["turn", "push"]))
+
+
+def test_a_locked_joint_of_an_open_chain_is_no_motor(tmp_path: Path) -> None:
+    (tmp_path / "chain.urdf").write_text(CHAIN)
+    free = pj.load(tmp_path / "chain.urdf", tool="tip")
+    held = pj.load(tmp_path / "chain.urdf", tool="tip", locked=["spin"])
+    assert {*free.actuated} - {*held.actuated} == {"spin"}
+
+
 def test_a_locked_joint_has_no_value_in_a_pose(chain: Path) -> None:
     chain.write_text(MODEL + "[locked]\nspin = 2.5")
     with pytest.raises(pj.ModelFileError, match=r"remove it from `poses.home`"):
@@ -181,7 +203,7 @@ def test_a_base_that_moves_freely_is_held_in_its_home_pose(chain: Path) -> None:
     free, held = pj.load(chain), pj.load(chain, locked=["spin"])
     assert held.spec.locked == {"spin": (1.0, 2.0, 3.0, 0.0, 0.0, 1.0, 0.0)}
     assert held.passive == ()
-    assert free.home.tool_pose.isApprox(held.home.tool_pose, 1e-12)
+    assert free.home.tool_pose().isApprox(held.home.tool_pose(), 1e-12)
     chain.write_text(MODEL.replace("spin = 2.5", "[locked]\nspin = [1, 2, 3, 0, 0, 1, 0]"))
     assert pj.load(chain) == held
 
@@ -215,7 +237,7 @@ def test_a_joint_of_several_freedoms_is_held_where_a_pose_puts_it(
     held = pj.load(chain, locked=["spin"] if said == "load" else ())
     assert held.passive == ()
     np.testing.assert_allclose(
-        held.home.tool_pose.homogeneous, free.home.tool_pose.homogeneous, atol=1e-14
+        held.home.tool_pose().homogeneous, free.home.tool_pose().homogeneous, atol=1e-14
     )
     J = held.close([0.2, -0.3]).jacobian().Jv_eq
     pose = {**free.home.joint_values, "turn": 0.2, "push": -0.3}

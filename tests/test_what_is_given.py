@@ -17,6 +17,7 @@ BAD = (
 #: Those that take nothing at all, three numbers, or the names of a mapping.
 ANSWERED = {
     "parameters", "locked", "guess", "directions", "section", "actuated", "springs", "driven_by",
+    "wrench",
 }  # fmt: skip
 RING = np.arange(18.0).reshape(6, 3)
 

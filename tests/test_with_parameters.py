@@ -7,6 +7,7 @@ import pickle
 
 import mechanisms
 import numpy as np
+import pinocchio as pin
 import pytest
 from mechanisms import loaded
 
@@ -117,6 +118,21 @@ def test_nothing_is_read_again(monkeypatch):
     monkeypatch.setattr(xml_text, "bounded_tree", None)
     monkeypatch.setattr(pj.Mechanism, "from_pinocchio", None)
     assert mechanism.with_parameters(a=0.6).close([0.7, 0.7, 0.7]).residual_norm < 1e-12
+
+
+@pytest.mark.parametrize("name", ["four_bar", "three_rps", "watt_six_bar"])
+def test_no_machine_is_built_on_the_way(name, monkeypatch):
+    """One model for each design, and at first that of the defaults."""
+    mechanism, models = pj.load(name), []
+
+    def build(text, read=pin.buildModelFromXML):
+        models.append(text)
+        return read(text)
+
+    monkeypatch.setattr(pin, "buildModelFromXML", build)
+    for count, factor in ((2, 1.02), (3, 0.98), (4, 1.01)):
+        mechanism.with_parameters({k: factor * v for k, v in mechanism.parameters.items()})
+        assert len(models) == count
 
 
 def test_numbers_of_numpy():

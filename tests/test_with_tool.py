@@ -74,8 +74,8 @@ def test_its_jacobian_is_the_derivative_of_its_pose(name, frame):
             for sign in (1.0, -1.0):
                 values = home.actuated.copy()
                 values[column] += sign * step
-                ends.append(mechanism.close(values).with_tool(tool).tool_pose)
-            here = home.with_tool(tool).tool_pose
+                ends.append(mechanism.close(values).with_tool(tool).tool_pose())
+            here = home.with_tool(tool).tool_pose()
             turn = pin.log3(ends[0].rotation @ ends[1].rotation.T) / (2.0 * step)
             move = (ends[0].translation - ends[1].translation) / (2.0 * step)
             if frame == "WORLD":
@@ -85,14 +85,29 @@ def test_its_jacobian_is_the_derivative_of_its_pose(name, frame):
             np.testing.assert_allclose(J_eq[:, column], [*move, *turn], atol=1e-7)
 
 
+@pytest.mark.parametrize("name", ["four_bar", "three_rps", "delta_rods", "ur5"])
+def test_the_pose_of_any_frame_is_pinocchios(name):
+    mechanism = loaded(name)
+    data = mechanism.model.createData()
+    pin.framesForwardKinematics(mechanism.model, data, mechanism.home.q)
+    for frame in frames(mechanism, 4):
+        placed = data.oMf[mechanism.model.getFrameId(frame)]
+        found = mechanism.home.tool_pose(frame)
+        np.testing.assert_allclose(found.homogeneous, placed.homogeneous, atol=1e-13)
+    own = mechanism.home.tool_pose(tool=mechanism.spec.tool.frame or mechanism.spec.tool.points)
+    np.testing.assert_array_equal(own.homogeneous, mechanism.home.tool_pose().homogeneous)
+
+
 def test_three_frames_span_a_tool():
     mechanism = loaded("three_rps")
     spanned = mechanism.with_tool(["S1", "S2", "S3"])
     data = mechanism.model.createData()
     pin.framesForwardKinematics(mechanism.model, data, spanned.home.q)
     points = [data.oMf[mechanism.model.getFrameId(f"S{k}")].translation for k in (1, 2, 3)]
-    found = spanned.home.tool_pose.translation
+    found = spanned.home.tool_pose().translation
     np.testing.assert_allclose(found, np.mean(points, axis=0), atol=1e-12)
+    asked = mechanism.home.tool_pose(["S1", "S2", "S3"]).translation
+    np.testing.assert_array_equal(asked, found)
 
 
 def test_a_tool_is_made_once_and_its_own_is_itself():
@@ -123,6 +138,8 @@ def test_what_is_no_tool(tool, kind, said):
             ask(tool)
     with pytest.raises(kind, match=said):
         mechanism.home.jacobian(tool=tool)
+    with pytest.raises(kind, match=said):
+        mechanism.home.tool_pose(tool)
 
 
 # --- files that name no tool ---------------------------------------------------------------------
@@ -149,6 +166,29 @@ def test_elsewhere_the_error_names_the_ends_of_chains_first(folder):
     home = pj.load(folder / "bar.urdf", actuated=["a"]).home
     with pytest.raises(pj.NoToolError, match=r"bar has no tool: .*jacobian\(tool=.*, of: far_e"):
         home.jacobian()
+
+
+def test_a_model_of_joints_alone_says_that_it_has_no_frame():
+    model = pin.Model()
+    model.addJoint(0, pin.JointModelRX(), pin.SE3.Identity(), "a")
+    bare = pj.Mechanism.from_pinocchio(model, [], ["a"])
+    for ask in (bare.home.jacobian, bare.home.tool_pose, lambda: pj.check(bare)):
+        with pytest.raises(
+            pj.NoToolError, match="has no link that could be one; add a frame"
+        ) as no:
+            ask()
+        assert no.value.frames == ()
+
+
+def test_check_of_a_joint_that_is_named_as_its_link_is(tmp_path):
+    path = tmp_path / "arm.urdf"
+    path.write_text(
+        '<robot name="arm"><link name="base"/><link name="hand"/>'
+        '<joint name="hand" type="continuous"><parent link="base"/><child link="hand"/></joint>'
+        "</robot>"
+    )
+    assert "'hand'" in pj.check(path).findings[0].message
+    assert pj.load(path).possible_tools == ("hand", "base")
 
 
 @pytest.mark.parametrize("name", CATALOGUE)
@@ -182,8 +222,8 @@ def test_a_mechanism_without_a_tool_is_the_same_machine(name, rng):
         alone.home.jacobian,
         alone.home.allowed_jacobian,
         alone.home.dynamics,
-        alone.home.statics,
-        lambda: alone.home.tool_pose,
+        lambda: alone.home.statics(np.zeros(6)),
+        alone.home.tool_pose,
         lambda: str(pj.report(alone.home)),
         lambda: pj.view(alone.home, open_browser=False, port=0),
         lambda: pj.batch(alone).jacobian([alone.home.q]),
@@ -214,7 +254,10 @@ def test_a_folder_or_its_yaml_stands_for_the_urdf_in_it(folder):
     (folder / "robot.urdf").write_text(FOUR_BAR.replace('"bar"', '"robot"'))
     assert pj.load(folder, actuated=["a"], tool="far_end").name == "robot"
     (folder / "empty").mkdir()
-    with pytest.raises(pj.ModelFileError, match="no URDF in this folder"):
+    with pytest.raises(pj.ModelFileError, match=r"no URDF in this folder$"):
+        pj.load(folder / "empty")
+    (folder / "empty" / "robot.urdf.xacro").write_text("<robot/>")
+    with pytest.raises(pj.ModelFileError, match=r"this folder; there are: robot\.urdf\.xacro"):
         pj.load(folder / "empty")
 
 

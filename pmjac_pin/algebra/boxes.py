@@ -90,3 +90,7 @@ class Boxes:
     def sin(self, x: Intervals) -> Intervals:
         """Return sin x."""
         return x.sin()
+
+    def unit(self, x: Intervals) -> Intervals:
+        """Return x: of the members of a box around what q holds of a turn, those of length 1."""
+        return x

@@ -127,6 +127,11 @@ class Intervals:
         wide = _outward(np.minimum(one, other), np.maximum(one, other))
         return Intervals(np.where(straddles, 0.0, np.maximum(wide.lower, 0.0)), wide.upper)
 
+    def sqrt(self) -> Intervals:
+        """Return {√x} of what is not negative: NumPy's roots are rounded to the nearest."""
+        found = _outward(np.sqrt(np.maximum(self.lower, 0.0)), np.sqrt(self.upper))
+        return Intervals(np.maximum(found.lower, 0.0), found.upper)
+
     def sum(self, axis: int) -> Intervals:
         """Return the sum along an axis."""
         size = _sum_error(self.shape[axis], self.magnitude.sum(axis))

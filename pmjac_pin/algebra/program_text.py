@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from typing import TypeAlias
 
 from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.programs import Operand, Recording, Term
+from pmjac_pin.errors import ArgumentError, quoted
 
 Outputs: TypeAlias = Mapping[str, Numbers]
 
+#: No function in C has these names.
+C_WORDS = frozenset(
+    """auto break case char const continue default do double else enum extern float for goto if
+    inline int long main register restrict return short signed sizeof static struct switch typedef
+    union unsigned void volatile while""".split()  # noqa: SIM905 - thirty-five quotes
+)
 _INFIX = frozenset("+-*/")
 _C_FUNCTIONS = {
     "sin": "sin", "cos": "cos", "sqrt": "sqrt", "abs": "fabs", "max": "fmax",
@@ -19,6 +27,29 @@ _NUMPY_FUNCTIONS = {
     "sin": "np.sin", "cos": "np.cos", "sqrt": "np.sqrt", "abs": "np.abs", "max": "np.maximum",
     "copysign": "np.copysign", "atan2": "np.arctan2", "round": "np.rint",
 }  # fmt: skip
+
+
+def function_name(name: object, taken: Set[str], adapt: bool = False) -> str:
+    """Return the name of a function, adapted from one that need not be one where that is asked for.
+
+    Raises
+    ------
+    ArgumentError
+        A name that the language does not allow.
+
+    Examples
+    --------
+    >>> function_name("2nd arm", C_WORDS, adapt=True)
+    'mechanism_2nd_arm'
+    """
+    if adapt:
+        name = re.sub(r"\W", "_", str(name), flags=re.ASCII)
+        name = f"mechanism_{name}" if name in taken or name[:1].isdigit() else name
+    if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII):
+        raise ArgumentError(f"a function's name is letters, digits and _, got {quoted(name)}")
+    if name in taken:
+        raise ArgumentError(f"{name!r} is a word of the language; give another name")
+    return name
 
 
 def c_text(name: str, recording: Recording, outputs: Outputs, head: Iterable[str]) -> str:
@@ -56,10 +87,15 @@ def c_text(name: str, recording: Recording, outputs: Outputs, head: Iterable[str
     }
     <BLANKLINE>
     """
+    lines = ["/*", *(f" * {in_comment(line)}" for line in head), " */", "#include <math.h>", ""]
+    return "\n".join([*lines, c_function(f"void {name}", recording, outputs)])
+
+
+def c_function(declared: str, recording: Recording, outputs: Outputs) -> str:
+    """Return the function alone, declared so: ``void name``, or ``static void name``."""
     arguments = [f"const double q[{len(recording.inputs)}]"]
     arguments += [f"double {key}[{array.size}]" for key, array in outputs.items() if array.size]
-    lines = ["/*", *(f" * {_in_comment(line)}" for line in head), " */", "#include <math.h>", ""]
-    lines += [f"void {name}(", ",\n".join(f"    {one}" for one in arguments) + ")", "{"]
+    lines = [f"{declared}(", ",\n".join(f"    {one}" for one in arguments) + ")", "{"]
     statements = _statements(recording, outputs, "q[{}]", _C_FUNCTIONS)
     lines += [f"    const double {left} = {right};" for left, right in statements]
     for key, array in outputs.items():
@@ -135,7 +171,8 @@ def _whole(operand: Operand) -> str:
     return _name(operand) if isinstance(operand, Term) else f"nothing + {_name(operand)}"
 
 
-def _in_comment(line: str) -> str:
+def in_comment(line: str) -> str:
+    """Return a line that ends no comment in C."""
     return _comment_text(line).replace("*/", "* /").replace("/*", "/ *")
 
 

@@ -9,6 +9,7 @@ comes out is what recording says, whatever was recorded before.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from threading import Lock
 
 import numpy as np
@@ -89,10 +90,10 @@ class _Repeated(Recording):
 class _Known:
     """A program: its recording, its tape and where each of the tape's constants comes from."""
 
-    def __init__(self, inputs: int, make: Make) -> None:
+    def __init__(self, inputs: int, make: Make, stages: Sequence[int]) -> None:
         self._recording = _Repeated(inputs)
         self._outputs = list(make(self._recording.inputs))
-        self.tape, places = Tape.placed(self._recording, self._outputs)
+        self.tape, places = Tape.placed(self._recording, self._outputs, stages)
         self._terms = [(self._recording.terms[term], operand) for term, operand, _ in places]
         self._slots: NDArray[np.intp] = np.array([slot for *_, slot in places], dtype=np.intp)
         self._shown = [
@@ -126,7 +127,7 @@ class _Known:
         constants[slots] = given
         if not np.array_equal(constants[slots], given):  # one constant that was two by chance
             raise _Differs
-        return Tape(tape.code, constants, tape.slots, tape.inputs, tape.outputs)
+        return replace(tape, constants=constants)
 
 
 class Recordings:
@@ -150,7 +151,7 @@ class Recordings:
         self._worth: dict[str, int] = {}  # how often more it paid than not
         self._lock = Lock()
 
-    def tape(self, name: str, inputs: int, make: Make) -> Tape:
+    def tape(self, name: str, inputs: int, make: Make, stages: Sequence[int] = ()) -> Tape:
         """Return the tape of outputs that are made of so many inputs.
 
         Parameters
@@ -159,19 +160,21 @@ class Recordings:
         inputs : int
         make : callable
             Inputs ↦ outputs.
+        stages : sequence of int
+            As of `Tape.of`.
         """
         with self._lock:
             worth = self._worth.setdefault(name, _SIBLINGS_PATIENCE)
             if worth == _SIBLINGS_PATIENCE and name not in self._known:
                 self._worth[name] += 1  # a sibling may follow
             elif worth > 0:
-                return self._beside(name, inputs, make)
+                return self._beside(name, inputs, make, stages)
             else:
                 self._known.pop(name, None)
         recording = Recording(inputs)
-        return Tape.of(recording, make(recording.inputs))
+        return Tape.of(recording, make(recording.inputs), stages)
 
-    def _beside(self, name: str, inputs: int, make: Make) -> Tape:
+    def _beside(self, name: str, inputs: int, make: Make, stages: Sequence[int]) -> Tape:
         if (known := self._known.get(name)) is not None:
             try:
                 tape = known.again(make)
@@ -180,5 +183,5 @@ class Recordings:
             else:
                 self._worth[name] = min(self._worth[name] + 1, 2 * _SIBLINGS_PATIENCE)
                 return tape
-        known = self._known[name] = _Known(inputs, make)
+        known = self._known[name] = _Known(inputs, make, stages)
         return known.tape

@@ -2,7 +2,7 @@
  * all are orthogonal (Jacobi, from one side), more are reflected to two diagonals (Golub and
  * Kahan), whose singular values are found by halving.
  */
-#define LANES 16
+#define LANES 32
 #include "lanes.h"
 
 #define FEW 4 /* vectors */
@@ -134,6 +134,7 @@ INLINE void to_two_diagonals(
 
 #define HALVINGS 54 /* to the last digit of the largest */
 #define NOTHING 1e-290
+#define LEAST_ORDER -1000 /* of a power of two that has an inverse */
 
 /* The singular value at a place, 0 that of the largest, of two diagonals with these squares: how
  * many are below a number is how many pivots of B^T B less its square are negative. */
@@ -172,9 +173,7 @@ INLINE void value_at(
     EACH value[i] = low[i];
 }
 
-/* Those at some places, in `values`; what follows there is room for two vectors. */
-FOR_EACH_PROCESSOR
-static void find(
+INLINE void find(
     double (*x)[LANES], int64_t vectors, int64_t length, const int64_t *places, int64_t many,
     double (*values)[LANES])
 {
@@ -190,8 +189,41 @@ static void find(
         EACH values[k][i] = main[places[k]][i];
 }
 
+/* Those at some places of LANES matrices, or fewer, in `values`; what follows there is room for two
+ * vectors. */
+FOR_EACH_PROCESSOR
+static void find_scaled(
+    const double *matrices, int64_t count, int width, double (*x)[LANES], int64_t vectors,
+    int64_t length, const int64_t *places, int64_t many, double (*values)[LANES])
+{
+    int64_t entries = vectors * length;
+    double size[LANES], scale[LANES], nothing[LANES];
+    EACH size[i] = nothing[i] = 0.0;
+    for (int64_t k = 0; k < entries; k++) {
+        const double *given = matrices + k * count;
+        if (width == LANES) EACH x[k][i] = given[i];
+        else for (int i = 0; i < LANES; i++) x[k][i] = given[i < width ? i : width - 1];
+        EACH {
+            size[i] = size[i] > fabs(x[k][i]) ? size[i] : fabs(x[k][i]);
+            nothing[i] += 0.0 * x[k][i]; /* NaN where an entry is no number */
+        }
+    }
+    for (int i = 0; i < LANES; i++) {
+        int some = size[i] > 0.0 && nothing[i] == 0.0;
+        int order = some ? ilogb(size[i]) : 0;
+        size[i] = ldexp(1.0, order > LEAST_ORDER ? order : LEAST_ORDER);
+        scale[i] = some ? 1.0 / size[i] : 0.0;
+    }
+    for (int64_t k = 0; k < entries; k++)
+        EACH x[k][i] = scale[i] > 0.0 ? x[k][i] * scale[i] : 0.0;
+    find(x, vectors, length, places, many, values);
+    for (int64_t k = 0; k < many; k++)
+        EACH values[k][i] = values[k][i] * size[i] + nothing[i];
+}
+
 /* Singular values, (many, count), of matrices (vectors, length, count), no more vectors than their
- * length: those at some places, 0 that of the largest. Returns 0, or 1 where there is no memory. */
+ * length: those at some places, 0 that of the largest; NaN where an entry is no number. Returns 0,
+ * or 1 where there is no memory. */
 int pmjac_singular_values(
     const double *matrices, int64_t vectors, int64_t length, int64_t count, const int64_t *places,
     int64_t many, double *values)
@@ -202,20 +234,9 @@ int pmjac_singular_values(
     double (*x)[LANES] = (double (*)[LANES])(((uintptr_t)memory + 63) / 64 * 64);
     for (int64_t start = 0; start < count; start += LANES) {
         int width = count - start < LANES ? (int)(count - start) : LANES;
-        double size[LANES];
-        EACH size[i] = 0.0;
-        for (int64_t k = 0; k < entries; k++)
-            for (int i = 0; i < LANES; i++) {
-                x[k][i] = matrices[k * count + start + (i < width ? i : width - 1)];
-                size[i] = size[i] > fabs(x[k][i]) ? size[i] : fabs(x[k][i]);
-            }
-        for (int i = 0; i < LANES; i++) size[i] = size[i] > 0.0 ? ldexp(1.0, ilogb(size[i])) : 1.0;
-        for (int64_t k = 0; k < entries; k++)
-            EACH x[k][i] /= size[i];
-        find(x, vectors, length, places, many, x + entries);
+        find_scaled(matrices + start, count, width, x, vectors, length, places, many, x + entries);
         for (int64_t k = 0; k < many; k++)
-            for (int i = 0; i < width; i++)
-                values[k * count + start + i] = x[entries + k][i] * size[i];
+            for (int i = 0; i < width; i++) values[k * count + start + i] = x[entries + k][i];
     }
     free(memory);
     return 0;

@@ -32,12 +32,8 @@ def singular_values(matrices: Array, places: Sequence[int] | None = None) -> Arr
     [4.0, 3.0]
     """
     wanted = range(min(matrices.shape[:2])) if places is None else places
-    known: Mask = np.asarray(np.isfinite(matrices).all(axis=(0, 1)))
-    finite = matrices if known.all() else np.where(known, matrices, 0.0)
     built = kernel()
-    values = _of_stack(finite, wanted) if built is None else values_in(built, finite, wanted)
-    found: Array = np.where(known, values, np.nan)
-    return found
+    return _of_stack(matrices, wanted) if built is None else values_in(built, matrices, wanted)
 
 
 @cache
@@ -48,12 +44,14 @@ def kernel() -> ctypes.CDLL | None:
 
 
 def _of_stack(matrices: Array, places: Sequence[int]) -> Array:
-    values = np.linalg.svd(matrices.transpose(2, 0, 1), compute_uv=False)
-    return np.asarray(values[:, list(places)].T)
+    known: Mask = np.asarray(np.isfinite(matrices).all(axis=(0, 1)))
+    finite = np.where(known, matrices, 0.0).transpose(2, 0, 1)
+    values = np.linalg.svd(finite, compute_uv=False)[:, list(places)].T
+    return np.where(known, values, np.nan)
 
 
 def values_in(library: ctypes.CDLL, matrices: Array, places: Sequence[int]) -> Array:
-    """Return what the kernel finds for finite matrices, at some places.
+    """Return what the kernel finds at some places.
 
     Raises
     ------

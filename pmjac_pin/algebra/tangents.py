@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
@@ -17,7 +17,7 @@ def tangents(outputs: Sequence[Any], inputs: Sequence[Term], rates: Sequence[Any
     ----------
     outputs : sequence of Term or float
     inputs : sequence of Term
-        What the outputs are recorded of.
+        What the outputs are recorded of: terms whose own operands are not looked at.
     rates : sequence of Term or float
         Of each input.
 
@@ -40,19 +40,18 @@ def tangents(outputs: Sequence[Any], inputs: Sequence[Term], rates: Sequence[Any
     def slope(of: Any) -> Any:
         return known[of.index] if isinstance(of, Term) else 0.0
 
-    for term in sorted(_needed(outputs), key=lambda one: one.index):
-        if term.index not in known:
-            known[term.index] = _slope(term, slope)
+    for term in sorted(_needed(outputs, known), key=lambda one: one.index):
+        known[term.index] = _slope(term, slope)
     return [slope(output) for output in outputs]
 
 
-def _needed(outputs: Sequence[Any]) -> set[Term]:
-    """Return all terms that outputs are made of."""
+def _needed(outputs: Sequence[Any], known: Collection[int]) -> set[Term]:
+    """Return all terms that outputs are made of, down to those that are known."""
     found: set[Term] = set()
     waiting = [output for output in outputs if isinstance(output, Term)]
     while waiting:
         term = waiting.pop()
-        if term not in found:
+        if term not in found and term.index not in known:
             found.add(term)
             waiting += [one for one in term.operands if isinstance(one, Term)]
     return found

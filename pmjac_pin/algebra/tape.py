@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -31,6 +32,8 @@ class Tape:
         What the first slots hold from the beginning.
     slots, inputs, outputs : int
         How many.
+    stages : tuple of int
+        How many instructions it takes until the outputs of each stage are there, too.
 
     Examples
     --------
@@ -46,26 +49,39 @@ class Tape:
     slots: int
     inputs: int
     outputs: int
+    stages: tuple[int, ...] = ()
 
     @classmethod
-    def of(cls, recording: Recording, outputs: Sequence[Term | float]) -> Tape:
-        """Return the instructions that compute some terms, and nothing else."""
-        return _Writer(recording, outputs).tape()
+    def of(
+        cls, recording: Recording, outputs: Sequence[Term | float], stages: Sequence[int] = ()
+    ) -> Tape:
+        """Return the instructions that compute some terms, and nothing else.
+
+        Parameters
+        ----------
+        recording : Recording
+        outputs : sequence of Term or float
+        stages : sequence of int
+            How many of the outputs are to be there as early as can be, ascending.
+        """
+        return _Writer(recording, outputs, stages).tape()
 
     @classmethod
     def placed(
-        cls, recording: Recording, outputs: Sequence[Term | float]
+        cls, recording: Recording, outputs: Sequence[Term | float], stages: Sequence[int] = ()
     ) -> tuple[Tape, list[tuple[int, int, int]]]:
         """Return the same, and which constant is which operand: (term, operand, slot) each."""
-        writer = _Writer(recording, outputs)
+        writer = _Writer(recording, outputs, stages)
         return writer.tape(), writer.places()
 
 
 class _Writer:
     """Writes a tape: slots are used again as soon as what they hold has been used."""
 
-    def __init__(self, recording: Recording, outputs: Sequence[Term | float]) -> None:
-        self._recording, self._outputs = recording, outputs
+    def __init__(
+        self, recording: Recording, outputs: Sequence[Term | float], stages: Sequence[int]
+    ) -> None:
+        self._recording, self._outputs, self._stages = recording, outputs, stages
         self._targets: dict[int, list[int]] = {}
         for number, output in enumerate(outputs):
             if isinstance(output, Term):
@@ -86,6 +102,9 @@ class _Writer:
             for term in self._recording.terms
             if self._uses[term.index] and term.index not in hidden
         ]
+        if self._stages:
+            stages = self._stage_of_terms()
+            steps.sort(key=lambda step: stages[step[0].index])
         for _, _, operands in steps:
             for x in operands:
                 if isinstance(x, Term):
@@ -107,7 +126,29 @@ class _Writer:
             slots=self._count,
             inputs=len(self._recording.inputs),
             outputs=len(self._outputs),
+            stages=tuple(map(self._until, self._stages)),
         )
+
+    def _stage_of_terms(self) -> list[int]:
+        """Return at which stage each term is needed first."""
+        found = [len(self._stages)] * len(self._recording.terms)
+        for index, numbers in self._targets.items():
+            found[index] = bisect_right(self._stages, min(numbers))
+        for term in reversed(self._recording.terms):
+            if self._uses[term.index] and term.operation != "input":
+                for x in term.operands:
+                    if isinstance(x, Term):
+                        found[x.index] = min(found[x.index], found[term.index])
+        return found
+
+    def _until(self, outputs: int) -> int:
+        """Return how many instructions it takes until so many outputs are there."""
+        stores = (
+            place
+            for place, (name, target, *_) in enumerate(self._code)
+            if name == _NUMBER["store"] and target < outputs
+        )
+        return max(stores, default=-1) + 1
 
     def places(self) -> list[tuple[int, int, int]]:
         """Return which operands of the terms that are computed the constants are."""

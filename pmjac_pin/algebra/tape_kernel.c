@@ -16,12 +16,9 @@ enum {
 INLINE void wave(
     const double *x, double *wave_of, int quarter)
 {
+    double angle[LANES]; /* x may be where the wave goes */
     int large = 0;
-    EACH large |= !(fabs(x[i]) < LARGE);
-    if (large) {
-        EACH wave_of[i] = quarter ? cos(x[i]) : sin(x[i]);
-        return;
-    }
+    EACH { angle[i] = x[i]; large |= !(fabs(x[i]) < LARGE); }
     EACH {
         const double magic = 6755399441055744.0; /* 1.5 * 2^52: what is added is rounded */
         union { double number; int64_t bits; } turns = {x[i] * 0.63661977236758134308 + magic};
@@ -41,6 +38,9 @@ INLINE void wave(
         double value = which & 1 ? cosine : sine;
         wave_of[i] = which & 2 ? -value : value;
     }
+    if (large)
+        for (int i = 0; i < LANES; i++)
+            if (!(fabs(angle[i]) < LARGE)) wave_of[i] = quarter ? cos(angle[i]) : sin(angle[i]);
 }
 
 FOR_EACH_PROCESSOR
@@ -52,13 +52,18 @@ static void run(
         double *result = slots[at[0] == STORE ? 0 : at[1]];
         const double *a = slots[at[2]], *b = slots[at[3]], *c = slots[at[4]];
         switch (at[0]) {
-        case LOAD:
-            for (int i = 0; i < LANES; i++)
-                result[i] = inputs[at[2] * count + start + (i < width ? i : width - 1)];
+        case LOAD: {
+            const double *given = inputs + at[2] * count + start;
+            if (width == LANES) EACH result[i] = given[i];
+            else for (int i = 0; i < LANES; i++) result[i] = given[i < width ? i : width - 1];
             break;
-        case STORE:
-            for (int i = 0; i < width; i++) outputs[at[1] * count + start + i] = a[i];
+        }
+        case STORE: {
+            double *target = outputs + at[1] * count + start;
+            if (width == LANES) EACH target[i] = a[i];
+            else for (int i = 0; i < width; i++) target[i] = a[i];
             break;
+        }
         case ADD: EACH result[i] = a[i] + b[i]; break;
         case SUBTRACT: EACH result[i] = a[i] - b[i]; break;
         case MULTIPLY: EACH result[i] = a[i] * b[i]; break;

@@ -5,18 +5,21 @@ What a program certifies is what the single call says; where it cannot, the sing
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from pmjac_pin.algebra.compiled_programs import CompiledPrograms
+from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import kernel, run
 from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.grid import Grid
 from pmjac_pin.batches.judge import Judge
-from pmjac_pin.batches.measures import measured
+from pmjac_pin.batches.measures import measured, with_extremes
 from pmjac_pin.batches.pieces import Piece, PieceWork, Progress, gathered
 from pmjac_pin.batches.results import (
     ManyClosed,
@@ -27,17 +30,32 @@ from pmjac_pin.batches.results import (
 )
 from pmjac_pin.closing.motor_values import motor_table
 from pmjac_pin.closing.recorded_rates import DOUBTS
-from pmjac_pin.configuration import Configuration, frame_name
+from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import enforced
+from pmjac_pin.model.reference_frame import frame_name
 from pmjac_pin.model.unit_turns import unit_rows
 from pmjac_pin.values.arrays import Array, Index
 from pmjac_pin.values.checks import as_numbers, check_kind
 
 
-def batch(mechanism: Mechanism) -> Batch:
+def batch(mechanism: Mechanism, *, compiled: bool = False) -> Batch:
     """Return what computes many poses of a mechanism at once.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    compiled : bool
+        Whether its programs are compiled by the machine's C compiler: that takes some seconds, once
+        for these dimensions and this machine, and the same numbers come sooner.
+
+    Raises
+    ------
+    MissingDependencyError
+        No C compiler, or no kernel that was built with the package.
+    OutputError
+        No cache for what is compiled.
 
     Examples
     --------
@@ -48,7 +66,7 @@ def batch(mechanism: Mechanism) -> Batch:
     ((1000, 6, 2), 0)
     """
     check_kind(mechanism, Mechanism)
-    return Batch(mechanism)
+    return Batch(mechanism, compiled=compiled)
 
 
 class Batch:
@@ -58,14 +76,18 @@ class Batch:
     ----------
     mechanism : Mechanism
     runs_on : str
-        "kernel", or "NumPy" where none was built when the package was installed.
+        "kernel", "compiled programs", or "NumPy" where no kernel was built when the package was
+        installed.
     """
 
-    def __init__(self, mechanism: Mechanism) -> None:
+    def __init__(self, mechanism: Mechanism, *, compiled: bool = False) -> None:
         self.mechanism = mechanism
+        self._compiled = CompiledPrograms() if compiled else None
         self.runs_on = "NumPy" if kernel() is None else "kernel"
+        if compiled:
+            self.runs_on = "compiled programs"
         self._recorded = mechanism._recorded
-        self._closing = Closing.of(mechanism)
+        self._closing = Closing.of(mechanism, self._compiled)
         self._judge = Judge(mechanism, self._recorded.rates.partition)
 
     def close(
@@ -189,11 +211,16 @@ class Batch:
         """
         self.mechanism.need_tool()
         poses, name = self._poses(q), frame_name(frame)
-        tape, count, n = self._recorded.jacobian(name), len(poses), len(self.mechanism.actuated)
+        by, count, n = (
+            self._by(self._recorded.jacobian(name)),
+            len(poses),
+            len(self.mechanism.actuated),
+        )
 
         def work(piece: Piece) -> tuple[Array, Statuses]:
             part = poses[piece.at]
-            return self._judge.judged(piece, part, run(tape, part.T), name)
+            J_eq, status = self._judge.judged(piece, part, by(part.T), name)
+            return J_eq.transpose(2, 0, 1), status
 
         return gathered(ManyJacobians, ((count, 6, n), (count,)), work, threads, progress)
 
@@ -217,17 +244,23 @@ class Batch:
         True
         """
         self.mechanism.need_tool()
-        poses, tape, n = self._poses(q), self._recorded.measures, len(self.mechanism.actuated)
+        poses, by = self._poses(q), self._by(self._recorded.measures)
+        n, partition = len(self.mechanism.actuated), self._recorded.rates.partition
         shapes = ((6, n), (), (3,), (3,), (), (), (3,), (3, 3))  # in the order of ManyMeasures
 
         def work(piece: Piece) -> list[Array]:
-            told = run(tape, poses[piece.at].T)
-            judged = self._judge.judged(piece, poses[piece.at], told, "LOCAL_WORLD_ALIGNED")
-            found = measured(*judged, told[DOUBTS + 6 * n :], self._recorded.rates.partition)
+            part = poses[piece.at]
+            told, extremes = with_extremes(by, part.T, DOUBTS + 6 * n + 15, partition)
+            judged = self._judge.judged(piece, part, told, "LOCAL_WORLD_ALIGNED")
+            found = measured(*judged, told[DOUBTS + 6 * n :], extremes, partition)
             return list(vars(found).values())
 
         whole = [(len(poses), *shape) for shape in shapes]
         return gathered(ManyMeasures, whole, work, threads, progress)
+
+    def _by(self, tape: Tape) -> Callable[[Array], Array]:
+        """Return what computes a tape's outputs, (outputs, N), of inputs (inputs, N)."""
+        return partial(run, tape) if self._compiled is None else self._compiled.of(tape).run
 
     def _start(self, guess: Any, count: int) -> tuple[Array, bool]:
         """Return where the paths begin, and whether it is known that the loops are closed there."""

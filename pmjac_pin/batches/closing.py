@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from pmjac_pin.algebra.tape_runner import run
+from pmjac_pin.algebra.compiled_programs import CompiledPrograms
 from pmjac_pin.batches.one_by_one import close_one
 from pmjac_pin.batches.pieces import Piece
 from pmjac_pin.batches.results import Status, Statuses
 from pmjac_pin.closing.closure import MOST_STEPS
-from pmjac_pin.closing.many_paths import Run, Walker
+from pmjac_pin.closing.many_paths import GoOn, Walker
+from pmjac_pin.closing.path_kernel import many_paths_kernel
+from pmjac_pin.closing.paths_in_lanes import PathsInLanes
+from pmjac_pin.errors import MissingDependencyError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import beyond_limits
 from pmjac_pin.values.arrays import Array, Mask
@@ -26,18 +29,32 @@ class Closing:
     mechanism : Mechanism
     walker : Walker or None
         None where nothing is recorded: by single calls.
+    lanes : PathsInLanes or None
+        What walks in its place where a kernel was built.
     """
 
     mechanism: Mechanism
     walker: Walker | None
+    lanes: PathsInLanes | None = None
 
     @classmethod
-    def of(cls, mechanism: Mechanism) -> Closing:
-        """Record what is needed; nothing where motors are of several freedoms."""
+    def of(cls, mechanism: Mechanism, compiled: CompiledPrograms | None = None) -> Closing:
+        """Record what is needed, and compile it; nothing where motors are of several freedoms."""
         if not mechanism._recorded.walks:
             return cls(mechanism, None)
-        move, arrival, leg = mechanism._recorded.walking
-        return cls(mechanism, Walker(mechanism._parts.problem, move, arrival, leg, run))
+        tapes, library = mechanism._recorded.walking, many_paths_kernel()
+        known = mechanism.problem, mechanism.coordinates
+        lanes = None
+        if library is not None:
+            programs = [None if compiled is None else compiled.of(tape) for tape in tapes]
+            lanes = PathsInLanes(library, tapes, *known, programs)
+        elif compiled is not None:
+            raise MissingDependencyError(
+                "compiled programs are run by a kernel that is built when pmjac_pin is installed, "
+                "and none was: install a C compiler, then pmjac_pin anew (pip install "
+                "--force-reinstall --no-deps pmjac_pin)"
+            )
+        return cls(mechanism, Walker(*known, *tapes), lanes)
 
     def check(self, start: Array) -> None:
         """Raise ClosureError where the loops of one of some poses are open."""
@@ -57,7 +74,7 @@ class Closing:
 
         With so few steps, what is not certain by them has the status NOT_DONE.
         """
-        q, share, settled = self.together(start, values, piece.run, most_steps)
+        q, share, settled = self.together(start, values, piece.go_on, most_steps)
         # Another branch may have more rank than home's, of which the program knows nothing.
         full = self.mechanism.problem.partition.full
         settled &= (share == 1.0) | (full & (share > 0.0))
@@ -76,20 +93,21 @@ class Closing:
         return q, share, status
 
     def together(
-        self, start: Array, values: Array, by: Run = run, most_steps: int | None = None
+        self,
+        start: Array,
+        values: Array,
+        go_on: GoOn = lambda: None,
+        most_steps: int | None = None,
     ) -> tuple[Array, Array, Mask]:
         """Walk all paths by the program; return q, share, and of which this is certain."""
         coordinates, partition = self.mechanism.coordinates, self.mechanism.problem.partition
         # Without a walker, or where some motors lead and others are led, single calls know the way.
         if self.walker is None or partition.constraint_rank > partition.passive_rank:
             return start.copy(), np.zeros(len(values)), np.zeros(len(values), dtype=bool)
-        motors = partition.actuated
+        motors, most = partition.actuated, most_steps or MOST_STEPS
         displacement = values - coordinates.values_of(start, motors)
         turns = np.round(displacement / (2.0 * np.pi)) * coordinates.wraps[motors]
-        paths = replace(self.walker, run=by).walk(
-            start,
-            displacement - 2.0 * np.pi * turns,
-            lambda q, which: coordinates.with_values(q, motors, values[which]),
-            most_steps or MOST_STEPS,
-        )
+        displacement -= 2.0 * np.pi * turns
+        walker = self.lanes or self.walker
+        paths = walker.walk(start, displacement, values, go_on, most)
         return paths.q, paths.share, paths.settled

@@ -18,8 +18,8 @@ from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.one_by_one import jacobian_of_one, measures_of_one
 from pmjac_pin.batches.pieces import Progress
 from pmjac_pin.batches.results import ManyJacobians, ManyMeasures
-from pmjac_pin.configuration import frame_name
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.model.reference_frame import frame_name
 
 _POSES = 0.1  # for each entry of the Jacobians of loops and tool: closed while programs are made
 

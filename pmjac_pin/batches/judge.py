@@ -15,7 +15,7 @@ from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array
 
-_REFINED = 1e-4  # σ_min of K*, relative: of what is nearer to singular, rates are refined
+_BY_SINGLE_CALLS = 1e-4  # σ_min of K*, relative: above, rounding is that of 12 digits, unrefined
 _FELT = 1e-13  # of the tool's motion: what idle motions may do to it by rounding
 
 
@@ -35,16 +35,20 @@ class Judge:
     def judged(
         self, piece: Piece, poses: Array, found: Array, frame: FrameName
     ) -> tuple[Array, Statuses]:
-        """Return J_eq of what a tape found, where that is certain, else of the single call."""
+        """Return J_eq (6, n, N) of what a tape found, where that is certain, else of single calls.
+
+        What is found is the single calls' then.
+        """
         partition, n = self.partition, len(self.mechanism.actuated)
         gap, inverse, size, forbidden, felt, tool, spread = found[:DOUBTS]
         least = partition.rank_tolerance * np.maximum(size, partition.least_size)
         certain = gap <= self.mechanism.problem.tolerance
-        certain &= inverse * np.maximum(least, _REFINED * size) < 1.0
+        certain &= inverse * np.maximum(least, _BY_SINGLE_CALLS * size) < 1.0
         certain &= (forbidden <= least) & (felt <= _FELT * tool) & (spread > SPREAD)
         certain &= not partition.isolated
-        J_eq = found[DOUBTS : DOUBTS + 6 * n].T.reshape(-1, 6, n).copy()
+        J_eq = found[DOUBTS : DOUBTS + 6 * n]
         status = np.zeros(len(poses), dtype=np.int8)
         for index in piece.each(~certain):
-            J_eq[index], status[index] = jacobian_of_one(self.mechanism, poses[index], frame)
-        return J_eq, status
+            single, status[index] = jacobian_of_one(self.mechanism, poses[index], frame)
+            J_eq[:, index] = np.ravel(single)
+        return J_eq.reshape(6, n, -1), status

@@ -40,7 +40,7 @@ def measures_of_one(mechanism: Mechanism, q: Array) -> dict[str, Any]:
     if status == Status.OPEN:
         return found
     configuration = mechanism.configuration(q)
-    singularity, tool = configuration.singularity(), configuration.tool_pose
+    singularity, tool = configuration.singularity(), configuration.tool_pose()
     found |= {"smallest": singularity.smallest, "condition": singularity.condition}
     found |= {"position": tool.translation, "rotation": tool.rotation}
     if status == Status.CLOSED:

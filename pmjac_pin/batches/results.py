@@ -118,7 +118,7 @@ class ManyMeasures(ManyJacobians):
     smallest, condition : ndarray, shape (N,)
         Of K*, as those of `Singularity`.
     position, rotation : ndarray, shapes (N, 3) and (N, 3, 3)
-        Of the tool, in the world: those of `tool_pose`.
+        Of the tool, in the world: those of `tool_pose()`.
     """
 
     velocity_radii: Array

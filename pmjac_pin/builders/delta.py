@@ -68,7 +68,7 @@ def delta(
     >>> machine = pj.delta(base=0.2, arm=0.3, rod=0.7, plate=0.06)
     >>> machine
     Mechanism(delta, actuated=(theta1, theta2, theta3), 6 passive, 6 loops, mobility 3)
-    >>> machine.home.tool_pose.translation.round(4).tolist()
+    >>> machine.home.tool_pose().translation.round(4).tolist()
     [0.0, 0.0, -0.6436]
     """
     lengths = [as_length(base, "base"), as_length(plate, "plate")]

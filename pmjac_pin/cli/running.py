@@ -24,6 +24,7 @@ _COMMANDS = {
     "view": "three_rps --from lecture_b",
     "convert": "robot.urdf -o robot.toml",
     "sweep": "map.toml --resume",
+    "transmission": "humanoid_ankle --joints pitch,roll -o ankle.h -o ankle.png",
 }
 
 _WITH_NUMBERS = ("--at", "--rates", "--accelerations", "--wrench")

@@ -24,6 +24,9 @@ from pmjac_pin.model.rows import Rows
 from pmjac_pin.values.arrays import Array
 
 _NO_GROUP = -1
+# Rounding makes no segment shorter, nor by chance as long as a number that it is not.
+_LONGER = 1.0 + 1e-14
+_ALIKE = 1.0 - 1e-14  # of a length: those of symmetric machines are equal but for rounding
 
 
 class _Freedom(NamedTuple):
@@ -111,7 +114,25 @@ def arms_of(model: pin.Model, loops: Sequence[Loop], values: Mapping[str, float]
         one, other = (find_frame(model, name) for name in loop.frames)
         chains = _chains(model, groups, one, other)
         blocks += [_bounded_rows(rows, *chains) for rows in loop.rows(values)]
-    return Arms(np.array(groups.rates), np.array(groups.values), tuple(blocks))
+    return Arms(np.array(groups.rates), np.array(groups.values), _alike(blocks))
+
+
+def _alike(blocks: Sequence[BoundedRows]) -> tuple[BoundedRows, ...]:
+    """Return blocks whose segments are as long as those that they differ from by rounding alone.
+
+    So programs of machines of other dimensions have the same terms.
+    """
+    longest: dict[float, float] = {}
+    last = np.inf
+    for length in sorted({one.length for block in blocks for one in block.segments}, reverse=True):
+        last = last if length >= _ALIKE * last else length
+        longest[length] = last
+    return tuple(
+        block._replace(
+            segments=tuple(one._replace(length=longest[one.length]) for one in block.segments)
+        )
+        for block in blocks
+    )
 
 
 def without_arms(model: pin.Model, rows: int) -> Arms:
@@ -175,13 +196,13 @@ def _segments(model: pin.Model, groups: _Groups, joints: list[int], frame: Frame
         own = (slide,) * (slide != _NO_GROUP)
         lies += own
         if turning:
-            length = float(np.linalg.norm(place.translation))
+            length = _LONGER * float(np.linalg.norm(place.translation))
             segments.append(Segment(turns, length, slides, lies))
             place, turns = pin.SE3.Identity(), turns + turning
             slides = lies = ()
         slides += own  # in axes that turn with the joint
     place = place * frame.placement
-    length = float(np.linalg.norm(place.translation))
+    length = _LONGER * float(np.linalg.norm(place.translation))
     return [*segments, Segment(turns, length, slides, lies)]
 
 

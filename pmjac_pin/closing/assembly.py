@@ -21,6 +21,7 @@ from pmjac_pin.kinematics.pinocchio import Kinematics
 from pmjac_pin.kinematics.tool import tool_kinematics
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.frames import carrying_columns
+from pmjac_pin.model.limits import stated_limits
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.rates.factorisation import RANK_TOLERANCE
 from pmjac_pin.rates.partition import Partition
@@ -197,7 +198,8 @@ def _partition(
             f"a tolerance of {opened:g} m leaves nothing of a machine whose characteristic length "
             f"is {length:.3g} m; at most {LARGEST_SHARE * length:.3g} m would do"
         )
-    loops, carrying = kinematics.loops, carrying_columns(kinematics.model, spec.tool.names)
+    model, loops = kinematics.model, kinematics.loops
+    carrying = carrying_columns(model, spec.tool.names)
     columns = column_scale(loops, coordinates.rotational, length, size.loop_sizes, carrying)
     return Partition(
         actuated=coordinates.columns(spec.actuated),
@@ -213,6 +215,11 @@ def _partition(
         smallest_size=_SMALLEST_SIZE,
         strokes=size.strokes,
         gap=max(CLOSURE_TOLERANCE, opened / length),
+        rate_limits=stated_limits(model.lowerVelocityLimit, model.upperVelocityLimit),
+        effort_limits=stated_limits(model.lowerEffortLimit, model.upperEffortLimit),
+        units=tuple("rad" if turns else "m" for turns in coordinates.rotational.tolist()),
+        row_names=loops.row_names,
+        row_units=loops.row_units,
     )
 
 

@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.closing.assembly import assembled, unassembled
-from pmjac_pin.closing.home_on_the_way import HomePose, followed, home_pose
+from pmjac_pin.closing.home_on_the_way import followed, home_pose, part_of_the_way
 from pmjac_pin.closing.parts import Parts
 from pmjac_pin.errors import ArgumentError, ClosureError, ModelFileError, PmjacError, unknown_name
 from pmjac_pin.files.urdf.locking import lock_joints
 from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.model.linkage import with_helical, with_spherical
 from pmjac_pin.model.spec import MechanismSpec
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import Array, norm
 from pmjac_pin.values.found_once import found_once
 
 if TYPE_CHECKING:
     from pmjac_pin.algebra.recordings import Recordings
+
+_FARTHEST_TURN = 0.5  # rad, of a joint's origin between stops: several on one body add up
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +63,7 @@ class Blueprint:
         values = self.spec.parameter_values(given)
         try:
             parts = self._unassembled(values)
-            return assembled(parts, self._start(values))
+            return assembled(parts, self._start(parts))
         except (ClosureError, ModelFileError):
             raise
         except PmjacError as error:
@@ -82,22 +85,29 @@ class Blueprint:
         return Recordings()
 
     @found_once
-    def _first(self) -> HomePose | None:
-        """The home pose at the defaults, from where all others are followed."""
-        return home_pose(self._unassembled(self.spec.parameter_values()))
+    def _beginning(self) -> tuple[Parts, Array | None]:
+        """The machine at the defaults, not assembled, and its home pose, where that closes."""
+        parts = self._unassembled(self.spec.parameter_values())
+        return parts, home_pose(parts.problem, parts.home_q)
 
-    def _start(self, values: Mapping[str, float]) -> Array | None:
+    def _start(self, parts: Parts) -> Array | None:
         """Return where to assemble the home pose; the spec's values when None."""
-        defaults = self.spec.parameter_values()
-        if dict(values) == dict(defaults):
+        if dict(parts.values) == dict(self.spec.parameter_values()):
             return None
+        beginning, home_q = self._beginning
+        return followed([beginning, *self._stops(parts.values), parts], home_q)
 
-        def at(share: float) -> Parts:
-            return self._unassembled(
-                {name: low + share * (values[name] - low) for name, low in defaults.items()}
-            )
-
-        return followed(self._first, at)
+    def _stops(self, values: Mapping[str, float]) -> Iterator[Parts]:
+        """Yield machines on the way from the defaults, where angles turn joints far."""
+        defaults = self.spec.parameter_values()
+        turns: dict[str, float] = {}
+        for move, delta in self.spec.moves(values):
+            if move.joint is not None:
+                angle = abs(delta) * norm(np.array(move.rpy))
+                turns[move.joint] = turns.get(move.joint, 0.0) + angle
+        legs = 1 + int(max(turns.values(), default=0.0) / _FARTHEST_TURN)
+        for leg in range(1, legs):
+            yield self._unassembled(part_of_the_way(defaults, values, leg / legs))
 
 
 def _pinocchio_model(urdf: Urdf, spec: MechanismSpec) -> pin.Model:

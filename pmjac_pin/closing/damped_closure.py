@@ -34,6 +34,8 @@ def assemble(
     weights: Array,
     limit: int = 400,
     room: Callable[[Array], tuple[Array | float, Array | float]] = unlimited,
+    *,
+    enough: float = ROUNDING,
 ) -> Assembled:
     """Close the loops from an open start by damped least squares (Levenberg–Marquardt).
 
@@ -47,18 +49,23 @@ def assemble(
         Number of iterations after which the best pose is returned as it is.
     room : callable
         q ↦ how far each degree of freedom is from its lower and from its upper limit.
+    enough : float
+        A gap at which nothing is improved any more, of the characteristic length.
     """
     length, row_scale = problem.partition.length, problem.partition.row_scale
+    columns, row_column = weights * problem.partition.column_scale, row_scale[:, None]
     residual, jacobian = problem.evaluate(q)
     gap, damping = problem.gap(residual), 1e-3
     for iteration in range(limit):
-        if gap <= ROUNDING * length:
+        if gap <= enough * length:
             return Assembled(q, gap, iteration)
-        error, rows = residual * row_scale, row_scale[:, None] * jacobian
-        scale, (below, above) = weights * problem.partition.column_scale, room(q)
-        uphill = scale * (rows.T @ error)
-        scale[((uphill > 0.0) & (below <= 0.0)) | ((uphill < 0.0) & (above <= 0.0))] = 0.0
-        step = np.clip(_damped_step(problem, error, rows, scale, damping), -below, above)
+        error, rows = residual * row_scale, row_column * jacobian
+        if room is unlimited:
+            step = _damped_step(problem, error, rows, columns, damping)
+        else:
+            below, above = room(q)
+            scale = _unheld(columns, columns * (rows.T @ error), below, above)
+            step = np.clip(_damped_step(problem, error, rows, scale, damping), -below, above)
         if not step.any():
             return Assembled(q, gap, iteration)
         trial = problem.integrate(q, step)
@@ -74,14 +81,19 @@ def assemble(
     return Assembled(q, gap, limit)
 
 
+def _unheld(columns: Array, uphill: Array, below: Array | float, above: Array | float) -> Array:
+    """Return how easily each degree of freedom moves downhill: not at all, where a limit is."""
+    held = ((uphill > 0.0) & (below <= 0.0)) | ((uphill < 0.0) & (above <= 0.0))
+    return np.where(held, 0.0, columns)
+
+
 def _damped_step(
     problem: ClosureProblem, error: Array, rows: Array, scale: Array, damping: float
 ) -> Array:
     """Return v (nv,), for rows in m and columns moving as easily as `scale` says."""
     # No rank is said here: what vanishes is held back by damping.
     left, values, right = np.linalg.svd(rows * scale, full_matrices=False)
-    largest = values.max(initial=0.0)
-    if largest == 0.0:
+    if not values.size or not (largest := float(values[0])):
         return np.zeros(scale.size)
     partition = problem.partition
     # Damping fades with the gap, which keeps the convergence quadratic at a regular pose

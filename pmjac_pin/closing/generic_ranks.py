@@ -10,9 +10,9 @@ not belong: by ranks that it has, or by those that it gets where it is moved a l
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import replace
-from itertools import chain
+from itertools import chain, islice
 
 import numpy as np
 
@@ -39,12 +39,12 @@ def ranked(problem: ClosureProblem, kinematics: Kinematics, q: Array) -> Closure
         [(snapshot.constraint_jacobian, snapshot.judged_jacobian(rows)) for snapshot in snapshots]
     )
     problem = replace(problem, partition=generic)
-    regular = [
+    regular = (
         pose
         for pose, snapshot in zip(poses, snapshots, strict=True)
         if generic.rank_of(snapshot.constraint_jacobian) == generic.constraint_rank
-    ]
-    reach = _farthest(problem, regular[:_ENOUGH])
+    )
+    reach = _farthest(problem, islice(regular, _ENOUGH))
     return replace(problem, partition=replace(generic, reach=reach))
 
 
@@ -129,10 +129,10 @@ def _tool_rank(problem: ClosureProblem, kinematics: Kinematics, q: Array) -> int
     if whole.rank < partition.constraint_rank:
         return 0
     tool = partition.tool_motion(snapshot.judged_jacobian(partition.tool_rows))
-    return tool.seen_rank(whole, partition.gap, partition.actuated)
+    return tool.commanded(whole, partition.gap, partition.actuated).seen_rank()
 
 
-def _farthest(problem: ClosureProblem, poses: Sequence[Array]) -> float:
+def _farthest(problem: ClosureProblem, poses: Iterable[Array]) -> float:
     """Return how far all joints can be displaced from one of these poses: enough is enough."""
     farthest = 0.0
     for q in poses:

@@ -1,20 +1,25 @@
 """The home pose followed from some dimensions to others, the motors at rest.
 
 At once, an assembly from the home pose of other dimensions might end on another assembly mode: so
-it is followed in twelve steps.
+it is followed in twelve steps. No machine is built on the way: joints, anchors and rods move.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from pmjac_pin.closing.closed import closed_point
+from pmjac_pin.closing.closure_problem import CLOSURE_TOLERANCE, ClosureProblem
 from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.parts import Parts
 from pmjac_pin.closing.pose_assembly import motor_weights
+from pmjac_pin.kinematics.between_dimensions import BetweenDimensions, RowsOnTheWay
+from pmjac_pin.model.loop_spec import JointLoop
+from pmjac_pin.model.rows import Rows
 from pmjac_pin.values.arrays import Array
 
 _STEPS_HOME = 12  # on the way
@@ -37,24 +42,26 @@ class HomePose(NamedTuple):
     rank: int
     smallest: float
 
+    @classmethod
+    def at(cls, problem: ClosureProblem, q: Array) -> HomePose:
+        """Return what there is to know of a closed pose."""
+        factors = closed_point(problem, q).factors
+        values = factors.singular_values  # first: then they tell the rank, too
+        smallest = values[: factors.rank].min(initial=np.inf)
+        return cls(q, factors.rank, float(smallest) / (factors.size or 1.0))
+
     def loses(self, other: HomePose) -> bool:
         """Tell whether another pose is singular, or nearly, beside this one."""
         return other.rank < self.rank or other.smallest < _LEAST_SHARE * self.smallest
 
 
-def home_pose(parts: Parts, start: Array | None = None) -> HomePose | None:
-    """Return the closed pose near home's values or near a start, None where loops stay open."""
-    problem = parts.problem
-    q = parts.home_q if start is None else start
-    found = assemble(problem, q, motor_weights(problem, 0.0))
-    if found.gap > problem.tolerance:
-        return None
-    factors = closed_point(problem, found.q).factors
-    smallest = factors.singular_values[: factors.rank].min(initial=np.inf) / (factors.size or 1.0)
-    return HomePose(found.q, factors.rank, float(smallest))
+def home_pose(problem: ClosureProblem, start: Array) -> Array | None:
+    """Return a closed pose near a start, the motors at rest; None where loops stay open."""
+    found = assemble(problem, start, motor_weights(problem, 0.0), enough=CLOSURE_TOLERANCE)
+    return None if found.gap > problem.tolerance else found.q
 
 
-def followed(first: HomePose | None, at: Callable[[float], Parts]) -> Array | None:
+def followed(stops: Sequence[Parts], home_q: Array | None) -> Array | None:
     """Return where to assemble the home pose at the end of a way.
 
     That is the last home pose on the way that is regular with the motors at rest; None where there
@@ -62,15 +69,48 @@ def followed(first: HomePose | None, at: Callable[[float], Parts]) -> Array | No
 
     Parameters
     ----------
-    first : HomePose or None
-        At the beginning, None where it is open there; dimensions on the way need not close, either.
-    at : callable
-        Share of the way, less than 1 ↦ the parts there, not assembled.
+    stops : sequence of Parts
+        Not assembled; at equal shares of the way, the first and the last at its ends. Scales and
+        tolerance are the end's all along.
+    home_q : ndarray, shape (nq,), or None
+        The home pose at the beginning, None where it is open there; dimensions on the way need not
+        close, either.
     """
-    here = first
-    for share in np.arange(1, _STEPS_HOME) / _STEPS_HOME:
-        found = home_pose(at(float(share)), None if here is None else here.q)
+    end = stops[-1]
+    between = BetweenDimensions([stop.kinematics for stop in stops], _rows(stops[0], end))
+
+    def at(share: float) -> ClosureProblem:
+        return replace(end.problem, evaluate=between.at(share).closure)
+
+    first = here = None if home_q is None else HomePose.at(at(0.0), home_q)
+    for share in (np.arange(1, _STEPS_HOME) / _STEPS_HOME).tolist():
+        problem = at(share)
+        q = home_pose(problem, end.home_q if here is None else here.q)
+        found = None if q is None else HomePose.at(problem, q)
         first = first or found
         if first and found and not first.loses(found):
             here = found
     return None if here is None else here.q
+
+
+def part_of_the_way(
+    begin: Mapping[str, float], end: Mapping[str, float], share: float
+) -> dict[str, float]:
+    """Return the parameters' values at a share of the way from some to others.
+
+    Examples
+    --------
+    >>> part_of_the_way({"a": 1.0, "b": 2.0}, {"a": 3.0, "b": 2.0}, 0.25)
+    {'a': 1.5, 'b': 2.0}
+    """
+    return {name: low + share * (end[name] - low) for name, low in begin.items()}
+
+
+def _rows(beginning: Parts, end: Parts) -> RowsOnTheWay:
+    loops = [loop for loop in end.spec.loops if not isinstance(loop, JointLoop)]
+
+    def rows(share: float) -> list[tuple[Rows, ...]]:
+        values = part_of_the_way(beginning.values, end.values, share)
+        return [loop.rows(values) for loop in loops]
+
+    return rows

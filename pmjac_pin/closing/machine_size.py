@@ -7,6 +7,8 @@ names, and wherever it stands. So has each loop one, where it is much smaller th
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
@@ -73,11 +75,13 @@ class Size:
             [] if isinstance(loop, JointLoop) else [find_frame(model, name) for name in loop.frames]
             for loop in spec.loops
         ]
-        points = [data.oMf[frame.index].translation for frames in ends for frame in frames]
+        places = data.oMf
+        points = [places[frame.index].translation for frames in ends for frame in frames]
         if not spec.tool.is_none:
             points.append(tool.pose(model, data)[1])
         elif not points:
-            points = [data.oMf[index].translation for index in range(1, model.nframes)]
+            places = data.oMf if model.nframes > 1 else data.oMi
+            points = [place.translation for place in places.tolist()[1:]]
         opened = ROUNDING_OF_PLACES * float(np.abs(points).max())
         rods = _rods(loops)
         turned = (_arms(model, data, turns, frames) for frames in ends)
@@ -89,7 +93,7 @@ class Size:
         every = _mean(np.array([arm for own in arms for arm in own]))
         if not any(arms):  # slides alone
             every = _mean(np.array([one for rod in rods for one in rod]))
-        self.length = _length(every, _mean(_distances(turning)), rounding)
+        self.length = _invertible(_length(every, _mean(_distances(turning)), rounding))
         held = [[] if own else rod for rod, own in zip(rods, arms, strict=True)]
         self.strokes = _shortest(held, loops, model.nv, self.length) / self.length
         self.arms = tuple(mean if mean > rounding else 0.0 for mean in means)
@@ -152,6 +156,23 @@ def _length(loops: float, tool: float, rounding: float) -> float:
     if loops > max(rounding, SPHERICAL * tool):
         return loops
     return tool if tool > rounding else 1.0
+
+
+def _invertible(length: float) -> float:
+    """Return the next length x with x · (1/x) = 1 and 1/(1/x) = x.
+
+    So a rad counts as one length wherever it is turned into that and back, and what programs say
+    of a machine does not depend on how such products are rounded.
+
+    Examples
+    --------
+    >>> x = 49.0
+    >>> x * (1.0 / x), _invertible(x) * (1.0 / _invertible(x))
+    (0.9999999999999999, 1.0)
+    """
+    while length * (1.0 / length) != 1.0 or 1.0 / (1.0 / length) != length:
+        length = math.nextafter(length, math.inf)
+    return length
 
 
 def _distances(motions: Array) -> Array:

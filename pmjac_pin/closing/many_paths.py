@@ -8,20 +8,24 @@ correction counts as small; what the paths lead to does not depend on either.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
 from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.algebra.tape_runner import run
 from pmjac_pin.closing import closure
 from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
+from pmjac_pin.closing.recorded_step import BOUNDS
 from pmjac_pin.closing.step_guard import MARGIN
+from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.values.arrays import Array, Index, Mask
 
-_LONG, _FEW = 300, 2  # so few paths with so many steps behind them are walked one by one sooner
+LONG, FEW = 300, 2  # so few paths with so many steps behind them are walked one by one sooner
 
-Run = Callable[[Tape, Array], Array]
+GoOn: TypeAlias = Callable[[], object]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,23 +126,23 @@ class Walker:
     Attributes
     ----------
     problem : ClosureProblem
+    coordinates : JointCoordinates
     move, arrival, leg : Tape
         `RecordedRates.move_tape` and `arrival_tape`, and `leg_tape`.
-    run : callable
-        (tape, inputs (k, b)) ↦ outputs.
     """
 
     problem: ClosureProblem
+    coordinates: JointCoordinates
     move: Tape
     arrival: Tape
     leg: Tape
-    run: Run
 
     def walk(
         self,
         q: Array,
         displacement: Array,
-        at_target: Callable[[Array, Index], Array],
+        target: Array,
+        go_on: GoOn,
         most_steps: int = closure.MOST_STEPS,
     ) -> Paths:
         """Walk from closed poses.
@@ -146,31 +150,35 @@ class Walker:
         Parameters
         ----------
         q : ndarray, shape (b, nq)
-        displacement : ndarray, shape (b, n)
-            Of the motors, over the whole path.
-        at_target : callable
-            (q, which paths) ↦ q with the motors at their targets, exactly.
+        displacement, target : ndarray, shape (b, n)
+            Of the motors: over the whole path, and at its end.
+        go_on : callable
+            Called now and then; raises where nobody waits any longer.
         most_steps : int
             Tried in each path; what runs out of them is not settled.
         """
+        motors = self.problem.partition.actuated
         displacement = displacement.T.copy()
         here = self.at(q.T, displacement)
         share, step = np.zeros(len(q)), np.ones(len(q))
         going = np.flatnonzero(self.regular(here))
         for tried in range(most_steps):
+            go_on()
             going, stride = self._strides(here, going, step, 1.0 - share)
-            if going.size <= (_FEW if tried >= _LONG else 0):
+            if going.size <= (FEW if tried >= LONG else 0):
                 break
             last = stride >= 1.0 - share[going]
             start = here[going]
             tangent = start.velocity * stride
-            ahead = self.run(self.move, np.vstack([start.q, tangent]))
-            ahead[:, last] = at_target(ahead[:, last].T, going[last]).T
+            ahead = run(self.move, np.vstack([start.q, tangent]))
+            ahead[:, last] = self.coordinates.with_values(
+                ahead[:, last].T, motors, target[going[last]]
+            ).T
             step[going] = 0.5 * stride
             allowed = closure.LARGEST_CORRECTION * stride * start.pace
             found, good = self._correct(ahead, allowed, displacement[:, going], last)
             steps = [start.q[:, good], found.q, tangent[:, good], found.velocity * stride[good]]
-            covered = self._covers(np.vstack(steps))
+            covered = self._covers(np.vstack(steps), start.inverse[good])
             good = good[covered]
             done, found = going[good], found[covered]
             here.put(done, found)
@@ -178,19 +186,17 @@ class Walker:
             step[done] = 2.0 * stride[good]
             ended = done[last[good] | ~self.regular(found)]
             going = np.setdiff1d(going, ended, assume_unique=True)
-        left = (1.0 - share) * self._size_of_motors(displacement)
-        settled = left > closure.HARDLY_ANYTHING * self.problem.partition.length
-        settled[going] = False
-        for index in np.flatnonzero(settled & ~self.regular(here)).tolist():
-            factors = closed_point(self.problem, here.q[:, index].copy()).factors
-            settled[index] = factors.rank < self.problem.partition.passive_rank
-        return Paths(here.q.T.copy(), share, settled | (share == 1.0))
+        doubtful = ~self.regular(here)
+        spent = np.zeros(len(q), dtype=bool)
+        spent[going] = True
+        paths = Paths(here.q.T.copy(), share, ~spent)
+        return judged(self.problem, paths, displacement.T, doubtful)
 
     def at(self, q: Array, displacement: Array, v: Array | None = None) -> PathPoints:
         """Return what is known at q ⊕ v, shapes (nq, b), (n, b) and (nv, b), closed or not."""
         nv = self.problem.partition.column_scale.size
         motion = np.zeros((nv, q.shape[1])) if v is None else v
-        return PathPoints(self.run(self.arrival, np.vstack([q, motion, displacement])), len(q))
+        return PathPoints(run(self.arrival, np.vstack([q, motion, displacement])), len(q))
 
     def regular(self, points: PathPoints) -> Mask:
         """Tell where K* has its generic rank for certain."""
@@ -233,13 +239,33 @@ class Walker:
         good &= found.inverse * found.size * closure.NO_INVERSE < 1.0
         return found[good], np.flatnonzero(good)
 
-    def _covers(self, steps: Array) -> Mask:
-        """Tell which steps are proven regular, as `StepGuard.covers` does."""
-        change, rho, tau, within, inverse = self.run(self.leg, steps)
+    def _covers(self, steps: Array, inverse: Array) -> Mask:
+        """Tell which steps are proven regular, as `StepGuard.covers` does, by one of the bounds."""
+        told = run(self.leg, np.vstack([steps, inverse])).reshape(BOUNDS, 4, -1)
+        change, rho, tau, within = told.swapaxes(0, 1)
         contracts = MARGIN * (change + inverse * within) < 1.0
-        return np.asarray(contracts & (change < 1.0) & (within * tau <= rho))
+        covered = contracts & (change < 1.0) & (within * tau <= rho)
+        return np.asarray(covered.any(axis=0))
 
-    def _size_of_motors(self, displacement: Array) -> Array:
-        partition = self.problem.partition
-        scaled = displacement / partition.column_scale[partition.actuated, None]
-        return np.asarray(np.linalg.norm(scaled, axis=0))
+
+def judged(problem: ClosureProblem, paths: Paths, displacement: Array, doubtful: Mask) -> Paths:
+    """Return paths of which less is settled: what ends early ends for a reason that is certain.
+
+    Parameters
+    ----------
+    problem : ClosureProblem
+    paths : Paths
+        Settled where steps did not run out.
+    displacement : ndarray, shape (b, n)
+        Of the motors, over the whole path.
+    doubtful : ndarray of bool, shape (b,)
+        Where bounds do not tell that K* is regular.
+    """
+    partition = problem.partition
+    scaled = displacement / partition.column_scale[partition.actuated]
+    left = (1.0 - paths.share) * np.linalg.norm(scaled, axis=1)
+    settled = paths.settled & (left > closure.HARDLY_ANYTHING * partition.length)
+    for index in np.flatnonzero(settled & doubtful).tolist():
+        factors = closed_point(problem, paths.q[index].copy()).factors
+        settled[index] = factors.rank < partition.passive_rank
+    return replace(paths, settled=settled | (paths.share == 1.0))

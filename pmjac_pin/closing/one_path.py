@@ -14,10 +14,9 @@ import numpy as np
 
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing import closure
-from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
+from pmjac_pin.closing.closure_problem import ClosureProblem
+from pmjac_pin.closing.kernel_walk import SPENT, KernelMachine, KernelWalk, PathsToWalk
 from pmjac_pin.closing.one_pose import SURELY
-from pmjac_pin.closing.path_kernel import MachineStruct, Memory, PathStruct, address
-from pmjac_pin.closing.step_guard import MARGIN
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.values.arrays import Array
 
@@ -55,15 +54,23 @@ class OnePath:
         coordinates: JointCoordinates,
     ) -> None:
         partition = problem.partition
-        self._begin, self._walk = library.pmjac_begin, library.pmjac_walk
-        self._tapes, self._coordinates = tapes, coordinates
+        self._library, self._tapes, self._coordinates = library, tapes, coordinates
         self._motors = partition.actuated
         circles = coordinates.wraps[self._motors].astype(float)
         self._circles = circles if circles.any() else None
         self._entries = np.array([coordinates.entry(k) for k in self._motors.tolist()], dtype=int)
         self._scale = 1.0 / partition.column_scale[self._motors]
         self._farthest = closure.MOST_STEPS * closure.LARGEST_STEP * partition.length
-        self._machine = _Machine(problem, coordinates, tapes[0].outputs)
+        rank_tolerance = partition.rank_tolerance / SURELY
+        self._machine = KernelMachine(
+            problem,
+            coordinates,
+            tapes[0].outputs,
+            tolerance=SURELY * problem.tolerance,
+            rank_tolerance=rank_tolerance,
+            least_size=max(partition.size, partition.least_size),
+            arrival_tolerance=rank_tolerance,
+        )
         self._threads = threading.local()
 
     def follow(self, q: Array, values: Array) -> Ahead | None:
@@ -78,68 +85,27 @@ class OnePath:
         if not np.dot(scaled, scaled) <= self._farthest**2:
             return None
         try:
-            work = self._threads.work
+            walk, paths = self._threads.work
         except AttributeError:
-            work = self._threads.work = _Work(self._machine, *self._tapes)
-        work.q[:], work.displacement[:], work.target[:] = q, displacement, values
-        self._begin(work.argument)
-        path, left = work.path, closure.MOST_STEPS
-        while self._walk(work.argument, min(_STEPS_AT_ONCE, left)):
-            left = closure.MOST_STEPS - path.tries
-            if not left:
-                return None
-        return Ahead(work.q.copy(), float(work.gap[0]), path.share, path.iterations)
+            walk, paths = self._threads.work = self._work()
+        paths.start[0], paths.displacement[0], paths.target[0] = q, displacement, values
+        walk.begin()
+        while walk.go_on(_STEPS_AT_ONCE):
+            pass
+        if paths.end[0] == SPENT:
+            return None
+        return Ahead(
+            paths.q[0].copy(), float(paths.gap[0]), float(paths.share[0]), int(paths.iterations[0])
+        )
+
+    def _work(self) -> tuple[KernelWalk, PathsToWalk]:
+        walk = KernelWalk(self._library, self._machine, self._tapes)
+        motors = np.zeros((2, 1, self._motors.size))
+        paths = PathsToWalk.of(np.zeros((1, self._tapes[0].outputs)), *motors)
+        walk.take(paths)
+        return walk, paths
 
     def _values(self, q: Array) -> Array:
         if self._circles is None:
             return q.take(self._entries)
         return self._coordinates.values_of(q, self._motors)
-
-
-class _Machine:
-    """What the kernel knows of a mechanism besides its programs."""
-
-    def __init__(self, problem: ClosureProblem, coordinates: JointCoordinates, nq: int) -> None:
-        partition = problem.partition
-        length, motors = partition.length, partition.actuated
-        entries = [coordinates.entry(column) for column in motors.tolist()]
-        self._entries = np.array(entries, dtype=np.int32)
-        self._circles = coordinates.wraps[motors].astype(np.int32)
-        self.struct = MachineStruct(
-            nq=nq,
-            nv=partition.column_scale.size,
-            motors=motors.size,
-            motor_entries=address(self._entries),
-            motor_circles=address(self._circles),
-            tolerance=SURELY * problem.tolerance,
-            enough=ROUNDING * length,
-            walking=closure.WALKING * length,
-            rank_tolerance=partition.rank_tolerance / SURELY,
-            least_size=max(partition.size, partition.least_size),
-            largest_step=closure.LARGEST_STEP * length,
-            smallest_step=closure.SMALLEST_STEP * length,
-            largest_correction=closure.LARGEST_CORRECTION,
-            slowest_contraction=closure.SLOWEST_CONTRACTION,
-            no_inverse=closure.NO_INVERSE,
-            margin=MARGIN,
-            most_corrections=closure.MOST_CORRECTIONS,
-        )
-
-
-class _Work:
-    """A path with what it works on, of one thread."""
-
-    def __init__(self, machine: _Machine, move: Tape, arrival: Tape, leg: Tape) -> None:
-        programs = [Memory(tape) for tape in (move, arrival, leg)]
-        self._kept = machine, programs
-        self.point = np.zeros(arrival.outputs)
-        self.q, self.gap = self.point[: machine.struct.nq], self.point[machine.struct.nq :][:1]
-        self.displacement, self.target = np.zeros((2, machine.struct.motors))
-        self.path = PathStruct(
-            ctypes.addressof(machine.struct),
-            *(memory.struct for memory in programs),
-            address(self.point),
-            address(self.displacement),
-            address(self.target),
-        )
-        self.argument = ctypes.byref(self.path)

@@ -78,10 +78,10 @@ class OnePose:
         """Return what is known at a q, None where that is not certain."""
         if self._model is not None and not pin.isNormalized(self._model, q, UNIT):
             return None
-        memory = self._thread.memory
-        memory.inputs[:] = q
-        self._run(self._thread.argument)
-        told = memory.outputs.tobytes()
+        inputs, outputs, argument = self._thread.numbers
+        inputs[:] = q
+        self._run(argument)
+        told = outputs.tobytes()
         gap, inverse, size, forbidden, _, _, spread = _DOUBTS.unpack_from(told)
         closed, tolerance = self._tolerances
         least = tolerance * max(size, self._least_size)

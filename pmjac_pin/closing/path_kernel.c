@@ -1,192 +1,350 @@
-/* One pose at a time: runs a tape, and walks one path of the motors. Plain C99.
+/* Runs tapes, and walks paths of the motors, LANES of them at a time: one here, many in
+ * `many_paths.c`. Plain C99.
  *
  * `closing/closure.py` says how a path is walked, `closing/recorded_step.py` when a step is
  * covered. A path is walked here for as long as all of it is certain: K* regular at both ends of
  * each step, and the step covered by norms. What is not, others decide. All that is known of the
- * mechanism is in programs: `Walker` runs the same ones for many paths at once.
+ * mechanism is in programs. `Walker` runs the same ones without this kernel.
+ *
+ * Each lane has a path. All lanes take a step at a time; a lane whose path has ended takes up the
+ * next one.
  */
+#ifndef LANES
 #define LANES 1
 #define FOR_EACH_PROCESSOR
+#endif
 #include "../algebra/tape_kernel.c"
 
-#include <string.h>
+typedef double Row[LANES]; /* a number of each lane */
 
-/* The slots hold the constants from the beginning, and nothing is written over them. */
+int pmjac_lanes(void) { return LANES; }
+
+#define BOUNDS 3 /* that the leg tells of a step, a stage each */
+
+/* The slots hold the constants from the beginning, and nothing is written over them. Stages end
+ * after so many instructions. Where a program is compiled, the slots are what it keeps. */
 typedef struct {
     const int32_t *code;
-    int64_t length;
-    double *slots, *inputs, *outputs;
+    int64_t length, stages[BOUNDS];
+    Row *slots, *inputs, *outputs;
+    void (*compiled)(
+        int64_t stage, int64_t lanes, const double *inputs, double *outputs, double *kept);
 } Program;
 
-void pmjac_run_once(const Program *program)
+static void run_stage(const Program *program, int stage)
 {
-    run(program->code, program->length, (double (*)[LANES])program->slots, program->inputs,
-        1, 0, 1, program->outputs);
+    const double *inputs = (const double *)program->inputs;
+    double *outputs = (double *)program->outputs;
+    if (program->compiled) {
+        program->compiled(stage, LANES, inputs, outputs, (double *)program->slots);
+        return;
+    }
+    int64_t from = stage ? program->stages[stage - 1] : 0, length = program->stages[stage] - from;
+    run(program->code + 5 * from, length, program->slots, inputs, LANES, 0, LANES, outputs);
 }
+
+/* A program of one stage. */
+void pmjac_run_once(const Program *program) { run_stage(program, 0); }
 
 typedef struct {
     int64_t nq, nv, motors;
     const int32_t *motor_entries, *motor_circles; /* a circle has a cosine and sine in q */
     double tolerance, enough, walking, rank_tolerance, least_size;
     double largest_step, smallest_step, largest_correction, slowest_contraction, no_inverse, margin;
+    double arrival_tolerance; /* of the rank of K* where a step may end; 0: elsewhere paths do */
     int64_t most_corrections;
 } Machine;
 
-/* A path that has come to a point; all of a point is what the arrival's program gives:
- * (q, gap, inverse, size, size of Newton's step, pace, Newton's step, velocity). */
+/* A path that a lane walks; `next` is how far the next step is to go, of the whole way. */
+typedef struct {
+    int64_t state, path, tries, iterations, corrections, last;
+    double share, next, stride, allowed, before;
+} Lane;
+
+enum { IDLE, BEGINS, CORRECTS, CLOSED, COVERED, REFUSED };
+
+/* Where paths end: tries are spent, at the target, where K* may be singular, or where steps
+ * become too small to be resolved. */
+enum { SPENT, ARRIVED, DOUBTFUL, STUCK, GOES_ON };
+
+/* Paths, one row each, but for one start that is all paths': `apart` is 0 then. All of a point is
+ * what the arrival's program gives: (q, gap, inverse, size, size of Newton's step, pace, Newton's
+ * step, velocity). */
 typedef struct {
     const Machine *machine;
     Program move, arrival, leg;
-    double *point, *displacement, *target;
-    double share, next;
-    int64_t iterations, tries;
-} Path;
+    Row *point;
+    Lane *lanes;
+    const double *start, *displacement, *target;
+    int64_t apart, count, taken, most_tries, few, patience;
+    double *q, *gap, *share;
+    int64_t *iterations, *end;
+} Walk;
 
 enum { GAP, INVERSE, SIZE, CORRECTION, PACE, MOTIONS };
 
-static const double *known(const Machine *machine, const double *point)
-{
-    return point + machine->nq;
-}
+INLINE Row *known(const Machine *machine, Row *point) { return point + machine->nq; }
 
-static const double *newton(const Machine *machine, const double *point)
-{
-    return known(machine, point) + MOTIONS;
-}
+INLINE Row *newton(const Machine *machine, Row *point) { return known(machine, point) + MOTIONS; }
 
-static const double *velocity(const Machine *machine, const double *point)
+INLINE Row *velocity(const Machine *machine, Row *point)
 {
     return newton(machine, point) + machine->nv;
 }
 
-static int regular(const Machine *machine, const double *point)
+INLINE int regular(const Machine *machine, const Row *of, int lane, double tolerance)
 {
-    const double *of = known(machine, point);
-    double size = of[SIZE] > machine->least_size ? of[SIZE] : machine->least_size;
-    return of[INVERSE] * machine->rank_tolerance * size < 1.0;
+    double size = of[SIZE][lane] > machine->least_size ? of[SIZE][lane] : machine->least_size;
+    return of[INVERSE][lane] * tolerance * size < 1.0;
 }
 
-static void copy(double *to, const double *from, int64_t count)
+INLINE void copy(Row *to, const Row *from, int64_t rows)
 {
-    memcpy(to, from, sizeof(double) * (size_t)count);
+    for (int64_t k = 0; k < rows; k++)
+        EACH to[k][i] = from[k][i];
 }
 
-/* What is known where the program's q is moved by v, or not moved. */
-static void arrive_at(Path *path, const double *v)
+INLINE void copy_where(const int64_t *on, Row *to, const Row *from, int64_t rows)
 {
-    const Machine *machine = path->machine;
-    double *motion = path->arrival.inputs + machine->nq;
-    if (v) copy(motion, v, machine->nv);
-    else memset(motion, 0, sizeof(double) * (size_t)machine->nv);
-    pmjac_run_once(&path->arrival);
+    for (int64_t k = 0; k < rows; k++)
+        EACH to[k][i] = on[i] ? from[k][i] : to[k][i];
 }
 
-/* Newton's method from the arrival's q; 1 where it closes the loops at once. */
-static int correct(Path *path, double allowed, int last)
+/* A lane is at the start of a path, with nothing known there yet. */
+static void put(Walk *walk, int lane, int64_t path)
 {
-    const Machine *machine = path->machine;
-    const double *found = path->arrival.outputs, *of = known(machine, found);
-    double enough = last ? machine->enough : machine->walking, before = HUGE_VAL;
-    arrive_at(path, NULL);
-    for (int64_t k = 1; k < machine->most_corrections; k++) {
-        double gap = of[GAP], size = of[CORRECTION];
-        int closed = gap <= machine->tolerance;
-        if (gap <= enough || (closed && (gap > 0.5 * before || !isfinite(size)))) {
-            path->iterations += k;
-            return 1;
-        }
-        if (!(closed || size <= allowed)) return 0;
-        allowed = machine->slowest_contraction * size, before = gap;
-        copy(path->arrival.inputs, found, machine->nq);
-        arrive_at(path, newton(machine, found));
+    const Machine *machine = walk->machine;
+    int64_t nq = machine->nq, nv = machine->nv;
+    Row *motors = walk->arrival.inputs + nq + nv;
+    for (int64_t k = 0; k < nq; k++)
+        walk->point[k][lane] = walk->start[path * walk->apart + k];
+    for (int64_t k = 0; k < MOTIONS + 2 * nv; k++)
+        walk->point[nq + k][lane] = 0.0;
+    for (int64_t k = 0; k < machine->motors; k++)
+        motors[k][lane] = walk->displacement[path * machine->motors + k];
+    walk->lanes[lane] = (Lane){.state = BEGINS, .path = path, .next = 1.0};
+}
+
+/* Take up the first paths. Lanes that have none hold the last one: numbers that are none would
+ * change how others' are computed. */
+void pmjac_begin(Walk *walk)
+{
+    walk->taken = 0;
+    for (int lane = 0; lane < LANES; lane++) {
+        int some = walk->taken < walk->count;
+        put(walk, lane, some ? walk->taken : walk->count - 1);
+        walk->taken += some;
+        if (!some) walk->lanes[lane].state = IDLE;
     }
-    return 0;
 }
 
-/* Whether the step to where the arrival is now is covered; the leg has its q and v at the start. */
-static int covered(Path *path, double stride)
+static void finish(Walk *walk, int at, int64_t end)
 {
-    const Machine *machine = path->machine;
-    const double *found = path->arrival.outputs, *onward = velocity(machine, found);
-    double *other = path->leg.inputs + machine->nq;
-    double *arriving = other + machine->nq + machine->nv;
-    copy(other, found, machine->nq);
-    for (int64_t k = 0; k < machine->nv; k++) arriving[k] = onward[k] * stride;
-    pmjac_run_once(&path->leg);
-    const double *of = path->leg.outputs;
-    double change = of[0], rho = of[1], tau = of[2], within = of[3], inverse = of[4];
+    const Machine *machine = walk->machine;
+    Lane *lane = walk->lanes + at;
+    for (int64_t k = 0; k < machine->nq; k++)
+        walk->q[lane->path * machine->nq + k] = walk->point[k][at];
+    walk->gap[lane->path] = known(machine, walk->point)[GAP][at];
+    walk->share[lane->path] = lane->share;
+    walk->iterations[lane->path] = lane->iterations;
+    walk->end[lane->path] = end;
+    lane->state = IDLE, lane->stride = 0.0;
+}
+
+/* Set out on a step, or say how the path ends. */
+static int64_t set_out(Walk *walk, int at, int64_t most_tries)
+{
+    const Machine *machine = walk->machine;
+    const Row *of = known(machine, walk->point);
+    Lane *lane = walk->lanes + at;
+    if (lane->share >= 1.0) return ARRIVED;
+    if (!regular(machine, of, at, machine->rank_tolerance)) return DOUBTFUL;
+    if (lane->tries >= most_tries) return SPENT;
+    double pace = of[PACE][at], left = 1.0 - lane->share, stride = lane->next;
+    if (stride * pace > machine->largest_step) stride = machine->largest_step / pace;
+    lane->last = stride >= left;
+    if (lane->last) stride = left;
+    if (!(lane->last || stride * pace >= machine->smallest_step)) return STUCK;
+    lane->stride = stride, lane->next = 0.5 * stride, lane->tries++;
+    lane->allowed = machine->largest_correction * stride * pace, lane->before = HUGE_VAL;
+    lane->corrections = 0, lane->state = CORRECTS;
+    return GOES_ON;
+}
+
+/* How many lanes have a path to go on with. */
+static int set_all_out(Walk *walk)
+{
+    int living = 0, going = 0;
+    for (int at = 0; at < LANES; at++) living += walk->lanes[at].state != IDLE;
+    int few = walk->taken == walk->count && living <= walk->few;
+    for (int at = 0; at < LANES; at++) {
+        if (walk->lanes[at].state != IDLE) {
+            int64_t end = set_out(walk, at, few ? walk->patience : walk->most_tries);
+            if (end != GOES_ON) finish(walk, at, end);
+        }
+        if (walk->lanes[at].state == IDLE && walk->taken < walk->count)
+            put(walk, at, walk->taken++);
+        going += walk->lanes[at].state != IDLE;
+    }
+    return going;
+}
+
+static void set_motors(const Machine *machine, const double *target, Row *q, int lane)
+{
+    for (int64_t k = 0; k < machine->motors; k++) {
+        Row *entry = q + machine->motor_entries[k];
+        if (machine->motor_circles[k])
+            entry[0][lane] = cos(target[k]), entry[1][lane] = sin(target[k]);
+        else
+            entry[0][lane] = target[k];
+    }
+}
+
+/* Where paths step to, before that is corrected, as the arrival's q. */
+INLINE void predict(Walk *walk)
+{
+    const Machine *machine = walk->machine;
+    const Row *rates = velocity(machine, walk->point);
+    Row *leaving = walk->leg.inputs + 2 * machine->nq, *ahead = walk->arrival.inputs, stride;
+    int64_t steps[LANES];
+    int any = 0;
+    copy(ahead, walk->point, machine->nq);
+    for (int at = 0; at < LANES; at++) {
+        stride[at] = walk->lanes[at].stride;
+        steps[at] = walk->lanes[at].state == CORRECTS, any |= steps[at] != 0;
+    }
+    if (!any) return;
+    for (int64_t k = 0; k < machine->nv; k++)
+        EACH leaving[k][i] = rates[k][i] * stride[i];
+    copy(walk->leg.inputs, walk->point, machine->nq);
+    copy(leaving + 2 * machine->nv, known(machine, walk->point) + INVERSE, 1);
+    copy(walk->move.inputs, walk->point, machine->nq);
+    copy(walk->move.inputs + machine->nq, leaving, machine->nv);
+    pmjac_run_once(&walk->move);
+    copy_where(steps, ahead, walk->move.outputs, machine->nq);
+    for (int at = 0; at < LANES; at++) {
+        const Lane *lane = walk->lanes + at;
+        if (lane->state == CORRECTS && lane->last)
+            set_motors(machine, walk->target + lane->path * machine->motors, ahead, at);
+    }
+}
+
+/* Whether a lane, whose q has just been looked at, is to be corrected once more. */
+INLINE int corrects(const Machine *machine, Lane *lane, double gap, double size)
+{
+    if (lane->state != CORRECTS) return 0;
+    int closed = gap <= machine->tolerance;
+    double enough = lane->last ? machine->enough : machine->walking;
+    lane->corrections++;
+    if (gap <= enough || (closed && (gap > 0.5 * lane->before || !isfinite(size))))
+        lane->state = CLOSED;
+    else if (!(closed || size <= lane->allowed)
+             || lane->corrections + 1 >= machine->most_corrections)
+        lane->state = REFUSED;
+    lane->allowed = machine->slowest_contraction * size, lane->before = gap;
+    return lane->state == CORRECTS;
+}
+
+/* Newton's method from the arrival's q, until none is corrected any more. Lanes that are done are
+ * looked at again where they are, and so stay. */
+INLINE void correct(Walk *walk)
+{
+    const Machine *machine = walk->machine;
+    Row *q = walk->arrival.inputs, *motion = q + machine->nq, *found = walk->arrival.outputs;
+    const Row *of = known(machine, found);
+    for (int64_t k = 0; k < machine->nv; k++)
+        EACH motion[k][i] = 0.0;
+    for (;;) {
+        int64_t on[LANES];
+        int any = 0;
+        pmjac_run_once(&walk->arrival);
+        for (int at = 0; at < LANES; at++) {
+            on[at] = corrects(machine, walk->lanes + at, of[GAP][at], of[CORRECTION][at]);
+            any |= on[at] != 0;
+        }
+        if (!any) return;
+        copy_where(on, q, found, machine->nq);
+        copy_where(on, motion, newton(machine, found), machine->nv);
+    }
+}
+
+/* Whether K* has an inverse where a step has led to. */
+INLINE int invertible(const Machine *machine, const Row *of, int lane)
+{
+    return of[INVERSE][lane] * of[SIZE][lane] * machine->no_inverse < 1.0
+        && regular(machine, of, lane, machine->arrival_tolerance);
+}
+
+INLINE int covered(const Machine *machine, const Row *bound, double inverse, int lane)
+{
+    double change = bound[0][lane], rho = bound[1][lane];
+    double tau = bound[2][lane], within = bound[3][lane];
     return machine->margin * (change + inverse * within) < 1.0 && change < 1.0
         && within * tau <= rho;
 }
 
-static void set_motors(const Machine *machine, const double *target, double *q)
+/* Refuse what is not invertible, and steps that are not covered by any bound; the leg has their q,
+ * v and inverse at the start. */
+INLINE void judge(Walk *walk)
 {
-    for (int64_t k = 0; k < machine->motors; k++) {
-        double *entry = q + machine->motor_entries[k];
-        if (machine->motor_circles[k])
-            entry[0] = cos(target[k]), entry[1] = sin(target[k]);
-        else
-            entry[0] = target[k];
+    const Machine *machine = walk->machine;
+    Row *found = walk->arrival.outputs, *other = walk->leg.inputs + machine->nq;
+    Row *arriving = other + machine->nq + machine->nv, *onward = velocity(machine, found), stride;
+    const Row *inverse = arriving + machine->nv;
+    int left = 0;
+    for (int at = 0; at < LANES; at++) {
+        Lane *lane = walk->lanes + at;
+        if (lane->state == CLOSED && !invertible(machine, known(machine, found), at))
+            lane->state = REFUSED;
+        stride[at] = lane->stride, left += lane->state == CLOSED;
     }
-}
-
-/* Where the path steps to, before it is corrected, as the arrival's q. */
-static void predict(Path *path, double stride, int last)
-{
-    const Machine *machine = path->machine;
-    const double *rates = velocity(machine, path->point);
-    double *leaving = path->leg.inputs + 2 * machine->nq;
-    copy(path->leg.inputs, path->point, machine->nq);
-    for (int64_t k = 0; k < machine->nv; k++) leaving[k] = rates[k] * stride;
-    copy(path->move.inputs, path->point, machine->nq);
-    copy(path->move.inputs + machine->nq, leaving, machine->nv);
-    pmjac_run_once(&path->move);
-    copy(path->arrival.inputs, path->move.outputs, machine->nq);
-    if (last) set_motors(machine, path->target, path->arrival.inputs);
-}
-
-static void take(Path *path)
-{
-    const Machine *machine = path->machine;
-    copy(path->point, path->arrival.outputs, machine->nq + MOTIONS + 2 * machine->nv);
-}
-
-/* Take up: what is known at the q that the point has, with nothing walked yet. */
-void pmjac_begin(Path *path)
-{
-    const Machine *machine = path->machine;
-    copy(path->arrival.inputs, path->point, machine->nq);
-    copy(path->arrival.inputs + machine->nq + machine->nv, path->displacement, machine->motors);
-    arrive_at(path, NULL);
-    take(path);
-    path->share = 0.0, path->next = 1.0, path->iterations = 0, path->tries = 0;
-}
-
-/* Walks on, up to so many tries; 1 where more of them may lead further. */
-int pmjac_walk(Path *path, int64_t tries)
-{
-    const Machine *machine = path->machine;
-    const double *found = path->arrival.outputs, *of = known(machine, found);
-    if (!regular(machine, path->point)) return 0;
-    for (; tries; tries--) {
-        double pace = known(machine, path->point)[PACE];
-        double left = 1.0 - path->share, stride = path->next;
-        if (stride * pace > machine->largest_step) stride = machine->largest_step / pace;
-        int last = stride >= left;
-        if (last) stride = left;
-        if (!(last || stride * pace >= machine->smallest_step)) return 0;
-        predict(path, stride, last);
-        path->next = 0.5 * stride, path->tries++;
-        int64_t spent = path->iterations;
-        if (!(correct(path, machine->largest_correction * stride * pace, last)
-              && of[INVERSE] * of[SIZE] * machine->no_inverse < 1.0
-              && regular(machine, found) && covered(path, stride))) {
-            path->iterations = spent;
-            continue;
+    copy(other, found, machine->nq);
+    for (int64_t k = 0; k < machine->nv; k++)
+        EACH arriving[k][i] = onward[k][i] * stride[i];
+    for (int part = 0; part < BOUNDS && left; part++) {
+        run_stage(&walk->leg, part);
+        for (int at = 0; at < LANES; at++) {
+            Lane *lane = walk->lanes + at;
+            if (lane->state == CLOSED
+                && covered(machine, walk->leg.outputs + 4 * part, inverse[0][at], at))
+                lane->state = COVERED, left--;
         }
-        take(path);
-        path->share = last ? 1.0 : path->share + stride, path->next = 2.0 * stride;
-        if (last) return 0;
+    }
+    for (int at = 0; at < LANES; at++)
+        if (walk->lanes[at].state == CLOSED) walk->lanes[at].state = REFUSED;
+}
+
+/* Arrive where steps are covered, and where paths begin. */
+INLINE void take(Walk *walk)
+{
+    const Machine *machine = walk->machine;
+    int64_t here[LANES];
+    for (int at = 0; at < LANES; at++) {
+        Lane *lane = walk->lanes + at;
+        here[at] = lane->state == COVERED || lane->state == BEGINS;
+        if (lane->state != COVERED) continue;
+        lane->share = lane->last ? 1.0 : lane->share + lane->stride;
+        lane->next = 2.0 * lane->stride, lane->iterations += lane->corrections;
+    }
+    copy_where(here, walk->point, walk->arrival.outputs, machine->nq + MOTIONS + 2 * machine->nv);
+}
+
+/* One step of each lane, tried. */
+FOR_EACH_PROCESSOR
+static void step(Walk *walk)
+{
+    predict(walk);
+    correct(walk);
+    judge(walk);
+    take(walk);
+}
+
+/* Walks on, up to so many steps of each lane; 1 where more of them lead further. */
+int pmjac_walk(Walk *walk, int64_t steps)
+{
+    for (; steps; steps--) {
+        step(walk);
+        if (!set_all_out(walk)) return 0;
     }
     return 1;
 }

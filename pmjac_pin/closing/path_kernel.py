@@ -1,4 +1,4 @@
-"""What the kernel for one pose at a time is given: structures as `path_kernel.c` has them."""
+"""What the kernels that walk paths are given: structures as `path_kernel.c` has them."""
 
 from __future__ import annotations
 
@@ -6,12 +6,17 @@ import ctypes
 import threading
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pmjac_pin.algebra import tape_runner
 from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.closing.recorded_step import BOUNDS
+from pmjac_pin.values.arrays import aligned
+
+if TYPE_CHECKING:
+    from pmjac_pin.algebra.compiled_programs import CompiledProgram
 
 _FOLDER = Path(__file__).parent
 _ALGEBRA = _FOLDER.parent / "algebra"
@@ -23,12 +28,18 @@ _Pointer = ctypes.c_void_p
 
 @cache
 def path_kernel() -> ctypes.PyDLL | None:
-    """Return the kernel that was built from the sources, None where there is none.
+    """Return the kernel of one lane, None where none was built from the sources.
 
     Its calls take microseconds: other threads wait, instead of taking over in each of them.
     """
     library = tape_runner.loaded(_FOLDER / "_path_kernel.so", *_SOURCES)
     return None if library is None else ctypes.PyDLL(library._name, handle=library._handle)
+
+
+@cache
+def many_paths_kernel() -> ctypes.CDLL | None:
+    """Return the kernel of many lanes, None where none was built; it lets other threads run."""
+    return tape_runner.loaded(_FOLDER / "_many_paths.so", _FOLDER / "many_paths.c", *_SOURCES)
 
 
 class ProgramStruct(ctypes.Structure):
@@ -37,9 +48,8 @@ class ProgramStruct(ctypes.Structure):
     _fields_ = (
         ("code", _Pointer),
         ("length", _Count),
-        ("slots", _Pointer),
-        ("inputs", _Pointer),
-        ("outputs", _Pointer),
+        ("stages", _Count * BOUNDS),
+        *((name, _Pointer) for name in ("slots", "inputs", "outputs", "compiled")),
     )
 
 
@@ -52,60 +62,80 @@ class MachineStruct(ctypes.Structure):
         *((name, _Number) for name in ("tolerance", "enough", "walking", "rank_tolerance")),
         *((name, _Number) for name in ("least_size", "largest_step", "smallest_step")),
         *((name, _Number) for name in ("largest_correction", "slowest_contraction")),
-        *((name, _Number) for name in ("no_inverse", "margin")),
+        *((name, _Number) for name in ("no_inverse", "margin", "arrival_tolerance")),
         ("most_corrections", _Count),
     )
 
 
-class PathStruct(ctypes.Structure):
-    """`Path`."""
+class LaneStruct(ctypes.Structure):
+    """`Lane`."""
+
+    _fields_ = (
+        *((name, _Count) for name in ("state", "path", "tries", "iterations", "corrections")),
+        ("last", _Count),
+        *((name, _Number) for name in ("share", "next", "stride", "allowed", "before")),
+    )
+
+
+class WalkStruct(ctypes.Structure):
+    """`Walk`."""
 
     _fields_ = (
         ("machine", _Pointer),
         *((name, ProgramStruct) for name in ("move", "arrival", "leg")),
-        *((name, _Pointer) for name in ("point", "displacement", "target")),
-        ("share", _Number),
-        ("next", _Number),
-        ("iterations", _Count),
-        ("tries", _Count),
+        *((name, _Pointer) for name in ("point", "lanes", "start", "displacement", "target")),
+        *((name, _Count) for name in ("apart", "count", "taken", "most_tries", "few", "patience")),
+        *((name, _Pointer) for name in ("q", "gap", "share", "iterations", "end")),
     )
 
 
 class Memory:
     """A tape with numbers to work on, of one thread.
 
+    Parameters
+    ----------
+    tape : Tape
+    lanes : int
+        For how many sets of inputs at a time.
+    compiled : CompiledProgram, optional
+        What computes the same.
+
     Attributes
     ----------
-    inputs, outputs : ndarray
+    inputs, outputs : ndarray, shapes (k, lanes)
     struct : ProgramStruct
     """
 
     __slots__ = ("_kept", "inputs", "outputs", "struct")
 
-    def __init__(self, tape: Tape) -> None:
+    def __init__(self, tape: Tape, lanes: int = 1, compiled: CompiledProgram | None = None) -> None:
         code = np.ascontiguousarray(tape.code, dtype=np.int32)
-        slots = np.zeros(tape.slots + 1)
-        slots[: len(tape.constants)] = tape.constants
-        self.inputs, self.outputs = np.zeros(tape.inputs), np.zeros(tape.outputs)
-        self._kept = (code, slots)
+        slots = aligned(tape.slots + 1 if compiled is None else compiled.kept + 1, lanes)
+        if compiled is None:
+            slots[: len(tape.constants)] = tape.constants[:, None]
+        self.inputs, self.outputs = aligned(tape.inputs, lanes), aligned(tape.outputs, lanes)
+        self._kept = (code, slots, compiled)
         self.struct = ProgramStruct(
-            address(code), len(code), address(slots), address(self.inputs), address(self.outputs)
+            address(code),
+            len(code),
+            tape.stages or (len(code),),
+            *map(address, (slots, self.inputs, self.outputs)),
+            compiled and compiled.stage,
         )
 
 
 class ThreadMemory(threading.local):
-    """Each thread's own `Memory` of a tape, and what `pmjac_run_once` takes.
+    """Each thread's own `Memory` of a tape.
 
     Attributes
     ----------
-    memory : Memory
-    argument : object
-        The address of its struct.
+    numbers : (ndarray, ndarray, object)
+        Inputs and outputs, shapes (k,), and what `pmjac_run_once` takes.
     """
 
     def __init__(self, tape: Tape) -> None:
-        self.memory = Memory(tape)
-        self.argument = ctypes.byref(self.memory.struct)
+        self._kept = memory = Memory(tape)
+        self.numbers = memory.inputs[:, 0], memory.outputs[:, 0], ctypes.byref(memory.struct)
 
 
 def address(array: Any) -> int:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from pmjac_pin.algebra.tape import Tape
     from pmjac_pin.closing.one_path import Ahead, OnePath
     from pmjac_pin.closing.one_pose import KnownPose, OnePose
+    from pmjac_pin.closing.recorded_motion import RecordedMotion
     from pmjac_pin.closing.recorded_rates import RecordedRates
     from pmjac_pin.closing.recorded_slopes import RecordedSlopes
 
@@ -74,6 +75,7 @@ class RecordedMechanism:
         self._pose = Earned(calls, self._one_pose, self._serves_many)
         self._path = Earned(calls, self._one_path, self._serves_many)
         self._slopes = Earned(_CALLS_OF_SLOPES, self._recorded_slopes, lambda: False)
+        self._motion = Earned(_CALLS_OF_SLOPES, self._recorded_motion, lambda: False)
 
     def pose(self, q: Array) -> KnownPose | None:
         """Return what is certain of a pose without singular values, None where nothing is."""
@@ -83,6 +85,10 @@ class RecordedMechanism:
     def slopes(self) -> RecordedSlopes | None:
         """Return what says how Jacobians change along motions, None where nothing is recorded."""
         return self._slopes()
+
+    def motion(self) -> RecordedMotion | None:
+        """Return what says what motor rates lead to at poses that are known."""
+        return self._motion()
 
     def path(self, q: Array, values: Array) -> Ahead | None:
         """Return how far a straight path from a closed q is certain, None where it is not at all.
@@ -179,6 +185,16 @@ class RecordedMechanism:
         partition = self._parts.problem.partition
         rows, nv = partition.row_scale.size, partition.column_scale.size
         return RecordedSlopes(library, tape, rows, nv)
+
+    def _recorded_motion(self) -> RecordedMotion | None:
+        from pmjac_pin.closing.path_kernel import path_kernel  # noqa: PLC0415
+        from pmjac_pin.closing.recorded_motion import RecordedMotion, motion_tape  # noqa: PLC0415
+
+        if (library := path_kernel()) is None:
+            return None
+        partition = self._parts.problem.partition
+        sizes = partition.column_scale.size, partition.actuated.size
+        return RecordedMotion(library, motion_tape(self.rates), *sizes)
 
     @property
     def _determined(self) -> bool:

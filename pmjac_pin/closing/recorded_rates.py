@@ -20,7 +20,7 @@ from pmjac_pin.algebra.tangents import tangents
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
-from pmjac_pin.kinematics.recorded_motions import entry_rates_of, moved_by
+from pmjac_pin.kinematics.recorded_motions import moved_by, recorded_entry_rates
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.rates.sparse_qr import Triangle, norm
@@ -221,7 +221,9 @@ class RecordedRates:
             kinematics = self.recorder.at(inputs[:nq])
             tool = [*kinematics.tool.ravel(), *kinematics.rotation.ravel(), *kinematics.position]
             of = [*kinematics.in_world()[1].ravel(), *tool]
-            along = entry_rates_of(self.recorder.tree, objects(inputs[:nq]), objects(inputs[nq:]))
+            along = recorded_entry_rates(
+                self.recorder.tree, objects(inputs[:nq]), objects(inputs[nq:])
+            )
             return [*tangents(of, inputs[:nq], along.tolist()), *tool]
 
         return self.recordings.tape("slopes", nq + self.recorder.nv, make)

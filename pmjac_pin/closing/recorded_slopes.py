@@ -33,14 +33,14 @@ class RecordedSlopes:
 
     def at(self, q: Array, motions: Array) -> Slopes:
         """Return how Jacobians change at a q (nq,) along the columns of motions (nv, k)."""
-        memory, argument = self._thread.memory, self._thread.argument
+        inputs, outputs, argument = self._thread.numbers
         nq, nv, entries = q.size, self._nv, self._rows * self._nv
         constraint, tools = np.empty((motions.shape[1], self._rows, nv)), []
-        memory.inputs[:nq] = q
+        inputs[:nq] = q
         for k, motion in enumerate(motions.T):
-            memory.inputs[nq:] = motion
+            inputs[nq:] = motion
             self._run(argument)
-            told = np.array(memory.outputs)
+            told = np.array(outputs)
             constraint[k] = told[:entries].reshape(self._rows, nv)
             tools.append(told[entries:])
         return Slopes.of(constraint, tools)

@@ -3,10 +3,12 @@
 `StepGuard` has the mathematics and measures entry by entry; here, with A⁺ the inverse of K* on its
 kept columns at the start, and norms of dimensionless matrices,
 
-    N = ‖A⁺(K*(q₁) − A)‖ + ‖A⁺(K*(p(½)) − A) − ½ A⁺(K*(q₁) − A)‖ + ‖A⁺‖ ‖left out‖,
+    N = ‖A⁺ΔA‖ + ‖A⁺ΔM‖ + ‖A⁺‖ ‖left out‖,    ΔA = K*(q₁) − A,    ΔM = K*(p(½)) − A − ½ ΔA,
     τ = ‖A⁺‖ ρ / (1 − N),    W = ‖how K* changes within 2τ‖,
 
-a step is covered where W τ ≤ ρ and N + ‖A⁺‖ W < 1.
+a step is covered where W τ ≤ ρ and N + ‖A⁺‖ W < 1. Products with A⁺ are most of the work: ‖A⁺‖ ‖ΔA‖
+and ‖A⁺‖ ‖ΔM‖ in their place are larger, but often small enough. So N, and what follows from it, is
+told three times: with norms only, with A⁺ΔA, and with both.
 """
 
 from __future__ import annotations
@@ -26,9 +28,11 @@ from pmjac_pin.closing.step_guard import CUBIC, QUADRATIC, SLOPES
 from pmjac_pin.kinematics.recorded_motions import arriving, between, moved_by
 from pmjac_pin.rates.sparse_qr import Triangle, norm
 
+BOUNDS = 3  #: that are told of a step
+
 
 def leg_tape(loops: RecordedRates, arms: Arms) -> Tape:
-    """Return (q₀, q₁, leaving, onward) ↦ (N, ρ, τ, W, ‖A⁺‖).
+    """Return (q₀, q₁, leaving, onward, ‖A⁺‖) ↦ (N, ρ, τ, W), `BOUNDS` times, the quickest first.
 
     Rates of the path at both ends: what leaves q₀ is one of the way, what moves on from q₁ is made
     one.
@@ -36,37 +40,46 @@ def leg_tape(loops: RecordedRates, arms: Arms) -> Tape:
     nq, nv, tree = loops.recorder.nq, loops.recorder.nv, loops.recorder.tree
 
     def make(inputs: Sequence[Term]) -> list[Any]:
-        ends = [nq, 2 * nq, 2 * nq + nv]
-        start, end, leaving, onward = np.split(objects(inputs), ends)
+        ends = [nq, 2 * nq, 2 * nq + nv, 2 * nq + 2 * nv]
+        start, end, leaving, onward, (inverse,) = np.split(objects(inputs), ends)
         way = between(tree, start, end)
         at_end = arriving(tree, way, onward)
         half = moved_by(tree, start, 0.5 * way + 0.125 * (leaving - at_end))
         poses, rates = np.array([start, end, half]), np.array([leaving, at_end, way])
-        return _covered(loops, arms, poses, rates)
+        return _covered(loops, arms, poses, rates, inverse)
 
-    return loops.recordings.tape("leg", 2 * nq + 2 * nv, make)
+    return loops.recordings.tape("leg", 2 * nq + 2 * nv + 1, make, range(4, 4 * BOUNDS + 1, 4))
 
 
-def _covered(loops: RecordedRates, arms: Arms, poses: Numbers, rates: Numbers) -> list[Any]:
-    """Return (N, ρ, τ, W, ‖A⁺‖) of q₀, q₁ and p(½), and of leaving, arriving and way."""
+def _covered(
+    loops: RecordedRates, arms: Arms, poses: Numbers, rates: Numbers, inverse: Any
+) -> list[Any]:
+    """Return the bounds of q₀, q₁ and p(½), and of leaving, arriving and way."""
     kept, at = loops.kept, [loops.recorder.at(q.tolist()) for q in poses]
     first, last, middle = (loops.scaled(pose.rates)[:, kept] for pose in at)
-    triangle = Triangle.of(np.hstack([first, last - first, middle - first]), kept.size)
-    changes = triangle.solve(range(kept.size, 3 * kept.size))
-    straight, bent = changes[:, : kept.size], changes[:, kept.size :]
-    inverse, bends = triangle.inverse_norm(), Bends(arms, roots)
+    straight, bends = last - first, Bends(arms, roots)
+    bent = middle - first - 0.5 * straight
     motion = _series(bends, poses[0], *rates)
     row_scale = loops.partition.row_scale
     open_by = (CUBIC * bends.residual(motion) + bends.rounding(motion)) * row_scale
     slopes = (at[1].residual - at[0].residual) * row_scale
     rho = norm(open_by) + SLOPES * norm(slopes)
-    left_out = loops.scaled(QUADRATIC * bends.rates(motion))[:, kept]
-    change = norm(straight) + norm(bent - 0.5 * straight) + inverse * norm(left_out)
-    tau = inverse * rho / (1.0 - change)
-    reach = zeros(loops.recorder.nv)
-    reach[kept] = [2.0 * tau * scale for scale in loops.partition.column_scale[kept].tolist()]
-    within = norm(loops.scaled(bends.within(motion, reach))[:, kept])
-    return [change, rho, tau, within, inverse]
+    left_out = inverse * norm(loops.scaled(QUADRATIC * bends.rates(motion))[:, kept])
+
+    def bounds(change: Any) -> list[Any]:
+        tau = inverse * rho / (1.0 - change)
+        reach = zeros(loops.recorder.nv)
+        reach[kept] = [2.0 * tau * scale for scale in loops.partition.column_scale[kept].tolist()]
+        within = norm(loops.scaled(bends.within(motion, reach))[:, kept])
+        return [change, rho, tau, within]
+
+    small = inverse * norm(bent) + left_out
+    told = bounds(inverse * norm(straight) + small)
+    triangle = Triangle.of(np.hstack([first, straight, bent]), kept.size)
+    count = kept.size
+    solved = norm(triangle.solve(range(count, 2 * count)))
+    told += bounds(solved + small)
+    return told + bounds(solved + norm(triangle.solve(range(2 * count, 3 * count))) + left_out)
 
 
 def _series(

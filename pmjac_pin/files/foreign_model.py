@@ -6,7 +6,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
-from pmjac_pin.errors import ArgumentError, ModelFileError, enumerated, quoted, unknown_name
+from pmjac_pin.errors import (
+    ArgumentError,
+    ModelFileError,
+    NoMotorsError,
+    enumerated,
+    quoted,
+    unknown_name,
+)
 from pmjac_pin.files.urdf.checks import VELOCITIES
 from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.files.user_path import readable
@@ -72,7 +79,7 @@ class ForeignModel:
         Raises
         ------
         ModelFileError
-            Neither says which joints are motors; the message lists the candidates.
+            Neither says which joints are motors (`NoMotorsError`, which lists the candidates).
         UnknownNameError
             A joint or frame that the model does not have.
         """
@@ -80,7 +87,7 @@ class ForeignModel:
         motors = self.actuated if actuated is None else tuple(actuated)
         frame = self.tool if tool is None else tool
         if not motors:
-            raise _missing(path, "which joints are motors", "actuated", self._possible_motors())
+            raise _no_motors(path, self._single_joints() or _movable(self.urdf))
         checked_motors(self.urdf, motors)
         if frame or tool is not None:
             check_frame(self.urdf, frame)
@@ -104,14 +111,14 @@ class ForeignModel:
         if self.actuated or any(not isinstance(loop, JointLoop) for loop in self.loops):
             return self
         followers = {loop.joints[1] for loop in self.loops if isinstance(loop, JointLoop)}
-        motors = tuple(name for name in self._possible_motors() if name not in followers)
+        motors = tuple(name for name in self._single_joints() if name not in followers)
         if not motors:
             return self
         followed = ", but those that follow another," if followers else ""
         note = f"no loop closes: every joint of one degree of freedom{followed} counts as a motor"
         return replace(self, actuated=motors, notes=(*self.notes, note))
 
-    def _possible_motors(self) -> tuple[str, ...]:
+    def _single_joints(self) -> tuple[str, ...]:
         return tuple(
             joint.name
             for joint in self.urdf.joints
@@ -156,7 +163,12 @@ def links_from_the_ends(urdf: Urdf) -> tuple[str, ...]:
     return tuple(sorted(urdf.links, key=lambda link: (link in held, -depth(link))))
 
 
-def _missing(path: str, what: str, option: str, candidates: tuple[str, ...]) -> ModelFileError:
-    listed = enumerated(candidates, _MOST_CANDIDATES) or "none"
-    message = f"{path}: the file does not say {what}; give `{option}`, of: {listed}"
-    return ModelFileError(message, path=path)
+def _no_motors(path: str, candidates: tuple[str, ...]) -> ModelFileError:
+    if not candidates:
+        return ModelFileError(f"{path}: no joint of it moves: a mechanism has one at least")
+    listed = enumerated(candidates, _MOST_CANDIDATES)
+    return NoMotorsError(
+        f"{path}: the file does not say which joints are motors; give `actuated`, of: {listed}",
+        path=path,
+        candidates=candidates,
+    )

@@ -14,6 +14,7 @@ from pmjac_pin.files.xml_text import label, only, written
 
 WITHOUT_LIMIT = 1e16  # m, rad, N, N m, m/s or rad/s: what SDFormat writes for none
 _TRUTHS: Mapping[str, bool] = {"true": True, "1": True, "false": False, "0": False}
+BALL_TYPES = ("spherical", "ball")  # types of joints that only turn
 _MOST_NAMED = 6
 _WIDEST = 1e4  # m or rad: the middle of a wider range is nowhere
 
@@ -33,7 +34,7 @@ def opened_limits(joints: Sequence[Element]) -> list[str]:
 
 def floating_balls(joints: Sequence[Element]) -> list[str]:
     """Write ball joints, which URDF does not have, as floating ones; return their names."""
-    balls = [joint for joint in joints if joint.get("type") in ("spherical", "ball")]
+    balls = [joint for joint in joints if joint.get("type") in BALL_TYPES]
     for joint in balls:
         joint.set("type", "floating")
     return [joint.get("name", "") for joint in balls]

@@ -11,6 +11,7 @@ import msgspec
 
 from pmjac_pin.errors import ModelFileError, did_you_mean, shortened
 from pmjac_pin.files.bounded_toml import bounded_table, in_words_of_toml
+from pmjac_pin.files.home_lines import home_line
 from pmjac_pin.files.text_file import at_file, read_text
 from pmjac_pin.files.user_path import readable
 from pmjac_pin.model.loop_spec import LOOP_KINDS
@@ -48,16 +49,16 @@ def parse_model_file(text: str, path: Path) -> MechanismSpec:
         As `read_model_file`.
     """
     with at_file(str(path)):
-        spec = _spec(text)
+        spec = _spec(text, path)
     return spec if spec.name else msgspec.structs.replace(spec, name=readable(path.stem))
 
 
-def _spec(text: str) -> MechanismSpec:
+def _spec(text: str, path: Path) -> MechanismSpec:
     given = bounded_table(text)
     try:
         spec = converted(given)
     except msgspec.ValidationError as error:
-        raise ModelFileError(_model_fault(error, given)) from None
+        raise ModelFileError(_model_fault(error, given, path)) from None
     except OverflowError as error:
         raise ModelFileError(f"a whole number is too large: {error}") from None
     if not spec.urdf:
@@ -65,10 +66,22 @@ def _spec(text: str) -> MechanismSpec:
     return spec
 
 
-def _model_fault(error: msgspec.ValidationError, given: dict[str, Any]) -> str:
+def _model_fault(error: msgspec.ValidationError, given: dict[str, Any], path: Path) -> str:
     """Turn msgspec's message into ours: TOML's words for things, and the near match."""
     message = in_words_of_toml(str(error))
-    return message + _hint(message, given)
+    return message + (_home(message, given, path) or _hint(message, given))
+
+
+def _home(message: str, given: dict[str, Any], path: Path) -> str:
+    """Return what to write where there is no home pose, "" where that is not what is wrong."""
+    untold, unnamed = "missing key `poses`", "`poses.home` is missing"
+    if not message.startswith((untold, unnamed)) or not given.get("urdf"):
+        return ""
+    line = home_line(given, path)
+    written = f"`{line}` under [poses]"
+    if message.startswith(untold):
+        written = f"`poses.{line}` above the first [table]"
+    return f"; give joint values near which the loops close, m or rad: such as {written}"
 
 
 def _hint(message: str, given: dict[str, Any]) -> str:

@@ -16,7 +16,7 @@ import threading
 from collections.abc import Iterator, Mapping
 
 from pmjac_pin.errors import OutputError
-from pmjac_pin.files.user_path import is_open_file, output_path, real, shown_path
+from pmjac_pin.files.user_path import is_file, is_open_file, output_path, real, shown_path
 
 _SIGNALS = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
@@ -34,6 +34,19 @@ def check_place(path: str | os.PathLike[str]) -> None:
         No such folder, a folder, a device, a pipe, or a file that must not be written.
     """
     _Place(path)
+
+
+def check_new(path: str | os.PathLike[str], replace: bool) -> None:
+    """Refuse early what `check_place` does, and a file that exists and is not to be replaced.
+
+    Raises
+    ------
+    ArgumentError, OutputError
+    """
+    place = output_path(path)
+    check_place(place)
+    if is_file(place) and not replace:
+        raise OutputError(f"{shown_path(place)}: exists already; --force replaces it")
 
 
 def write_file(path: str | os.PathLike[str], contents: bytes) -> None:

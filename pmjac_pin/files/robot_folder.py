@@ -49,7 +49,8 @@ def _in_folder(folder: Path, name: str) -> Path:
     named = [urdf for stem in (name, "robot") for urdf in urdfs if urdf.stem == stem]
     where = shown_path(folder)
     if not urdfs:
-        raise ModelFileError(f"{where}: there is no URDF in this folder", path=str(folder))
+        told = f"; there are: {enumerated([file.name for file in files])}" if files else ""
+        raise ModelFileError(f"{where}: there is no URDF in this folder{told}", path=str(folder))
     if others or not (named or len(urdfs) == 1):
         told = enumerated([file.name for file in (*others, *urdfs)])
         raise ModelFileError(f"{where}: which file is meant? There are: {told}", path=str(folder))

@@ -39,6 +39,8 @@ class Source:
         One sentence for each decision that the reader of another format took.
     unread : tuple of str
         One sentence for each kind of thing in the file that nobody reads.
+    driven : tuple of str
+        The motors, where they were given in place of those that the file tells.
     """
 
     path: Path
@@ -46,6 +48,7 @@ class Source:
     urdf: Urdf
     notes: tuple[str, ...] = ()
     unread: tuple[str, ...] = ()
+    driven: tuple[str, ...] = ()
 
     @property
     def all_notes(self) -> tuple[str, ...]:
@@ -82,7 +85,8 @@ def read_source(
     root = _include_root(path, include_root)
     if (reader := READERS.get(path.suffix.lower())) is not None:
         model = reader(path, motors or ()) if root is None else _read_mjcf(path, motors or (), root)
-        return Source(path, model.spec(motors, tool), model.urdf, model.notes, model.unread)
+        spec = model.spec(motors, tool)
+        return Source(path, spec, model.urdf, model.notes, model.unread, motors or ())
     if path.suffix.lower() not in ("", ".toml"):
         raise ModelFileError(f"{shown_path(path)}: {_other_format(path)}", path=str(path))
     spec = read_model_file(path)
@@ -92,6 +96,7 @@ def read_source(
         spec = msgspec.structs.replace(
             spec,
             loops=with_gears(spec.loops, geared.gears),
+            spherical=tuple(dict.fromkeys((*spec.spherical, *geared.spherical))),
             armature={**rotors(urdf.robot()), **spec.armature},
         )
     if motors is not None:
@@ -101,7 +106,7 @@ def read_source(
         spec = msgspec.structs.replace(spec, tool=Tool(frame=check_frame(urdf, tool)))
     unread = (*urdf.unread, *_open_frames(urdf, spec))
     notes = (*geared.notes, *mass_notes(urdf, urdf.links))
-    return Source(path, spec, urdf, notes, unread)
+    return Source(path, spec, urdf, notes, unread, motors or ())
 
 
 def _include_root(path: Path, given: str | Path | None) -> Path | None:

@@ -8,9 +8,10 @@ as the lecture does: world axes, first minus second.
 
 from __future__ import annotations
 
+import copy
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -62,6 +63,20 @@ class _Closure:
     body: int  # Pinocchio's index of the joint that carries the second frame
     base: int  # ... of the last joint that carries both frames, 0 for the world
     vectors: tuple[slice, ...]  # the rows of blocks that turn with the axes
+    frames: tuple[int, int]  # Pinocchio's indices of the first frame and the second
+
+    def placed(
+        self, model: pin.Model, places: Mapping[int, pin.SE3], rows: Sequence[Rows]
+    ) -> _Closure:
+        """Return the loop with these rows, its frames at these places where they have one."""
+        here, (first, second) = self.constraint, self.frames
+        ends = (
+            (here.joint1_id, places.get(second, here.joint1_placement)),
+            (here.joint2_id, places.get(first, here.joint2_placement)),
+        )
+        there = type(here)(model, *ends[0], *ends[1])
+        slices = (own for own, _ in self.blocks)
+        return replace(self, constraint=there, blocks=tuple(zip(slices, rows, strict=True)))
 
     def relative(self, model: pin.Model, data: pin.Data, scratch: Any) -> Relative:
         # Without `calc` the constraint's Jacobian is silently the one of another q.
@@ -144,11 +159,8 @@ class LoopSystem:
                 blocks.append((rows, block))
                 if isinstance(block, Distance):
                     self.rods[rows.start] = block.length
-                elif block.unit not in ("m", "rad"):
-                    raise ArgumentError(
-                        f"rows in {quoted(block.unit)} of a loop that is no rod: nothing says by "
-                        "how much they open with a gap; write them in m or rad"
-                    )
+                else:
+                    _check_unit(block)
                 names += [f"{prefix} {row}" for row in block.names]
                 units += [block.unit] * len(block.names)
                 owners += [prefix] * len(block.names)
@@ -160,6 +172,36 @@ class LoopSystem:
         self.row_loops = tuple(owners)
         self.moving = tuple(moving)
         self.slices = tuple(itertools.starmap(slice, itertools.pairwise([*starts, len(names)])))
+
+    def placed(
+        self, model: pin.Model, places: Mapping[int, pin.SE3], rows: Sequence[Sequence[Rows]]
+    ) -> LoopSystem:
+        """Return the loops of a machine of other dimensions, of the same joints and loops.
+
+        Parameters
+        ----------
+        model : pin.Model
+            That machine's.
+        places : mapping of int to pin.SE3
+            Where the joints carry frames that are elsewhere, by Pinocchio's indices.
+        rows : sequence of sequences of Rows
+            Of each loop between frames.
+        """
+        found = copy.copy(self)
+        own = zip(self._closures, rows, strict=True)
+        found._closures = [closure.placed(model, places, blocks) for closure, blocks in own]
+        found.rods = {
+            slots.start: block.length
+            for closure in found._closures
+            for slots, block in closure.blocks
+            if isinstance(block, Distance)
+        }
+        return found
+
+    @property
+    def frames(self) -> frozenset[int]:
+        """Pinocchio's indices of the frames that loops are between."""
+        return frozenset(frame for closure in self._closures for frame in closure.frames)
 
     def create_data(self) -> list[Any]:
         """Return Pinocchio's scratch data, one for each loop between frames."""
@@ -279,4 +321,13 @@ def _closure(
     one, other = (list(model.supports[frame.joint]) for frame in (first, second))
     base = [a for a, b in zip(one, other, strict=False) if a == b][-1]
     vectors = tuple(rows for rows, block in blocks if block.vector)
-    return _Closure(constraint, blocks, second.joint, base, vectors)
+    indices = first.index, second.index
+    return _Closure(constraint, blocks, second.joint, base, vectors, indices)
+
+
+def _check_unit(block: Rows) -> None:
+    if block.unit not in ("m", "rad"):
+        raise ArgumentError(
+            f"rows in {quoted(block.unit)} of a loop that is no rod: nothing says by how much "
+            "they open with a gap; write them in m or rad"
+        )

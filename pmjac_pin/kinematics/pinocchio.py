@@ -107,9 +107,12 @@ class Kinematics:
         scratch = self._at(q)
         data = scratch.data
         residual, constraint_jacobian = self.loops.in_world(self.model, data, scratch.loops, q)
-        rotation, position = self.tool.pose(self.model, data)
-        jacobian = self.tool.jacobian(self.model, data)
-        return Snapshot(residual, constraint_jacobian, jacobian, rotation, position)
+        tool = _read_off(self.model, data, self.tool)
+        return Snapshot(residual, constraint_jacobian, *tool)
+
+    def tool_at(self, q: Array, tool: ToolKinematics) -> tuple[Array, Array, Array]:
+        """Return the Jacobian (6, nv) of any tool, LOCAL_WORLD_ALIGNED, its rotation and place."""
+        return _read_off(self.model, self._at(q).data, tool)
 
     def mass_matrix(self, q: Array) -> Array:
         """Return that of the cut tree, shape (nv, nv), armatures included."""
@@ -143,6 +146,11 @@ class Kinematics:
             scratch.data = self.model.createData()
             scratch.loops = self.loops.create_data()
         return scratch
+
+
+def _read_off(model: pin.Model, data: pin.Data, tool: ToolKinematics) -> tuple[Array, Array, Array]:
+    rotation, position = tool.pose(model, data)
+    return tool.jacobian(model, data), rotation, position
 
 
 @cache

@@ -29,6 +29,16 @@ def moved_by(tree: Tree, q: Numbers, v: Numbers) -> Numbers:
     return found
 
 
+def recorded_entry_rates(tree: Tree, q: Numbers, v: Numbers) -> Numbers:
+    """Return how the entries of q change along a motion v, shape (nq,)."""
+    found = q.copy()
+    for link in tree.links.values():
+        turn, way = q[_turn_part(link)], v[_turning(link)]
+        found[_slides(link)] = _turned_slides(link, turn, v[_sliding(link)])
+        found[_turn_part(link)] = _turn_rates(link, turn, way)
+    return found
+
+
 def between(tree: Tree, q: Numbers, other: Numbers) -> Numbers:
     """Return v with q ⊕ v = other, shape (nv,)."""
     found = np.empty(_freedoms(tree), dtype=object)
@@ -54,25 +64,6 @@ def arriving(tree: Tree, way: Numbers, v: Numbers) -> Numbers:
 
 def _freedoms(tree: Tree) -> int:
     return sum(link.kind.nv for link in tree.links.values())
-
-
-def entry_rates_of(tree: Tree, q: Numbers, v: Numbers) -> Numbers:
-    """Return the derivative of q along v, shape (nq,): as `slopes.entry_rates`."""
-    found = np.empty(q.size, dtype=object)
-    for link in tree.links.values():
-        slides, turn, turning = _slides(link), q[_turn_part(link)], v[_turning(link)]
-        found[slides] = _turned_slides(link, turn, v[_sliding(link)])
-        found[_turn_part(link)] = _turn_rates(link, turn, turning)
-    return found
-
-
-def _turn_rates(link: Link, turn: Numbers, omega: Numbers) -> Numbers:
-    if link.kind.angle or not link.kind.turns:
-        return omega
-    if link.kind.turns == 3:
-        return 0.5 * _quaternion_product(turn, objects([*omega, 0.0]))
-    c, s = turn
-    return objects([-s * omega[0], c * omega[0]])
 
 
 def _slides(link: Link) -> slice:
@@ -111,12 +102,23 @@ def _turned_slides(link: Link, turn: Numbers, slid: Numbers) -> Numbers:
 
 
 def _turned_on(link: Link, turn: Numbers, way: Numbers) -> Numbers:
+    if all(x == 0.0 for x in way):  # at every pose
+        return turn
     if link.kind.angle or not link.kind.turns:
         return turn + way
     if link.kind.turns == 3:
         return _unit_quaternion(_quaternion_product(turn, _exponential(way)))
     (c, s), (cosine, sine) = turn, _wave(way[0])
     return _unit_quaternion(objects([c * cosine - s * sine, s * cosine + c * sine]))
+
+
+def _turn_rates(link: Link, turn: Numbers, way: Numbers) -> Numbers:
+    if link.kind.angle or not link.kind.turns:
+        return way
+    if link.kind.turns == 3:
+        return np.asarray(0.5 * _quaternion_product(turn, objects([*way, 0.0])))
+    c, s = turn
+    return objects([-(s * way[0]), c * way[0]])
 
 
 def _turn_between(link: Link, turn: Numbers, other: Numbers) -> Numbers:

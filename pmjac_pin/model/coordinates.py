@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.errors import ArgumentError, unknown_name
+from pmjac_pin.errors import ArgumentError, did_you_mean, unknown_name
 from pmjac_pin.model.joint_kind import JointKind
 from pmjac_pin.model.joint_kinds import kind_of
 from pmjac_pin.model.unit_turns import NEARLY_UNIT, with_unit_turns
@@ -275,11 +275,8 @@ class JointCoordinates:
         if joint is not None:
             return joint
         if isinstance(name, str) and name in [frame.name for frame in self._model.frames]:
-            raise ArgumentError(f"{name!r} is no joint that moves; those are: {self._listed()}")
+            raise ArgumentError(f"{name!r} is no joint that moves{did_you_mean(name, self.names)}")
         raise unknown_name("joint", name, self.names)
-
-    def _listed(self) -> str:
-        return ", ".join(self.names[:12]) + ", ..." * (len(self.names) > 12)
 
     def _entries(self, joint: _Joint, given: float | Sequence[float]) -> Array:
         values = np.atleast_1d(as_numbers(given, f"the value of joint {joint.name!r}"))

@@ -103,15 +103,15 @@ def frames_from_the_ends(model: pin.Model, loops: Collection[str]) -> tuple[str,
     Frames of loops come last: many are there for these alone.
     """
     holding = set(model.parents.tolist()[1:])
-    links = [frame for frame in model.frames if frame.type == pin.FrameType.BODY]
-    above = {frame.parentFrame for frame in model.frames}
+    frames = model.frames.tolist()
+    above = {frame.parentFrame for frame in frames}
 
-    def place(frame: pin.Frame) -> tuple[bool, bool, int, bool]:
-        joint = frame.parentJoint
-        held = model.getFrameId(frame.name) in above
-        return frame.name in loops, joint in holding, -len(model.supports[joint]), held
+    def place(index: int) -> tuple[bool, bool, int, bool]:
+        name, joint = frames[index].name, frames[index].parentJoint
+        return name in loops, joint in holding, -len(model.supports[joint]), index in above
 
-    return tuple(frame.name for frame in sorted(links, key=place))
+    links = [k for k, frame in enumerate(frames) if frame.type == pin.FrameType.BODY]
+    return tuple(frames[k].name for k in sorted(links, key=place))
 
 
 def _at_one_place(one: pin.Frame, other: pin.Frame) -> bool:

@@ -111,15 +111,15 @@ def limit_error(what: str, found: Mapping[str, Violation], advice: str = "") -> 
 def stated_limits(lower: Array, upper: Array) -> Array:
     """Return the rates or efforts (nv,) that a model allows both ways, infinite where it has none.
 
-    Files without a limit write 0, or what is as good as infinite. Of a URDF's rate limits Pinocchio
-    has the lower ones without their sign.
+    Files without a limit write 0, or what is as good as infinite; Pinocchio writes the lower limits
+    of rates without their sign.
 
     Examples
     --------
-    >>> stated_limits(np.array([-2.0, 5.0, 0.0, -1e300]), np.array([3.0, 5.0, 0.0, 1e300])).tolist()
-    [2.0, 5.0, inf, inf]
+    >>> stated_limits(np.array([-2.0, 4.0, 0.0, -1e300]), np.array([3.0, 4.0, 0.0, 1e300])).tolist()
+    [2.0, 4.0, inf, inf]
     """
-    both = np.minimum(np.abs(lower), upper)
+    both = np.minimum(np.abs(lower), np.abs(upper))
     return np.where((both > 0.0) & (both < LARGEST), both, np.inf)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import ClassVar, Literal, Self
 
 import numpy as np
@@ -13,6 +14,7 @@ from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.model.joint_form import JointForm
 from pmjac_pin.model.rows import Along, Rows, Tilt, across
 from pmjac_pin.model.table import Name, TomlTable, Vector
+from pmjac_pin.values.arrays import read_only
 from pmjac_pin.values.checks import as_numbers
 
 X: Vector = (1.0, 0.0, 0.0)
@@ -90,16 +92,26 @@ class LoopAlongAxis(LoopBetweenFrames, frozen=True):
     @property
     def tilt(self) -> Tilt:
         """The tilt of the first frame's axis against the second's."""
-        return Tilt(np.array(self.axis), across(np.array(self.axis)))
+        return _tilt(self.axis)
 
     @property
     def aside(self) -> Along:
         """The gap across the axis."""
-        return Along(across(np.array(self.axis)), ("across 1", "across 2"))
+        return _aside(self.axis)
 
     def __post_init__(self) -> None:
         super().__post_init__()
         force_setattr(self, "axis", unit_vector("axis", self.axis))
+
+
+@lru_cache(maxsize=64)
+def _tilt(axis: Vector) -> Tilt:
+    return Tilt(read_only(np.array(axis)), read_only(across(np.array(axis))))
+
+
+@lru_cache(maxsize=64)
+def _aside(axis: Vector) -> Along:
+    return Along(read_only(across(np.array(axis))), ("across 1", "across 2"))
 
 
 def check_pair(what: str, names: object) -> None:

@@ -172,8 +172,8 @@ class MechanismSpec(TomlTable, frozen=True, kw_only=True):
             raise ArgumentError(f"joint {quoted(both[0])} is listed as actuated and as passive")
         self._check_locked()
         if "home" not in self.poses:
-            named = enumerated(tuple(self.poses)) or "none"
-            raise ArgumentError(f"`poses.home` is missing; there are: {named}")
+            others = f"; there are: {enumerated(tuple(self.poses))}" if self.poses else ""
+            raise ArgumentError(f"`poses.home` is missing{others}")
         for loop in self.loops:
             _check_length(loop, self.parameters)
         for name in self.parameters:
@@ -193,7 +193,7 @@ class MechanismSpec(TomlTable, frozen=True, kw_only=True):
                     raise ArgumentError(f"joint {quoted(name)} is locked; remove it from `{use}`")
 
     def with_locked(self, joints: Iterable[str] | Mapping[str, JointValue]) -> MechanismSpec:
-        """Return the spec with these joints held, and so in no pose and not among `passive`.
+        """Return the spec with these joints held: they are in no pose, no motor and not passive.
 
         Parameters
         ----------
@@ -204,14 +204,20 @@ class MechanismSpec(TomlTable, frozen=True, kw_only=True):
         Raises
         ------
         ArgumentError
-            A motor, or a value that is no number.
+            All motors, or a value that is no number.
         """
         names = as_names(joints, "`locked` is a list of joints or a mapping")
         home = {**self.locked, **self.poses["home"]}
         given = joints if isinstance(joints, Mapping) else {k: home.get(k, 0.0) for k in names}
         held = {name: _held_at(name, value) for name, value in given.items()}
+        if not (driven := tuple(name for name in self.actuated if name not in held)):
+            raise ArgumentError(
+                f"all motors are locked ({enumerated(self.actuated)}); hold fewer, or name others "
+                "by `actuated`"
+            )
         return replace(
             self,
+            actuated=driven,
             locked={**self.locked, **held},
             passive=self.passive and tuple(name for name in self.passive if name not in held),
             poses={

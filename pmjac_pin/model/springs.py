@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TypeAlias
 
 import numpy as np
 
@@ -11,18 +12,20 @@ from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_numbers
 
+#: By joint: stiffness, N/m or N m/rad, and the value at rest, m or rad.
+Springs: TypeAlias = Mapping[str, tuple[float, float]]
 
-def spring_efforts(
-    coordinates: JointCoordinates, q: Array, springs: Mapping[str, tuple[float, float]]
-) -> Array:
+
+def spring_efforts(coordinates: JointCoordinates, q: Array, springs: Springs) -> Array:
     """Return what it takes to hold joints against their springs, k (x − x₀), shape (nv,).
+
+    What turns endlessly is the shorter way from x₀.
 
     Parameters
     ----------
     coordinates : JointCoordinates
     q : ndarray, shape (nq,)
-    springs : mapping of str to (float, float)
-        Stiffness, N/m or N m/rad, and the value at rest, m or rad.
+    springs : Springs
 
     Raises
     ------
@@ -31,12 +34,12 @@ def spring_efforts(
     if not isinstance(springs, Mapping):
         wanted = "springs are a mapping of joints to (stiffness, value at rest)"
         raise ArgumentError(f"{wanted}, got {quoted(springs)}")
-    values, efforts = coordinates.values(q), np.zeros(coordinates.rotational.size)
+    efforts = np.zeros(coordinates.rotational.size)
     for name, given in springs.items():
         spring = as_numbers(given, f"the spring of joint {quoted(name)}")
         if spring.shape != (2,) or coordinates.degrees_of_freedom(name) != 1:
             wanted = "a joint of one degree of freedom takes (stiffness, value at rest)"
             raise ArgumentError(f"{wanted}, got {quoted(given)} for {quoted(name)}")
-        [column] = coordinates.columns([name])
-        efforts[column] = spring[0] * (values[column] - spring[1])
+        column = coordinates.columns([name])
+        efforts[column] = -spring[0] * coordinates.motion_to(q, column, spring[1:])
     return efforts

@@ -66,7 +66,7 @@ class Anatomy:
 
     def tool_pose(self, configuration: Configuration) -> pin.SE3:
         """Return the tool's pose in the picture."""
-        pose = configuration.tool_pose
+        pose = configuration.tool_pose()
         return pin.SE3(pose.rotation, pose.translation - self.mechanism.place)
 
     @property

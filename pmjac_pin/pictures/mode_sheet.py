@@ -1,10 +1,15 @@
-"""Contact sheets: all assembly modes drawn side by side, to one scale and from one side."""
+"""Contact sheets: all assembly modes drawn side by side, to one scale and from one side.
+
+Each is in the middle of its panel: where modes lie far apart, a common frame would be mostly empty.
+"""
 
 from __future__ import annotations
 
 import math
 import textwrap
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.pictures.figures import as_it_is, new_figure
@@ -70,14 +75,19 @@ def modes_figures(report: ModesReport) -> list[Figure]:
     make = StickFigures(report.mechanism)
     drawn = [make(mode.configuration) for mode in report.modes]
     view = view_of(drawn)
-    low, high = frame_of(drawn, view)
-    layout = PageLayout.of(len(drawn), float((high - low)[1] / (high - low)[0]))
+    frames = [frame_of([figure], view) for figure in drawn]
+    width, height = np.max([high - low for low, high in frames], axis=0).tolist()
+    layout = PageLayout.of(len(drawn), height / width)
     sheets = []
     for page in layout.pages(len(drawn)):
         sheet, panels = _new_sheet(report, layout, page)
-        for axes, figure, mode in zip(panels, drawn[page], report.modes[page], strict=True):
+        for axes, figure, (low, high), mode in zip(
+            panels, drawn[page], frames[page], report.modes[page], strict=True
+        ):
             draw_figure(axes, figure, view)
-            axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+            x, y = (0.5 * (low + high)).tolist()
+            axes.set(xlim=(x - width / 2, x + width / 2), ylim=(y - height / 2, y + height / 2))
+            axes.set_aspect("equal")
             axes.set_axis_off()
             axes.set_title(as_it_is(_caption(mode)), fontsize=8.5, linespacing=1.3)
         sheets.append(sheet)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 _PANEL, _CAPTION, _HIGHEST = 2.6, 0.5, 12.0
 _PAGE, _TALLEST_PAGE = 0.75, 1.4  # height over width: as wished, and at most
 _MOST_COLUMNS = 4
+_UNUSED, _ANOTHER_PAGE = 2.0, 0.3  # what unused places cost, as a share, and a page too many
 
 
 @dataclass(frozen=True)
@@ -35,19 +36,28 @@ class PageLayout:
         """Return pages on which drawings, as high over wide as said, have room."""
         height = min(max(height, 0.3), 2.0)
         rows = max(1, int(_HIGHEST / (_PANEL * height + _CAPTION)))
-        pages = -(-count // (_MOST_COLUMNS * rows))
-        most = -(-count // pages)
+        fewest = -(-count // (_MOST_COLUMNS * rows))
 
-        def shape(columns: int) -> float:
-            return -(-most // columns) * (height + _CAPTION / _PANEL) / columns
+        def cost(shape: tuple[int, int]) -> tuple[bool, float]:
+            pages, columns = shape
+            rows = _on_each(_on_each(count, pages), columns)
+            unused = _UNUSED * (pages * rows * columns - count) / count
+            page = rows * (height + _CAPTION / _PANEL) / columns
+            more = _ANOTHER_PAGE * (pages - fewest)
+            return page > _TALLEST_PAGE, abs(math.log(page / _PAGE)) + unused + more
 
-        def cost(columns: int) -> tuple[bool, float]:
-            unused = -most % columns / most
-            page = shape(columns)
-            return page > _TALLEST_PAGE, abs(math.log(page / _PAGE)) + unused
-
-        columns = min(range(min(most, 2), min(most, _MOST_COLUMNS) + 1), key=cost)
-        return cls(columns, -(-most // columns), most, height)
+        # One page more may leave no place unused.
+        numbers = range(fewest, fewest + 1 + (fewest > 1))
+        shapes = [
+            (pages, columns)
+            for pages in numbers
+            for columns in range(
+                min(_on_each(count, pages), 2), min(_on_each(count, pages), _MOST_COLUMNS) + 1
+            )
+        ]
+        pages, columns = min(shapes, key=cost)
+        most = _on_each(count, pages)
+        return cls(columns, _on_each(most, columns), most, height)
 
     def pages(self, count: int) -> list[slice]:
         """Return which drawings each page has."""
@@ -58,3 +68,8 @@ class PageLayout:
         width = max(self.columns, 2) * _PANEL
         row = self.height * width / self.columns + _CAPTION
         return width, min(self.rows * row + room, _TALLEST_PAGE * width)
+
+
+def _on_each(count: int, pages: int) -> int:
+    """Return how many go on each of so many pages or columns."""
+    return -(-count // pages)

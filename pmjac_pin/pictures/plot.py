@@ -20,8 +20,9 @@ from pmjac_pin.pictures.figures import as_it_is, new_figure
 from pmjac_pin.pictures.pose_figure import headings
 from pmjac_pin.pictures.stick_drawing import draw_figure, frame_of, view_of
 from pmjac_pin.pictures.stick_figure import StickFigure, StickFigures
-from pmjac_pin.pictures.within_limits import GivenLimits, within_limits
+from pmjac_pin.pictures.within_limits import within_limits
 from pmjac_pin.rates.ellipsoid import Ellipsoid
+from pmjac_pin.rates.motor_limits import Limits
 from pmjac_pin.rates.solid import Solid
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_names, as_numbers, check_kind
@@ -47,7 +48,7 @@ def plot(
     configuration: Configuration,
     quantity: str = "linear",
     *,
-    limits: GivenLimits | None = None,
+    limits: Limits | None = None,
     frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED",
     planes: Sequence[str] | None = None,
     size: tuple[float, float] | None = None,
@@ -59,7 +60,8 @@ def plot(
     configuration : Configuration
     quantity : {"linear", "angular", "force"}
         The tool's velocities for motor rates |θ̇| = 1, its angular velocities, or the forces that
-        motor efforts |τ| = 1 balance.
+        motor efforts |τ| = 1 balance; of a planar machine those in its plane, which alone have
+        bounds.
     limits : array_like, shape (n,), or "model", optional
         Of each motor's rate or effort, or those that the model states. The polytope of all that is
         within them is drawn, and in it the ellipsoid for rates, or efforts, in units of their
@@ -95,9 +97,14 @@ def plot(
     ['X–Y plane']
     """
     ellipsoid, solid = _shown(configuration, quantity, frame, limits)
+    wanted = _checked_planes(planes)
     drawn = StickFigures(configuration.mechanism)(configuration)
     view = view_of([drawn])
-    shown = _planes(planes, view[2], ellipsoid)
+    across = _across(view[2])
+    if across is not None and "xyz"[across] not in "".join(wanted or ()):
+        ellipsoid = _in_plane(ellipsoid, across)
+    check_bounded(ellipsoid)
+    shown = wanted or _usual_planes(across, ellipsoid)
     rows, columns = _GRIDS[len(shown)]
     usual = (_PANEL * columns, _PANEL * rows + _REST)
     heading, lines = headings(report(configuration, frame))
@@ -118,7 +125,7 @@ def _shown(
     configuration: Configuration,
     quantity: str,
     frame: str | pin.ReferenceFrame,
-    limits: GivenLimits | None,
+    limits: Limits | None,
 ) -> tuple[Ellipsoid, Solid | None]:
     check_kind(configuration, Configuration)
     jacobian = configuration.jacobian(frame)
@@ -130,24 +137,42 @@ def _shown(
     if not isinstance(quantity, str) or quantity not in known:
         raise ArgumentError(f"no quantity {quoted(quantity)}{did_you_mean(quantity, known)}")
     if limits is not None:
-        within = within_limits(configuration, jacobian, quantity, limits)  # type: ignore[arg-type]
+        within = within_limits(jacobian, quantity, limits)  # type: ignore[arg-type]
         return within.ellipsoid, within.solid
-    ellipsoid = known[quantity]()
-    check_bounded(ellipsoid)
-    return ellipsoid, None
+    return known[quantity](), None
 
 
-def _planes(given: Sequence[str] | None, eye: Array, ellipsoid: Ellipsoid) -> Sequence[str]:
-    """Return the planes to show: by default that of a machine that is drawn, and moves, in one."""
-    if given is not None:
-        told = f"planes are some of {', '.join(PLANES)}, each once"
-        wanted = (given,) if isinstance(given, str) else as_names(given, told)
-        if not wanted or len({*wanted} & {*PLANES}) < len(wanted):
-            raise ArgumentError(f"{told}; got {quoted(given)}")
-        return wanted
+def _checked_planes(given: Sequence[str] | None) -> Sequence[str] | None:
+    if given is None:
+        return None
+    told = f"planes are some of {', '.join(PLANES)}, each once"
+    wanted = (given,) if isinstance(given, str) else as_names(given, told)
+    if not wanted or len({*wanted} & {*PLANES}) < len(wanted):
+        raise ArgumentError(f"{told}; got {quoted(given)}")
+    return wanted
+
+
+def _across(eye: Array) -> int | None:
+    """Return which of x, y and z is looked along, None of a direction between them."""
     across = int(np.argmax(np.abs(eye)))
+    return across if abs(eye[across]) > 1.0 - _ACROSS else None
+
+
+def _in_plane(ellipsoid: Ellipsoid, across: int) -> Ellipsoid:
+    """Return what a planar machine bears in its plane, where it bears anything across it."""
+    unbounded = np.isinf(ellipsoid.radii).tolist() == [True, False, False]
+    if not (unbounded and abs(ellipsoid.axes[across, 0]) > 1.0 - _ACROSS):
+        return ellipsoid
+    radii = np.array([*ellipsoid.radii[1:], 0.0])
+    return Ellipsoid(radii, np.roll(ellipsoid.axes, -1, axis=1), ellipsoid.unit)
+
+
+def _usual_planes(across: int | None, ellipsoid: Ellipsoid) -> Sequence[str]:
+    """Return the plane of a machine that is drawn, and moves, in one; all three of others."""
+    if across is None:
+        return PLANES
     moves = ellipsoid.radii * np.abs(ellipsoid.axes[across])
-    in_plane = abs(eye[across]) > 1.0 - _ACROSS and moves.max() <= _ACROSS * ellipsoid.radii[0]
+    in_plane = moves.max() <= _ACROSS * ellipsoid.radii[0]
     return [plane for plane in PLANES if "xyz"[across] not in plane] if in_plane else PLANES
 
 

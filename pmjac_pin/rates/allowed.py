@@ -64,6 +64,11 @@ class AllowedJacobian(SplitJacobian):
         motion[self.partition.passive] = self.passive_rates
         return read_only(motion)
 
+    @property
+    def sizes(self) -> Array:
+        """What the entries of J_eq are compared with, linear and angular, shape (2,)."""
+        return self._sizes_of_motions(self.motion_map)
+
     def twist(self, motor_rates: ArrayLike) -> Array:
         """Return the tool twist (6,) of rates of all motors, if these fit each other.
 

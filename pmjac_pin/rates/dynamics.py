@@ -3,8 +3,8 @@
 With v = G θ̇ and the tree's own M_t v̇ + h_t = τ_t + Jᵀ w + Cᵀ λ, the loops' forces λ do no work on
 what the loops allow, C G = 0: M = Gᵀ M_t G and h = Gᵀ (M_t Ġ θ̇ + h_t). What idles, v = G θ̇ + N ψ̇,
 is driven by nobody: it is at the smallest rates that J_eq takes, ψ̇ = 0, and accelerates as the
-forces will have it, which M and h then allow for. Friction, damping and springs of joints are no
-part of it. Linear algebra on arrays.
+forces will have it, which M and h then allow for. Springs in joints are part of h_t where they are
+given; friction and damping are not. Linear algebra on arrays.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Dynamics(ReadOnlyArrays):
     gravity : ndarray, shape (n,)
         Gᵀ g: the efforts that hold the machine's own weight, where nothing idles.
     bias : ndarray, shape (n,)
-        h = Gᵀ (M_t Ġ θ̇ + h_t): gravity, and what the rates alone ask for.
+        h = Gᵀ (M_t Ġ θ̇ + h_t): gravity, given springs, and what the rates alone ask for.
     kinetic_energy : float
         ½ vᵀ M_t v of v = G θ̇, J.
 
@@ -179,9 +179,9 @@ def check_inertia(mass_matrix: Array, scale: Array, massless: Callable[[], Seque
     """
     values = np.linalg.eigvalsh(mass_matrix * scale * scale[:, None])
     if values.size and not values[0] > _NO_INERTIA * max(values[-1], 0.0):
-        without = massless()
-        listed = ", ".join(without[:6]) + ", ..." * (len(without) > 6)
+        names = massless()
+        listed = ", ".join(names[:6]) + ", ..." * (len(names) > 6)
+        without = f": bodies without one are {listed}" if names else ""
         raise NoInertiaError(
-            f"some motion of the motors moves no mass: bodies without one are {listed or 'none'}; "
-            "add inertia, or use statics"
+            f"some motion of the motors moves no mass{without}; add inertia, or use statics"
         )

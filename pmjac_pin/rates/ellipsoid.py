@@ -32,14 +32,15 @@ from pmjac_pin.rates.ellipse import (
 )
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import LARGEST
+from pmjac_pin.values.shown import Shown
 from pmjac_pin.values.ties import first_largest
 
 _ORTHONORMAL = 1e-6  # of lengths and scalar products
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
-class Ellipsoid:
-    """An ellipsoid about the origin: {axes @ (radii * u) : |u| ≤ 1}.
+class Ellipsoid(Shown):
+    """An ellipsoid about the origin: {axes @ (radii * u) : |u| ≤ 1}; in a notebook, a table.
 
     It may be flat (a zero radius), a needle (two) or a point (three), or unbounded (infinite
     radii: a cylinder, a slab or all of space), but not flat and unbounded at once.
@@ -58,6 +59,9 @@ class Ellipsoid:
         shortest way into the plane of the two.
     unit : str
         Unit of the radii, such as "m/s", "rad/s" or "N".
+    motor_unit : str
+        In which the motor rates or efforts of length 1 are counted that it is of: "rad/s", "m/s and
+        rad/s" where motors are mixed, or "shares of their limits". "" where that is not known.
 
     Raises
     ------
@@ -76,6 +80,7 @@ class Ellipsoid:
     radii: Array
     axes: Array
     unit: str
+    motor_unit: str = ""
 
     def __post_init__(self) -> None:
         radii, axes = real_array(self.radii, "radii", (3,)), real_array(self.axes, "axes", (3, 3))
@@ -90,14 +95,17 @@ class Ellipsoid:
             )
         if not isinstance(self.unit, str):
             raise ArgumentError(f'unit must be a string, such as "m/s"; got {quoted(self.unit)}')
+        if not isinstance(self.motor_unit, str):
+            raise ArgumentError(f"motor_unit must be a string; got {quoted(self.motor_unit)}")
         object.__setattr__(self, "radii", radii)
         object.__setattr__(self, "axes", axes)
 
     def __reduce__(self) -> tuple[Callable[..., Ellipsoid], tuple[Any, ...]]:
-        return Ellipsoid, (self.radii, self.axes, self.unit)
+        return Ellipsoid, (self.radii, self.axes, self.unit, self.motor_unit)
 
     def __repr__(self) -> str:
-        return f"Ellipsoid(radii={brief_radii(self.radii, self.unit)}, rank={self.rank})"
+        counted = f", motors in {self.motor_unit}" if self.motor_unit else ""
+        return f"Ellipsoid(radii={brief_radii(self.radii, self.unit)}, rank={self.rank}{counted})"
 
     @property
     def rank(self) -> int:
@@ -199,7 +207,9 @@ class Ellipsoid:
         return grid
 
 
-def velocity_ellipsoid(jacobian: ArrayLike, unit: str = "m/s", rounding: float = 0.0) -> Ellipsoid:
+def velocity_ellipsoid(
+    jacobian: ArrayLike, unit: str = "m/s", rounding: float = 0.0, motor_unit: str = ""
+) -> Ellipsoid:
     """Return the tool velocities {J θ̇ : |θ̇| ≤ 1} of all motor rates within one.
 
     The radii are the singular values of J, the square roots of the eigenvalues of g = JᵀJ:
@@ -215,6 +225,8 @@ def velocity_ellipsoid(jacobian: ArrayLike, unit: str = "m/s", rounding: float =
     rounding : float
         Radii up to this are zero, as are those up to 1e-9 (`FLATNESS_TOLERANCE`) of the largest:
         a Jacobian that is a difference of large numbers may be rounding throughout.
+    motor_unit : str
+        That of `Ellipsoid`.
 
     Returns
     -------
@@ -233,10 +245,12 @@ def velocity_ellipsoid(jacobian: ArrayLike, unit: str = "m/s", rounding: float =
     >>> velocity_ellipsoid([[1e-17], [0.0], [0.0]], rounding=1e-12)
     Ellipsoid(radii=[0 0 0] m/s, rank=0)
     """
-    return Ellipsoid(*_principal(jacobian, rounding), unit)
+    return Ellipsoid(*_principal(jacobian, rounding), unit, motor_unit)
 
 
-def force_ellipsoid(jacobian: ArrayLike, unit: str = "N", rounding: float = 0.0) -> Ellipsoid:
+def force_ellipsoid(
+    jacobian: ArrayLike, unit: str = "N", rounding: float = 0.0, motor_unit: str = ""
+) -> Ellipsoid:
     """Return the tool forces {f : |Jᵀf| ≤ 1} that motor efforts within one can hold.
 
     By the power balance f · v = (Jᵀf) · θ̇ this is the polar of the velocity
@@ -251,6 +265,8 @@ def force_ellipsoid(jacobian: ArrayLike, unit: str = "N", rounding: float = 0.0)
         Unit of the radii: "N" for linear rows, "N m" for angular ones.
     rounding : float
         Of `jacobian`, as for `velocity_ellipsoid`: what is zero there is infinite here.
+    motor_unit : str
+        That of `Ellipsoid`.
 
     Raises
     ------
@@ -262,7 +278,7 @@ def force_ellipsoid(jacobian: ArrayLike, unit: str = "N", rounding: float = 0.0)
     >>> force_ellipsoid([[4.0, 0.0], [0.0, 0.5], [0.0, 0.0]])
     Ellipsoid(radii=[inf 2 0.25] N, rank=3)
     """
-    return Ellipsoid(*polar(*_principal(jacobian, rounding)), unit)
+    return Ellipsoid(*polar(*_principal(jacobian, rounding)), unit, motor_unit)
 
 
 def _principal(jacobian: ArrayLike, rounding: float) -> tuple[Array, Array]:

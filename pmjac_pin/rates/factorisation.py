@@ -85,7 +85,7 @@ class Factorisation:
     @found_once
     def rank(self) -> int:
         """How many singular values are above the tolerance."""
-        if self._inverted[0] is not None:
+        if "_svd" not in self.__dict__ and self._inverted[0] is not None:
             return len(self._inverted[0])
         return int(np.count_nonzero(self.singular_values > self.tolerance * self.size))
 

@@ -9,30 +9,24 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import (
-    ArgumentError,
     NoGradientError,
 )
 from pmjac_pin.model.tool_rows import TWIST_ROWS, checked_rows
-from pmjac_pin.rates.ellipsoid import Ellipsoid, force_ellipsoid, velocity_ellipsoid
 from pmjac_pin.rates.error_estimate import error_estimate
 from pmjac_pin.rates.gradients import gradient_of
 from pmjac_pin.rates.partition import LoopRates
-from pmjac_pin.rates.polytope import Polytope, image_of_box, within_box
 from pmjac_pin.rates.second_order import hessian, passive_hessian
 from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.rates.tool_motion import TwistRanks
-from pmjac_pin.values.arrays import Array, norm, read_only
-from pmjac_pin.values.checks import as_limits
+from pmjac_pin.rates.tool_reach import ToolReach
+from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.values.found_once import found_once
-
-RADIUS_ROUNDING = 1e-12  # of ‖J‖ ‖G‖
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class EquivalentJacobian(SplitJacobian):
+class EquivalentJacobian(SplitJacobian, ToolReach):
     """The map from motor rates to the tool twist, and the matrices that it is made of.
 
     Attributes
@@ -85,10 +79,7 @@ class EquivalentJacobian(SplitJacobian):
 
         ‖J‖ ‖G‖ for J_eq = J G: of that, rounding leaves some 1e-16 where J_eq should be zero.
         """
-        motions = self.motion_map / self.partition.column_scale[:, None]
-        tool = self.partition.tool_motion(self.tool_jacobian)
-        sizes = np.array([tool.size, tool.angular_size])
-        return read_only(sizes * norm(motions))
+        return self._sizes_of_motions(self.motion_map)
 
     @found_once
     def gv_eq(self) -> Array:
@@ -219,77 +210,6 @@ class EquivalentJacobian(SplitJacobian):
             raise NoGradientError("matrices from elsewhere: how they change is not known")
         which = [TWIST_ROWS.index(name) for name in chosen]
         return read_only(gradient_of(measure, self.J_eq[which], self.hessian[which]))
-
-    @property
-    def _rounding(self) -> list[float]:
-        """What a radius may be by rounding alone: far above it, and far below all that matters."""
-        return [RADIUS_ROUNDING * size for size in self.sizes.tolist()]
-
-    def velocity_ellipsoid(self) -> Ellipsoid:
-        """Return the tool velocities of all |θ̇| = 1: the principal velocities, in m/s.
-
-        A radius that is only rounding, beside `sizes`, is 0. Computed once.
-        """
-        return self._linear_ellipsoid
-
-    @found_once
-    def _linear_ellipsoid(self) -> Ellipsoid:
-        return velocity_ellipsoid(self.Jv_eq, unit="m/s", rounding=self._rounding[0])
-
-    def angular_ellipsoid(self) -> Ellipsoid:
-        """Return the tool's angular velocities of all |θ̇| = 1, in rad/s."""
-        return velocity_ellipsoid(self.Jw_eq, unit="rad/s", rounding=self._rounding[1])
-
-    def velocity_polytope(
-        self, limits: ArrayLike, rows: Iterable[str] = TWIST_ROWS[:3]
-    ) -> Polytope:
-        """Return the tool velocities that motor rates |θ̇ᵢ| ≤ limit reach, a zonotope.
-
-        Parameters
-        ----------
-        limits : array_like, shape (n,)
-            Of the motors, m/s or rad/s.
-        rows : iterable of str, optional
-            The rows of the twist, all linear or all angular ones; the linear ones by default.
-
-        Raises
-        ------
-        ArgumentError
-            Rows of both kinds, or a direction that is not reached; limits that are none.
-        """
-        block, unit = self._rows_of_one_kind(rows, "m/s", "rad/s")
-        return image_of_box(block, as_limits(limits, block.shape[1]), unit)
-
-    def force_polytope(self, limits: ArrayLike, rows: Iterable[str] = TWIST_ROWS[:3]) -> Polytope:
-        """Return the forces or moments alone that motor efforts |τᵢ| ≤ limit hold.
-
-        Parameters
-        ----------
-        limits : array_like, shape (n,)
-            Of the motors, N or N m.
-        rows : iterable of str, optional
-            As of `velocity_polytope`: "vx" is for a force along x.
-
-        Raises
-        ------
-        ArgumentError
-            As `velocity_polytope`; a direction that is held at no effort.
-        """
-        block, unit = self._rows_of_one_kind(rows, "N", "N m")
-        return within_box(block, as_limits(limits, block.shape[1]), unit)
-
-    def _rows_of_one_kind(
-        self, rows: Iterable[str], linear: str, angular: str
-    ) -> tuple[Array, str]:
-        """Return rows of J_eq and their unit."""
-        which = [TWIST_ROWS.index(name) for name in checked_rows(rows)]
-        if which[0] < 3 <= which[-1]:
-            raise ArgumentError("a polytope is of linear or of angular rows, not of both")
-        return self.J_eq[which], linear if which[0] < 3 else angular
-
-    def force_ellipsoid(self) -> Ellipsoid:
-        """Return the tool forces, without moment, that motor efforts |τ| = 1 balance, in N."""
-        return force_ellipsoid(self.Jv_eq, unit="N", rounding=self._rounding[0])
 
     def __repr__(self) -> str:
         return f"EquivalentJacobian({self._sizes()})"

@@ -37,15 +37,26 @@ class Motion(ReadOnlyArrays):
     rates: Array
     accelerations: Array
 
+    def known(self, motion_map: Array, bias: Array, drift: Array) -> Motion:
+        """Return the same, knowing what was found elsewhere, read-only, where nothing idles."""
+        nothing = np.empty((len(motion_map), 0))
+        self.__dict__.update(ways=(motion_map, nothing), bias=bias, drift=drift)
+        return self
+
+    @found_once
+    def ways(self) -> tuple[Array, Array]:
+        """G (nv, n) and N (nv, i): what the motors drive, and what idles."""
+        return self.jacobian.motion_map, self.jacobian.idle_map
+
     @found_once
     def v(self) -> Array:
         """Pinocchio's velocity G θ̇, shape (nv,)."""
-        return read_only(self.jacobian.motion_map @ self.rates)
+        return read_only(self.ways[0] @ self.rates)
 
     @found_once
     def a(self) -> Array:
         """Pinocchio's acceleration G θ̈ + Ġ θ̇, shape (nv,)."""
-        return read_only(self.jacobian.motion_map @ self.accelerations + self.bias)
+        return read_only(self.ways[0] @ self.accelerations + self.bias)
 
     @found_once
     def bias(self) -> Array:
@@ -81,8 +92,13 @@ class Motion(ReadOnlyArrays):
 
         In LOCAL_WORLD_ALIGNED the acceleration of the tool's origin and its angular acceleration.
         """
+        return read_only(self.jacobian.J_eq @ self.accelerations + self.drift)
+
+    @found_once
+    def drift(self) -> Array:
+        """J̇_eq θ̇, shape (6,): what the rates alone do to `twist`."""
         _, tool = self._slopes
-        return read_only(self.jacobian.tool_jacobian @ self.a + tool @ self.v)
+        return read_only(self.jacobian.tool_jacobian @ self.bias + tool @ self.v)
 
     @found_once
     def _slopes(self) -> tuple[Array, Array]:

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.model.tool_rows import WHOLE_TWIST, ToolRows
 from pmjac_pin.rates.factorisation import RANK_TOLERANCE, Factorisation, factorise
-from pmjac_pin.rates.tool_motion import ToolMotion
+from pmjac_pin.rates.tool_motion import CommandedMotion, ToolMotion
 from pmjac_pin.values.arrays import Array, Index, ReadOnlyArrays, norm, read_only
 from pmjac_pin.values.checks import SMALLEST, as_number, as_numbers
 from pmjac_pin.values.ties import pivots
@@ -42,6 +42,10 @@ class Partition(ReadOnlyArrays):
     actuated, passive : ndarray of int, shapes (n,) and (m_p,)
         Columns, in the order of K and K*.
     actuated_names, passive_names : tuple of str
+    units : tuple of str, length nv
+        Of each column's freedom, "m" or "rad"; empty for matrices from elsewhere.
+    row_names, row_units : tuple of str, length p
+        Of η, the units "m", "rad" or "m²"; empty for matrices from elsewhere.
     length : float
         The mechanism's characteristic length, m: it makes a rad and a m comparable.
     row_scale : ndarray, shape (p,)
@@ -73,6 +77,9 @@ class Partition(ReadOnlyArrays):
     tool_rates : ndarray, shape (nv,)
         Scaled rates by which the tool generically moves as fast as all else; empty where they are
         1 (`ToolMotion.rates`).
+    rate_limits, effort_limits : ndarray, shape (nv,)
+        Of the model, m/s or rad/s and N or N m; infinite where it states none. Empty where the
+        matrices came from elsewhere.
     """
 
     actuated: Index
@@ -95,6 +102,11 @@ class Partition(ReadOnlyArrays):
     strokes: Array = field(default_factory=lambda: np.zeros(0))
     gap: float = 1e-12
     tool_rates: Array = field(default_factory=lambda: np.zeros(0))
+    rate_limits: Array = field(default_factory=lambda: np.zeros(0))
+    effort_limits: Array = field(default_factory=lambda: np.zeros(0))
+    units: tuple[str, ...] = ()
+    row_names: tuple[str, ...] = ()
+    row_units: tuple[str, ...] = ()
 
     @cached_property
     def _scale(self) -> Array:
@@ -140,6 +152,10 @@ class Partition(ReadOnlyArrays):
         names = self.actuated_names + self.passive_names
         columns = [*self.actuated.tolist(), *self.passive.tolist()]
         return dict(zip(names, columns, strict=True))
+
+    def units_of(self, columns: Index) -> tuple[str, ...]:
+        """Return the units of these columns' freedoms; none for matrices from elsewhere."""
+        return tuple(self.units[k] for k in columns.tolist()) if self.units else ()
 
     @cached_property
     def rate_scale(self) -> Array:
@@ -268,8 +284,11 @@ class Partition(ReadOnlyArrays):
         """
         size = max(norm(self.scaled(constraint)) for constraint, _ in poses)
         sized = replace(self, size=size)
-        wholes = [sized.factorise_all(constraint) for constraint, _ in poses]
-        ranks = [sized._ranks(whole, *pose) for whole, pose in zip(wholes, poses, strict=True)]
+        motions = [sized._commanded(*pose) for pose in poses]
+        ranks = [
+            sized._ranks(motion, constraint)
+            for motion, (constraint, _) in zip(motions, poses, strict=True)
+        ]
         regular = max(range(len(poses)), key=ranks.__getitem__)
         whole, passive, tool = ranks[regular]
         shown = 0 if ranks[0][0] == whole else regular
@@ -281,7 +300,7 @@ class Partition(ReadOnlyArrays):
             tool_rank=tool,
             kept_rows=independent_rows(self.scaled(poses[shown][0]), whole),
             tool_rates=min(
-                (sized._generic_rates(wholes[k], poses[k][1]) for k in alike),
+                (motions[k].generic_rates() for k in alike),
                 key=lambda rates: float(rates.max(initial=1.0)),
             ),
         )
@@ -295,16 +314,15 @@ class Partition(ReadOnlyArrays):
         scaled = self.scaled(constraint_jacobian)
         return self.factorise(scaled, self.size_of(scaled))
 
-    def _ranks(
-        self, whole: Factorisation, constraint_jacobian: Array, tool_jacobian: Array
-    ) -> tuple[int, int, int]:
+    def _commanded(self, constraint_jacobian: Array, tool_jacobian: Array) -> CommandedMotion:
+        """Return what motors do to the tool at one pose."""
+        whole, tool = self.factorise_all(constraint_jacobian), self.tool_motion(tool_jacobian)
+        return tool.commanded(whole, self.gap, self.actuated)
+
+    def _ranks(self, motion: CommandedMotion, constraint_jacobian: Array) -> tuple[int, int, int]:
         """Return the ranks of [K K*], of K* and of the tool's motion."""
         passive = self.loop_rates(constraint_jacobian).passive
-        tool = self.tool_motion(tool_jacobian).seen_rank(whole, self.gap, self.actuated)
-        return whole.rank, passive.rank, tool
-
-    def _generic_rates(self, whole: Factorisation, tool_jacobian: Array) -> Array:
-        return self.tool_motion(tool_jacobian).generic_rates(whole, self.gap, self.actuated)
+        return motion.whole.rank, passive.rank, motion.seen_rank()
 
 
 def _check_shapes(

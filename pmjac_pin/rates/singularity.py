@@ -17,6 +17,7 @@ from pmjac_pin.model.tool_rows import ToolRows
 from pmjac_pin.rates.factorisation import Factorisation
 from pmjac_pin.rates.partition import LoopRates, Partition
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays, norm
+from pmjac_pin.values.shown import Shown
 from pmjac_pin.values.ties import first_largest
 
 SingularityKind = Literal[
@@ -27,8 +28,8 @@ Split: TypeAlias = Callable[[int], tuple[Array, Array]]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Singularity(ReadOnlyArrays):
-    """What the ranks say at one closed pose.
+class Singularity(ReadOnlyArrays, Shown):
+    """What the ranks say at one closed pose. In a notebook it shows as a table.
 
     Attributes
     ----------
@@ -58,6 +59,8 @@ class Singularity(ReadOnlyArrays):
     forbidden_rates : ndarray, shape (n, k)
         Orthonormal columns: directions of θ̇ outside what the loops allow here.
     actuated_names, passive_names : tuple of str
+    actuated_units, passive_units : tuple of str
+        "m" or "rad"; empty for matrices from elsewhere.
     isolated : bool
         No pose near home closes, so that nothing is known of what is generic: the generic ranks
         are home's.
@@ -79,6 +82,8 @@ class Singularity(ReadOnlyArrays):
     forbidden_rates: Array
     actuated_names: tuple[str, ...]
     passive_names: tuple[str, ...]
+    actuated_units: tuple[str, ...] = ()
+    passive_units: tuple[str, ...] = ()
     isolated: bool = False
 
     @property
@@ -204,6 +209,8 @@ def analyse_singularity(
         forbidden_rates=forbidden,
         actuated_names=partition.actuated_names,
         passive_names=partition.passive_names,
+        actuated_units=partition.units_of(partition.actuated),
+        passive_units=partition.units_of(partition.passive),
         isolated=partition.isolated,
     )
 

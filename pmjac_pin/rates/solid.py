@@ -36,8 +36,8 @@ class Solid(ReadOnlyArrays):
 
     Examples
     --------
-    >>> import pmjac_pin as pj
-    >>> cube = solid_of(hull_of(np.array(list(itertools.product((-1.0, 1.0), repeat=3))), "N"))
+    >>> corners = np.stack(np.meshgrid(*3 * [[-1.0, 1.0]])).reshape(3, -1).T
+    >>> cube = solid_of(hull_of(corners, "N"))
     >>> len(cube.corners), len(cube.faces), len(cube.edges)
     (8, 6, 12)
     """

@@ -13,16 +13,17 @@ from numpy.typing import NDArray
 from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.rates.error_estimate import RoundedPose
 from pmjac_pin.rates.partition import Partition
-from pmjac_pin.values.arrays import Array, ReadOnlyArrays, read_only
+from pmjac_pin.values.arrays import Array, ReadOnlyArrays, norm, read_only
 from pmjac_pin.values.found_once import found_once
+from pmjac_pin.values.shown import Tabled
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SplitJacobian(ReadOnlyArrays):
+class SplitJacobian(ReadOnlyArrays, Tabled):
     """The matrices before the passive rates are eliminated: they exist at singular poses too.
 
     All arrays are read-only. n motors, m_p passive degrees of freedom, m independent rows of
-    the loop equations.
+    the loop equations. `table` has each with names and units; in a notebook they show themselves.
 
     Attributes
     ----------
@@ -93,6 +94,12 @@ class SplitJacobian(ReadOnlyArrays):
         """Determinant of K*, None where K* is not square. It decides nothing."""
         rows, columns = self.K_star.shape
         return float(np.linalg.det(self.K_star)) if rows == columns else None
+
+    def _sizes_of_motions(self, motion_map: Array) -> Array:
+        """Return ‖J‖ ‖G‖, linear and angular, shape (2,), of the entries of J G."""
+        tool = self.partition.tool_motion(self.tool_jacobian)
+        motions = motion_map / self.partition.column_scale[:, None]
+        return read_only(np.array([tool.size, tool.angular_size]) * norm(motions))
 
     def __repr__(self) -> str:
         return f"SplitJacobian({self._sizes()})"

@@ -6,18 +6,21 @@ the loops' forces λ balance it where
     K*ᵀ λ = b_p,   τ = b_a − Kᵀ λ.
 
 Redundant rows leave λ open by what the rows can do to each other, more motors than freedoms leave
-τ open, too: the smallest are taken, and what is open is told. Linear algebra on arrays.
+τ open, too: the smallest are taken, of all or of those within limits, and what is open is told.
+Linear algebra on arrays.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pmjac_pin.errors import NoEquilibriumError
+from pmjac_pin.errors import EffortLimitError, NoEquilibriumError, enumerated
 from pmjac_pin.rates.factorisation import Factorisation
+from pmjac_pin.rates.motor_limits import Limits, effort_limits
 from pmjac_pin.rates.partition import LoopRates, Partition
+from pmjac_pin.rates.within_limits import JUST_WITHIN, least_within, needed_limits
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays, norm
 
 _BALANCED = 1e-9  # of the loads, without dimension: what rounding may leave on idle motions
@@ -39,7 +42,12 @@ class Statics(ReadOnlyArrays):
         Columns span what may be added to `loop_forces` with no effort of motors: none where the
         loops are statically determinate.
     internal_efforts : ndarray, shape (n, k)
-        Columns span what may be added to `efforts`: motors that work against each other.
+        Columns span what may be added to `efforts`: motors that work against each other. Of
+        length 1, and at right angles, where an effort is counted by its motor's natural rate.
+    internal_forces : ndarray, shape (p, k)
+        What each of these adds to `loop_forces`, the smallest that do.
+    partition : Partition
+        Whose motors and rows these are.
 
     Examples
     --------
@@ -53,11 +61,51 @@ class Statics(ReadOnlyArrays):
     loop_forces: Array
     self_stress: Array
     internal_efforts: Array
+    internal_forces: Array
+    partition: Partition
 
     @property
     def determinate(self) -> bool:
         """Whether equilibrium alone says what the forces in the loops are."""
         return not (self.self_stress.shape[1] or self.internal_efforts.shape[1])
+
+    def within(self, limits: Limits = "model") -> Statics:
+        """Return the smallest efforts that balance the load with |τᵢ| ≤ limit of each motor.
+
+        Where motors work against each other that is a quadratic programme, solved to rounding by an
+        active set; else it is asked whether the efforts, which are the only ones, are within.
+
+        Parameters
+        ----------
+        limits : array_like, shape (n,), or "model"
+            N or N m; or those that the model states.
+
+        Raises
+        ------
+        EffortLimitError
+            No efforts within the limits do: which motors lack how much.
+        ArgumentError
+            Limits that are none; a motor for which the model states none.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> tied = pj.load("five_bar", actuated=["theta1", "theta2", "phi2"]).home
+        >>> statics = tied.statics([10.0, -30.0, 0, 0, 0, 0])
+        >>> statics.efforts.round(3).tolist()
+        [-1.725, 3.039, -5.165]
+        >>> statics.within([5.0, 5.0, 5.0]).efforts.round(3).tolist()
+        [-1.854, 3.245, -5.0]
+        """
+        bounds, scale = effort_limits(limits, self.partition), self.partition.motor_scale
+        share = scale * self.efforts, scale[:, None] * self.internal_efforts, scale * bounds
+        _refuse_beyond(needed_limits(*share) / scale, bounds, self.partition)
+        added = least_within(*share)
+        return replace(
+            self,
+            efforts=self.efforts + self.internal_efforts @ added,
+            loop_forces=self.loop_forces + self.internal_forces @ added,
+        )
 
     def __repr__(self) -> str:
         known = "determinate" if self.determinate else "of least norm"
@@ -93,13 +141,27 @@ def balanced(loads: Array, loops: LoopRates, partition: Partition) -> Statics:
     held = Factorisation(driving.T @ open_ways, loops.size, partition.rank_tolerance)
     least = held.solve(efforts)
     efforts, forces = efforts - held.matrix @ least, forces + open_ways @ least
-    internal = held.left[:, : held.rank]
-    rows = partition.row_scale[:, None]
+    internal, rows = held.left[:, : held.rank], partition.row_scale[:, None]
     return Statics(
         efforts=efforts / scale[actuated],
         loop_forces=forces * partition.row_scale,
         self_stress=rows * (open_ways @ held.null_space),
         internal_efforts=internal / scale[actuated, None],
+        internal_forces=-rows * (open_ways @ held.solve(internal)),
+        partition=partition,
+    )
+
+
+def _refuse_beyond(needed: Array, limits: Array, partition: Partition) -> None:
+    beyond = np.flatnonzero(needed > limits * (1.0 + JUST_WITHIN)).tolist()
+    if not beyond:
+        return
+    names = partition.actuated_names
+    told = [f"{names[k]} {needed[k]:.6g} of {limits[k]:.6g}" for k in beyond]
+    raise EffortLimitError(
+        "no efforts within the motors' limits balance the load: shared at best it takes "
+        f"{enumerated(told)}",
+        lacking={names[k]: float(needed[k] - limits[k]) for k in beyond},
     )
 
 

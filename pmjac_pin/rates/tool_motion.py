@@ -99,11 +99,8 @@ class ToolMotion:
         moved: Array = self.scaled * self.rates @ np.linalg.qr(motions / self.rates[:, None])[0]
         return moved
 
-    def seen_rank(self, whole: Factorisation, gap: float, motors: Index) -> int:
-        """Return in how many independent ways the judged rows move, slow ones counted.
-
-        What motors command is told from rounding by far less than `tolerance`: by what the pose
-        may be off. What idles is felt by more than `tolerance`, or counts as not felt.
+    def commanded(self, whole: Factorisation, gap: float, motors: Index) -> CommandedMotion:
+        """Return what motors do to the judged rows, told from rounding.
 
         Parameters
         ----------
@@ -114,31 +111,55 @@ class ToolMotion:
         motors : ndarray of int, shape (n,)
             Their columns.
         """
-        twists = self._told_apart(whole, _commanded(whole, motors), gap)
-        return max(twists.rank, self.judged_rank(whole.null_space))
+        motions = _commanded(whole, motors)
+        twists = self.scaled[self.rows.linear + self.rows.angular] @ motions
+        values = whole.singular_values[: whole.rank] / (whole.size or 1.0)
+        rounding = max(_FAINT, _POSE_ERRORS * gap / float(values.min(initial=1.0)) ** 2)
+        told_apart = factorise(twists, self._judged_size, min(self.tolerance, rounding))
+        return CommandedMotion(self, whole, motions, told_apart)
 
-    def generic_rates(self, whole: Factorisation, gap: float, motors: Index) -> Array:
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CommandedMotion:
+    """What motors do to the judged rows of a tool's twist at one pose.
+
+    Attributes
+    ----------
+    tool : ToolMotion
+    whole : Factorisation
+        Of [K K*], dimensionless.
+    motions : ndarray, shape (nv, k)
+        Orthonormal columns, on the scaled rates: less those at which the motors rest.
+    twists : Factorisation
+        Of what these do to the judged rows, down to what is rounding.
+    """
+
+    tool: ToolMotion
+    whole: Factorisation
+    motions: Array
+    twists: Factorisation
+
+    def seen_rank(self) -> int:
+        """Return in how many independent ways the judged rows move, slow ones counted.
+
+        What motors command is told from rounding by far less than `tolerance`: by what the pose
+        may be off. What idles is felt by more than `tolerance`, or counts as not felt.
+        """
+        return max(self.twists.rank, self.tool.judged_rank(self.whole.null_space))
+
+    def generic_rates(self) -> Array:
         """Return `rates` by a regular pose: max |v| / σ over its motions v, of twists σ.
 
-        Only those σ count that are small beside the tool's size, and no rounding; the parameters
-        are those of `seen_rank`.
+        Only those σ count that are small beside the tool's size, and no rounding.
         """
-        motions = _commanded(whole, motors)
-        twists = self._told_apart(whole, motions, gap)
+        twists = self.twists
         shares = twists.singular_values[: twists.rank] / (twists.size or 1.0)
         if not shares.size or shares[-1] >= _SLOW:
             return np.zeros(0)
         shares = np.where(shares < _SLOW, shares, 1.0)
-        fastest = np.abs(motions @ twists.right[: twists.rank].T) / shares
+        fastest = np.abs(self.motions @ twists.right[: twists.rank].T) / shares
         rates: Array = np.maximum(fastest.max(axis=1), 1.0)
         return rates
-
-    def _told_apart(self, whole: Factorisation, motions: Array, gap: float) -> Factorisation:
-        """Factorise what motions do to the judged rows, down to what is rounding."""
-        twists = self.scaled[self.rows.linear + self.rows.angular] @ motions
-        values = whole.singular_values[: whole.rank] / (whole.size or 1.0)
-        rounding = max(_FAINT, _POSE_ERRORS * gap / float(values.min(initial=1.0)) ** 2)
-        return factorise(twists, self._judged_size, min(self.tolerance, rounding))
 
 
 def _commanded(whole: Factorisation, motors: Index) -> Array:

@@ -12,7 +12,7 @@ import tomli_w
 from pmjac_pin.errors import OutputError
 from pmjac_pin.files.catalog import find_model_file
 from pmjac_pin.files.model_file import parse_model_file
-from pmjac_pin.files.output_file import check_place, write_files
+from pmjac_pin.files.output_file import check_new, check_place, write_files
 from pmjac_pin.files.source import Source, read_source
 from pmjac_pin.files.urdf.robot import Urdf, parse_urdf
 from pmjac_pin.files.user_path import (
@@ -118,9 +118,7 @@ def _check_places(target: Path, tree: Path, read: Set[Path], force: bool) -> Non
     for place in (target, tree):
         if real(place) in read:
             raise _not_written(place, "is what is read, and is not replaced")
-        check_place(place)
-        if is_file(place) and not force:
-            raise _not_written(place, "exists already; --force replaces it")
+        check_new(place, force)
 
 
 def _check_beside(output: Path, tree: Path) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import keyword
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -13,26 +12,20 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.program_text import c_text, python_text
+from pmjac_pin.algebra.program_text import C_WORDS, c_text, function_name, python_text
 from pmjac_pin.algebra.programs import Recording, Term
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import run
 from pmjac_pin.closing.recorded_rates import RecordedRates
-from pmjac_pin.configuration import frame_name
-from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.errors import ArgumentError
 from pmjac_pin.kinematics.recorded import Recorder
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import entry_names
+from pmjac_pin.model.reference_frame import frame_name
 from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.model.unit_turns import unit_rows
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_numbers, check_kind
-
-_C_WORDS = frozenset(
-    """auto break case char const continue default do double else enum extern float for goto if
-    inline int long main register restrict return short signed sizeof static struct switch typedef
-    union unsigned void volatile while""".split()  # noqa: SIM905 - thirty-five quotes
-)
 
 
 def program(
@@ -171,7 +164,7 @@ class Program:
         ArgumentError
             A name that C does not allow.
         """
-        return c_text(self._named(name, _C_WORDS), self.recording, self.outputs, self._head())
+        return c_text(self._named(name, C_WORDS), self.recording, self.outputs, self._head())
 
     def numpy(self, name: str | None = None) -> str:
         """Return a Python function on NumPy: q (..., nq) ↦ dict of arrays (..., *shape)."""
@@ -194,22 +187,15 @@ class Program:
 
     def _named(self, name: str | None, taken: frozenset[str]) -> str:
         """Return the name of the function."""
-        if name is None:
-            name = re.sub(r"\W", "_", self.mechanism.name, flags=re.ASCII)
-            name = f"mechanism_{name}" if name in taken or name[:1].isdigit() else name
-        if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII):
-            raise ArgumentError(f"a function's name is letters, digits and _, got {quoted(name)}")
-        if name in taken:
-            raise ArgumentError(f"{name!r} is a word of the language; give another name")
-        return name
+        return function_name(self.mechanism.name if name is None else name, taken, name is None)
 
     def _head(self) -> Iterable[str]:
         motors = ", ".join(self.mechanism.actuated)
         yield f"{self.mechanism.name}: eta, K, K_star, J_eq (frame {self.frame}) and sigma."
         yield f"q: {', '.join(self.inputs)}"
         yield f"Motors, the columns of K and J_eq: {motors}"
-        yield f"The columns of K_star: {', '.join(self.mechanism.passive)}"
-        yield f"Rows of eta, K and K_star: {', '.join(self.mechanism.rows)}"
+        yield f"The columns of K_star: {', '.join(self.mechanism.passive) or 'none'}"
+        yield f"Rows of eta, K and K_star: {', '.join(self.mechanism.rows) or 'none'}"
         yield "Units are m and rad; matrices are row by row."
         yield "J_eq exists where eta = 0 and sigma > 0: no more than the smallest singular value"
         yield "of K_star without dimension; and where forbidden and felt are 0, if there are any."

@@ -15,6 +15,8 @@ Index: TypeAlias = NDArray[np.intp]
 Mask: TypeAlias = NDArray[np.bool_]
 AnyArray = TypeVar("AnyArray", bound=NDArray[Any])
 
+_ALIGNMENT = 64  # bytes, of the longest vectors
+
 
 def norm(array: Array) -> float:
     """Return the Frobenius norm: NumPy's own costs three times as much on small arrays."""
@@ -54,3 +56,11 @@ def sealed(array: AnyArray) -> AnyArray:
         return read_only(array)
     flat = np.frombuffer(array.reshape(-1).data.toreadonly(), array.dtype)
     return flat.reshape(array.shape)  # type: ignore[return-value]
+
+
+def aligned(count: int, width: int) -> Array:
+    """Return zeros (count, width) that lie where vector instructions load them from."""
+    memory = np.zeros(8 * count * width + _ALIGNMENT, dtype=np.uint8)
+    start = -memory.ctypes.data % _ALIGNMENT
+    found: Array = memory[start : start + 8 * count * width].view(float).reshape(count, width)
+    return found

@@ -3,8 +3,32 @@
 from __future__ import annotations
 
 import math
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 
 
 def brief(value: float) -> str:
     """Write a number whose size alone matters: a residual, a tolerance."""
     return "∞" if value == math.inf else f"{value:.3g}"
+
+
+def at_most(value: float, digits: int = 2) -> str:
+    """Write a bound from above with so many digits: rounded up.
+
+    Examples
+    --------
+    >>> at_most(9.141e-05), at_most(-3.046, 3), at_most(math.inf)
+    ('9.2e-05', '-3.04', '∞')
+    """
+    return _towards(value, digits, ROUND_CEILING)
+
+
+def at_least(value: float, digits: int = 2) -> str:
+    """Write a bound from below: rounded down."""
+    return _towards(value, digits, ROUND_FLOOR)
+
+
+def _towards(value: float, digits: int, rounding: str) -> str:
+    if not math.isfinite(value):
+        return f"{value}".replace("inf", "∞")
+    rounded = Context(prec=digits, rounding=rounding).plus(Decimal(value))
+    return f"{float(rounded):.{digits}g}"

@@ -40,7 +40,8 @@ def as_numbers(given: object, what: str, largest: float = LARGEST) -> Array:
     if hasattr(given, "mask") and np.ma.is_masked(given):
         raise ArgumentError(f"{what} must have no masked entries, got {quoted(given)}")
     array = raw.astype(np.float64)
-    if np.abs(array).max(initial=0.0) <= largest:  # false of NaN
+    # False of NaN; no array of magnitudes is made, which may be large.
+    if array.max(initial=0.0) <= largest and array.min(initial=0.0) >= -largest:
         return array
     if not np.isfinite(array).all():
         raise ArgumentError(f"{what} must be finite, got {quoted(given)}")

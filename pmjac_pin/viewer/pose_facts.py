@@ -26,9 +26,9 @@ def pose_facts(configuration: Configuration) -> tuple[str, ...]:
     K*: smallest singular value 0.366, relative
     """
     mechanism, singularity = configuration.mechanism, configuration.singularity()
-    place = configuration.tool_pose.translation.tolist()
+    place = configuration.tool_pose().translation.tolist()
     [entries] = matrix_numbers([place], mechanism.characteristic_length)
-    lines = [motor_line(joint_values(configuration, Labels.of(mechanism)))]
+    lines = [motor_line(joint_values(configuration, Labels.of(mechanism.problem.partition)))]
     lines.append(f"Tool at {', '.join(entries)} m")
     jacobian, _ = equivalent(configuration)
     if jacobian is None:

@@ -139,7 +139,7 @@ def make_readout(configuration: Configuration, ranks: ToolRanks | None = None) -
     singularity = configuration.singularity()
     loops = bool(singularity.generic_rank)
     known = {} if jacobian is None else _of_jacobian(jacobian, configuration)
-    tool = configuration.tool_pose
+    tool = configuration.tool_pose()
     return Readout(
         Jv_singular_values=known.get("Jv"),
         Jw_singular_values=known.get("Jw"),
@@ -176,7 +176,7 @@ def _rank_words(rows: ToolRows) -> tuple[str, str]:
 
 
 def _of_jacobian(jacobian: EquivalentJacobian, configuration: Configuration) -> dict[str, Any]:
-    motors, tool = jacobian.partition.actuated.size, configuration.tool_pose
+    motors, tool = jacobian.partition.actuated.size, configuration.tool_pose()
     J_eq = {}
     for frame in get_args(FrameName):
         entries = change_frame(jacobian.J_eq, frame, tool.rotation, tool.translation)
@@ -241,7 +241,7 @@ def _moving_names(names: tuple[str, ...], rates: Array) -> str:
 
 def _tool_share(configuration: Configuration, jacobian: EquivalentJacobian) -> float:
     """Return the smallest over the largest generic singular value of the scaled tool motion."""
-    partition, pose = jacobian.partition, configuration.tool_pose
+    partition, pose = jacobian.partition, configuration.tool_pose()
     rank, rows = partition.tool_rank, partition.tool_rows
     J_eq = change_frame(jacobian.J_eq, rows.axes, pose.rotation, pose.translation)
     scaled = J_eq * partition.motor_scale

@@ -113,7 +113,8 @@ def _actuation_blocks(diagnosis: Diagnosis) -> Iterator[Block]:
 
 def _motion_row(motion: FreeMotion) -> tuple[str, ...]:
     rates = (f"{name} {rate:+.3g}" for name, rate in motion.rates.items() if rate)
-    return "\n".join(rates), "\n".join(motion.bodies), "moves" if motion.felt else "rests"
+    moves = f"{brief(motion.tool_linear)} m/s\n{brief(motion.tool_angular)} rad/s"
+    return "\n".join(rates), "\n".join(motion.bodies), moves if motion.felt else "rests"
 
 
 def _poses(diagnosis: Diagnosis) -> Table:

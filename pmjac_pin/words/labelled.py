@@ -7,10 +7,7 @@ units of quotients and of determinants follow by adding and subtracting.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, TypeAlias
-
-if TYPE_CHECKING:
-    from pmjac_pin.mechanism import Mechanism
+from typing import TypeAlias
 
 Powers: TypeAlias = tuple[int, int]
 
@@ -28,16 +25,9 @@ ANGULAR = ("ω_x", "ω_y", "ω_z")
 _SUPERSCRIPTS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def joint_powers(mechanism: Mechanism) -> tuple[tuple[Powers, ...], tuple[Powers, ...]]:
-    """Return the units of the actuated and of the passive degrees of freedom."""
-    units = mechanism.units
-    actuated = tuple(_POWERS[units[name]] for name in mechanism.actuated)
-    return actuated, tuple(_POWERS[units[name]] for name in mechanism.passive)
-
-
-def row_powers(mechanism: Mechanism) -> tuple[Powers, ...]:
-    """Return the unit of each of the p loop equations."""
-    return tuple(_POWERS[unit] for unit in mechanism.row_units)
+def powers_of(units: Iterable[str]) -> tuple[Powers, ...]:
+    """Return the powers of units: of "m", "rad" or "m²"."""
+    return tuple(_POWERS[unit] for unit in units)
 
 
 def rate_unit(powers: Powers) -> str:

@@ -8,10 +8,12 @@ import msgspec
 from msgspec.structs import asdict
 
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.rates.partition import Partition
 from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.values.arrays import Array
-from pmjac_pin.words.labelled import Powers, joint_powers, quotient, row_powers, unit
+from pmjac_pin.words.labelled import Powers, powers_of, quotient, unit
 from pmjac_pin.words.plain import told
 
 
@@ -44,10 +46,24 @@ class Labels:
     equation_powers: tuple[Powers, ...]
 
     @classmethod
-    def of(cls, mechanism: Mechanism) -> Labels:
-        """Return the labels of a mechanism."""
-        names = (mechanism.actuated, mechanism.passive, mechanism.rows)
-        return cls(*names, *joint_powers(mechanism), row_powers(mechanism))
+    def of(cls, partition: Partition) -> Labels:
+        """Return the labels of a mechanism's columns and rows.
+
+        Raises
+        ------
+        ArgumentError
+            Matrices from elsewhere have none.
+        """
+        if len(partition.units) != partition.column_scale.size:
+            raise ArgumentError("matrices from elsewhere have no names and units for a table")
+        return cls(
+            partition.actuated_names,
+            partition.passive_names,
+            partition.row_names,
+            powers_of(partition.units_of(partition.actuated)),
+            powers_of(partition.units_of(partition.passive)),
+            powers_of(partition.row_units),
+        )
 
 
 def parameters_told(mechanism: Mechanism) -> list[dict[str, object]]:

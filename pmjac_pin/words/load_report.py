@@ -126,7 +126,10 @@ def as_wrench(given: object) -> Array:
 def motor_efforts(configuration: Configuration, efforts: Array) -> tuple[MotorEffort, ...]:
     """Return efforts (n,) with the motors' names, units and limits."""
     mechanism = configuration.mechanism
-    powers, limits = Labels.of(mechanism).actuated_powers, motor_effort_limits(mechanism).tolist()
+    powers, limits = (
+        Labels.of(mechanism.problem.partition).actuated_powers,
+        motor_effort_limits(mechanism).tolist(),
+    )
     rows = zip(mechanism.actuated, efforts.tolist(), powers, limits, strict=True)
     return tuple(
         MotorEffort(name, value, force_unit(power), limit if limit < np.inf else None)
@@ -136,7 +139,7 @@ def motor_efforts(configuration: Configuration, efforts: Array) -> tuple[MotorEf
 
 def loop_forces(configuration: Configuration, statics: Statics) -> tuple[Quantity, ...]:
     """Return the forces in the loops by the names of their equations."""
-    labels = Labels.of(configuration.mechanism)
+    labels = Labels.of(configuration.mechanism.problem.partition)
     units = map(force_unit, labels.equation_powers)
     return tuple(map(Quantity, labels.equations, statics.loop_forces.tolist(), units))
 
@@ -151,7 +154,7 @@ def mass_matrix(dynamics: Dynamics, labels: Labels) -> LabelledMatrix:
 
 def load_told(report: LoadReport, configuration: Configuration) -> dict[str, object]:
     """Return what is told of it: `motion`, `statics` and `dynamics`, None where not asked for."""
-    labels = Labels.of(configuration.mechanism)
+    labels = Labels.of(configuration.mechanism.problem.partition)
     return {
         "motion": report.motion and _motion_told(report.motion, labels),
         "statics": report.statics and _statics_told(report, report.statics, configuration),
@@ -192,7 +195,7 @@ def _statics_told(
 def _dynamics_told(
     report: LoadReport, dynamics: Dynamics, configuration: Configuration
 ) -> dict[str, object]:
-    labels, efforts = Labels.of(configuration.mechanism), report.efforts
+    labels, efforts = Labels.of(configuration.mechanism.problem.partition), report.efforts
     units = [force_unit(power) for power in labels.actuated_powers]
     return {
         "mass_matrix": mass_matrix(dynamics, labels),

@@ -33,7 +33,9 @@ _AXES = ("linear x", "linear y", "linear z", "angular x", "angular y", "angular 
 def load_blocks(report: LoadReport, configuration: Configuration) -> Iterator[Block]:
     """Show what was asked for: motion, statics, dynamics."""
     if report.motion is not None:
-        yield from _motion_blocks(report.motion, Labels.of(configuration.mechanism))
+        yield from _motion_blocks(
+            report.motion, Labels.of(configuration.mechanism.problem.partition)
+        )
     if report.statics is not None:
         yield from _statics_blocks(report, report.statics, configuration)
     if report.dynamics is not None:
@@ -104,7 +106,7 @@ def _statics_blocks(
 def _dynamics_blocks(
     report: LoadReport, dynamics: Dynamics, configuration: Configuration
 ) -> Iterator[Block]:
-    labels = Labels.of(configuration.mechanism)
+    labels = Labels.of(configuration.mechanism.problem.partition)
     yield Heading("Dynamics")
     yield mass_matrix(dynamics, labels).block("Mass matrix M (efforts by motor accelerations)")
     numbers = (_column(dynamics.gravity), _column(dynamics.bias))

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import reduce
+
 import numpy as np
 
+from pmjac_pin.errors import UnknownNameError, did_you_mean, quoted
+from pmjac_pin.rates.allowed import AllowedJacobian
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.checks import check_kind
 from pmjac_pin.words.labelled import (
     ANGULAR,
     LINEAR,
@@ -17,10 +23,59 @@ from pmjac_pin.words.labelled import (
     rate_unit,
     unit,
 )
-from pmjac_pin.words.labelled_matrix import LabelledMatrix, labelled
+from pmjac_pin.words.labelled_matrix import LabelledMatrix, labelled, stacked
 from pmjac_pin.words.labelled_values import Labels
 
 EQUIVALENT = ("passive_rates", "Jv_eq", "Jw_eq", "gv_eq", "gw_eq")
+
+
+def table_of(jacobian: SplitJacobian, name: str) -> LabelledMatrix:
+    """Return one of the matrices of a Jacobian with names and units.
+
+    Raises
+    ------
+    UnknownNameError
+        No such matrix.
+    ArgumentError
+        Matrices from elsewhere have no names and units.
+    """
+    found = matrices_of(jacobian)
+    return reduce(stacked, [found[part] for part in parts_of(name, found)])
+
+
+def parts_of(name: str, matrices: Mapping[str, object]) -> tuple[str, ...]:
+    """Return the names of the matrices, one above the other, that have this name.
+
+    Raises
+    ------
+    UnknownNameError
+        There is none.
+    """
+    check_kind(name, str)
+    if name in matrices:
+        return (name,)
+    whole = ("J_eq",) if "Jv_eq" in matrices else ()
+    if name not in whole:
+        known = (*whole, *matrices)
+        raise UnknownNameError(f"no matrix {quoted(name)}{did_you_mean(name, known)}")
+    return ("Jv_eq", "Jw_eq")
+
+
+def matrices_of(jacobian: SplitJacobian) -> dict[str, LabelledMatrix]:
+    """Return all matrices of a Jacobian, by name.
+
+    Raises
+    ------
+    ArgumentError
+        Matrices from elsewhere have no names and units.
+    """
+    labels = Labels.of(jacobian.partition)
+    found = split_matrices(jacobian, labels)
+    if isinstance(jacobian, EquivalentJacobian):
+        found |= equivalent_matrices(jacobian, labels)
+    if isinstance(jacobian, AllowedJacobian):
+        found |= allowed_matrices(jacobian, labels)
+    return found
 
 
 def split_matrices(split: SplitJacobian, labels: Labels) -> dict[str, LabelledMatrix]:
@@ -54,6 +109,20 @@ def equivalent_matrices(jacobian: EquivalentJacobian, labels: Labels) -> dict[st
         "Jw_eq": labelled(jacobian.Jw_eq, *angular, *motor_rates, size=w),
         "gv_eq": _metric(jacobian.gv_eq, METRE, labels, v),
         "gw_eq": _metric(jacobian.gw_eq, RADIAN, labels, w),
+    }
+
+
+def allowed_matrices(jacobian: AllowedJacobian, labels: Labels) -> dict[str, LabelledMatrix]:
+    """Return those of motors that are tied to each other, by the rates of those that lead."""
+    motor_rates, passive_rates, linear, angular = _rate_labels(labels)
+    units = dict(zip(*motor_rates, strict=True))
+    leading = (jacobian.leading, tuple(units[name] for name in jacobian.leading))
+    v, w = jacobian.sizes.tolist()
+    return {
+        "motor_rates": labelled(jacobian.motor_rates, *motor_rates, *leading),
+        "passive_rates": labelled(jacobian.passive_rates, *passive_rates, *leading),
+        "Jv_eq": labelled(jacobian.Jv_eq, *linear, *leading, size=v),
+        "Jw_eq": labelled(jacobian.Jw_eq, *angular, *leading, size=w),
     }
 
 

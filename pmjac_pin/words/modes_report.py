@@ -77,10 +77,10 @@ class ModeReport:
     def told(self) -> dict[str, object]:
         """Return it as plain data; `Mechanism.configuration` takes its q."""
         mode, certificate = self.configuration, self.certificate
-        labels = Labels.of(mode.mechanism)
+        labels = Labels.of(mode.mechanism.problem.partition)
         return {
             **told(self, "number", "poses"),
-            "tool": mode.tool_pose,
+            "tool": mode.tool_pose(),
             "joints": joint_values(mode, labels),
             "limits_violated": limits_told(mode, labels),
             **told(mode, "q", "residual_norm"),
@@ -175,7 +175,7 @@ def make_modes_report(
     values = motor_values(mechanism.spec, mechanism.coordinates, actuated)
     return ModesReport(
         mechanism=mechanism,
-        motors=labelled_motor_values(values, Labels.of(mechanism)),
+        motors=labelled_motor_values(values, Labels.of(mechanism.problem.partition)),
         limits=limits,
         found=modes,
         modes=_mode_reports(
@@ -214,7 +214,7 @@ def _operation_mode_numbers(
 def _mode_reports(
     mechanism: Mechanism, modes: AssemblyModes, numbers: tuple[int | None, ...]
 ) -> tuple[ModeReport, ...]:
-    labels, names = Labels.of(mechanism), pose_names(mechanism, modes)
+    labels, names = Labels.of(mechanism.problem.partition), pose_names(mechanism, modes)
     rows = mechanism.home.split_jacobian().rows
     return tuple(
         ModeReport(

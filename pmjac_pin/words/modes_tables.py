@@ -137,7 +137,7 @@ def _mode_names(mode: ModeReport) -> str:
 
 
 def _tools(report: ModesReport) -> Table:
-    tools = [mode.configuration.tool_pose for mode in report.modes]
+    tools = [mode.configuration.tool_pose() for mode in report.modes]
     rotations = Rotation.from_matrix([tool.rotation for tool in tools])
     length = report.mechanism.characteristic_length
     places = matrix_numbers([tool.translation for tool in tools], size=length)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.model.limits import stated_limits
 from pmjac_pin.values.arrays import Array
 
 
@@ -16,8 +15,8 @@ def motor_rate_limits(mechanism: Mechanism) -> Array:
     >>> motor_rate_limits(pj.load("five_bar")).tolist()
     [10.0, 10.0]
     """
-    model, motors = mechanism.kinematics.model, mechanism.problem.partition.actuated
-    return stated_limits(model.lowerVelocityLimit, model.upperVelocityLimit)[motors]
+    partition = mechanism.problem.partition
+    return partition.rate_limits[partition.actuated]
 
 
 def motor_effort_limits(mechanism: Mechanism) -> Array:
@@ -29,5 +28,5 @@ def motor_effort_limits(mechanism: Mechanism) -> Array:
     >>> motor_effort_limits(pj.load("planar_3rpr")).tolist()
     [1000.0, 1000.0, 1000.0]
     """
-    model, motors = mechanism.kinematics.model, mechanism.problem.partition.actuated
-    return stated_limits(model.lowerEffortLimit, model.upperEffortLimit)[motors]
+    partition = mechanism.problem.partition
+    return partition.effort_limits[partition.actuated]

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any
 
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.rates.ellipsoid import Ellipsoid
+from pmjac_pin.rates.singularity import Singularity
+from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.studies.check.diagnosis import Diagnosis
 from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
 from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table
 from pmjac_pin.words.diagnosis_tables import diagnosis_blocks
 from pmjac_pin.words.html import html
 from pmjac_pin.words.labelled_matrix import LabelledMatrix
+from pmjac_pin.words.mechanism_page import mechanism_blocks
 from pmjac_pin.words.modes_tables import no_more
 from pmjac_pin.words.numbers import matrix_numbers
+from pmjac_pin.words.rate_blocks import jacobian_blocks, principal_blocks, rank_blocks
 from pmjac_pin.words.report import Report, report
 from pmjac_pin.words.tables import joints_table, matrix_blocks, report_blocks, title
 from pmjac_pin.words.terminal import plain_text
@@ -38,19 +45,10 @@ def blocks_of(value: object) -> Iterable[Block]:
     TypeError
         It has no page.
     """
-    match value:
-        case Diagnosis():
-            return diagnosis_blocks(value)
-        case Report():
-            return report_blocks(value)
-        case Configuration():
-            return _pose_page(report(value))
-        case AssemblyModes():
-            return _modes_page(value)
-        case LabelledMatrix():
-            return [value.block()]
-        case _:
-            raise TypeError(f"no page shows a {type(value).__name__}")
+    for kind, blocks in _BLOCKS.items():
+        if isinstance(value, kind):
+            return blocks(value)
+    raise TypeError(f"no page shows a {type(value).__name__}")
 
 
 def _pose_page(found: Report) -> Iterator[Block]:
@@ -73,7 +71,7 @@ def _modes_page(modes: AssemblyModes) -> Iterator[Block]:
         yield Table("", ("mode", "kind", "share\n[%]", "ways"), tuple(kinds), "><>>")
     elif modes:
         size = modes[0].mechanism.characteristic_length
-        places = matrix_numbers([mode.tool_pose.translation for mode in modes], size)
+        places = matrix_numbers([mode.tool_pose().translation for mode in modes], size)
         rows = (
             (str(number), *place, mode.singularity().kind, f"{100.0 * share:.3g}", str(ways))
             for number, (mode, place, share, ways) in enumerate(
@@ -83,3 +81,16 @@ def _modes_page(modes: AssemblyModes) -> Iterator[Block]:
         header = ("mode", "tool x\n[m]", "y\n[m]", "z\n[m]", "kind", "share\n[%]", "ways")
         yield Table("", header, tuple(rows), ">>>><>>")
     yield Paragraph(no_more(modes.evidence))
+
+
+_BLOCKS: Mapping[type, Callable[[Any], Iterable[Block]]] = {
+    Diagnosis: diagnosis_blocks,
+    Report: report_blocks,
+    Configuration: lambda configuration: _pose_page(report(configuration)),
+    AssemblyModes: _modes_page,
+    LabelledMatrix: lambda matrix: [matrix.block()],
+    Mechanism: mechanism_blocks,
+    SplitJacobian: jacobian_blocks,
+    Ellipsoid: principal_blocks,
+    Singularity: rank_blocks,
+}

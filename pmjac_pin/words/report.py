@@ -16,8 +16,9 @@ from numpy.typing import ArrayLike
 
 from pmjac_pin.closing.motor_values import MotorValues
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import NoJacobianError, UnknownNameError, did_you_mean, quoted
+from pmjac_pin.errors import NoJacobianError
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.rates.allowed import AllowedJacobian
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.singularity import Singularity
@@ -38,7 +39,7 @@ from pmjac_pin.words.labelled_values import (
     parameters_told,
 )
 from pmjac_pin.words.load_report import LoadReport, load_told
-from pmjac_pin.words.matrices import EQUIVALENT, equivalent_matrices, split_matrices
+from pmjac_pin.words.matrices import EQUIVALENT, matrices_of, parts_of
 from pmjac_pin.words.plain import told
 
 _ELLIPSOIDS = ("velocity", "angular", "force")
@@ -103,7 +104,7 @@ class Report(Printed):
     @cached_property
     def labels(self) -> Labels:
         """The mechanism's."""
-        return Labels.of(self.mechanism)
+        return Labels.of(self.mechanism.problem.partition)
 
     @property
     def joints(self) -> tuple[LabelledJoint, ...]:
@@ -124,16 +125,22 @@ class Report(Printed):
         return determinant(self.split, self.labels)
 
     @cached_property
+    def allowed(self) -> AllowedJacobian | None:
+        """J_eq on the motor rates that fit each other, where the loops forbid others; else None."""
+        if self.jacobian is not None or not self.singularity.forbidden_rates.shape[1]:
+            return None
+        try:
+            found = self.configuration.allowed_jacobian(self.split.frame)
+        except NoJacobianError:
+            return None
+        return found if found.leading else None
+
+    @cached_property
     def matrices(self) -> dict[str, LabelledMatrix | None]:
         """The lecture's, by name; those from "passive_rates" on are None where J_eq is."""
-        found: dict[str, LabelledMatrix | None] = {}
-        found |= split_matrices(self.split, self.labels)
-        jacobian = self.jacobian
-        return found | (
-            dict.fromkeys(EQUIVALENT)
-            if jacobian is None
-            else equivalent_matrices(jacobian, self.labels)
-        )
+        if self.jacobian is None:
+            return {**matrices_of(self.split), **dict.fromkeys(EQUIVALENT)}
+        return {**matrices_of(self.jacobian)}
 
     @property
     def singular_values(self) -> dict[str, SingularValues | None]:
@@ -178,11 +185,7 @@ class Report(Printed):
         >>> table.rows, table.columns
         (('coupler_tip-rocker_tip x', 'coupler_tip-rocker_tip y'), ('phi1', 'phi2'))
         """
-        check_kind(name, str)
-        parts = ("Jv_eq", "Jw_eq") if name == "J_eq" else (name,)
-        known = ("J_eq", *self.matrices)
-        if parts[0] not in self.matrices:
-            raise UnknownNameError(f"no matrix {quoted(name)}{did_you_mean(name, known)}")
+        parts = parts_of(name, self.matrices)
         found = [matrix for part in parts if (matrix := self.matrices[part]) is not None]
         if not found:
             raise NoJacobianError(f"{name} does not exist here: {self.refusal}")
@@ -210,7 +213,7 @@ class Report(Printed):
             "iterations": configuration.iterations,
             "residual": self.residual,
             "residual_norm": configuration.residual_norm,
-            "tool": configuration.tool_pose,
+            "tool": configuration.tool_pose(),
             **told(self, "matrices", "det_K_star", "singular_values"),
             "singularity": singularity_told(singularity, mechanism.characteristic_length),
             "ellipsoids": {
@@ -322,7 +325,10 @@ def singularity_told(found: Singularity, length: float) -> dict[str, object]:
 
 def ellipsoid_told(ellipsoid: Ellipsoid) -> dict[str, object]:
     """Return what is told of an ellipsoid: `directions` has an axis in each of its rows."""
-    return {**told(ellipsoid, "unit", "rank", "radii"), "directions": ellipsoid.axes.T}
+    return {
+        **told(ellipsoid, "unit", "motor_unit", "rank", "radii"),
+        "directions": ellipsoid.axes.T,
+    }
 
 
 def _first_radii(ellipsoid: Ellipsoid | None, motors: int) -> SingularValues | None:

@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.ellipsoid import Ellipsoid
-from pmjac_pin.rates.singularity import Singularity
 from pmjac_pin.values.brief import brief
 from pmjac_pin.words.blocks import (
     Block,
@@ -15,10 +15,13 @@ from pmjac_pin.words.blocks import (
     Paragraph,
     Table,
 )
+from pmjac_pin.words.labelled_matrix import LabelledMatrix
 from pmjac_pin.words.labelled_values import LabelledJoint
 from pmjac_pin.words.load_tables import load_blocks
+from pmjac_pin.words.matrices import matrices_of
 from pmjac_pin.words.numbers import matrix_numbers, number
-from pmjac_pin.words.report import Report, by_name
+from pmjac_pin.words.report import Report
+from pmjac_pin.words.singularity_tables import singularity_blocks
 
 TITLES = {
     "K": "K = ∂η/∂θ (loop equations by motors)",
@@ -34,6 +37,12 @@ TITLES = {
     "gw_eq": "g_ω = [J_ω]eqᵀ [J_ω]eq",
 }
 
+ALLOWED_TITLES = {
+    "motor_rates": "A = ∂θ̇/∂u (rates of all motors by those that lead)",
+    "Jv_eq": "[J_v]eq (linear velocity by rates of the motors that lead, loops closed)",
+    "Jw_eq": "[J_ω]eq (angular velocity by rates of the motors that lead, loops closed)",
+}
+
 SYMBOLS = {"K_star": "K*", "Jv_eq": "[J_v]eq", "Jw_eq": "[J_ω]eq"}
 
 ELLIPSOIDS = {
@@ -43,9 +52,6 @@ ELLIPSOIDS = {
 }
 
 LEGEND = "The unit of an entry is its row's unit over its column's."
-
-
-_SHOWN_STILL = 1e-10  # of a motion's largest rate: motions come of differences between poses
 
 
 def report_blocks(report: Report) -> Iterator[Block]:
@@ -72,8 +78,13 @@ def report_blocks(report: Report) -> Iterator[Block]:
     else:
         yield Paragraph("Nothing is passive: [J_v]eq = J_v and [J_ω]eq = J_ω.")
     yield from matrix_blocks(report, ("gv_eq", "gw_eq"))
+    if report.allowed is not None:
+        yield Paragraph(
+            f"Rates that fit each other are led by {', '.join(report.allowed.leading)}:"
+        )
+        yield from titled_matrices(matrices_of(report.allowed), ALLOWED_TITLES)
     yield Heading("Singularity")
-    yield from _singularity_blocks(report)
+    yield from singularity_blocks(report.singularity, length=report.mechanism.characteristic_length)
     yield singular_values_table(report)
     yield from ellipsoid_blocks(report, ("velocity", "angular", "force"))
     yield from load_blocks(report.load, report.configuration)
@@ -95,11 +106,19 @@ def motor_line(joints: Iterable[LabelledJoint]) -> str:
 def matrix_blocks(report: Report, names: tuple[str, ...]) -> Iterator[Block]:
     """Show these matrices; without rows or columns there is nothing to show."""
     for name in names:
-        matrix = report.matrices[name]
-        if matrix is not None and matrix.rows and matrix.columns:
-            yield matrix.block(TITLES[name])
+        yield from titled_matrices(report.matrices, {name: TITLES[name]})
         if name == "K_star" and report.mechanism.rows:
             yield Paragraph(_determinant(report))
+
+
+def titled_matrices(
+    matrices: Mapping[str, LabelledMatrix | None], titles: Mapping[str, str]
+) -> Iterator[Table]:
+    """Show matrices under their titles; without rows or columns there is nothing to show."""
+    for name, title_of_it in titles.items():
+        matrix = matrices[name]
+        if matrix is not None and matrix.rows and matrix.columns:
+            yield matrix.block(title_of_it)
 
 
 def singular_values_table(report: Report) -> Table:
@@ -124,7 +143,12 @@ def ellipsoid_blocks(report: Report, names: tuple[str, ...]) -> Iterator[Block]:
     for name in names:
         ellipsoid = report.ellipsoids[name]
         if ellipsoid is not None:
-            yield ellipsoid_table(ELLIPSOIDS[name], ellipsoid)
+            yield ellipsoid_table(f"{ELLIPSOIDS[name]}{motors_told(ellipsoid)}", ellipsoid)
+
+
+def motors_told(ellipsoid: Ellipsoid) -> str:
+    """Return in which the motors of an ellipsoid are counted, behind a comma; "" if not known."""
+    return f", motors in {ellipsoid.motor_unit}" if ellipsoid.motor_unit else ""
 
 
 def ellipsoid_table(heading: str, ellipsoid: Ellipsoid) -> Table:
@@ -176,17 +200,8 @@ def _origin_line(report: Report) -> str:
 
 
 def _pose_blocks(report: Report) -> Iterator[Block]:
-    if parameters := report.mechanism.parameters:
-        declared = report.mechanism.spec.parameters
-        yield Table(
-            "Parameters",
-            ("name", "value", "unit", "meaning"),
-            tuple(
-                (name, number(value), declared[name].unit, declared[name].meaning)
-                for name, value in parameters.items()
-            ),
-            "<><<",
-        )
+    if report.mechanism.parameters:
+        yield parameters_table(report.mechanism)
     yield joints_table(report)
     if report.residual:
         yield Table(
@@ -197,6 +212,20 @@ def _pose_blocks(report: Report) -> Iterator[Block]:
             "<><",
         )
     yield _tool_table(report)
+
+
+def parameters_table(mechanism: Mechanism) -> Table:
+    """Show the parameters, their values and what they mean."""
+    declared = mechanism.spec.parameters
+    return Table(
+        "Parameters",
+        ("name", "value", "unit", "meaning"),
+        tuple(
+            (name, number(value), declared[name].unit, declared[name].meaning)
+            for name, value in mechanism.parameters.items()
+        ),
+        "<><<",
+    )
 
 
 def joints_table(report: Report) -> Table:
@@ -210,7 +239,7 @@ def joints_table(report: Report) -> Table:
 
 
 def _tool_table(report: Report) -> Table:
-    tool, size = report.configuration.tool_pose, report.mechanism.characteristic_length
+    tool, size = report.configuration.tool_pose(), report.mechanism.characteristic_length
     position = matrix_numbers([[x] for x in tool.translation], size)
     rows = zip("xyz", position, matrix_numbers(tool.rotation), strict=True)
     return Table(
@@ -227,52 +256,3 @@ def _determinant(report: Report) -> str:
         rows, columns = report.split.K_star.shape
         return f"K* is {rows} × {columns}, not square: it has no determinant."
     return f"det K* = {number(det.value)} {det.unit}"
-
-
-def _singularity_blocks(report: Report) -> Iterator[Block]:
-    found = report.singularity
-    length = report.mechanism.characteristic_length
-    yield Table("", ("", ""), (*_ranks(found), ("a radian counts as", f"{brief(length)} m")), "<<")
-    if free := by_name(found.passive_names, found.free_motions):
-        heading = "Passive motions that come free here with all motors locked (largest rate 1)"
-        yield _motions_table(report, heading, list(map(_largest_rate_one, free)))
-    if idle := by_name(found.passive_names, found.idle_motions):
-        heading = "Idle passive motions, free at every pose (largest rate 1)"
-        yield _motions_table(report, heading, list(map(_largest_rate_one, idle)))
-    if forbidden := by_name(found.actuated_names, found.forbidden_rates):
-        yield _motions_table(report, "Motor rates that the loops forbid", forbidden)
-
-
-def _ranks(found: Singularity) -> Iterator[tuple[str, str]]:
-    yield "kind", found.kind
-    yield "rank of K*", f"{found.rank} of {found.generic_rank}"
-    yield "rank of [K K*]", f"{found.constraint_rank} of {found.generic_constraint_rank}"
-    more = found.tool_rank > found.generic_tool_rank
-    rank = f"{found.tool_rank}, more than the" if more else f"{found.tool_rank} of"
-    yield "tool motions", f"{rank} {found.generic_tool_rank}"
-    yield "judged on", str(found.tool_rows)
-    yield "idle passive motions", str(found.idle)
-    yield "motions gained here", str(found.gained)
-    yield "motions lost here", str(found.lost)
-    if found.generic_rank:
-        yield "smallest σ of K* relative to [K K*]", brief(found.smallest)
-    yield "counts as zero up to", brief(found.tolerance)
-
-
-def _largest_rate_one(rates: Mapping[str, float]) -> dict[str, float]:
-    largest = max(rates.values(), key=abs)
-    shares = {name: rate / largest for name, rate in rates.items()}
-    return {name: share if abs(share) > _SHOWN_STILL else 0.0 for name, share in shares.items()}
-
-
-def _motions_table(report: Report, heading: str, motions: Sequence[Mapping[str, float]]) -> Table:
-    """Show motions side by side, one joint a row."""
-    units = {joint.name: joint.unit for joint in report.joints}
-    names = tuple(motions[0])
-    rates = matrix_numbers([[motion[name] for motion in motions] for name in names])
-    return Table(
-        heading,
-        ("", *(str(k) for k in range(1, len(motions) + 1))),
-        tuple((f"{name} [{units[name]}/s]", *row) for name, row in zip(names, rates, strict=True)),
-        "<" + ">" * len(motions),
-    )

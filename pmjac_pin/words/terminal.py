@@ -180,7 +180,7 @@ def _draw_table(console: Console, table: Table) -> None:
     elif numbers:
         _draw_folded(console, header, rows, widths)
     else:
-        _draw_in_parts(console, header, rows, table.align, least)
+        _draw_in_parts(console, header, rows, table.align, [widths[0], *least[1:]])
 
 
 def _draw_folded(
@@ -250,7 +250,8 @@ def _draw_grid(
         header_style="",
         show_header=any(text.plain for text in header),
     )
-    names_stay_whole = widths[0] <= console.width // 3
+    longest = _natural_widths(header, rows)[0]
+    names_stay_whole = longest <= min(widths[0], console.width // 3)
     for k, (text, side, width) in enumerate(zip(header, align, widths, strict=True)):
         number = side == ">"
         grid.add_column(

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 from xml.etree.ElementTree import Element, tostring
 
-from pmjac_pin.errors import ModelFileError, shortened
+from pmjac_pin.errors import MissingDependencyError, ModelFileError, shortened
 from pmjac_pin.files.mjcf.file import MjcfFile
 from pmjac_pin.files.mjcf.names import Places, called, check_name
 
@@ -82,7 +82,9 @@ def _mujoco() -> Any:
         import mujoco  # noqa: PLC0415
     except ImportError:
         todo = 'pip install "pmjac_pin[mjcf]"'
-        raise ModelFileError(f"MJCF is read by MuJoCo, which is not installed: {todo}") from None
+        raise MissingDependencyError(
+            f"MJCF is read by MuJoCo, which is not installed: {todo}"
+        ) from None
     return mujoco
 
 

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from pmjac_pin.files.foreign_model import ForeignModel
 from pmjac_pin.files.mjcf.actuators import read_motors
 from pmjac_pin.files.mjcf.bodies import body_notes, read_bodies
@@ -24,6 +26,7 @@ from pmjac_pin.files.mjcf.mujoco import compiled
 from pmjac_pin.files.mjcf.names import Names
 from pmjac_pin.files.mjcf.tree import MjcfTree
 from pmjac_pin.files.text_file import at_file
+from pmjac_pin.files.unread_springs import spring_notes
 from pmjac_pin.files.urdf.locking import lock_joints
 from pmjac_pin.files.urdf.robot import Urdf
 
@@ -75,6 +78,8 @@ def _model_of_kept(kept: Kept, path: Path) -> ForeignModel:
     motors, idle = read_motors(found.model, names.joints, joints, held)
     home, moved = read_home(found.model, joints.values(), held)
     fixed = [f"joint {joint!r} is held at {held[joint]:g}" for joint in held]
+    sprung = np.flatnonzero(found.model.jnt_stiffness)
+    springs = spring_notes(names.joints[joint] for joint in sprung.tolist())
     left_out = [*body_notes(found.model, names), *kept.notes, *left_out]
     return ForeignModel(
         name=name,
@@ -88,6 +93,6 @@ def _model_of_kept(kept: Kept, path: Path) -> ForeignModel:
         },
         home=home,
         actuated=motors,
-        notes=(*left_out, *fixed, *idle, *moved, *mass_notes),
+        notes=(*left_out, *fixed, *idle, *moved, *springs, *mass_notes),
         unread=kept.unread,
     )

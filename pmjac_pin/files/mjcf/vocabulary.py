@@ -66,7 +66,7 @@ body name pos quat axisangle euler xyaxes zaxis childclass mocap fuse* gravcomp*
 inertial mass diaginertia fullinertia pos quat axisangle euler xyaxes zaxis
 joint name class type pos axis ref range limited actuatorfrclimited* actuatorfrcrange*
   actuatorgravcomp* armature damping* frictionloss* group* margin* solimpfriction* solimplimit*
-  solreffriction* solreflimit* springdamper* springref* springyield* stiffness* user*
+  solreffriction* solreflimit* springdamper springref* springyield* stiffness user*
 freejoint name align group*
 geom name class pos quat axisangle euler xyaxes zaxis type size fromto mesh mass density group
   rgba shellinertia adhesion* castshadow* conaffinity* condim* contype* fitscale* fluidcoef*

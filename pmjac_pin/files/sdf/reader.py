@@ -19,6 +19,7 @@ from pmjac_pin.files.sdf.model import SdfModel, read_model
 from pmjac_pin.files.sdf.tree import SdfTree
 from pmjac_pin.files.spanning_tree import SpanningTree, spanning_tree
 from pmjac_pin.files.text_file import at_file, read_text
+from pmjac_pin.files.unread_springs import spring_notes, sprung_joints
 from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.files.urdf.rotors import lost_rotors
 from pmjac_pin.files.xml_text import parse_xml
@@ -81,7 +82,10 @@ def _foreign_model(model: SdfModel, path: Path, motors: Collection[str]) -> Fore
         helical=tree.helical,
         armature={n: inertia for n, inertia in _armatures(joints).items() if n in tree.moving},
         home=tree.home,
-        notes=(*model.notes, *assumed_axes(joints), *_notes(graph, joints, tree)),
+        notes=(
+            *(*model.notes, *assumed_axes(joints), *_notes(graph, joints, tree)),
+            *spring_notes(sprung_joints(model.element)),
+        ),
         unread=model.unread,
     )
 

@@ -16,6 +16,7 @@ from types import MappingProxyType
 from xml.etree.ElementTree import Element, SubElement
 
 from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
+from pmjac_pin.files.joint_dialects import BALL_TYPES
 from pmjac_pin.files.urdf.control_mimics import called_joint, control_joints, mimic_params
 from pmjac_pin.files.urdf.joint_tree import check_tree, joints_of
 from pmjac_pin.files.vocabulary import spelt
@@ -169,7 +170,7 @@ def checked_joint(joint: Element, links: Collection[str]) -> Element:
     """Return what Pinocchio may read of a joint between two of these links."""
     where, kind = label(joint), joint.get("type", "")
     if kind not in VELOCITIES:
-        known = did_you_mean(kind, VELOCITIES)
+        known = did_you_mean(kind, [name for name in (*VELOCITIES, *BALL_TYPES) if name != kind])
         raise ModelFileError(f"{where} has the unknown type {quoted(kind)}{known}")
     if joint.find("mimic") is not None:
         why = "Pinocchio would ignore it and let the joint move freely"

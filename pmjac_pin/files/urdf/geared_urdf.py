@@ -1,4 +1,7 @@
-"""The URDF of a model file, and what in it ties joints: <coupling>, and <mimic> in all ways."""
+"""The URDF of a model file with what the standard has no word for: gears and ball joints.
+
+Gears are <coupling>, and <mimic> in all ways.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,9 @@ from xml.etree.ElementTree import Element
 
 from pmjac_pin.errors import ModelFileError
 from pmjac_pin.files.gazebo_plugins import is_mimic_plugin, misread_mimics, unread_harmless
+from pmjac_pin.files.joint_dialects import floating_balls
 from pmjac_pin.files.text_file import at_file, read_text
+from pmjac_pin.files.unread_springs import spring_notes, sprung_joints
 from pmjac_pin.files.urdf.control_mimics import doubtful
 from pmjac_pin.files.urdf.couplings import take_couplings
 from pmjac_pin.files.urdf.loop_elements import idle_mimics, read_gears
@@ -25,19 +30,22 @@ _SAME_RATIO = 1e-12  # relative: a ratio and its inverse, both as decimals
 
 @dataclass(frozen=True)
 class GearedUrdf:
-    """A URDF, and the gears that it declared.
+    """A URDF, with the gears and the ball joints that it declared.
 
     Attributes
     ----------
     urdf : Urdf
-        Without them.
+        Without gears; its ball joints are floating.
     gears : tuple of JointLoop
+    spherical : tuple of str
+        The names of the ball joints.
     notes : tuple of str
         One sentence for each decision that was taken.
     """
 
     urdf: Urdf
     gears: tuple[JointLoop, ...]
+    spherical: tuple[str, ...]
     notes: tuple[str, ...]
 
 
@@ -54,10 +62,11 @@ def read_geared_urdf(path: Path) -> GearedUrdf:
         unread, joints = _unread_gears(robot), robot.findall("joint")
         take_mimics(robot, joints)
         followers = [joint.get("name", "") for joint in joints if joint.find("mimic") is not None]
-        notes = idle_mimics(joints)
+        notes, balls = idle_mimics(joints), floating_balls(joints)
+        notes += spring_notes(sprung_joints(robot))
         gears = (*read_gears(joints), *take_couplings(robot, joints))
         urdf = Urdf.of(robot, str(path), (*unread, *doubtful(robot, followers)))
-    return GearedUrdf(urdf, gears, tuple(notes))
+    return GearedUrdf(urdf, gears, tuple(balls), tuple(notes))
 
 
 def _unread_gears(robot: Element) -> tuple[str, ...]:

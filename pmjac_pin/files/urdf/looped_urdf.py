@@ -25,6 +25,7 @@ from pmjac_pin.files.massless import mass_notes
 from pmjac_pin.files.sdf.plugins import is_detachable
 from pmjac_pin.files.sdf.vocabulary import SDF_WORDS
 from pmjac_pin.files.text_file import at_file, read_text
+from pmjac_pin.files.unread_springs import spring_notes, sprung_joints
 from pmjac_pin.files.urdf.checks import VELOCITIES, check_size, checked_names
 from pmjac_pin.files.urdf.control_mimics import doubtful
 from pmjac_pin.files.urdf.couplings import follower, take_couplings
@@ -112,6 +113,7 @@ def read_robot(
     wanted = {name for name, given in independent.items() if given}
     cut = CutJoints.of(elements, names, balls, {*motors, *wanted, *geared})
     declared, tie_notes = _declared(robot, names, cut, joined)
+    springs = spring_notes(sprung_joints(robot))
     armature, kept = rotors(robot), [joint.name for joint in cut.kept]
     cut.remove_from(robot)
     anchors = Anchors(robot)
@@ -132,7 +134,7 @@ def read_robot(
         actuated=_actuated(cut.kept, independent, led),
         notes=(
             *(*limit_notes, *home_notes, *cut.notes(), *lost_rotors(armature, kept)),
-            *(*tie_notes, *closing_notes, *massless),
+            *(*tie_notes, *closing_notes, *springs, *massless),
         ),
         unread=(*unread, *doubtful(robot, followers)),
     )

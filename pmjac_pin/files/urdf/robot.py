@@ -273,7 +273,8 @@ def _resized_shape(element: Element, move: Move) -> Element | None:
     for attribute in wanted:
         if attribute not in sizes:
             got = f"{where} is a <{geometry[0].tag}> and has no `{attribute}` to move"
-            raise ModelFileError(f"{got}; it has: {', '.join(sizes) or 'none'}")
+            known = f"; it has: {', '.join(sizes)}" if sizes else ""
+            raise ModelFileError(f"{got}{known}")
     return geometry[0]
 
 

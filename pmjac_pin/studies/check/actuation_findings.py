@@ -7,8 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from pmjac_pin.rates.factorisation import RANK_TOLERANCE
 from pmjac_pin.studies.check.diagnosis import Diagnosis, Finding, FreeMotion, Severity
+from pmjac_pin.values.brief import brief
 
 _MOST_LISTED = 6  # listed in one sentence
+_FELT_BY_ROUNDING = 1e-12  # m or rad
 #: Joints of several degrees of freedom that `locked` holds.
 _LOCKABLE = ("floating", "planar", "spherical")
 
@@ -88,7 +90,8 @@ def free_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
             names = tuple(dict.fromkeys(alone[name].joint for name in moving))
             loose[names] = loose.get(names, False) or motion.felt
         else:
-            yield _idle(moving, motion)
+            units = {freedom.name: freedom.unit for freedom in diagnosis.freedoms}
+            yield _idle(moving, motion, units)
     kinds = Counter((freedom.joint, freedom.kind) for freedom in diagnosis.freedoms)
     several = {joint: (kind, count) for (joint, kind), count in kinds.items() if count > 1}
     for names, felt in loose.items():
@@ -118,19 +121,24 @@ def _holding_advice(joints: Sequence[str], several: Sequence[tuple[str, int]]) -
     return "Close a loop over it, or make it fixed"
 
 
-def _idle(joints: Sequence[str], motion: FreeMotion) -> Finding:
-    moving = f"{listed_in_words(joints)} turn or slide freely with all motors locked"
+def _idle(joints: Sequence[str], motion: FreeMotion, units: Mapping[str, str]) -> Finding:
+    move = "turns or slides" if len(joints) == 1 else "turn or slide"
+    moving = f"{listed_in_words(joints)} {move} freely with all motors locked"
     what = f"{moving}, moving {listed_in_words(motion.bodies)}"
+    largest = max(motion.rates, key=lambda name: abs(motion.rates[name]))
+    size = (
+        f"{brief(motion.tool_linear)} m and {brief(motion.tool_angular)} rad for each "
+        f"{units[largest]} of {largest!r}"
+    )
     if motion.felt:
-        largest = max(motion.rates, key=lambda name: abs(motion.rates[name]))
-        message = f"Under-actuated: {what}, and the tool feels it."
-        advice = (
-            f"Make one of them a motor ({largest!r}, for instance), or put the tool on a body that "
-            "stays at rest; no J_eq till then."
-        )
+        message = f"Under-actuated: {what}, and the tool feels it: {size}."
+        one = f"one of them a motor ({largest!r}, for instance)" if joints[1:] else "it a motor"
+        advice = f"Make {one}, or put the tool on a body that stays at rest; no J_eq till then."
         return Finding("error", "under-actuated", message, advice)
     advice = "Harmless for J_eq, as for a rod that spins between two ball joints."
-    return Finding("note", "idle-motion", f"Idle: {what}; the tool does not feel it.", advice)
+    hardly = max(motion.tool_linear, motion.tool_angular) > _FELT_BY_ROUNDING
+    felt = f"the tool hardly feels it: {size}" if hardly else "the tool does not feel it"
+    return Finding("note", "idle-motion", f"Idle: {what}; {felt}.", advice)
 
 
 def tool_row_findings(diagnosis: Diagnosis) -> Iterator[Finding]:

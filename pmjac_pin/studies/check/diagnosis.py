@@ -97,11 +97,15 @@ class FreeMotion(msgspec.Struct, frozen=True):
         What moves.
     felt : bool
         Whether the tool moves.
+    tool_linear, tool_angular : float
+        How fast, m/s and rad/s.
     """
 
     rates: Rates
     bodies: tuple[str, ...]
     felt: bool
+    tool_linear: float
+    tool_angular: float
 
 
 class ActuationEntry(msgspec.Struct, frozen=True):

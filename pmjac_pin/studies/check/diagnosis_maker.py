@@ -13,7 +13,7 @@ from pmjac_pin.closing.assembly import unassembled
 from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.nearby_poses import nearby
 from pmjac_pin.closing.pose_assembly import motor_weights
-from pmjac_pin.errors import ClosureError, LimitError, PmjacError
+from pmjac_pin.errors import ClosureError, LimitError, NoMotorsError, PmjacError
 from pmjac_pin.files.foreign_model import links_from_the_ends
 from pmjac_pin.files.source import Source
 from pmjac_pin.loading import load
@@ -45,8 +45,9 @@ from pmjac_pin.studies.check.diagnosis_structure import (
 )
 from pmjac_pin.studies.check.findings import find, in_order
 from pmjac_pin.studies.check.machine import CheckedMachine
+from pmjac_pin.studies.check.undriven import commanding, undriven
 from pmjac_pin.studies.evidence import Evidence
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import Array, norm
 from pmjac_pin.values.encodable import encodable
 
 _ROUNDING_STRIDE = 0.1  # rad or share of the length, from home to where rounding is looked for
@@ -69,12 +70,14 @@ def check(source: str | Path | Mechanism | PmjacError, **options: Any) -> Diagno
     -------
     Diagnosis
         `findings`, the worst first, and the facts that they rest on. Also where the home pose
-        does not assemble, which is a finding then.
+        does not assemble, or nobody names motors, which are findings then.
 
     Raises
     ------
     ModelFileError, UnknownNameError, ArgumentError
         There is nothing to check: a file that cannot be read, names that do not exist.
+    NoToolError
+        The mechanism has no tool, and its model no link that could be one.
 
     Examples
     --------
@@ -91,6 +94,8 @@ def check(source: str | Path | Mechanism | PmjacError, **options: Any) -> Diagno
         return _of_error(source)
     try:
         mechanism = load(source, **options)
+    except NoMotorsError as error:
+        return _undriven(source, error.candidates, options)
     except PmjacError as error:
         if error.source is not None and error.source.spec.tool.is_none:
             tool = links_from_the_ends(error.source.urdf)[0]
@@ -99,10 +104,26 @@ def check(source: str | Path | Mechanism | PmjacError, **options: Any) -> Diagno
     return _diagnosed(mechanism)
 
 
+def _undriven(
+    source: str | Path, candidates: tuple[str, ...], options: dict[str, Any]
+) -> Diagnosis:
+    """Return what is known whichever of these joints are motors: one of them stands for all."""
+    given = {**options, "actuated": candidates[:1]}
+    try:
+        mechanism = load(source, **given)
+    except PmjacError:
+        return undriven(check(source, **given), candidates, ())
+    if mechanism.problem.partition.isolated:
+        return undriven(_diagnosed(mechanism), candidates, ())
+    return undriven(_diagnosed(mechanism), *commanding(mechanism, _regular(mechanism), candidates))
+
+
 def _diagnosed(mechanism: Mechanism) -> Diagnosis:
     """Return the diagnosis, by the end of the longest chain where no frame is the tool."""
     if not mechanism.spec.tool.is_none:
         return _of_mechanism(mechanism)
+    if not mechanism.possible_tools:
+        mechanism.need_tool()
     tool = mechanism.possible_tools[0]
     return _without_tool(_of_mechanism(mechanism.with_tool(tool)))
 
@@ -197,7 +218,8 @@ def _mobility_evidence(partition: Partition) -> Evidence:
 def _far(machine: CheckedMachine) -> float | None:
     """Return how far a mechanism stands from the origin where that decides what is closed."""
     decides = machine.problem.tolerance == machine.problem.rounding and machine.place.any()
-    return float(np.linalg.norm(machine.place)) if decides else None
+    closes = bool(machine.kinematics.loops.row_names)
+    return float(np.linalg.norm(machine.place)) if closes and decides else None
 
 
 def _redundancy(scaled: Array, ranks: tuple[LoopRank, ...], mechanism: Mechanism) -> Redundancy:
@@ -240,6 +262,7 @@ def _actuation(mechanism: Mechanism, q: Array, gained: int) -> ActuationEntry:
     found = analyse_actuation(snapshot.constraint_jacobian, snapshot.tool_jacobian, partition)
     singularity = _singularity(mechanism, q)
     moving = _moving_bodies(mechanism, q, found.free)
+    twists = snapshot.tool_jacobian[:, partition.passive] @ found.free
     return ActuationEntry(
         motors=len(motors),
         allowed_rates=tuple(_by_name(motors, rates) for rates in found.allowed.T),
@@ -248,8 +271,12 @@ def _actuation(mechanism: Mechanism, q: Array, gained: int) -> ActuationEntry:
         idle=singularity.idle,
         gained=gained,
         free_motions=tuple(
-            FreeMotion(_by_name(passive, rates), names, bool(felt))
-            for rates, names, felt in zip(found.free.T, moving, found.felt, strict=True)
+            FreeMotion(
+                _by_name(passive, rates), names, bool(felt), norm(twist[:3]), norm(twist[3:])
+            )
+            for rates, names, felt, twist in zip(
+                found.free.T, moving, found.felt, twists.T, strict=True
+            )
         ),
         felt=found.felt_rank,
     )

@@ -34,7 +34,8 @@ class FreedomEntry(msgspec.Struct, frozen=True):
     ----------
     name, joint, kind : str
         A joint with several degrees of freedom has one entry for each.
-    role : {"actuated", "passive"}
+    role : {"actuated", "passive", "unknown"}
+        "unknown" where nobody says which joints are motors.
     unit : str
     lower, upper : float or None
         Limits; None for none.

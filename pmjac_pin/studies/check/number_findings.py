@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from pmjac_pin.closing.machine_size import SMALL, SPHERICAL
 from pmjac_pin.model.rounded_numbers import wider_tolerance
+from pmjac_pin.studies.check.actuation_findings import listed_in_words
 from pmjac_pin.studies.check.diagnosis import Diagnosis, Finding
+from pmjac_pin.studies.check.diagnosis_parts import FreedomEntry
 from pmjac_pin.values.brief import brief
+
+_MANY_TURNS = 4.0 * math.pi  # rad: few joints that turn have limits beyond
+_MOST_DEGREES = 720.0
+_NO_LIMIT = 100.0  # rad, either way: what people write for none
 
 
 def number_findings(diagnosis: Diagnosis) -> Iterator[Finding]:
-    """Say what the model's numbers cost, and which loops are measured by their own size."""
+    """Say what the model's numbers cost, which look odd, and which loops have their own size."""
     yield from _tolerance(diagnosis)
     yield from _far_findings(diagnosis)
     yield from _loop_sizes(diagnosis)
+    yield from _limits_in_degrees(diagnosis)
 
 
 def all_digits(gap: float) -> str:
@@ -60,3 +68,29 @@ def _loop_sizes(diagnosis: Diagnosis) -> Iterator[Finding]:
                 "judge it by its own size."
             )
             yield Finding("note", "small-loop", message)
+
+
+def _limits_in_degrees(diagnosis: Diagnosis) -> Iterator[Finding]:
+    if not (odd := [freedom for freedom in diagnosis.freedoms if _like_degrees(freedom)]):
+        return
+    first = odd[0]
+    given, meant = _interval(first, 1.0), _interval(first, math.pi / 180.0)
+    message = (
+        f"The limits of {listed_in_words([freedom.name for freedom in odd])} look like degrees: "
+        f"{first.name!r} may turn within {given} rad."
+    )
+    yield Finding("note", "limits-in-degrees", message, f"If so, write {meant} rad, for instance.")
+
+
+def _like_degrees(freedom: FreedomEntry) -> bool:
+    """Whether limits are whole numbers of rad that are many turns."""
+    ends = [abs(end) for end in (freedom.lower, freedom.upper) if end is not None]
+    if freedom.unit != "rad" or not all(end.is_integer() for end in ends):
+        return False
+    return {*ends} != {_NO_LIMIT} and _MANY_TURNS < max(ends, default=0.0) <= _MOST_DEGREES
+
+
+def _interval(freedom: FreedomEntry, factor: float) -> str:
+    ends = ("-∞" if freedom.lower is None else f"{freedom.lower * factor:.4g}",
+            "∞" if freedom.upper is None else f"{freedom.upper * factor:.4g}")  # fmt: skip
+    return f"[{', '.join(ends)}]"

@@ -151,13 +151,13 @@ class ParameterHomotopy:
         )
 
     def operation_modes(
-        self, *, rng: np.random.Generator | int = 0, most_rounds: int = 200
+        self, *, rng: np.random.Generator | int | None = None, most_rounds: int = 200
     ) -> OperationModes:
         """Return which solutions hang together when all motors move, complex values included.
 
         Parameters
         ----------
-        rng : numpy.random.Generator or int
+        rng : numpy.random.Generator or int, optional
             For planes and paths; a seed makes a generator.
         most_rounds : int
             Of closed paths, after which it gives up; `evidence` then says so.

@@ -55,7 +55,7 @@ def order(configuration: Configuration, length: float) -> tuple[float, ...]:
     """
     if configuration.mechanism.spec.tool.is_none:
         return tuple((np.round(configuration.passive, 6) + 0.0).tolist())
-    pose = configuration.tool_pose
+    pose = configuration.tool_pose()
     x, y, z = np.round(pose.translation / length, 6) + 0.0
     return (-z, x, y, *(np.round(pose.rotation.ravel(), 6) + 0.0))
 

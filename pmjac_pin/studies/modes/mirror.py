@@ -79,5 +79,5 @@ def _mirrored_points(mechanism: Mechanism, mode: Configuration) -> Array:
         for name in loop.frames
     ]
     anchors = [data.oMi[frame.joint].act(frame.placement.translation) for frame in frames]
-    tool = [] if mechanism.spec.tool.is_none else [mode.tool_pose.translation]
+    tool = [] if mechanism.spec.tool.is_none else [mode.tool_pose().translation]
     return np.array([*tool, *anchors]).reshape(-1, 3)

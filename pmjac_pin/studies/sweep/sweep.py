@@ -14,6 +14,7 @@ from pmjac_pin.batches.pieces import Progress, interrupted
 from pmjac_pin.batches.results import Status
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.sweep.hands import Hands
 from pmjac_pin.studies.sweep.points import Points, Region
 from pmjac_pin.studies.sweep.question import identity, question
@@ -158,7 +159,9 @@ def _kept_on_interrupt(found: Callable[[], Dataset]) -> Iterator[Callable[[], Da
 
 
 def _with_labels(work: SweepWork, found: Dataset) -> Dataset:
-    """Say what the numbers of statuses and the places along the axes mean."""
+    """Say what the numbers of statuses and the places along the axes mean, and rest on."""
+    statement = "statuses, poses and measures are those of single calls, to rounding"
+    found.attrs["evidence"] = str(Evidence("tolerance", statement))
     found.status.attrs["flag_values"] = [one.value for one in Status]
     found.status.attrs["flag_meanings"] = " ".join(one.name for one in Status)
     return found.assign_coords(

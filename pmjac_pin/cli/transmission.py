@@ -1,0 +1,135 @@
+"""``pmjac transmission``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from pmjac_pin.cli.options import Choice, NameOption, split_names
+from pmjac_pin.cli.output import Output
+from pmjac_pin.errors import ArgumentError, OutputError, did_you_mean, quoted
+from pmjac_pin.files.output_file import check_new
+from pmjac_pin.files.user_path import shown_path
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.pictures.figures import check_figure_file, save_figure
+from pmjac_pin.pictures.transmission_figure import plot_transmission
+from pmjac_pin.studies.transmissions.table_maker import transmission_table
+from pmjac_pin.studies.transmissions.tabulated import SUFFIXES
+from pmjac_pin.studies.transmissions.widest import widest_rectangle
+from pmjac_pin.words.blocks import Verbatim
+from pmjac_pin.words.transmission_tables import transmission_blocks
+
+_FIGURES = (".png", ".pdf", ".svg")
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Where:
+    """The rectangle of joint values, and how closely it is looked at."""
+
+    joints: Annotated[str, Parameter(help="The joints that the robot thinks in, as pitch,roll.")]
+    over: Annotated[
+        str | None,
+        Parameter(
+            help="Where each begins and ends, such as pitch=-0.4:0.3,roll=-0.2:0.2; by default "
+            "as far about home as the transmission exists."
+        ),
+    ] = None
+    points: Annotated[int, Parameter(help="Along each joint (default: 17).")] = 17
+    no_proof: Annotated[bool, Parameter(help="Estimate the error: sooner.")] = False
+
+    def rectangle(self, mechanism: Mechanism) -> dict[str, tuple[float, float]]:
+        """Return where each joint begins and ends."""
+        names = split_names(self.joints)
+        limits = "all" if mechanism.spec.enforce_limits else False
+        if self.over is None:
+            return widest_rectangle(mechanism, names, enforce_limits=limits)
+        given = dict(map(_ends, self.over.split(",")))
+        for name in given:
+            if name not in names:
+                wanted = f"--over names {quoted(name)}, which --joints does not"
+                raise ArgumentError(f"{wanted}{did_you_mean(name, names)}")
+        if missing := [name for name in names if name not in given]:
+            raise ArgumentError(f"--over does not say where {', '.join(missing)} begins and ends")
+        return {name: given[name] for name in names}
+
+
+def transmission_command(
+    mechanism: NameOption,
+    /,
+    *,
+    where: Where,
+    output: Annotated[
+        list[str] | None,
+        Parameter(
+            name=["--output", "-o"],
+            help="A C header (.h), a table (.npz, .csv) or a figure (.png, .pdf, .svg); may be "
+            "repeated.",
+        ),
+    ] = None,
+    name: Annotated[
+        str | None,
+        Parameter(help="What the names of the header begin with (default: the model's)."),
+    ] = None,
+    limits: Annotated[
+        str | None,
+        Parameter(help="Of the motors' efforts and rates, such as 60,60 (default: 1 each)."),
+    ] = None,
+    force: Annotated[bool, Parameter(help="Replace files that exist.")] = False,
+    choice: Choice = Choice(),
+) -> Output:
+    """Tabulate how motors and the joints that they drive by rods are geared; write it as C."""
+    paths = output or []
+    for path in paths:
+        _check_output(path, force)
+    loaded = choice.load(mechanism)
+    enforce = "all" if loaded.spec.enforce_limits else False
+    table = transmission_table(
+        loaded,
+        where.rectangle(loaded),
+        where.points,
+        enforce_limits=enforce,
+        proof=not where.no_proof,
+    )
+    given = _limits(limits, len(table.motors))
+    blocks = list(transmission_blocks(table, given))
+    for path in paths:
+        if Path(path).suffix in SUFFIXES:
+            table.save(path, name=name, force=force)
+        else:
+            save_figure(plot_transmission(table.map, given), path)
+    return [*blocks, *map(Verbatim, paths)]
+
+
+def _check_output(path: str, force: bool) -> None:
+    """Refuse, before anything is computed, what cannot be written."""
+    suffix = Path(path).suffix
+    if suffix not in (*SUFFIXES, *_FIGURES):
+        ends = ", ".join((*SUFFIXES, *_FIGURES))
+        raise OutputError(f"{shown_path(path)}: what is written ends in one of {ends}")
+    if suffix in _FIGURES:
+        check_figure_file(path)
+    check_new(path, force)
+
+
+def _ends(item: str) -> tuple[str, tuple[float, float]]:
+    name, _, values = map(str.strip, item.partition("="))
+    lower, _, upper = values.partition(":")
+    try:
+        return name, (float(lower), float(upper))
+    except ValueError:
+        wanted = "--over takes NAME=FROM:TO, such as pitch=-0.4:0.3"
+        raise ArgumentError(f"{wanted}; got {quoted(item)}") from None
+
+
+def _limits(given: str | None, count: int) -> list[float]:
+    if given is None:
+        return [1.0] * count
+    try:
+        return [float(item) for item in given.split(",")]
+    except ValueError:
+        wanted = "--limits takes numbers joined by commas, one a motor"
+        raise ArgumentError(f"{wanted}; got {quoted(given)}") from None

@@ -1,0 +1,96 @@
+"""Many paths at once by the kernel, as `Walker` walks them without one."""
+
+from __future__ import annotations
+
+import ctypes
+import threading
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.closing import closure
+from pmjac_pin.closing.closure_problem import ClosureProblem
+from pmjac_pin.closing.kernel_walk import DOUBTFUL, SPENT, KernelMachine, KernelWalk, PathsToWalk
+from pmjac_pin.closing.many_paths import FEW, LONG, GoOn, Paths, judged
+from pmjac_pin.model.coordinates import JointCoordinates
+from pmjac_pin.values.arrays import Array
+
+if TYPE_CHECKING:
+    from pmjac_pin.algebra.compiled_programs import CompiledProgram
+
+_AT_ONCE = 64  # steps of each lane in one call: some milliseconds, in which nothing can interrupt
+
+
+class PathsInLanes:
+    """Walks paths of a mechanism.
+
+    Parameters
+    ----------
+    library : ctypes.CDLL
+        The kernel.
+    tapes : (Tape, Tape, Tape)
+        Those of a `Walker`: move, arrival and leg.
+    problem : ClosureProblem
+    coordinates : JointCoordinates
+    compiled : sequence of CompiledProgram or None
+        What computes the same as the tapes.
+    """
+
+    def __init__(
+        self,
+        library: ctypes.CDLL,
+        tapes: tuple[Tape, Tape, Tape],
+        problem: ClosureProblem,
+        coordinates: JointCoordinates,
+        compiled: Sequence[CompiledProgram | None] = (None, None, None),
+    ) -> None:
+        partition = problem.partition
+        self._compiled = compiled
+        self._library, self._tapes, self._problem = library, tapes, problem
+        self._machine = KernelMachine(
+            problem,
+            coordinates,
+            tapes[0].outputs,
+            tolerance=problem.tolerance,
+            rank_tolerance=partition.rank_tolerance,
+            least_size=partition.least_size,
+        )
+        self._threads = threading.local()
+
+    def walk(
+        self,
+        q: Array,
+        displacement: Array,
+        target: Array,
+        go_on: GoOn,
+        most_steps: int = closure.MOST_STEPS,
+    ) -> Paths:
+        """Walk from closed poses.
+
+        Parameters
+        ----------
+        q : ndarray, shape (b, nq)
+        displacement, target : ndarray, shape (b, n)
+            Of the motors: over the whole path, and at its end.
+        go_on : callable
+            Called now and then; raises where nobody waits any longer.
+        most_steps : int
+            Tried in each path.
+        """
+        if not len(q):
+            return Paths(q.copy(), np.zeros(0), np.zeros(0, dtype=bool))
+        try:
+            walk = self._threads.walk
+        except AttributeError:
+            walk = KernelWalk(self._library, self._machine, self._tapes, self._compiled)
+            self._threads.walk = walk
+        paths = PathsToWalk.of(q, displacement, target)
+        walk.take(paths, most_steps, FEW, LONG)
+        walk.begin()
+        go_on()
+        while walk.go_on(_AT_ONCE):
+            go_on()
+        ended = Paths(paths.q, paths.share, paths.end != SPENT)
+        return judged(self._problem, ended, displacement, paths.end == DOUBTFUL)

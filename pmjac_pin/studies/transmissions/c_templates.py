@@ -1,0 +1,362 @@
+"""What a header in C99 has of every mechanism; words between @ are filled in."""
+
+from __future__ import annotations
+
+HEAD = """ *
+ *     @name@_pose pose;
+ *     if (@name@_at_joints(joints, &pose) == @NAME@_OK)
+ *         @name@_motor_efforts(&pose, joint_efforts, motor_efforts);
+ *
+ * Where the status is another one, all numbers of the pose are NaN, and so is what is made of them.
+ */
+#ifndef @NAME@_TRANSMISSION_H
+#define @NAME@_TRANSMISSION_H
+
+#include <math.h>
+
+enum @name@_status {
+    @NAME@_OK = 0,
+    @NAME@_OUTSIDE = 1,       /* the joint values are not in the rectangle */
+    @NAME@_NOT_CONVERGED = 2, /* no pose of the table was found for these values */
+    @NAME@_SINGULAR = 3       /* the joints do not determine the motors, or not the other way */
+};
+
+/* A pose, and how rates go there: ratio[@n@ * i + j] is the rate of motor i by that of joint j. */
+typedef struct {
+    double joints[@n@];
+    double motors[@n@];
+    double ratio[@nn@];
+    double inverse[@nn@];
+} @name@_pose;
+"""
+
+_CELL = """static inline int @name@_cell(const double *axis, int points, double x)
+{
+    int cell = (int)((x - axis[0]) / (axis[points - 1] - axis[0]) * (points - 1));
+    if (cell < 0)
+        return 0;
+    return cell > points - 2 ? points - 2 : cell;
+}
+
+/* Cubic Hermite polynomials: values and slopes at both ends, by where between them. */
+static inline void @name@_basis(const double *axis, int cell, double x, double basis[4])
+{
+    const double width = axis[cell + 1] - axis[cell];
+    const double u = (x - axis[cell]) / width;
+    const double v = 1.0 - u;
+    basis[0] = (1.0 + 2.0 * u) * v * v;
+    basis[1] = width * u * v * v;
+    basis[2] = u * u * (3.0 - 2.0 * u);
+    basis[3] = -width * u * u * v;
+}
+"""
+
+INTERPOLATION = {
+    1: _CELL
+    + """
+static inline void @name@_interpolate(const double x[1], double q[@nq@])
+{
+    const int cell = @name@_cell(@name@_axis0, @points0@, x[0]);
+    const double *near = @name@_data[cell];
+    const double *far = @name@_data[cell + 1];
+    double one[4];
+    @name@_basis(@name@_axis0, cell, x[0], one);
+    @sums@
+    @joints_to_q@
+}
+
+static inline int @name@_inside(const double x[1], double slack)
+{
+    return x[0] >= @name@_axis0[0] - slack && x[0] <= @name@_axis0[@points0@ - 1] + slack;
+}
+
+static inline void @name@_clip(double x[1])
+{
+    x[0] = fmin(fmax(x[0], @name@_axis0[0]), @name@_axis0[@points0@ - 1]);
+}
+""",
+    2: _CELL
+    + """
+static inline void @name@_interpolate(const double x[2], double q[@nq@])
+{
+    const int row = @name@_cell(@name@_axis0, @points0@, x[0]);
+    const int column = @name@_cell(@name@_axis1, @points1@, x[1]);
+    const double *d0 = @name@_data[row * @points1@ + column];
+    const double *d1 = @name@_data[row * @points1@ + column + 1];
+    const double *d2 = @name@_data[(row + 1) * @points1@ + column];
+    const double *d3 = @name@_data[(row + 1) * @points1@ + column + 1];
+    double one[4], other[4];
+    @name@_basis(@name@_axis0, row, x[0], one);
+    @name@_basis(@name@_axis1, column, x[1], other);
+    {
+        @weights@
+        @sums@
+    }
+    @joints_to_q@
+}
+
+static inline int @name@_inside(const double x[2], double slack)
+{
+    return x[0] >= @name@_axis0[0] - slack && x[0] <= @name@_axis0[@points0@ - 1] + slack
+        && x[1] >= @name@_axis1[0] - slack && x[1] <= @name@_axis1[@points1@ - 1] + slack;
+}
+
+static inline void @name@_clip(double x[2])
+{
+    x[0] = fmin(fmax(x[0], @name@_axis0[0]), @name@_axis0[@points0@ - 1]);
+    x[1] = fmin(fmax(x[1], @name@_axis1[0]), @name@_axis1[@points1@ - 1]);
+}
+""",
+}
+
+_REGULAR = """\
+/* Invert a matrix; 0 where it is singular, beside all motion and made dimensionless by bare. */
+static inline int @name@_inverted(
+    const double matrix[@nn@], const double bare[@nn@], double motion, double inverse[@nn@])
+{
+"""
+
+ALGEBRA = {
+    1: _REGULAR
+    + """    inverse[0] = 1.0 / matrix[0];
+    return fabs(matrix[0] * bare[0]) > @tolerance@ * motion;
+}
+""",
+    2: _REGULAR
+    + """    const double a = matrix[0], b = matrix[1], c = matrix[2], d = matrix[3];
+    const double determinant = a * d - b * c;
+    const double size = sqrt(
+        a * a * bare[0] * bare[0] + b * b * bare[1] * bare[1] + c * c * bare[2] * bare[2]
+        + d * d * bare[3] * bare[3]);
+    inverse[0] = d / determinant;
+    inverse[1] = -b / determinant;
+    inverse[2] = -c / determinant;
+    inverse[3] = a / determinant;
+    return fabs(determinant * bare[0] * bare[3]) > @tolerance@ * motion * size;
+}
+""",
+}
+
+POSES = """static inline int @name@_failed(@name@_pose *pose, int status)
+{
+    int k;
+    for (k = 0; k < @n@; ++k)
+        pose->joints[k] = pose->motors[k] = NAN;
+    for (k = 0; k < @nn@; ++k)
+        pose->ratio[k] = pose->inverse[k] = NAN;
+    return status;
+}
+
+/* Newton's steps at held joints, or to wanted motors, until they are rounding. */
+static inline int @name@_polish(
+    int by_motors, double q[@inputs@], double *motion, double rates[@nn@])
+{
+    double next[@nq@], size[1] = {INFINITY}, gap[1], condition[1];
+    int k, step;
+    for (step = 0; step < 12; ++step) {
+        const int near = size[0] < 3e-7; /* the next step is its square: rounding, or almost */
+        if (by_motors && near)
+            @name@_step_motors(q, next, size, gap, condition, motion, rates);
+        else if (by_motors)
+            @name@_near_motors(q, next, size);
+        else if (near)
+            @name@_step_joints(q, next, size, gap, condition, motion, rates);
+        else
+            @name@_near_joints(q, next, size);
+        for (k = 0; k < @nq@; ++k)
+            q[k] = next[k];
+        if (!(size[0] < 10.0))
+            return @NAME@_NOT_CONVERGED;
+        if (near && !(condition[0] * @tolerance@ < 1.0))
+            return @NAME@_SINGULAR;
+        if (near && size[0] <= 1e-14 * (10.0 + condition[0]))
+            return gap[0] <= @gap@ ? @NAME@_OK : @NAME@_NOT_CONVERGED;
+    }
+    return @NAME@_NOT_CONVERGED;
+}
+
+/* Whether q is so near the table that no other pose is. */
+static inline int @name@_of_table(const double table[@nq@], const double q[@nq@], double less)
+{
+    int k, near = 1;
+    for (k = 0; k < @nq@; ++k)
+        near &= fabs(q[k] - table[k]) <= @name@_alone[k] - less;
+    return near;
+}
+
+static const double @name@_bare[@nn@] = {@bare@};
+
+/* Position, from joints to motors. */
+static inline int @name@_at_joints(const double x[@n@], @name@_pose *pose)
+{
+    double q[@inputs@], table[@nq@], motion[1];
+    double *theta = pose->motors;
+    int k, status;
+    if (!@name@_inside(x, 0.0))
+        return @name@_failed(pose, @NAME@_OUTSIDE);
+    for (k = 0; k < @n@; ++k)
+        pose->joints[k] = x[k];
+    @name@_interpolate(x, q);
+    for (k = 0; k < @nq@; ++k)
+        table[k] = q[k];
+    status = @name@_polish(0, q, motion, pose->ratio);
+    if (status != @NAME@_OK)
+        return @name@_failed(pose, status);
+    if (!@name@_of_table(table, q, 0.0))
+        return @name@_failed(pose, @NAME@_NOT_CONVERGED);
+    if (!@name@_inverted(pose->ratio, @name@_bare, motion[0], pose->inverse))
+        return @name@_failed(pose, @NAME@_SINGULAR);
+    @q_to_motors@
+    return @NAME@_OK;
+}
+
+/* Joint values near those of these motor values: a polynomial. */
+static inline void @name@_guess(const double theta[@n@], double x[@n@])
+{
+    @guess@
+    @name@_clip(x);
+}
+
+/* The same by Newton's steps on the table, from the nearest of some points. */
+static inline void @name@_search(const double theta[@n@], double x[@n@])
+{
+    double now[@n@], apart[@n@], q[@inputs@], next[@nq@], size[1], gap[1], condition[1], motion[1];
+    double rates[@nn@], inverse[@nn@], best = INFINITY;
+    int i, k, seed, step;
+    for (seed = 0; seed < @seeds@; ++seed) {
+        double far = 0.0;
+        for (k = 0; k < @n@; ++k)
+            now[k] = @name@_seeds[seed][k];
+        @apart@
+        for (k = 0; k < @n@; ++k)
+            far += apart[k] * apart[k];
+        if (far < best) {
+            best = far;
+            for (k = 0; k < @n@; ++k)
+                x[k] = @name@_seeds[seed][@n@ + k];
+        }
+    }
+    for (step = 0; step < 20; ++step) {
+        double moved = 0.0;
+        @name@_interpolate(x, q);
+        @name@_step_joints(q, next, size, gap, condition, motion, rates);
+        if (!@name@_inverted(rates, @name@_bare, motion[0], inverse))
+            return;
+        @q_to_now@
+        @apart@
+        for (i = 0; i < @n@; ++i) {
+            const double before = x[i];
+            for (k = 0; k < @n@; ++k)
+                x[i] += inverse[@n@ * i + k] * apart[k];
+            now[i] = before;
+        }
+        @name@_clip(x);
+        for (i = 0; i < @n@; ++i)
+            moved = fmax(moved, fabs(x[i] - now[i]));
+        if (moved < 1e-6)
+            return;
+    }
+}
+
+static inline int @name@_from(
+    const double start[@n@], const double theta[@n@], @name@_pose *pose)
+{
+    double q[@inputs@], table[@nq@], motion[1], moved = 0.0;
+    double *x = pose->joints;
+    int k, status;
+    @name@_interpolate(start, q);
+    for (k = 0; k < @nq@; ++k)
+        table[k] = q[k];
+    @motors_to_q@
+    for (k = 0; k < @n@; ++k)
+        q[@nq@ + k] = theta[k];
+    status = @name@_polish(1, q, motion, pose->ratio);
+    if (status != @NAME@_OK)
+        return @name@_failed(pose, status);
+    @q_to_joints@
+    if (!@name@_inside(x, 1e-12))
+        return @name@_failed(pose, @NAME@_OUTSIDE);
+    for (k = 0; k < @n@; ++k)
+        moved = fmax(moved, fabs(x[k] - start[k]));
+    if (!@name@_of_table(table, q, @steepest@ * moved)) {
+        @name@_interpolate(x, table);
+        if (!@name@_of_table(table, q, 0.0))
+            return @name@_failed(pose, @NAME@_NOT_CONVERGED);
+    }
+    if (!@name@_inverted(pose->ratio, @name@_bare, motion[0], pose->inverse))
+        return @name@_failed(pose, @NAME@_SINGULAR);
+    for (k = 0; k < @n@; ++k)
+        pose->motors[k] = theta[k];
+    return @NAME@_OK;
+}
+
+/* Position, from motors to joints. */
+static inline int @name@_at_motors(const double theta[@n@], @name@_pose *pose)
+{
+    double x[@n@];
+    int k, status;
+    for (k = 0; k < @n@; ++k)
+        if (!isfinite(theta[k]))
+            return @name@_failed(pose, @NAME@_OUTSIDE);
+    @name@_guess(theta, x);
+    status = @name@_from(x, theta, pose);
+    if (status == @NAME@_OK || status == @NAME@_SINGULAR)
+        return status;
+    @name@_search(theta, x);
+    return @name@_from(x, theta, pose);
+}
+
+/* Rates of the motors: ratio times those of the joints. */
+static inline void @name@_motor_rates(
+    const @name@_pose *pose, const double joint_rates[@n@], double motor_rates[@n@])
+{
+    int i, k;
+    for (i = 0; i < @n@; ++i) {
+        double sum = 0.0;
+        for (k = 0; k < @n@; ++k)
+            sum += pose->ratio[@n@ * i + k] * joint_rates[k];
+        motor_rates[i] = sum;
+    }
+}
+
+/* Rates of the joints. */
+static inline void @name@_joint_rates(
+    const @name@_pose *pose, const double motor_rates[@n@], double joint_rates[@n@])
+{
+    int i, k;
+    for (i = 0; i < @n@; ++i) {
+        double sum = 0.0;
+        for (k = 0; k < @n@; ++k)
+            sum += pose->inverse[@n@ * i + k] * motor_rates[k];
+        joint_rates[i] = sum;
+    }
+}
+
+/* Efforts of the motors that do what efforts of the joints would. */
+static inline void @name@_motor_efforts(
+    const @name@_pose *pose, const double joint_efforts[@n@], double motor_efforts[@n@])
+{
+    int i, k;
+    for (i = 0; i < @n@; ++i) {
+        double sum = 0.0;
+        for (k = 0; k < @n@; ++k)
+            sum += pose->inverse[@n@ * k + i] * joint_efforts[k];
+        motor_efforts[i] = sum;
+    }
+}
+
+/* Efforts of the joints: ratio, transposed, times those of the motors. */
+static inline void @name@_joint_efforts(
+    const @name@_pose *pose, const double motor_efforts[@n@], double joint_efforts[@n@])
+{
+    int i, k;
+    for (i = 0; i < @n@; ++i) {
+        double sum = 0.0;
+        for (k = 0; k < @n@; ++k)
+            sum += pose->ratio[@n@ * k + i] * motor_efforts[k];
+        joint_efforts[i] = sum;
+    }
+}
+
+#endif
+"""

@@ -1,0 +1,263 @@
+"""Enclosure: a proof of how far a sheet is from the closed poses that it interpolates.
+
+At joint values x, let F(v) = η(x, φ̃(x) ⊕ v), with φ̃ the sheet's polynomials and v dimensionless,
+and A an approximate inverse of K* in a piece of a cell. With
+
+    Y ≥ |A F(0)|,    E ≥ |I − A K*| up to r from the sheet,    all over the piece,
+
+and Y + E r ≤ r, Krawczyk's test holds at every x of the piece: there is a closed pose within
+Y + E r of the sheet, component by component, and, where moreover ‖E‖ + (1 + ‖E‖) r < 1, no other
+one within r. Y is of the order of the interpolation's own error, since F(0) is enclosed by its
+Taylor polynomial along the sheet (`SheetEquations`); E is small where pieces are. Rates follow:
+−K*⁻¹K is within ‖E‖ / (1 − ‖E‖) ‖A K‖ of −A K, by columns.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import dataclass
+
+import numpy as np
+
+from pmjac_pin.algebra.balls import OUTWARDS
+from pmjac_pin.algebra.intervals import Intervals
+from pmjac_pin.algebra.series import largest_sizes
+from pmjac_pin.errors import ArgumentError
+from pmjac_pin.rates.partition import Partition, independent_rows
+from pmjac_pin.studies.contraction import contraction
+from pmjac_pin.studies.transmissions.newton_program import NewtonProgram
+from pmjac_pin.studies.transmissions.sheet import Sheet
+from pmjac_pin.studies.transmissions.sheet_equations import Along, Pieces, SheetEquations
+from pmjac_pin.values.arrays import Array, Index, Mask
+
+_AT_ONCE = 512  # pieces
+_MOST_PIECES = 20_000
+_ROUNDS = 12
+_WIDER = 20.0  # than a sheet's error: where no other pose is looked for
+_ENTRIES = 8.0  # a motion of 1 changes an entry of q by more than 1 / 8: slides turn, too
+_ALONE = 1e-4  # rad: how far at least no other pose is wanted
+_NARROW = 0.25  # ‖E‖ beyond which bounds on rates are wide: pieces are halved for it
+_SMALLEST = 0.25  # of a cell, to which they are
+
+
+@dataclass(frozen=True, slots=True)
+class Enclosure:
+    """Bounds on a sheet, all over its rectangle; `failed` says why nothing is proven.
+
+    Attributes
+    ----------
+    error : ndarray, shape (k,)
+        How far each follower of a `NewtonProgram` is from the sheet at most, m or rad.
+    alone : ndarray, shape (nq,)
+        No other closed pose has each entry of q nearer to the sheet than this.
+    lower, upper : ndarray, shape (k, n)
+        Bounds on their rates by those of the joints that drive.
+    one_to_one : bool
+        No two poses have the same values of the followers.
+    pieces : int
+        How many the proof took.
+    left_out, left_out_gap : int, float
+        Rows that depend on the others, and to what they hold, in their own units.
+    failed : str
+    """
+
+    error: Array
+    alone: Array
+    lower: Array
+    upper: Array
+    one_to_one: bool = False
+    pieces: int = 0
+    left_out: int = 0
+    left_out_gap: float = 0.0
+    failed: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Proven:
+    """What holds in each of b pieces."""
+
+    good: Mask
+    error: Array
+    radius: Array
+    ratio: Intervals
+    gap: Array
+
+
+def enclose(program: NewtonProgram, sheet: Sheet) -> Enclosure:
+    """Return what interval arithmetic proves of a sheet of closed poses."""
+    count, n = program.followers.size, len(sheet.axes)
+    nothing = (
+        np.full(count, np.inf),
+        np.zeros(program.q.size),
+        np.full((count, n), -np.inf),
+        np.full((count, n), np.inf),
+    )
+    partition = program.rates.partition
+    if partition.passive_rank < partition.passive.size:
+        return Enclosure(*nothing, failed="joints are left free by those that drive")
+    try:
+        equations = SheetEquations(program.mechanism, sheet)
+    except ArgumentError as error:
+        return Enclosure(*nothing, failed=str(error))
+    proof = _Proof(equations, partition, program.followers)
+    try:
+        found = _all_over(sheet, proof)
+        widest = max(float(one.radius[one.good].max(initial=0.0)) for one in found)
+        if min(float(one.radius[one.good].min(initial=np.inf)) for one in found) < widest:
+            # Where one piece needs it, no other pose is wanted in any.
+            proof.least_radius = widest
+            found = _all_over(sheet, proof)
+    except _TooLargeError as error:
+        return Enclosure(*nothing, failed=f"cells are too large for a proof, at {error}")
+    return proof.together(found)
+
+
+class _TooLargeError(Exception):
+    """Pieces are too large for a proof however often they are halved; says where."""
+
+
+def _all_over(sheet: Sheet, proof: _Proof) -> list[_Proven]:
+    """Return what holds in the cells of a sheet, halved where they are too large."""
+    waiting = [Pieces.whole([axis.size - 1 for axis in sheet.axes])]
+    found: list[_Proven] = []
+    done = 0
+    while waiting:
+        pieces = waiting.pop()
+        for start in range(0, pieces.at.shape[1], _AT_ONCE):
+            part = pieces[slice(start, start + _AT_ONCE)]
+            found.append(proof.of(part))
+            done += part.at.shape[1]
+            if not (good := found[-1].good).all():
+                waiting.append(part[~good].split())
+        if done + sum(one.at.shape[1] for one in waiting) > _MOST_PIECES:
+            raise _TooLargeError(sheet_place(sheet, waiting[-1]))
+    return found
+
+
+def sheet_place(sheet: Sheet, pieces: Pieces) -> str:
+    """Return the joint values in the middle of the first of some pieces, in words."""
+    values = []
+    for axis, cell, at in zip(sheet.axes, pieces.cells[:, 0], pieces.at[:, 0], strict=True):
+        low, high = float(axis[cell]), float(axis[cell + 1])
+        values.append(f"{0.5 * (low + high) + 0.5 * (high - low) * float(at):.4g}")
+    return ", ".join(values)
+
+
+class _Proof:
+    """Krawczyk's test over pieces of a sheet."""
+
+    def __init__(self, equations: SheetEquations, partition: Partition, followers: Index) -> None:
+        self._equations, self._partition = equations, partition
+        passive = partition.passive.tolist()
+        self._followers = np.array([passive.index(k) for k in followers.tolist()], dtype=np.intp)
+        self._kept = np.zeros(0, dtype=np.intp)
+        self.least_radius = _ALONE / self._turns()
+
+    def of(self, pieces: Pieces) -> _Proven:
+        """Return what holds in some pieces."""
+        along, count = self._equations.along(pieces), pieces.at.shape[1]
+        K, _ = self._equations.around(along, np.zeros(count))
+        A = self._inverse(K)
+        Y = largest_sizes(self._after(A, term) for term in along.residual.values())
+        with np.errstate(divide="ignore", invalid="ignore"):
+            radius = _WIDER * Y.max(axis=1) / (1.0 - self._sizes(A, K).sum(axis=2).max(axis=1))
+        good = np.isfinite(radius) & (radius >= 0.0)
+        radius = np.where(good, np.maximum(radius, self.least_radius), 0.0)
+        K, cosine = self._equations.around(along, radius)
+        E = _up(self._sizes(A, K).sum(axis=2))
+        Z = E.max(axis=1)
+        good &= _up(Y + E * radius[:, None]).max(axis=1) <= radius
+        good &= (_up(Z + (1.0 + Z) * radius * self._turns()) < 1.0) & (cosine > 0.0)
+        reach, Z = np.where(good, radius, 1.0), np.where(good, Z, 1.0)
+        for _ in range(_ROUNDS):  # what is within r is within Y + E r
+            reach = np.minimum(reach, _up(Y + E * reach[:, None]).max(axis=1))
+        ratio = self._ratio(A, K, Z)
+        narrow = (Z < _NARROW) | (pieces.half.max(axis=0) <= _SMALLEST)
+        good &= narrow & _regular(ratio)
+        every = _up(Y + E * reach[:, None]) * self._partition.column_scale[self._partition.passive]
+        error = _up(every[:, self._followers])
+        return _Proven(good, error, radius, ratio, self._gap(along, K, reach))
+
+    def together(self, found: list[_Proven]) -> Enclosure:
+        """Return what holds in all of them."""
+        error = np.max([one.error[one.good].max(axis=0, initial=0.0) for one in found], axis=0)
+        lower = np.min([one.ratio.lower[one.good].min(axis=0, initial=np.inf) for one in found], 0)
+        upper = np.max([one.ratio.upper[one.good].max(axis=0, initial=-np.inf) for one in found], 0)
+        gap = max(float(one.gap[one.good].max(initial=0.0)) for one in found)
+        whole, pieces = Intervals(lower[None], upper[None]), sum(one.good.size for one in found)
+        others = self._equations.rows - len(self._kept)
+        radius = min(float(one.radius[one.good].min(initial=np.inf)) for one in found)
+        alone = radius * self._equations.entry_scale() / _ENTRIES
+        return Enclosure(error, alone, lower, upper, bool(_regular(whole)[0]), pieces, others, gap)
+
+    def _turns(self) -> float:
+        """Return the largest turn of an unknown of 1."""
+        return float(self._partition.column_scale[self._partition.passive].max(initial=0.0))
+
+    def _inverse(self, K: Intervals) -> Array:
+        """Return approximate inverses of the dimensionless K* (b, m, m), 0 where there is none."""
+        passive = self._partition.passive
+        if self._kept.size < self._partition.passive_rank:
+            self._kept = self._independent(K.middle[0])
+        square: Array = (
+            K.middle[:, self._kept][:, :, passive] * self._partition.column_scale[passive]
+        )
+        found = np.zeros(square.shape)
+        for inverse, matrix in zip(found, square, strict=True):
+            with contextlib.suppress(np.linalg.LinAlgError):
+                inverse[:] = np.linalg.inv(matrix)
+        return found
+
+    def _independent(self, K: Array) -> Index:
+        """Return rows of K* that are independent at a pose."""
+        bare: Array = K * np.outer(self._partition.row_scale, self._partition.column_scale)
+        return independent_rows(bare[:, self._partition.passive], self._partition.passive_rank)
+
+    def _after(self, A: Array, term: Intervals) -> Intervals:
+        return term[:, self._kept][..., None].after(A)[..., 0]
+
+    def _bare(self, K: Intervals, columns: Index) -> Intervals:
+        scale = Intervals.exact(self._partition.column_scale[columns])
+        return K[:, self._kept][:, :, columns] * scale
+
+    def _sizes(self, A: Array, K: Intervals) -> Array:
+        """Return |I − A K*| (b, m, m)."""
+        return contraction(A, self._bare(K, self._partition.passive)).magnitude
+
+    def _ratio(self, A: Array, K: Intervals, Z: Array) -> Intervals:
+        """Return the followers' rates (b, k, n) by those of the joints that drive."""
+        driven, scale = self._partition.actuated, self._partition.column_scale
+        rates = -self._bare(K, driven).after(A)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            more = _up(np.where(Z < 1.0, Z / (1.0 - Z), np.inf))
+        off = _up(more[:, None] * rates.magnitude.max(axis=1))
+        own = rates[:, self._followers].widened(off[:, None, :])
+        columns = self._partition.passive[self._followers]
+        return own * Intervals.exact(scale[columns][:, None]) / Intervals.exact(scale[driven])
+
+    def _gap(self, along: Along, K: Intervals, reach: Array) -> Array:
+        """Return how far the rows that are left out are from 0, (b,)."""
+        others = np.setdiff1d(np.arange(self._equations.rows), self._kept)
+        if not others.size:
+            return np.zeros(reach.size)
+        passive = self._partition.passive
+        own = largest_sizes(term[:, others] for term in along.residual.values())
+        slopes: Array = (
+            K[:, others][:, :, passive].magnitude * self._partition.column_scale[passive]
+        )
+        sizes = _up(own + _up(slopes.sum(axis=2)) * reach[:, None])
+        return np.asarray(sizes.max(axis=1))
+
+
+def _up(sizes: Array) -> Array:
+    """Return more than exact sums and products of numbers ≥ 0 that came out so."""
+    return np.asarray(OUTWARDS * sizes)
+
+
+def _regular(ratio: Intervals) -> Mask:
+    """Tell which intervals of matrices (b, n, n) hold no singular one; n is 1 or 2."""
+    if ratio.shape[-1] == 1:
+        found = ratio[:, 0, 0]
+    else:
+        found = ratio[:, 0, 0] * ratio[:, 1, 1] - ratio[:, 0, 1] * ratio[:, 1, 0]
+    return np.asarray((found.lower > 0.0) | (found.upper < 0.0))
