@@ -672,7 +672,7 @@ def test_polytopes_are_those_of_the_limits_about_the_tool(name):
     mechanism = loaded(name)
     there = mechanism.close(mechanism.home.actuated + 0.03, enforce_limits=False)
     items, block = by_name(scene(there, EVERYTHING)), there.jacobian().Jv_eq
-    tool, limits = there.tool_pose.translation, motor_rate_limits(mechanism)
+    tool, limits = there.tool_pose().translation, motor_rate_limits(mechanism)
     faces = items["polytopes/velocity/faces"]
     edges, label = items["polytopes/velocity/edges"], items["polytopes/velocity/label"]
     assert edges.visible
@@ -710,7 +710,7 @@ def test_the_load_is_an_arrow_at_the_tool_along_it():
     mechanism, maker = loaded("three_rps"), SceneMaker(loaded("three_rps"))
     force = np.array([3.0, -4.0, 12.0])
     items = by_name(maker.scene(mechanism.home, force=force))
-    tool = mechanism.home.tool_pose.translation
+    tool = mechanism.home.tool_pose().translation
     shaft, head = items["load/shaft"].transform, items["load/head"].transform
     np.testing.assert_allclose(
         shaft[:3, 2] / np.linalg.norm(shaft[:3, 2]), force / 13.0, atol=1e-12

@@ -257,9 +257,9 @@ def test_the_same_mechanism_loaded_twice_is_welcome():
 def test_an_update_computes_jacobian_and_ellipsoids_once(monkeypatch):
     session, computed = session_of(), []
 
-    def counted(jacobian, unit, *rest, **named):
+    def counted(jacobian, unit, *others):
         computed.append(unit)
-        return velocity_ellipsoid(jacobian, unit, *rest, **named)
+        return velocity_ellipsoid(jacobian, unit, *others)
 
     monkeypatch.setattr("pmjac_pin.rates.tool_reach.velocity_ellipsoid", counted)
     session.obey(MoveMotors(values=[1.2, 1.0, 1.0]))

@@ -20,8 +20,9 @@ from pmjac_pin.pictures.figures import as_it_is, new_figure
 from pmjac_pin.pictures.pose_figure import headings
 from pmjac_pin.pictures.stick_drawing import draw_figure, frame_of, view_of
 from pmjac_pin.pictures.stick_figure import StickFigure, StickFigures
-from pmjac_pin.pictures.within_limits import GivenLimits, within_limits
+from pmjac_pin.pictures.within_limits import within_limits
 from pmjac_pin.rates.ellipsoid import Ellipsoid
+from pmjac_pin.rates.motor_limits import Limits
 from pmjac_pin.rates.solid import Solid
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_names, as_numbers, check_kind
@@ -47,7 +48,7 @@ def plot(
     configuration: Configuration,
     quantity: str = "linear",
     *,
-    limits: GivenLimits | None = None,
+    limits: Limits | None = None,
     frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED",
     planes: Sequence[str] | None = None,
     size: tuple[float, float] | None = None,
@@ -124,7 +125,7 @@ def _shown(
     configuration: Configuration,
     quantity: str,
     frame: str | pin.ReferenceFrame,
-    limits: GivenLimits | None,
+    limits: Limits | None,
 ) -> tuple[Ellipsoid, Solid | None]:
     check_kind(configuration, Configuration)
     jacobian = configuration.jacobian(frame)
@@ -136,7 +137,7 @@ def _shown(
     if not isinstance(quantity, str) or quantity not in known:
         raise ArgumentError(f"no quantity {quoted(quantity)}{did_you_mean(quantity, known)}")
     if limits is not None:
-        within = within_limits(configuration, jacobian, quantity, limits)  # type: ignore[arg-type]
+        within = within_limits(jacobian, quantity, limits)  # type: ignore[arg-type]
         return within.ellipsoid, within.solid
     return known[quantity](), None
 

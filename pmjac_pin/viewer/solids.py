@@ -8,8 +8,9 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ArgumentError
+from pmjac_pin.errors import ArgumentError, enumerated
 from pmjac_pin.files.shapes import Text
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.pictures.anatomy import Anatomy
 from pmjac_pin.pictures.within_limits import Quantity, solid_within
 from pmjac_pin.rates.solid import Solid
@@ -50,7 +51,7 @@ class SolidLayer:
     def __init__(self, anatomy: Anatomy, kind: SolidKind, automatic: float) -> None:
         self._kind: SolidKind = kind
         self._size = anatomy.size
-        self._scale = automatic / _largest_limit(anatomy, kind)
+        self._scale = automatic / _largest_limit(anatomy.mechanism, kind)
         path = f"polytopes/{kind}"
         self.parts: Sequence[Part] = (
             Part(f"{path}/faces", NO_FACETS, SOLID[kind]),
@@ -101,15 +102,26 @@ def solid_or_refusal(configuration: Configuration, kind: SolidKind) -> tuple[Sol
     jacobian, _ = equivalent(configuration)
     if jacobian is None:
         return None, _NO_JACOBIAN
+    if missing := _unlimited(configuration.mechanism, kind):
+        what = "rate" if kind == "velocity" else "effort"
+        return None, f"No polytope: the model states no {what} limit of {enumerated(missing)}."
     try:
-        return solid_within(configuration, jacobian, _QUANTITIES[kind], "model"), ""
+        return solid_within(jacobian, _QUANTITIES[kind], "model"), ""
     except ArgumentError as error:
         return None, f"No polytope: {error}."
 
 
-def _largest_limit(anatomy: Anatomy, kind: SolidKind) -> float:
+def _unlimited(mechanism: Mechanism, kind: SolidKind) -> list[str]:
+    missing = np.flatnonzero(np.isinf(_limits(mechanism, kind)))
+    return [mechanism.actuated[k] for k in missing]
+
+
+def _largest_limit(mechanism: Mechanism, kind: SolidKind) -> float:
     """Return what rate, or effort, is drawn as 1."""
-    mechanism = anatomy.mechanism
-    limits = motor_rate_limits(mechanism) if kind == "velocity" else motor_effort_limits(mechanism)
+    limits = _limits(mechanism, kind)
     finite = limits[np.isfinite(limits)]
     return float(finite.max()) if finite.size else 1.0
+
+
+def _limits(mechanism: Mechanism, kind: SolidKind) -> Array:
+    return motor_rate_limits(mechanism) if kind == "velocity" else motor_effort_limits(mechanism)
