@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ast
 import re
+from collections import defaultdict
 from pathlib import Path
 
 import pytest
@@ -18,6 +20,28 @@ MAP = (DOCS / "architecture.md").read_text(encoding="utf-8")
 def found(name):
     places = [ROOT / name, PACKAGE / name, ROOT / "tests" / name]
     return [place for place in places if place.exists()]
+
+
+def defined(path):
+    """Return the names that a module defines for itself: classes, functions, constants."""
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        match node:
+            case ast.ClassDef() | ast.FunctionDef():
+                yield node.name
+            case ast.Assign():
+                yield from (name.id for name in node.targets if isinstance(name, ast.Name))
+            case ast.AnnAssign(target=ast.Name(id=name)):
+                yield name
+
+
+def test_hardly_a_name_stands_for_two_things():
+    """But for what each file has by its kind (`_logger`), and what is the same for two of a kind."""
+    files = defaultdict(set)
+    for path in PACKAGE.rglob("*.py"):
+        for name in defined(path):
+            files[name].add(path.relative_to(PACKAGE).as_posix())
+    shared = {name: sorted(where) for name, where in files.items() if len(where) > 1}
+    assert len(shared) <= 25, shared
 
 
 def test_the_drawing_is_that_of_today():

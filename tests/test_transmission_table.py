@@ -17,7 +17,7 @@ from test_transmission import motors_by_hand
 from transmission_machines import CASES, SMALL, drawn, table_of
 
 import pmjac_pin as pj
-from pmjac_pin.studies.transmissions.enclosure import enclose
+from pmjac_pin.studies.transmissions.enclosure import bounds_of
 
 
 def test_an_ankles_table_beside_its_closed_formula(rng):
@@ -74,7 +74,7 @@ def test_a_proof_sees_a_wrong_number(name):
     middle = tuple(size // 2 for size in table.map.status.shape)
     motor = table.transmission.by_motors.coordinates.entry(int(table.program.followers[0]))
     data[(*middle, *(0,) * len(middle), motor)] += 1e-4
-    found = enclose(table.program, replace(table.sheet, data=data))
+    found = bounds_of(table.program, replace(table.sheet, data=data))
     assert found.failed or found.error[0] >= 1e-4
 
 

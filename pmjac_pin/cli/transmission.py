@@ -17,7 +17,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.pictures.figures import check_figure_file, save_figure
 from pmjac_pin.pictures.transmission_figure import plot_transmission
 from pmjac_pin.studies.transmissions.table_maker import transmission_table
-from pmjac_pin.studies.transmissions.tabulated import SUFFIXES
+from pmjac_pin.studies.transmissions.tabulated import TABLE_SUFFIXES
 from pmjac_pin.studies.transmissions.widest import widest_rectangle
 from pmjac_pin.words.blocks import Verbatim
 from pmjac_pin.words.transmission_tables import transmission_blocks
@@ -94,10 +94,10 @@ def transmission_command(
         enforce_limits=enforce,
         proof=not where.no_proof,
     )
-    given = _limits(limits, len(table.motors))
+    given = _limits_given(limits, len(table.motors))
     blocks = list(transmission_blocks(table, given))
     for path in paths:
-        if Path(path).suffix in SUFFIXES:
+        if Path(path).suffix in TABLE_SUFFIXES:
             table.save(path, name=name, force=force)
         else:
             save_figure(plot_transmission(table.map, given), path)
@@ -107,8 +107,8 @@ def transmission_command(
 def _check_output(path: str, force: bool) -> None:
     """Refuse, before anything is computed, what cannot be written."""
     suffix = Path(path).suffix
-    if suffix not in (*SUFFIXES, *_FIGURES):
-        ends = ", ".join((*SUFFIXES, *_FIGURES))
+    if suffix not in (*TABLE_SUFFIXES, *_FIGURES):
+        ends = ", ".join((*TABLE_SUFFIXES, *_FIGURES))
         raise OutputError(f"{shown_path(path)}: what is written ends in one of {ends}")
     if suffix in _FIGURES:
         check_figure_file(path)
@@ -125,7 +125,7 @@ def _ends(item: str) -> tuple[str, tuple[float, float]]:
         raise ArgumentError(f"{wanted}; got {quoted(item)}") from None
 
 
-def _limits(given: str | None, count: int) -> list[float]:
+def _limits_given(given: str | None, count: int) -> list[float]:
     if given is None:
         return [1.0] * count
     try:

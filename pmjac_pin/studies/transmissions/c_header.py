@@ -15,7 +15,7 @@ import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.program_text import C_WORDS, c_function, function_name, in_comment
-from pmjac_pin.studies.transmissions.c_templates import ALGEBRA, HEAD, INTERPOLATION, POSES
+from pmjac_pin.studies.transmissions.c_templates import ALGEBRA, FILE_HEAD, INTERPOLATION, POSES
 from pmjac_pin.studies.transmissions.fitted_polynomial import c_polynomial, fitted_polynomial
 from pmjac_pin.studies.transmissions.newton_program import NewtonProgram
 from pmjac_pin.studies.transmissions.sheet import Sheet
@@ -89,7 +89,7 @@ def c_header(parts: HeaderParts, name: str | None, head: Iterable[str]) -> str:
     comment = "\n".join(["/*", *(f" * {line}" for line in lines)])
     sections = [
         comment,
-        _filled(HEAD, words),
+        _filled(FILE_HEAD, words),
         *_arrays(parts, called),
         _filled(INTERPOLATION[len(parts.sheet.axes)], words),
         *_programs(parts.program, called),

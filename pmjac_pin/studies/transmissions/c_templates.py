@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-HEAD = """ *
+FILE_HEAD = """ *
  *     @name@_pose pose;
  *     if (@name@_at_joints(joints, &pose) == @NAME@_OK)
  *         @name@_motor_efforts(&pose, joint_efforts, motor_efforts);

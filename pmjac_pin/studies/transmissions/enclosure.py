@@ -27,7 +27,7 @@ from pmjac_pin.rates.partition import Partition, independent_rows
 from pmjac_pin.studies.contraction import contraction
 from pmjac_pin.studies.transmissions.newton_program import NewtonProgram
 from pmjac_pin.studies.transmissions.sheet import Sheet
-from pmjac_pin.studies.transmissions.sheet_equations import Along, Pieces, SheetEquations
+from pmjac_pin.studies.transmissions.sheet_equations import EquationsAlong, Pieces, SheetEquations
 from pmjac_pin.values.arrays import Array, Index, Mask
 
 _AT_ONCE = 512  # pieces
@@ -41,7 +41,7 @@ _SMALLEST = 0.25  # of a cell, to which they are
 
 
 @dataclass(frozen=True, slots=True)
-class Enclosure:
+class SheetBounds:
     """Bounds on a sheet, all over its rectangle; `failed` says why nothing is proven.
 
     Attributes
@@ -83,7 +83,7 @@ class _Proven:
     gap: Array
 
 
-def enclose(program: NewtonProgram, sheet: Sheet) -> Enclosure:
+def bounds_of(program: NewtonProgram, sheet: Sheet) -> SheetBounds:
     """Return what interval arithmetic proves of a sheet of closed poses."""
     count, n = program.followers.size, len(sheet.axes)
     nothing = (
@@ -94,11 +94,11 @@ def enclose(program: NewtonProgram, sheet: Sheet) -> Enclosure:
     )
     partition = program.rates.partition
     if partition.passive_rank < partition.passive.size:
-        return Enclosure(*nothing, failed="joints are left free by those that drive")
+        return SheetBounds(*nothing, failed="joints are left free by those that drive")
     try:
         equations = SheetEquations(program.mechanism, sheet)
     except ArgumentError as error:
-        return Enclosure(*nothing, failed=str(error))
+        return SheetBounds(*nothing, failed=str(error))
     proof = _Proof(equations, partition, program.followers)
     try:
         found = _all_over(sheet, proof)
@@ -108,7 +108,7 @@ def enclose(program: NewtonProgram, sheet: Sheet) -> Enclosure:
             proof.least_radius = widest
             found = _all_over(sheet, proof)
     except _TooLargeError as error:
-        return Enclosure(*nothing, failed=f"cells are too large for a proof, at {error}")
+        return SheetBounds(*nothing, failed=f"cells are too large for a proof, at {error}")
     return proof.together(found)
 
 
@@ -179,7 +179,7 @@ class _Proof:
         error = _up(every[:, self._followers])
         return _Proven(good, error, radius, ratio, self._gap(along, K, reach))
 
-    def together(self, found: list[_Proven]) -> Enclosure:
+    def together(self, found: list[_Proven]) -> SheetBounds:
         """Return what holds in all of them."""
         error = np.max([one.error[one.good].max(axis=0, initial=0.0) for one in found], axis=0)
         lower = np.min([one.ratio.lower[one.good].min(axis=0, initial=np.inf) for one in found], 0)
@@ -189,7 +189,9 @@ class _Proof:
         others = self._equations.rows - len(self._kept)
         radius = min(float(one.radius[one.good].min(initial=np.inf)) for one in found)
         alone = radius * self._equations.entry_scale() / _ENTRIES
-        return Enclosure(error, alone, lower, upper, bool(_regular(whole)[0]), pieces, others, gap)
+        return SheetBounds(
+            error, alone, lower, upper, bool(_regular(whole)[0]), pieces, others, gap
+        )
 
     def _turns(self) -> float:
         """Return the largest turn of an unknown of 1."""
@@ -236,7 +238,7 @@ class _Proof:
         columns = self._partition.passive[self._followers]
         return own * Intervals.exact(scale[columns][:, None]) / Intervals.exact(scale[driven])
 
-    def _gap(self, along: Along, K: Intervals, reach: Array) -> Array:
+    def _gap(self, along: EquationsAlong, K: Intervals, reach: Array) -> Array:
         """Return how far the rows that are left out are from 0, (b,)."""
         others = np.setdiff1d(np.arange(self._equations.rows), self._kept)
         if not others.size:

@@ -44,7 +44,7 @@ class Rectangle:
             names = ", ".join(map(str, over))
             wanted = "a rectangle is of one joint or two; `pmjac_pin.transmission` has more"
             raise ArgumentError(f"{wanted}, at any pose; got {names}")
-        ends = [_ends(name, given) for name, given in over.items()]
+        ends = [_checked_ends(name, given) for name, given in over.items()]
         return cls(tuple(over), np.array([a for a, _ in ends]), np.array([b for _, b in ends]))
 
     def axes(self, points: int) -> tuple[Array, ...]:
@@ -57,7 +57,7 @@ class Rectangle:
         return ", ".join(f"{name} {lower:.6g} to {upper:.6g}" for name, lower, upper in ends)
 
 
-def _ends(name: object, given: object) -> tuple[float, float]:
+def _checked_ends(name: object, given: object) -> tuple[float, float]:
     ends = as_numbers(given, f"`over`: where {quoted(name)} begins and ends")
     if ends.shape != (2,) or not ends[0] < ends[1]:
         wanted = f"`over`: of {quoted(name)} two numbers are wanted, the lower one first"

@@ -60,7 +60,7 @@ class Pieces:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Along:
+class EquationsAlong:
     """The equations along a sheet, in b pieces.
 
     Attributes
@@ -112,7 +112,7 @@ class SheetEquations:
             found[link.entries.start : link.entries.start + slides] = self._scale[column]
         return found
 
-    def along(self, pieces: Pieces) -> Along:
+    def along(self, pieces: Pieces) -> EquationsAlong:
         """Return the equations along the sheet over some pieces."""
         values, entries = self._values(pieces)
         motions: dict[int, JointMotion] = {}
@@ -138,9 +138,9 @@ class SheetEquations:
             for column, one in motions.items()
         }
         residual = {key: Intervals(*(end.T.copy() for end in ends)) for key, ends in rows.items()}
-        return Along(residual, wide)
+        return EquationsAlong(residual, wide)
 
-    def around(self, along: Along, radius: Array) -> tuple[Intervals, Array]:
+    def around(self, along: EquationsAlong, radius: Array) -> tuple[Intervals, Array]:
         """Return [K K*] (b, p, nv) over all poses up to some radii (b,) from the sheet.
 
         And the least cosine between axes that the rows want to coincide.

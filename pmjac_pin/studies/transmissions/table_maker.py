@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.evidence import Evidence
-from pmjac_pin.studies.transmissions.enclosure import Enclosure, enclose
+from pmjac_pin.studies.transmissions.enclosure import SheetBounds, bounds_of
 from pmjac_pin.studies.transmissions.map_maker import newton_program, transmission_map
 from pmjac_pin.studies.transmissions.newton_program import NewtonProgram, RatesTold
 from pmjac_pin.studies.transmissions.sheet import Sheet
@@ -68,7 +68,7 @@ def transmission_table(
     rows = found.q.reshape(-1, found.q.shape[-1])
     program = newton_program(found.transmission, rows)
     sheet = _sheet(found, program, rows)
-    bounds = enclose(program, sheet) if proof else None
+    bounds = bounds_of(program, sheet) if proof else None
     if bounds is None or bounds.failed:
         why = "no proof was asked for" if bounds is None else bounds.failed
         bounds, evidence = _estimated(found, program, sheet, why)
@@ -91,7 +91,7 @@ def _sheet(found: TransmissionMap, program: NewtonProgram, rows: Array) -> Sheet
 
 def _estimated(
     found: TransmissionMap, program: NewtonProgram, sheet: Sheet, why: str
-) -> tuple[Enclosure, Evidence]:
+) -> tuple[SheetBounds, Evidence]:
     """Return error and bounds on R as they are seen between the points, and that they are so."""
     between = [
         (axis[:-1, None] + np.diff(axis)[:, None] * np.array(_BETWEEN)).ravel()
@@ -113,7 +113,7 @@ def _estimated(
     )
     error, alone = _MARGIN * off.max(axis=0), _MARGIN**2 * np.abs(seen - exact).max(axis=0)
     lower, upper = rates.ratio.min(axis=0), rates.ratio.max(axis=0)
-    return Enclosure(error, alone + _ROUNDING, lower, upper), Evidence("tolerance", statement)
+    return SheetBounds(error, alone + _ROUNDING, lower, upper), Evidence("tolerance", statement)
 
 
 def _check_regular(found: TransmissionMap, x: Array, rates: RatesTold) -> None:
@@ -127,7 +127,7 @@ def _check_regular(found: TransmissionMap, x: Array, rates: RatesTold) -> None:
         raise ArgumentError(f"the transmission is singular inside {found.rectangle}, near {where}")
 
 
-def _proven(found: TransmissionMap, bounds: Enclosure) -> str:
+def _proven(found: TransmissionMap, bounds: SheetBounds) -> str:
     parts = [
         f"all over {found.rectangle} there is one pose next to the table's, and it is regular, by "
         f"interval arithmetic over {bounds.pieces} pieces"

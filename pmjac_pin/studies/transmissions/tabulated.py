@@ -11,7 +11,7 @@ import numpy as np
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.values.arrays import Array, Index
 
-SUFFIXES = (".h", ".npz", ".csv")
+TABLE_SUFFIXES = (".h", ".npz", ".csv")
 
 
 @dataclass(frozen=True, eq=False)

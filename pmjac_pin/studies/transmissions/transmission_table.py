@@ -17,7 +17,7 @@ from pmjac_pin.studies.transmissions.c_header import HeaderParts, c_header
 from pmjac_pin.studies.transmissions.newton_program import NewtonProgram
 from pmjac_pin.studies.transmissions.rectangle import Rectangle
 from pmjac_pin.studies.transmissions.sheet import Sheet
-from pmjac_pin.studies.transmissions.tabulated import SUFFIXES, Tabulated, twist_of
+from pmjac_pin.studies.transmissions.tabulated import TABLE_SUFFIXES, Tabulated, twist_of
 from pmjac_pin.studies.transmissions.transmission import Transmission
 from pmjac_pin.studies.transmissions.transmission_map import TransmissionMap
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays
@@ -171,8 +171,8 @@ class TransmissionTable(ReadOnlyArrays):
         """
         force = as_flag(force, "force")
         suffix = output_path(path).suffix
-        if suffix not in SUFFIXES:
-            ends = ", ".join(SUFFIXES)
+        if suffix not in TABLE_SUFFIXES:
+            ends = ", ".join(TABLE_SUFFIXES)
             raise OutputError(f"{shown_path(output_path(path))}: a table's file ends in {ends}")
         check_new(path, force)
         written = self.c(name) if suffix == ".h" else self.tabulated()
