@@ -143,12 +143,12 @@ from .studies.program import Program as Program
 from .studies.program import program as program
 from .studies.recut import recut as recut
 from .studies.sweep.sweep import sweep as sweep
+from .studies.transmissions.map_maker import transmission_map as transmission_map
 from .studies.transmissions.table_maker import transmission_table as transmission_table
 from .studies.transmissions.transmission import Geared as Geared
 from .studies.transmissions.transmission import Transmission as Transmission
 from .studies.transmissions.transmission import transmission as transmission
 from .studies.transmissions.transmission_map import TransmissionMap as TransmissionMap
-from .studies.transmissions.transmission_map import transmission_map as transmission_map
 from .studies.transmissions.transmission_table import (
     TransmissionTable as TransmissionTable,
 )

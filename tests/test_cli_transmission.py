@@ -85,7 +85,7 @@ def test_a_name_for_the_header_and_limits_of_the_motors(tmp_path, monkeypatch, c
         ([*OVER, "--limits", "1,a"], "--limits takes numbers"),
         ([*OVER, "--limits", "1,0"], "numbers above 0"),
         ([*OVER, "--limits", "1"], "2 numbers expected"),
-        ([*OVER, "--points", "1"], "`points` is 2 to 1000"),
+        ([*OVER, "--points", "1"], "`points` is 2 to 200 along each joint"),
     ],
 )
 def test_what_is_wrong_is_told_in_one_line(words, message, tmp_path, monkeypatch, capsys):

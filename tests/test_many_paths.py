@@ -11,6 +11,7 @@ from test_batch import NAMES, single, targets
 
 import pmjac_pin as pj
 from pmjac_pin.algebra.tape_runner import run
+from pmjac_pin.closing.closure import MOST_STEPS
 from pmjac_pin.closing.many_paths import FEW, LONG
 from pmjac_pin.closing.path_kernel import many_paths_kernel
 from pmjac_pin.closing.recorded_step import BOUNDS
@@ -69,9 +70,13 @@ def test_the_kernel_walks_as_numpy_does(name, rng):
     if closing.walker is None or problem.partition.constraint_rank > problem.partition.passive_rank:
         pytest.skip("single calls walk it")
     values = targets(mechanism, 150, 0.3, rng)
-    start = np.broadcast_to(mechanism.home.q, (150, mechanism.nq))
+    common = np.broadcast_to(mechanism.home.q, (150, mechanism.nq))
     displacement, length = values - mechanism.home.actuated, mechanism.characteristic_length
-    for count, most in ((150, 20_000), (150, 3), (1, 20_000), (0, 20_000)):
+    each, all_steps = np.array(common), MOST_STEPS
+    for start, count, most in (
+        (common, 150, all_steps), (each, 150, all_steps), (each, 150, 3), (common, 1, all_steps),
+        (common, 0, 3),
+    ):  # fmt: skip
         told = []
         paths = start[:count], displacement[:count], values[:count], lambda: told.append(1)  # noqa: B023
         found, expected = (one.walk(*paths, most) for one in (closing.lanes, closing.walker))
@@ -88,10 +93,12 @@ def test_the_kernel_walks_as_numpy_does(name, rng):
 
 
 @pytest.mark.skipif(many_paths_kernel() is None, reason="no kernel was built")
-def test_no_lane_depends_on_another(rng):
+@pytest.mark.parametrize("at", [np.tile, lambda q, shape: np.broadcast_to(q, (shape[0], q.size))])
+def test_no_lane_depends_on_another(at, rng):
+    """Each path with a start of its own, and all with one in common."""
     mechanism = loaded("five_bar")
     lanes, values = pj.batch(mechanism)._closing.lanes, targets(mechanism, 150, 0.6, rng)
-    start = np.tile(mechanism.home.q, (150, 1))
+    start = at(mechanism.home.q, (150, 1))
     displacement = values - mechanism.home.actuated
     together = lanes.walk(start, displacement, values, lambda: None)
     order = rng.permutation(150)

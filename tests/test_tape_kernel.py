@@ -126,6 +126,23 @@ def test_singular_values_at_some_places(values_kernel, shape, rng):
     np.testing.assert_allclose(singular_values(matrices, (2, 0)), some, rtol=1e-12)
 
 
+@pytest.mark.parametrize("apart", [0.0, 1e-14, 1e-10, 1e-6, 1e-3, 1e-2])
+def test_singular_values_that_are_near_each_other(values_kernel, apart, rng):
+    """Where Newton's method is slow; and what is beside them is not touched by that."""
+    count, size = 64, 9
+    left, right = (np.linalg.qr(rng.normal(size=(count, size, size)))[0] for _ in range(2))
+    values = np.sort(rng.uniform(0.1, 1.0, (count, size)))[:, ::-1]
+    values[::3] = 1.0 - apart * np.arange(size)
+    values[1::3, -2:] = [1e-7 * (1.0 + apart), 1e-7]
+    matrices = ((left * values[:, None]) @ right).transpose(1, 2, 0)
+    expected = np.linalg.svd(matrices.transpose(2, 0, 1), compute_uv=False).T
+    found = values_in(values_kernel, matrices, range(size))
+    assert (np.abs(found - expected) <= 3e-15 * size * expected[:1]).all()
+    for k in range(0, count, 5):
+        alone = values_in(values_kernel, matrices[:, :, k : k + 1], range(size))
+        np.testing.assert_array_equal(found[:, k], alone[:, 0])
+
+
 @pytest.mark.parametrize("size", [1e-305, 1e-200, 1e-100, 1e-30, 1e30, 1e100, 1e305])
 @pytest.mark.parametrize("vectors", [3, 9])
 def test_singular_values_of_any_size(values_kernel, vectors, size, rng):

@@ -92,7 +92,7 @@ def corners(table):
 @pytest.mark.parametrize("name", CASES)
 def test_from_joints_to_motors_it_is_what_python_says(name, compiled, rng):
     table, header = table_of(name), compiled(name)
-    x = np.vstack([drawn(table, rng, 300), corners(table)])
+    x = np.vstack([drawn(table, rng, 100), corners(table)])
     exact, ratio = table.exact(x)
     for k, row in enumerate(x):
         status, joints, motors, found, inverse, _ = header.at("joints", row)
@@ -123,7 +123,7 @@ def test_it_is_what_single_poses_say(name, compiled, rng):
 
 def test_an_ankle_is_its_closed_formula(compiled, rng):
     header, table = compiled("humanoid_ankle"), table_of("humanoid_ankle")
-    for row in drawn(table, rng, 300):
+    for row in drawn(table, rng, 100):
         by_hand = motors_by_hand(*row)
         np.testing.assert_allclose(header.at("joints", row)[2], by_hand, rtol=0, atol=1e-12)
         np.testing.assert_allclose(header.at("motors", by_hand)[1], row, rtol=0, atol=1e-12)
@@ -132,7 +132,7 @@ def test_an_ankle_is_its_closed_formula(compiled, rng):
 @pytest.mark.parametrize("name", CASES)
 def test_from_motors_to_joints_it_leads_back(name, compiled, rng):
     table, header = table_of(name), compiled(name)
-    x = np.vstack([drawn(table, rng, 1000), corners(table)])
+    x = np.vstack([drawn(table, rng, 200), corners(table)])
     exact, ratio = table.exact(x)
     for row, motors, rates in zip(x, exact, ratio, strict=True):
         status, joints, same, found, inverse, _ = header.at("motors", motors)
@@ -183,15 +183,15 @@ def test_motor_values_from_outside_lead_to_no_number(name, compiled):
 def test_any_motor_values_lead_to_a_pose_that_has_them_or_to_none(compiled, rng):
     header = compiled("humanoid_ankle")
     counts = np.zeros(4, dtype=int)
-    for theta in rng.uniform(-3.0, 3.0, (5000, 2)):
+    for theta in rng.uniform(-3.0, 3.0, (2000, 2)):
         told = header.at("motors", theta)
         counts[told[0]] += 1
         if told[0] == OK:
             np.testing.assert_allclose(motors_by_hand(*told[1]), theta, rtol=0, atol=1e-11)
         else:
             assert is_nothing(told)
-    assert counts[OK] > 50
-    assert counts[OUTSIDE] > 1000
+    assert counts[OK] > 20
+    assert counts[OUTSIDE] > 400
     for theta in ([np.nan, 0.0], [0.0, np.inf], [1e300, 0.0], [2 * np.pi, 0.0]):
         told = header.at("motors", theta)
         assert told[0] != OK

@@ -108,6 +108,15 @@ def test_a_map_is_what_single_poses_say(name):
                 assert not polytope.contains(unit * reach[place][k] * (1 + 1e-6))
 
 
+@pytest.mark.parametrize("name", ["humanoid_ankle", "ankle", "five_bar"])
+def test_the_mixed_derivative_is_that_of_single_poses(name):
+    table = table_of(name)
+    twist, place = table.tabulated().twist, tuple(s // 3 for s in table.map.status.shape)
+    driven = table.transmission.by_joints
+    geared = table.transmission.at(driven.configuration(table.map.q[place]))
+    np.testing.assert_allclose(twist[place], geared.curvature[:, 0, 1], rtol=0, atol=1e-9)
+
+
 def test_where_an_ankles_transmission_exists():
     """Exactly where both rods reach: its closed formula has a real angle."""
     found = pj.transmission_map(
@@ -205,7 +214,7 @@ FOUR_BAR = {"phi1": (2.2, 2.4)}
         (["phi1"], {}, "`over` is a mapping of joints"),
         ({"phi1": (2.2, 2.4), "phi2": (0.0, 1.0)}, {}, "as many joints as motors, 1, got 2"),
         (dict.fromkeys("abc", (0.0, 1.0)), {}, "a rectangle is of one joint or two"),
-        (FOUR_BAR, {"points": 1}, "`points` is 2 to 1000"),
+        (FOUR_BAR, {"points": 1}, "`points` is 2 to 1000 along each joint"),
         (FOUR_BAR, {"points": 2.5}, "`points` is a number"),
         (FOUR_BAR, {"points": True}, "`points` is a number"),
         (FOUR_BAR, {"guess": "away"}, "away"),

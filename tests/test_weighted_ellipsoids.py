@@ -118,6 +118,22 @@ def test_every_ellipsoid_says_in_what_motors_are_counted(kind):
         assert title in titles
 
 
+def test_pictures_say_so():
+    pytest.importorskip("matplotlib")
+    from pmjac_pin.pictures.plotting import plot_ellipsoid
+
+    jacobian = machine("mixed").jacobian()
+    for ellipsoid, counted in (
+        (jacobian.angular_ellipsoid(), "m/s and rad/s"),
+        (jacobian.angular_ellipsoid([0.2, 0.2, 1.5]), "shares of their limits"),
+    ):
+        space = plot_ellipsoid(ellipsoid, title="").axes[0]
+        wanted = f"Angular velocity of the tool, |motor rates| = 1 in {counted}"
+        assert space.get_title().replace("\n", " ") == wanted
+    figure = pj.plot(machine("sliding"), quantity="force")
+    assert "|motor efforts| = 1 in N" in figure.subfigs[0]._suptitle.get_text()
+
+
 @pytest.fixture
 def stated():
     """The mixed 3-RPS: rates within 10 m/s or rad/s and efforts within 100 N or N m, one unlike."""

@@ -46,7 +46,22 @@ def rocker_drives(coupler):
     )
 
 
-#: Revolute loops, rods on universal joints, slides, redundant rows, cosines and quaternions in q.
+def geared():
+    """Two joints and a gear between them."""
+    joints = [
+        ("a", "revolute", "ground", "one", (0, 0, 0), (0, 0, 1)),
+        ("b", "revolute", "ground", "other", (1, 0, 0), (0, 0, 1)),
+        ("end", "fixed", "other", "tip", (1, 0, 0)),
+    ]
+    model = pin.buildModelFromXML(mechanisms.tree(*joints))
+    gear = pj.JointLoop(joints=("a", "b"), ratio=-2.5, offset=0.1)
+    return pj.Mechanism.from_pinocchio(
+        model, [gear], ["a"], "tip", home={"a": 0.0, "b": 0.1}, name="geared"
+    )
+
+
+#: Revolute loops, rods on universal joints, slides, redundant rows, cosines and quaternions in q,
+#: a gear, and an over-constrained linkage.
 CASES = {
     "humanoid_ankle": (lambda: mechanisms.loaded("humanoid_ankle"), LEVEL, 17),
     "ankle": (lambda: mechanisms.loaded("ankle"), SMALL, 9),
@@ -59,6 +74,12 @@ CASES = {
     "slider_crank": (
         lambda: mechanisms.loaded("slider_crank"),
         around("slider_crank", mechanisms.loaded("slider_crank").passive[-1:], 0.05),
+        9,
+    ),
+    "geared": (geared, {"b": (-0.5, 0.7)}, 5),
+    "bennett": (
+        lambda: mechanisms.loaded("bennett"),
+        around("bennett", mechanisms.loaded("bennett").passive[:1], 0.05),
         9,
     ),
     "without end": (lambda: rocker_drives(pin.JointModelRUBZ()), CRANK, 17),

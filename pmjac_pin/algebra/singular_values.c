@@ -1,6 +1,6 @@
 /* Singular values of many matrices, LANES of them at a time: few vectors are turned in pairs until
  * all are orthogonal (Jacobi, from one side), more are reflected to two diagonals (Golub and
- * Kahan), whose singular values are found by halving.
+ * Kahan), whose singular values are found by halving and Newton's method.
  */
 #define LANES 32
 #include "lanes.h"
@@ -133,15 +133,84 @@ INLINE void to_two_diagonals(
 }
 
 #define HALVINGS 54 /* to the last digit of the largest */
+#define FIRST 18    /* of them, before Newton's method */
+#define NEWTON 3    /* steps, which are enough unless others are as near as a thousandth */
+#define LAST 2e-16  /* of the largest: how far Newton's method may be off */
 #define NOTHING 1e-290
 #define LEAST_ORDER -1000 /* of a power of two that has an inverse */
 
-/* The singular value at a place, 0 that of the largest, of two diagonals with these squares: how
- * many are below a number is how many pivots of B^T B less its square are negative. */
+/* Of two diagonals with these squares: how many singular values are below a number is how many
+ * pivots of B^T B less its square are negative. */
+INLINE void count_below(
+    double (*main)[LANES], double (*upper)[LANES], int64_t vectors, const double *number,
+    double *below)
+{
+    double square[LANES], rest[LANES];
+    EACH {
+        square[i] = number[i] * number[i];
+        rest[i] = -square[i];
+        below[i] = 0.0;
+    }
+    for (int64_t k = 0; k < vectors; k++)
+        EACH {
+            double pivot = main[k][i] + rest[i], sign = copysign(1.0, pivot);
+            below[i] += 0.5 - 0.5 * sign;
+            rest[i] = rest[i] * (upper[k][i] / (pivot + NOTHING * sign)) - square[i];
+        }
+}
+
+/* Newton's step to where the product of the pivots vanishes, of the square of a number. */
+INLINE void improve(
+    double (*main)[LANES], double (*upper)[LANES], int64_t vectors, const double *low,
+    const double *high, double *number)
+{
+    double square[LANES], rest[LANES], slope[LANES], sum[LANES];
+    EACH {
+        square[i] = number[i] * number[i];
+        rest[i] = -square[i];
+        slope[i] = -1.0;
+        sum[i] = 0.0;
+    }
+    for (int64_t k = 0; k < vectors; k++)
+        EACH {
+            double pivot = main[k][i] + rest[i];
+            double inverse = 1.0 / (pivot + copysign(NOTHING, pivot));
+            double share = slope[i] * inverse, factor = upper[k][i] * inverse;
+            sum[i] += share;
+            slope[i] = factor * (slope[i] - rest[i] * share) - 1.0;
+            rest[i] = rest[i] * factor - square[i];
+        }
+    EACH {
+        double better = square[i] - 1.0 / sum[i];
+        better = sqrt(better > 0.0 ? better : 0.0);
+        better = better > low[i] ? better : low[i];
+        number[i] = better < high[i] ? better : high[i];
+    }
+}
+
+INLINE void halve(
+    double (*main)[LANES], double (*upper)[LANES], int64_t vectors, int64_t place, int times,
+    double *low, double *high)
+{
+    double middle[LANES], below[LANES];
+    for (int halving = 0; halving < times; halving++) {
+        EACH middle[i] = 0.5 * (low[i] + high[i]);
+        count_below(main, upper, vectors, middle, below);
+        EACH {
+            double under = below[i] >= (double)(vectors - place) ? 1.0 : 0.0;
+            high[i] = under > 0.0 ? middle[i] : high[i];
+            low[i] = under > 0.0 ? low[i] : middle[i];
+        }
+    }
+}
+
+/* The singular value at a place, 0 that of the largest, of two diagonals with these squares. What
+ * Newton's method finds is taken where counts on both sides say that it is right. */
 INLINE void value_at(
     double (*main)[LANES], double (*upper)[LANES], int64_t vectors, int64_t place, double *value)
 {
-    double low[LANES], high[LANES], before[LANES];
+    double low[LANES], high[LANES], before[LANES], off[LANES], less[LANES], more[LANES];
+    double wrong[LANES], any = 0.0;
     EACH { low[i] = high[i] = before[i] = 0.0; }
     for (int64_t k = 0; k < vectors; k++)
         EACH { /* Gershgorin */
@@ -150,27 +219,25 @@ INLINE void value_at(
             high[i] = high[i] > sum ? high[i] : sum;
             before[i] = sqrt(upper[k][i]);
         }
-    for (int halving = 0; halving < HALVINGS; halving++) {
-        double square[LANES], rest[LANES], below[LANES];
-        EACH {
-            square[i] = 0.25 * (low[i] + high[i]) * (low[i] + high[i]);
-            rest[i] = -square[i];
-            below[i] = 0.0;
-        }
-        for (int64_t k = 0; k < vectors; k++)
-            EACH {
-                double pivot = main[k][i] + rest[i], sign = copysign(1.0, pivot);
-                below[i] += 0.5 - 0.5 * sign;
-                rest[i] = rest[i] * (upper[k][i] / (pivot + NOTHING * sign)) - square[i];
-            }
-        EACH {
-            double middle = 0.5 * (low[i] + high[i]);
-            double under = below[i] >= (double)(vectors - place) ? 1.0 : 0.0;
-            high[i] = under > 0.0 ? middle : high[i];
-            low[i] = under > 0.0 ? low[i] : middle;
-        }
+    EACH off[i] = LAST * high[i];
+    halve(main, upper, vectors, place, FIRST, low, high);
+    EACH value[i] = 0.5 * (low[i] + high[i]);
+    for (int step = 0; step < NEWTON; step++) improve(main, upper, vectors, low, high, value);
+    EACH {
+        less[i] = value[i] - off[i];
+        less[i] = less[i] > 0.0 ? less[i] : 0.0;
+        more[i] = value[i] + off[i];
     }
-    EACH value[i] = low[i];
+    count_below(main, upper, vectors, less, before);
+    count_below(main, upper, vectors, more, wrong);
+    EACH {
+        double above = before[i] < (double)(vectors - place) ? 0.0 : 1.0;
+        wrong[i] = wrong[i] >= (double)(vectors - place) ? above : 1.0;
+    }
+    for (int i = 0; i < LANES; i++) any += wrong[i];
+    if (!(any > 0.0)) return;
+    halve(main, upper, vectors, place, HALVINGS - FIRST, low, high);
+    EACH value[i] = wrong[i] > 0.0 ? low[i] : value[i];
 }
 
 INLINE void find(

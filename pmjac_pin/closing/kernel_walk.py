@@ -66,6 +66,7 @@ class KernelMachine:
         length, motors = partition.length, partition.actuated
         entries = [coordinates.entry(column) for column in motors.tolist()]
         self._entries = np.array(entries, dtype=np.int32)
+        self._scale = np.ascontiguousarray(partition.column_scale)
         self._circles = coordinates.wraps[motors].astype(np.int32)
         self.struct = MachineStruct(
             nq=nq,
@@ -73,6 +74,7 @@ class KernelMachine:
             motors=motors.size,
             motor_entries=address(self._entries),
             motor_circles=address(self._circles),
+            scale=address(self._scale),
             tolerance=tolerance,
             enough=ROUNDING * length,
             walking=closure.WALKING * length,
@@ -145,13 +147,15 @@ class KernelWalk:
         programs = [Memory(tape, lanes, it) for tape, it in zip(tapes, compiled, strict=True)]
         _, arrival, _ = tapes
         point, states = aligned(arrival.outputs, lanes), (LaneStruct * lanes)()
+        common = np.zeros(arrival.outputs + machine.struct.motors * machine.struct.nv)
         self._begin, self._walk = library.pmjac_begin, library.pmjac_walk
-        self._kept = machine, programs, point, states
+        self._kept = machine, programs, point, states, common
         self._struct = WalkStruct(
             ctypes.addressof(machine.struct),
             *(memory.struct for memory in programs),
             address(point),
             ctypes.addressof(states),
+            address(common),
         )
         self._argument = ctypes.byref(self._struct)
 

@@ -114,7 +114,8 @@ class LoadedPose:
         motion = self.motion(self._motor_rates(rates))
         (G, idle), still = motion.ways, 0.0 * motion.v
         forces = [tree.efforts(self.q, still, still), tree.efforts(self.q, motion.v, motion.bias)]
-        forces[1] += self._held_springs(springs)
+        if springs is not None:
+            forces[1] += self._held_springs(springs)
         whole, on_tree = tree.mass_matrix(self.q), np.array(forces).T
         mass, driven = G.T @ whole @ G, G.T @ on_tree
         if idle.size:
@@ -172,7 +173,7 @@ class LoadedPose:
         """
         refuse_singular(self._loop_rates, self._problem.partition, self.singularity)
         model, name = self._parts.kinematics.model, frame_name(frame)
-        loads = [self._held_springs(springs)]
+        loads = [self._held_springs({} if springs is None else springs)]
         if as_flag(gravity, "gravity"):
             loads.append(self._parts.kinematics.efforts(self.q, *np.zeros((2, model.nv))))
         if wrench is not None:
@@ -181,9 +182,8 @@ class LoadedPose:
             loads += held_wrenches(self._parts, self.q, wrench, name)
         return balanced(np.array(loads), self._loop_rates, self._problem.partition)
 
-    def _held_springs(self, springs: Springs | None) -> Array:
-        given = {} if springs is None else springs
-        return spring_efforts(self._parts.coordinates, self.q, given)
+    def _held_springs(self, springs: Springs) -> Array:
+        return spring_efforts(self._parts.coordinates, self.q, springs)
 
     def _motor_rates(self, given: MotorValues | None) -> Array:
         if given is None:

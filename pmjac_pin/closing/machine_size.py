@@ -8,16 +8,15 @@ names, and wherever it stands. So has each loop one, where it is much smaller th
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.kinematics.loop_system import LoopSystem
+from pmjac_pin.kinematics.loop_system import LoopEnd, LoopSystem
 from pmjac_pin.kinematics.pinocchio import Kinematics
 from pmjac_pin.kinematics.tool import frame_jacobian
-from pmjac_pin.model.frames import Frame, find_frame, moving_columns
-from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.values.arrays import Array
 
@@ -71,12 +70,8 @@ class Size:
     ) -> None:
         model, loops, tool = kinematics.model, kinematics.loops, kinematics.tool
         data = kinematics.placed(q)
-        ends = [
-            [] if isinstance(loop, JointLoop) else [find_frame(model, name) for name in loop.frames]
-            for loop in spec.loops
-        ]
         places = data.oMf
-        points = [places[frame.index].translation for frames in ends for frame in frames]
+        points = [places[end.frame].translation for ends in loops.ends for end in ends]
         if not spec.tool.is_none:
             points.append(tool.pose(model, data)[1])
         elif not points:
@@ -84,7 +79,7 @@ class Size:
             points = [place.translation for place in places.tolist()[1:]]
         opened = ROUNDING_OF_PLACES * float(np.abs(points).max())
         rods = _rods(loops)
-        turned = (_arms(model, data, turns, frames) for frames in ends)
+        turned = (_arms(model, data, turns, ends) for ends in loops.ends)
         # Where nothing turns, how long a rod is does not matter to any rate.
         arms = [[*rod, *own] if own else [] for rod, own in zip(rods, turned, strict=True)]
         turning = tool.jacobian(model, data)[:, turns]
@@ -127,11 +122,11 @@ def shifted_model(model: pin.Model, by: Array) -> pin.Model:
 
 
 def _arms(
-    model: pin.Model, data: pin.Data, turns: NDArray[np.bool_], frames: list[Frame]
+    model: pin.Model, data: pin.Data, turns: NDArray[np.bool_], ends: Sequence[LoopEnd]
 ) -> list[float]:
-    moving, arms = moving_columns(model, frames) if frames else [], []
-    for frame, columns in zip(frames, moving, strict=True):
-        motions = frame_jacobian(model, data, frame.index)[:, columns[turns[columns]]]
+    arms: list[float] = []
+    for frame, columns in ends:
+        motions = frame_jacobian(model, data, frame)[:, columns[turns[columns]]]
         arms += _distances(motions).tolist()
     return arms
 

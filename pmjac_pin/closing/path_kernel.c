@@ -49,6 +49,7 @@ void pmjac_run_once(const Program *program) { run_stage(program, 0); }
 typedef struct {
     int64_t nq, nv, motors;
     const int32_t *motor_entries, *motor_circles; /* a circle has a cosine and sine in q */
+    const double *scale; /* of the rates of joints: what a pace counts as one length */
     double tolerance, enough, walking, rank_tolerance, least_size;
     double largest_step, smallest_step, largest_correction, slowest_contraction, no_inverse, margin;
     double arrival_tolerance; /* of the rank of K* where a step may end; 0: elsewhere paths do */
@@ -75,6 +76,7 @@ typedef struct {
     Program move, arrival, leg;
     Row *point;
     Lane *lanes;
+    double *common; /* of one start: all of its point, and (motors, nv), the rates with each motor */
     const double *start, *displacement, *target;
     int64_t apart, count, taken, most_tries, few, patience;
     double *q, *gap, *share;
@@ -110,6 +112,11 @@ INLINE void copy_where(const int64_t *on, Row *to, const Row *from, int64_t rows
         EACH to[k][i] = on[i] ? from[k][i] : to[k][i];
 }
 
+INLINE int64_t numbers(const Machine *machine) /* of a point */
+{
+    return machine->nq + MOTIONS + 2 * machine->nv;
+}
+
 /* A lane is at the start of a path, with nothing known there yet. */
 static void put(Walk *walk, int lane, int64_t path)
 {
@@ -118,24 +125,45 @@ static void put(Walk *walk, int lane, int64_t path)
     Row *motors = walk->arrival.inputs + nq + nv;
     for (int64_t k = 0; k < nq; k++)
         walk->point[k][lane] = walk->start[path * walk->apart + k];
-    for (int64_t k = 0; k < MOTIONS + 2 * nv; k++)
-        walk->point[nq + k][lane] = 0.0;
+    for (int64_t k = nq; k < numbers(machine); k++)
+        walk->point[k][lane] = 0.0;
     for (int64_t k = 0; k < machine->motors; k++)
         motors[k][lane] = walk->displacement[path * machine->motors + k];
     walk->lanes[lane] = (Lane){.state = BEGINS, .path = path, .next = 1.0};
 }
 
-/* Take up the first paths. Lanes that have none hold the last one: numbers that are none would
- * change how others' are computed. */
-void pmjac_begin(Walk *walk)
+/* The same at the start of all paths, where rates are sums of those with each motor. */
+static void put_at_common(Walk *walk, int lane, int64_t path)
 {
-    walk->taken = 0;
-    for (int lane = 0; lane < LANES; lane++) {
-        int some = walk->taken < walk->count;
-        put(walk, lane, some ? walk->taken : walk->count - 1);
-        walk->taken += some;
-        if (!some) walk->lanes[lane].state = IDLE;
-    }
+    const Machine *machine = walk->machine;
+    int64_t nv = machine->nv, first = numbers(machine) - nv;
+    const double *displacement = walk->displacement + path * machine->motors;
+    double *rates = walk->common + first, *of_motor = rates + nv, pace = 0.0;
+    put(walk, lane, path);
+    for (int64_t k = 0; k < nv; k++) rates[k] = 0.0;
+    for (int64_t motor = 0; motor < machine->motors; motor++, of_motor += nv)
+        for (int64_t k = 0; k < nv; k++) rates[k] += of_motor[k] * displacement[motor];
+    for (int64_t k = 0; k < nv; k++)
+        pace += rates[k] / machine->scale[k] * (rates[k] / machine->scale[k]);
+    for (int64_t k = 0; k < numbers(machine); k++) walk->point[k][lane] = walk->common[k];
+    known(machine, walk->point)[PACE][lane] = sqrt(pace);
+}
+
+/* What is known where all paths start: lanes are asked for the rates with a motor each. */
+static void learn_common(Walk *walk)
+{
+    const Machine *machine = walk->machine;
+    int64_t nq = machine->nq, nv = machine->nv, motors = machine->motors;
+    Row *inputs = walk->arrival.inputs, *found = walk->arrival.outputs;
+    double *of_motor = walk->common + numbers(machine);
+    for (int64_t k = 0; k < nq + nv + motors; k++)
+        for (int lane = 0; lane < LANES; lane++)
+            inputs[k][lane] = k < nq ? walk->start[k] : k == nq + nv + lane;
+    pmjac_run_once(&walk->arrival);
+    for (int64_t k = 0; k < numbers(machine); k++) walk->common[k] = found[k][0];
+    for (int64_t motor = 0; motor < motors; motor++)
+        for (int64_t k = 0; k < nv; k++)
+            of_motor[motor * nv + k] = velocity(machine, found)[k][motor];
 }
 
 static void finish(Walk *walk, int at, int64_t end)
@@ -171,6 +199,38 @@ static int64_t set_out(Walk *walk, int at, int64_t most_tries)
     return GOES_ON;
 }
 
+INLINE int have_common_start(const Walk *walk)
+{
+    return !walk->apart && walk->machine->motors <= LANES;
+}
+
+/* A lane without a path takes up the next one. */
+static void take_up(Walk *walk, int at)
+{
+    while (walk->lanes[at].state == IDLE && walk->taken < walk->count) {
+        if (!have_common_start(walk)) {
+            put(walk, at, walk->taken++);
+            return;
+        }
+        put_at_common(walk, at, walk->taken++);
+        int64_t end = set_out(walk, at, walk->most_tries);
+        if (end != GOES_ON) finish(walk, at, end);
+    }
+}
+
+/* Take up the first paths. Lanes that have none hold the last one: numbers that are none would
+ * take long. */
+void pmjac_begin(Walk *walk)
+{
+    if (have_common_start(walk)) learn_common(walk);
+    walk->taken = 0;
+    for (int lane = 0; lane < LANES; lane++) {
+        put(walk, lane, walk->count - 1);
+        walk->lanes[lane].state = IDLE;
+        take_up(walk, lane);
+    }
+}
+
 /* How many lanes have a path to go on with. */
 static int set_all_out(Walk *walk)
 {
@@ -182,8 +242,7 @@ static int set_all_out(Walk *walk)
             int64_t end = set_out(walk, at, few ? walk->patience : walk->most_tries);
             if (end != GOES_ON) finish(walk, at, end);
         }
-        if (walk->lanes[at].state == IDLE && walk->taken < walk->count)
-            put(walk, at, walk->taken++);
+        take_up(walk, at);
         going += walk->lanes[at].state != IDLE;
     }
     return going;
@@ -326,7 +385,7 @@ INLINE void take(Walk *walk)
         lane->share = lane->last ? 1.0 : lane->share + lane->stride;
         lane->next = 2.0 * lane->stride, lane->iterations += lane->corrections;
     }
-    copy_where(here, walk->point, walk->arrival.outputs, machine->nq + MOTIONS + 2 * machine->nv);
+    copy_where(here, walk->point, walk->arrival.outputs, numbers(machine));
 }
 
 /* One step of each lane, tried. */

@@ -58,7 +58,7 @@ class MachineStruct(ctypes.Structure):
 
     _fields_ = (
         *((name, _Count) for name in ("nq", "nv", "motors")),
-        *((name, _Pointer) for name in ("motor_entries", "motor_circles")),
+        *((name, _Pointer) for name in ("motor_entries", "motor_circles", "scale")),
         *((name, _Number) for name in ("tolerance", "enough", "walking", "rank_tolerance")),
         *((name, _Number) for name in ("least_size", "largest_step", "smallest_step")),
         *((name, _Number) for name in ("largest_correction", "slowest_contraction")),
@@ -83,7 +83,10 @@ class WalkStruct(ctypes.Structure):
     _fields_ = (
         ("machine", _Pointer),
         *((name, ProgramStruct) for name in ("move", "arrival", "leg")),
-        *((name, _Pointer) for name in ("point", "lanes", "start", "displacement", "target")),
+        *(
+            (name, _Pointer)
+            for name in ("point", "lanes", "common", "start", "displacement", "target")
+        ),
         *((name, _Count) for name in ("apart", "count", "taken", "most_tries", "few", "patience")),
         *((name, _Pointer) for name in ("q", "gap", "share", "iterations", "end")),
     )

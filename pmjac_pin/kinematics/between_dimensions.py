@@ -63,7 +63,7 @@ class _Leg:
         self._joints = [(joint, _joint_track(one, other, joint)) for joint in moved]
         self._frames = [
             (index, _frame_track(one, other, index))
-            for index in loops.frames
+            for index in {end.frame for ends in loops.ends for end in ends}
             if one.frames[index].placement != other.frames[index].placement
         ]
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.model.coupling import Coupling, couple
-from pmjac_pin.model.frames import find_frame, moving_columns
+from pmjac_pin.model.frames import Frame, find_frame, moving_columns
 from pmjac_pin.model.loop_between_frames import LoopBetweenFrames
 from pmjac_pin.model.loop_spec import JointLoop, Loop
 from pmjac_pin.model.rows import Distance, Gap, Rows
@@ -52,6 +52,21 @@ class Relative(NamedTuple):
         """Return log R and J_log(R) Rᵀ W: Pinocchio's J_log takes the rate in R's own axes."""
         rotation = np.asarray(self.rotation)
         return pin.log3(rotation), pin.Jlog3(rotation) @ rotation.T @ self.turning
+
+
+class LoopEnd(NamedTuple):
+    """One of the two frames of a loop.
+
+    Attributes
+    ----------
+    frame : int
+        Pinocchio's index.
+    columns : ndarray of int
+        That move it, but not the loop's other frame with it.
+    """
+
+    frame: int
+    columns: NDArray[np.intp]
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +129,8 @@ class LoopSystem:
         The geared joints, by their row.
     rods : dict of int to float
         The lengths of the rods by their row, m.
+    ends : tuple of (LoopEnd, LoopEnd)
+        Of each loop, the first frame's and the second's; none for gears.
     moving : tuple of ndarray of int
         The columns that move each loop's two frames against each other; none for gears.
     """
@@ -122,6 +139,7 @@ class LoopSystem:
         "_closures",
         "_nv",
         "couplings",
+        "ends",
         "moving",
         "rods",
         "row_loops",
@@ -142,6 +160,7 @@ class LoopSystem:
         self.rods: dict[int, float] = {}
         moving: list[NDArray[np.intp]] = []
         starts: list[int] = []
+        ends: list[tuple[LoopEnd, ...]] = []
         for loop in loops:
             starts.append(len(names))
             prefix = "-".join(loop.ends)
@@ -152,6 +171,7 @@ class LoopSystem:
                 units.append(coupling.unit)
                 owners.append(prefix)
                 moving.append(np.zeros(0, dtype=np.intp))
+                ends.append(())
                 continue
             blocks = []
             for block in loop.rows(values):
@@ -164,12 +184,16 @@ class LoopSystem:
                 names += [f"{prefix} {row}" for row in block.names]
                 units += [block.unit] * len(block.names)
                 owners += [prefix] * len(block.names)
-            self._closures.append(_closure(model, loop, tuple(blocks)))
-            ends = [find_frame(model, name) for name in loop.frames]
-            moving.append(np.concatenate(moving_columns(model, ends)))
+            frames = [find_frame(model, name) for name in loop.frames]
+            self._closures.append(_closure(model, loop, frames, tuple(blocks)))
+            columns = moving_columns(model, frames)
+            indices = [frame.index for frame in frames]
+            ends.append(tuple(map(LoopEnd, indices, columns)))
+            moving.append(np.concatenate(columns))
         self.row_names = tuple(names)
         self.row_units = tuple(units)
         self.row_loops = tuple(owners)
+        self.ends = tuple(ends)
         self.moving = tuple(moving)
         self.slices = tuple(itertools.starmap(slice, itertools.pairwise([*starts, len(names)])))
 
@@ -197,11 +221,6 @@ class LoopSystem:
             if isinstance(block, Distance)
         }
         return found
-
-    @property
-    def frames(self) -> frozenset[int]:
-        """Pinocchio's indices of the frames that loops are between."""
-        return frozenset(frame for closure in self._closures for frame in closure.frames)
 
     def create_data(self) -> list[Any]:
         """Return Pinocchio's scratch data, one for each loop between frames."""
@@ -306,10 +325,13 @@ def _from_base(closure: _Closure, data: pin.Data, loop_data: Any) -> Array | Non
 
 
 def _closure(
-    model: pin.Model, loop: LoopBetweenFrames, blocks: tuple[tuple[slice, Rows], ...]
+    model: pin.Model,
+    loop: LoopBetweenFrames,
+    frames: Sequence[Frame],
+    blocks: tuple[tuple[slice, Rows], ...],
 ) -> _Closure:
     """Build the anchors. Pinocchio's gap is its second minus its first, ours opposite."""
-    first, second = (find_frame(model, name) for name in loop.frames)
+    first, second = frames
     if first.joint == second.joint:
         names = " and ".join(map(repr, loop.frames))
         raise ArgumentError(

@@ -310,12 +310,12 @@ class JointCoordinates:
 
 
 def _rotational(model: pin.Model, joints: Sequence[_Joint]) -> NDArray[np.bool_]:
-    """Return which columns are rotations: those whose motion has an angular part."""
+    """Return which columns are rotations: those of a joint behind its slides."""
     turns = np.zeros(model.nv, dtype=bool)
     for joint in joints:
         if joint.kind is None:
             return _seen_to_turn(model)
-        turns[joint.idx_v : joint.idx_v + joint.nv] = joint.kind.twists(1.0)[3:].any(axis=0)
+        turns[joint.idx_v + joint.kind.slides : joint.idx_v + joint.nv] = True
     return turns
 
 

@@ -39,6 +39,18 @@ QUANTITIES = {
 }
 
 
+def bounded(ellipsoid: Ellipsoid) -> str:
+    """Return what an ellipsoid bounds, and in what its motors are counted where that is known.
+
+    Examples
+    --------
+    >>> bounded(Ellipsoid(np.ones(3), np.eye(3), "m/s", "rad/s"))
+    'Linear velocity of the tool, |motor rates| = 1 in rad/s'
+    """
+    words = QUANTITIES.get(ellipsoid.unit, ("v", ""))[1]
+    return f"{words} in {ellipsoid.motor_unit}" if words and ellipsoid.motor_unit else words
+
+
 def draw_ellipsoid(
     panels: Any,
     ellipsoid: Ellipsoid,

@@ -12,7 +12,7 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, did_you_mean, quoted
 from pmjac_pin.pictures.ellipsoid_panels import (
     PLANES,
-    QUANTITIES,
+    bounded,
     check_bounded,
     draw_ellipsoid,
 )
@@ -111,7 +111,7 @@ def plot(
     figure: Any = new_figure(heading, usual if size is None else _inches(size), fontsize=13)
     figure.get_layout_engine().set(wspace=0.1, hspace=0.06)
     panels = figure.subfigures(1, 1)
-    about = QUANTITIES[ellipsoid.unit][1] if solid is None else WITHIN[quantity]
+    about = bounded(ellipsoid) if solid is None else WITHIN[quantity]
     panels.suptitle(as_it_is(f"{about}\n{lines}"), fontsize=10)
     grid = panels.add_gridspec(rows, columns)
     _draw_machine(panels.add_subplot(grid[:, 0]), drawn, view)
@@ -164,7 +164,9 @@ def _in_plane(ellipsoid: Ellipsoid, across: int) -> Ellipsoid:
     if not (unbounded and abs(ellipsoid.axes[across, 0]) > 1.0 - _ACROSS):
         return ellipsoid
     radii = np.array([*ellipsoid.radii[1:], 0.0])
-    return Ellipsoid(radii, np.roll(ellipsoid.axes, -1, axis=1), ellipsoid.unit)
+    return Ellipsoid(
+        radii, np.roll(ellipsoid.axes, -1, axis=1), ellipsoid.unit, ellipsoid.motor_unit
+    )
 
 
 def _usual_planes(across: int | None, ellipsoid: Ellipsoid) -> Sequence[str]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import TYPE_CHECKING, Any
 
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.pictures.ellipsoid_panels import (
     PLANES,
-    QUANTITIES,
+    bounded,
     check_bounded,
     draw_ellipsoid,
 )
@@ -16,6 +17,8 @@ from pmjac_pin.rates.ellipsoid import Ellipsoid
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+_TITLE_WIDTH = 48  # characters above one panel
 
 
 def plot_ellipsoid(
@@ -77,6 +80,6 @@ def plot_ellipsoid(
     first, *others = panels.add_gridspec(2, 2)
     planes = dict(zip(PLANES, others, strict=True))
     space = draw_ellipsoid(panels, ellipsoid, planes, first, symbol=symbol)
-    usual = QUANTITIES.get(ellipsoid.unit, ("v", ""))[1]
+    usual = textwrap.fill(bounded(ellipsoid), _TITLE_WIDTH)
     space.set_title(usual if quantity is None else quantity, fontsize=10)
     return figure

@@ -145,7 +145,10 @@ class CommandedMotion:
         What motors command is told from rounding by far less than `tolerance`: by what the pose
         may be off. What idles is felt by more than `tolerance`, or counts as not felt.
         """
-        return max(self.twists.rank, self.tool.judged_rank(self.whole.null_space))
+        allowed, rank = self.whole.null_space, self.twists.rank
+        if rank == min(len(self.twists.matrix), allowed.shape[1]):  # there are no more
+            return rank
+        return max(rank, self.tool.judged_rank(allowed))
 
     def generic_rates(self) -> Array:
         """Return `rates` by a regular pose: max |v| / σ over its motions v, of twists σ.

@@ -16,6 +16,7 @@ import numpy as np
 from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.program_text import C_WORDS, c_function, function_name, in_comment
 from pmjac_pin.studies.transmissions.c_templates import ALGEBRA, HEAD, INTERPOLATION, POSES
+from pmjac_pin.studies.transmissions.fitted_polynomial import c_polynomial, fitted_polynomial
 from pmjac_pin.studies.transmissions.newton_program import NewtonProgram
 from pmjac_pin.studies.transmissions.sheet import Sheet
 from pmjac_pin.studies.transmissions.transmission import Transmission
@@ -23,7 +24,6 @@ from pmjac_pin.values.arrays import Array, Index
 
 _WIDTH = 96  # of a comment's lines
 _MOST_SEEDS = 9  # along a joint
-_MOST_DEGREE = 8
 _OF_STEP = ("next", "size", "gap", "condition", "motion", "ratio")
 
 
@@ -201,44 +201,13 @@ def _guess(parts: HeaderParts) -> Iterator[str]:
     joints = np.stack(np.meshgrid(*parts.sheet.axes, indexing="ij"), axis=-1).reshape(-1, n)
     middle = 0.5 * (motors.min(axis=0) + motors.max(axis=0))
     half = 0.5 * np.ptp(motors, axis=0)
-    exponents, coefficients = _fitted((motors - middle) / half, joints)
+    exponents, coefficients = fitted_polynomial((motors - middle) / half, joints)
     for k, column in enumerate(parts.program.followers.tolist()):
         away = _difference(f"theta[{k}]", _double(middle[k]), bool(wraps[column]))
         yield f"const double u{k} = ({away}) * {_double(1.0 / half[k])};"
     for j in range(n):
         known = {tuple(e): c for e, c in zip(exponents, coefficients[:, j].tolist(), strict=True)}
-        yield f"x[{j}] = {_horner(known, n)};"
-
-
-def _fitted(u: Array, joints: Array) -> tuple[list[tuple[int, ...]], Array]:
-    """Return exponents and coefficients of the polynomial of the degree that fits best."""
-    best, found = np.inf, None
-    for degree in range(1, _MOST_DEGREE + 1):
-        exponents = [e for e in product(range(degree + 1), repeat=u.shape[1]) if sum(e) <= degree]
-        if 2 * len(exponents) > len(u):
-            break
-        columns = np.stack([(u ** np.array(e)).prod(axis=1) for e in exponents], axis=1)
-        coefficients = np.linalg.lstsq(columns, joints, rcond=None)[0]
-        off = float(np.abs(columns @ coefficients - joints).max())
-        if found is None or off < 0.5 * best:
-            best, found = off, (exponents, coefficients)
-    if found is None:
-        return [(0,) * u.shape[1]], joints.mean(axis=0)[None]
-    return found
-
-
-def _horner(coefficients: Mapping[tuple[int, ...], float], n: int, place: int = 0) -> str:
-    """Return a polynomial of u0, u1 as an expression."""
-    if place == n:
-        return _double(coefficients[()])
-    parts: dict[int, dict[tuple[int, ...], float]] = {}
-    for exponents, number in coefficients.items():
-        parts.setdefault(exponents[0], {})[exponents[1:]] = number
-    text = ""
-    for power in sorted(parts, reverse=True):
-        inner = _horner(parts[power], n, place + 1)
-        text = f"({text}) * u{place} + ({inner})" if text else f"({inner})"
-    return text
+        yield f"x[{j}] = {c_polynomial(known, n)};"
 
 
 def _written(entries: Iterable[tuple[int, int]], wraps: Numbers, values: str) -> Iterator[str]:

@@ -151,7 +151,7 @@ POSES = """static inline int @name@_failed(@name@_pose *pose, int status)
 static inline int @name@_polish(
     int by_motors, double q[@inputs@], double *motion, double rates[@nn@])
 {
-    double next[@nq@], size[1] = {INFINITY}, gap[1], condition[1];
+    double next[@nq@], size[1] = {INFINITY}, gap[1] = {NAN}, condition[1] = {NAN};
     int k, step;
     for (step = 0; step < 12; ++step) {
         const int near = size[0] < 3e-7; /* the next step is its square: rounding, or almost */
@@ -189,7 +189,7 @@ static const double @name@_bare[@nn@] = {@bare@};
 /* Position, from joints to motors. */
 static inline int @name@_at_joints(const double x[@n@], @name@_pose *pose)
 {
-    double q[@inputs@], table[@nq@], motion[1];
+    double q[@inputs@], table[@nq@], motion[1] = {NAN};
     double *theta = pose->motors;
     int k, status;
     if (!@name@_inside(x, 0.0))
@@ -261,7 +261,7 @@ static inline void @name@_search(const double theta[@n@], double x[@n@])
 static inline int @name@_from(
     const double start[@n@], const double theta[@n@], @name@_pose *pose)
 {
-    double q[@inputs@], table[@nq@], motion[1], moved = 0.0;
+    double q[@inputs@], table[@nq@], motion[1] = {NAN}, moved = 0.0;
     double *x = pose->joints;
     int k, status;
     @name@_interpolate(start, q);

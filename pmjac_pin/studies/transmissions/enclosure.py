@@ -31,7 +31,7 @@ from pmjac_pin.studies.transmissions.sheet_equations import Along, Pieces, Sheet
 from pmjac_pin.values.arrays import Array, Index, Mask
 
 _AT_ONCE = 512  # pieces
-_MOST_PIECES = 20_000
+_MOST_PIECES, _MOST_HALVED = 20_000, 8  # in all, or for each cell
 _ROUNDS = 12
 _WIDER = 20.0  # than a sheet's error: where no other pose is looked for
 _ENTRIES = 8.0  # a motion of 1 changes an entry of q by more than 1 / 8: slides turn, too
@@ -119,6 +119,7 @@ class _TooLargeError(Exception):
 def _all_over(sheet: Sheet, proof: _Proof) -> list[_Proven]:
     """Return what holds in the cells of a sheet, halved where they are too large."""
     waiting = [Pieces.whole([axis.size - 1 for axis in sheet.axes])]
+    most = max(_MOST_PIECES, _MOST_HALVED * waiting[0].at.shape[1])
     found: list[_Proven] = []
     done = 0
     while waiting:
@@ -129,7 +130,7 @@ def _all_over(sheet: Sheet, proof: _Proof) -> list[_Proven]:
             done += part.at.shape[1]
             if not (good := found[-1].good).all():
                 waiting.append(part[~good].split())
-        if done + sum(one.at.shape[1] for one in waiting) > _MOST_PIECES:
+        if done + sum(one.at.shape[1] for one in waiting) > most:
             raise _TooLargeError(sheet_place(sheet, waiting[-1]))
     return found
 

@@ -11,13 +11,10 @@ from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.transmissions.enclosure import Enclosure, enclose
+from pmjac_pin.studies.transmissions.map_maker import newton_program, transmission_map
 from pmjac_pin.studies.transmissions.newton_program import NewtonProgram, RatesTold
 from pmjac_pin.studies.transmissions.sheet import Sheet
-from pmjac_pin.studies.transmissions.transmission_map import (
-    TransmissionMap,
-    newton_program,
-    transmission_map,
-)
+from pmjac_pin.studies.transmissions.transmission_map import TransmissionMap
 from pmjac_pin.studies.transmissions.transmission_table import TransmissionTable
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_flag

@@ -8,9 +8,9 @@ from collections.abc import Iterable
 import numpy as np
 
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.studies.transmissions.map_maker import transmission_map
 from pmjac_pin.studies.transmissions.rectangle import Rectangle
 from pmjac_pin.studies.transmissions.transmission import transmission
-from pmjac_pin.studies.transmissions.transmission_map import transmission_map
 
 _POINTS = 33  # along each joint, of the map in which it is looked for
 _SHARE = 0.9  # of what is found: where it ends is singular, as a rule
