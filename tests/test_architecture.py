@@ -35,7 +35,7 @@ def defined(path):
 
 
 def test_hardly_a_name_stands_for_two_things():
-    """But for what each file has by its kind (`_logger`), and what is the same for two of a kind."""
+    """But for what files have by their kind (`_logger`), or what is the same for two of a kind."""
     files = defaultdict(set)
     for path in PACKAGE.rglob("*.py"):
         for name in defined(path):
