@@ -26,7 +26,7 @@ from pmjac_pin.values.arrays import Array, Index, aligned
 if TYPE_CHECKING:
     from pmjac_pin.algebra.compiled_programs import CompiledProgram
 
-#: Where paths end, as `path_kernel.c` numbers it.
+#: Where paths end, as `walk.h` numbers it.
 SPENT, ARRIVED, DOUBTFUL, STUCK = range(4)
 
 

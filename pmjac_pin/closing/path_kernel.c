@@ -13,109 +13,12 @@
 #define LANES 1
 #define FOR_EACH_PROCESSOR
 #endif
-#include "../algebra/tape_kernel.c"
-
-typedef double Row[LANES]; /* a number of each lane */
+#include "walk.h"
 
 int pmjac_lanes(void) { return LANES; }
 
-#define BOUNDS 3 /* that the leg tells of a step, a stage each */
-
-/* The slots hold the constants from the beginning, and nothing is written over them. Stages end
- * after so many instructions. Where a program is compiled, the slots are what it keeps. */
-typedef struct {
-    const int32_t *code;
-    int64_t length, stages[BOUNDS];
-    Row *slots, *inputs, *outputs;
-    void (*compiled)(
-        int64_t stage, int64_t lanes, const double *inputs, double *outputs, double *kept);
-} Program;
-
-static void run_stage(const Program *program, int stage)
-{
-    const double *inputs = (const double *)program->inputs;
-    double *outputs = (double *)program->outputs;
-    if (program->compiled) {
-        program->compiled(stage, LANES, inputs, outputs, (double *)program->slots);
-        return;
-    }
-    int64_t from = stage ? program->stages[stage - 1] : 0, length = program->stages[stage] - from;
-    run(program->code + 5 * from, length, program->slots, inputs, LANES, 0, LANES, outputs);
-}
-
 /* A program of one stage. */
 void pmjac_run_once(const Program *program) { run_stage(program, 0); }
-
-typedef struct {
-    int64_t nq, nv, motors;
-    const int32_t *motor_entries, *motor_circles; /* a circle has a cosine and sine in q */
-    const double *scale; /* of the rates of joints: what a pace counts as one length */
-    double tolerance, enough, walking, rank_tolerance, least_size;
-    double largest_step, smallest_step, largest_correction, slowest_contraction, no_inverse, margin;
-    double arrival_tolerance; /* of the rank of K* where a step may end; 0: elsewhere paths do */
-    int64_t most_corrections;
-} Machine;
-
-/* A path that a lane walks; `next` is how far the next step is to go, of the whole way. */
-typedef struct {
-    int64_t state, path, tries, iterations, corrections, last;
-    double share, next, stride, allowed, before;
-} Lane;
-
-enum { IDLE, BEGINS, CORRECTS, CLOSED, COVERED, REFUSED };
-
-/* Where paths end: tries are spent, at the target, where K* may be singular, or where steps
- * become too small to be resolved. */
-enum { SPENT, ARRIVED, DOUBTFUL, STUCK, GOES_ON };
-
-/* Paths, one row each, but for one start that is all paths': `apart` is 0 then. All of a point is
- * what the arrival's program gives: (q, gap, inverse, size, size of Newton's step, pace, Newton's
- * step, velocity). */
-typedef struct {
-    const Machine *machine;
-    Program move, arrival, leg;
-    Row *point;
-    Lane *lanes;
-    double *common; /* of one start: all of its point, and (motors, nv), the rates with each motor */
-    const double *start, *displacement, *target;
-    int64_t apart, count, taken, most_tries, few, patience;
-    double *q, *gap, *share;
-    int64_t *iterations, *end;
-} Walk;
-
-enum { GAP, INVERSE, SIZE, CORRECTION, PACE, MOTIONS };
-
-INLINE Row *known(const Machine *machine, Row *point) { return point + machine->nq; }
-
-INLINE Row *newton(const Machine *machine, Row *point) { return known(machine, point) + MOTIONS; }
-
-INLINE Row *velocity(const Machine *machine, Row *point)
-{
-    return newton(machine, point) + machine->nv;
-}
-
-INLINE int regular(const Machine *machine, const Row *of, int lane, double tolerance)
-{
-    double size = of[SIZE][lane] > machine->least_size ? of[SIZE][lane] : machine->least_size;
-    return of[INVERSE][lane] * tolerance * size < 1.0;
-}
-
-INLINE void copy(Row *to, const Row *from, int64_t rows)
-{
-    for (int64_t k = 0; k < rows; k++)
-        EACH to[k][i] = from[k][i];
-}
-
-INLINE void copy_where(const int64_t *on, Row *to, const Row *from, int64_t rows)
-{
-    for (int64_t k = 0; k < rows; k++)
-        EACH to[k][i] = on[i] ? from[k][i] : to[k][i];
-}
-
-INLINE int64_t numbers(const Machine *machine) /* of a point */
-{
-    return machine->nq + MOTIONS + 2 * machine->nv;
-}
 
 /* A lane is at the start of a path, with nothing known there yet. */
 static void put(Walk *walk, int lane, int64_t path)

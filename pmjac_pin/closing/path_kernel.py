@@ -1,4 +1,4 @@
-"""What the kernels that walk paths are given: structures as `path_kernel.c` has them."""
+"""What the kernels that walk paths are given: structures as `walk.h` has them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,12 @@ if TYPE_CHECKING:
 
 _FOLDER = Path(__file__).parent
 _ALGEBRA = _FOLDER.parent / "algebra"
-_SOURCES = (_FOLDER / "path_kernel.c", _ALGEBRA / "tape_kernel.c", _ALGEBRA / "lanes.h")
+_SOURCES = (
+    _FOLDER / "path_kernel.c",
+    _FOLDER / "walk.h",
+    _ALGEBRA / "tape_kernel.c",
+    _ALGEBRA / "lanes.h",
+)
 
 _Number, _Count = ctypes.c_double, ctypes.c_int64
 _Pointer = ctypes.c_void_p
