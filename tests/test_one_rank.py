@@ -21,7 +21,7 @@ OTHERWISE = {
     "rates/jacobian.py": {"qr"},  # unit vectors along columns that are independent
     "rates/solid.py": {"svd"},  # whether an outline is flat, by a tolerance of its own
     "rates/within_limits.py": {"lstsq"},  # the smallest solution, which is then checked
-    "studies/transmissions/c_header.py": {"lstsq"},  # a guess for Newton's steps
+    "studies/transmissions/fitted_polynomial.py": {"lstsq"},  # a guess for Newton's steps
     "studies/transmissions/newton_program.py": {"svd"},  # condition of gear ratios, n × n
     "rates/singularity.py": {"qr"},  # the same
     "rates/ellipse.py": {"svd"},  # the axes of an ellipsoid; flat by a tolerance of its own

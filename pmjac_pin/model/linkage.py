@@ -85,7 +85,7 @@ def turned_to(axis: Sequence[float] | Array) -> pin.SE3:
 
     Examples
     --------
-    >>> aligned([1.0, 0.0, 0.0]).rotation.round(12)[:, 2].tolist()
+    >>> turned_to([1.0, 0.0, 0.0]).rotation.round(12)[:, 2].tolist()
     [1.0, 0.0, 0.0]
     """
     z = np.asarray(axis, dtype=float)

@@ -17,7 +17,7 @@ _DOWN = -0.5 * math.pi
 _SLIDERS_BEYOND = (
     1.5  # times what brings the first motor to its limit at home: as far as sliders go
 )
-_USUAL = 100.0  # N, where no motor has a limit
+_USUAL = 100.0  # kg or N, where no motor has a limit
 _LARGEST = 1e6  # N
 
 
@@ -34,25 +34,31 @@ def load_sliders(mechanism: Mechanism) -> tuple[Slider, ...]:
     """
     gravity = gravity_of(mechanism)
     pull = float(np.linalg.norm(gravity))
-    heaviest = _next_round(_strongest(mechanism, gravity / pull) / pull if pull else _USUAL)
+    heaviest = _strongest(mechanism, gravity / pull) / pull if pull else math.inf
     strongest = min(_strongest(mechanism, way) for way in np.eye(3))
     return (
-        Slider("mass", "kg", 0.0, heaviest, False, "hung at the tool"),
-        Slider("size", "N", 0.0, _next_round(strongest), False, "of the force"),
+        Slider("mass", "kg", 0.0, _end(heaviest), False, "hung at the tool"),
+        Slider("size", "N", 0.0, _end(strongest), False, "of the force"),
         Slider("azimuth", "rad", -math.pi, math.pi, True, "from the world's x towards its y"),
         Slider("elevation", "rad", _DOWN, -_DOWN, True, "from the world's x-y plane towards its z"),
     )
 
 
 def _strongest(mechanism: Mechanism, way: Array) -> float:
-    """Return the force along a direction, N, that is beyond what the motors hold at home."""
+    """Return the force along a direction, N, that is beyond what the motors hold at home.
+
+    It is infinite where no motor feels it, or none has a limit.
+    """
     try:
         found = mechanism.home.statics([*way, 0.0, 0.0, 0.0], gravity=False).efforts
     except PmjacError:
-        return _USUAL
+        return math.inf
     share = float(np.abs(found / motor_effort_limits(mechanism)).max(initial=0.0))
-    held = _SLIDERS_BEYOND / share if share > 1.0 / _LARGEST else math.inf
-    return held if held < _LARGEST else _USUAL
+    return _SLIDERS_BEYOND / share if share > 1.0 / _LARGEST else math.inf
+
+
+def _end(load: float) -> float:
+    return _next_round(load if load < _LARGEST else _USUAL)
 
 
 def _next_round(value: float) -> float:
