@@ -268,6 +268,29 @@ def test_an_update_computes_jacobian_and_ellipsoids_once(monkeypatch):
     assert sorted(computed) == ["m/s", "rad/s"]
 
 
+@pytest.mark.parametrize(
+    ("name", "rates", "efforts"),
+    [
+        ("three_rps", "m/s", "N"),
+        ("four_bar", "rad/s", "N m"),
+        ("mixed", "m/s and rad/s", "N and N m"),
+    ],
+)
+def test_the_page_says_in_what_motors_are_counted(name, rates, efforts):
+    if name == "mixed":
+        model = pin.Model()
+        slide = model.addJoint(0, pin.JointModelPX(), pin.SE3.Identity(), "slide")
+        arm = model.addJoint(slide, pin.JointModelRZ(), pin.SE3.Identity(), "turn")
+        place = pin.SE3(np.eye(3), np.array([1.0, 0.0, 0.0]))
+        model.addFrame(pin.Frame("tip", arm, place, pin.FrameType.OP_FRAME))
+        mechanism = pj.Mechanism.from_pinocchio(model, [], ["slide", "turn"], "tip")
+    else:
+        mechanism = loaded(name)
+    about = Session(mechanism.home, SceneOptions()).state(about=True).about
+    told = f"Ellipsoids: motor rates together 1 in {rates}, efforts together 1 in {efforts}."
+    assert about.counted == told
+
+
 @pytest.mark.parametrize("name", pj.list_mechanisms())
 def test_the_readout_is_the_library_s(name):
     configuration = loaded(name).home

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import pickle
+import shutil
+from pathlib import Path
 
 import mechanisms
 import numpy as np
@@ -300,3 +302,21 @@ def test_a_long_way_keeps_the_assembly_mode():
         lengths = dict(zip(("l0", "l1", "l2", "l3"), begin + share * (end - begin), strict=True))
         q = mechanism.with_parameters(lengths).close(mechanism.home.actuated, guess=q)
     np.testing.assert_allclose(home_of(end), q.q, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["four_bar", "five_bar"])
+@pytest.mark.parametrize("joint", ["phi1", "phi2"])
+def test_a_hinge_whose_origin_turns_about_it_turns_back(name, joint, tmp_path):
+    """By hand: all else stays, however far it turns; no regular pose is left for another mode."""
+    repository = Path(__file__).parents[1]
+    text = (repository / "models" / f"{name}.toml").read_text()
+    shutil.copy(repository / "urdf" / f"{name}.urdf", tmp_path)
+    move = f'moves = [{{ joint = "{joint}", rpy = [0.0, 0.0, 1.0] }}]'
+    given = f'\n[parameters.turned]\ndefault = 0.0\nunit = "rad"\nmeaning = "of {joint}"\n{move}\n'
+    (tmp_path / "turned.toml").write_text(text + given)
+    machine = pj.load(tmp_path / "turned.toml")
+    home, turning = machine.home.passive, np.array(machine.passive) == joint
+    for angle in (0.4, -2.2, 4.8, 5.3, -5.8):
+        found = machine.with_parameters(turned=angle).home.passive
+        away = np.exp(1j * (found - home + angle * turning))
+        np.testing.assert_allclose(away, 1.0, atol=1e-9)

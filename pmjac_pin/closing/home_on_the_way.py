@@ -1,7 +1,8 @@
 """The home pose followed from some dimensions to others, the motors at rest.
 
 At once, an assembly from the home pose of other dimensions might end on another assembly mode: so
-it is followed in twelve steps. No machine is built on the way: joints, anchors and rods move.
+it is followed in twelve steps, or in more where it goes far or bends. No machine is built on the
+way: joints, anchors and rods move.
 """
 
 from __future__ import annotations
@@ -20,9 +21,12 @@ from pmjac_pin.closing.pose_assembly import motor_weights
 from pmjac_pin.kinematics.between_dimensions import BetweenDimensions, RowsOnTheWay
 from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.model.rows import Rows
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import Array, norm
 
-_STEPS_HOME = 12  # on the way
+_LONGEST, _SHORTEST = 1.0 / 12.0, 2.0**-12 / 12.0  # steps, as shares of the way
+_FARTHEST = 0.3  # lengths or rad, of one step
+_STRAIGHT = 0.25  # of a step: what it may differ by from Newton's
+_HARDLY = 1e-6  # lengths or rad: not looked at
 _LEAST_SHARE = 0.4  # of σ_min at first: below, the motors move on the way
 
 
@@ -83,14 +87,37 @@ def followed(stops: Sequence[Parts], home_q: Array | None) -> Array | None:
         return replace(end.problem, evaluate=between.at(share).closure)
 
     first = here = None if home_q is None else HomePose.at(at(0.0), home_q)
-    for share in (np.arange(1, _STEPS_HOME) / _STEPS_HOME).tolist():
-        problem = at(share)
+    share = known = 0.0  # of the way; up to where `here` is known
+    step = _LONGEST
+    while share < 1.0:
+        ahead = share + step if share + step < 1.0 - 0.5 * _SHORTEST else 1.0
+        problem = at(ahead)
         q = home_pose(problem, end.home_q if here is None else here.q)
+        before = here.q if here is not None and known == share and step > _SHORTEST else None
+        if q is not None and before is not None and not _is_next(problem, before, q):
+            step *= 0.5
+            continue
         found = None if q is None else HomePose.at(problem, q)
-        first = first or found
+        first, share, step = first or found, ahead, min(2.0 * step, _LONGEST)
         if first and found and not first.loses(found):
-            here = found
+            here, known = found, ahead
     return None if here is None else here.q
+
+
+def _is_next(problem: ClosureProblem, before: Array, q: Array) -> bool:
+    """Tell whether a home pose is near the one before, and where Newton's first step leads.
+
+    Where dimensions have changed by little that is so; a pose of another assembly mode is further
+    away, or in another direction.
+    """
+    partition, point = problem.partition, closed_point(problem, before)
+    expected = np.zeros(partition.column_scale.size)
+    expected[partition.passive] = -point.factors.solve(point.residual)
+    moved = problem.difference(before, q) / partition.column_scale
+    size, missed = norm(moved), norm(moved - expected)
+    return size <= _FARTHEST * partition.length and (
+        missed <= _STRAIGHT * size or size <= _HARDLY * partition.length
+    )
 
 
 def part_of_the_way(

@@ -122,10 +122,17 @@ class Key(msgspec.Struct, frozen=True):
 
 
 class About(msgspec.Struct, frozen=True):
-    """What is the same at all poses."""
+    """What is the same at all poses.
+
+    Attributes
+    ----------
+    counted : str
+        In what the ellipsoids count motor rates and efforts.
+    """
 
     mechanism: str
     description: str
+    counted: str
     motors: tuple[Slider, ...]
     parameters: tuple[Slider, ...]
     passive: tuple[Passive, ...]

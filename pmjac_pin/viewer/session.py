@@ -13,6 +13,8 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError, LimitError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import Violation
+from pmjac_pin.rates.motor_limits import efforts_unit, rates_unit
+from pmjac_pin.rates.partition import Partition
 from pmjac_pin.viewer.design import Design, is_sibling
 from pmjac_pin.viewer.framing import Framing, frame
 from pmjac_pin.viewer.layers import EllipsoidKind
@@ -277,6 +279,7 @@ class Session:
         return About(
             mechanism=self.mechanism.name,
             description=self.mechanism.spec.description,
+            counted=_counted(self.mechanism.problem.partition),
             motors=self.design.motors,
             parameters=self.design.parameters,
             passive=tuple(Passive(name, units[name]) for name in self.mechanism.passive),
@@ -304,3 +307,10 @@ class Session:
             ties = f"{error.ties[0].upper()}{error.ties[1:]}"
             text = f"{ties}. {text if error.share else f'They do not move so together: {stopped}.'}"
         return Notice("stop", text, stops)
+
+
+def _counted(partition: Partition) -> str:
+    """Return in what ellipsoids count the motors, "" where there are none."""
+    rates, efforts = rates_unit(partition), efforts_unit(partition)
+    told = f"Ellipsoids: motor rates together 1 in {rates}, efforts together 1 in {efforts}."
+    return told if rates else ""

@@ -35,6 +35,7 @@ function build(news) {
   document.title = `${about.mechanism} · pmjac`;
   $("name").textContent = about.mechanism;
   $("description").textContent = about.description;
+  $("counted").textContent = about.counted;
   $("pose").replaceChildren(new Option("moved", ""), ...about.poses.map((name) => new Option(name, name)));
   $("pose").options[0].hidden = true;
   decimals = decimalsAt(about.home);
