@@ -63,7 +63,7 @@ def test_an_estimate_is_called_one_and_holds(name, rng):
     x = drawn(guessed, rng, 4000)
     exact, _ = table_of(name).exact(x)
     assert (np.abs(guessed.motor_values(x) - exact) <= guessed.error + 1e-14).all()
-    assert (guessed.error <= 2.0 * table_of(name).error + 1e-14).all()
+    assert (guessed.error <= 4.0 * table_of(name).error + 1e-14).all()
 
 
 @pytest.mark.parametrize("name", ["humanoid_ankle", "four_bar"])

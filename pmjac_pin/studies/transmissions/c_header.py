@@ -205,6 +205,7 @@ def _guess(parts: HeaderParts) -> Iterator[str]:
     for k, column in enumerate(parts.program.followers.tolist()):
         away = _difference(f"theta[{k}]", _double(middle[k]), bool(wraps[column]))
         yield f"const double u{k} = ({away}) * {_double(1.0 / half[k])};"
+        yield f"(void)u{k}; /* of a constant no compiler warns */"
     for j in range(n):
         known = {tuple(e): c for e, c in zip(exponents, coefficients[:, j].tolist(), strict=True)}
         yield f"x[{j}] = {c_polynomial(known, n)};"

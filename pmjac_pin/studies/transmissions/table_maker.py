@@ -20,7 +20,7 @@ from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_flag
 
 _BETWEEN = (0.25, 0.5, 0.75)  # of a cell, where an error is looked for
-_MARGIN = 2.0  # of an estimate
+_MARGIN = 4.0  # of an estimate
 _ROUNDING = 1e-9  # rad or m
 
 
@@ -42,7 +42,7 @@ def transmission_table(
     proof : bool
         Bound the error by interval arithmetic: existence, regularity and rates, too, are then
         proven all over the rectangle. Where that does not reach, or is not wanted, the largest
-        error at points between is doubled: an estimate, and `evidence` says so.
+        error at points between is taken four times: an estimate, and `evidence` says so.
 
     Raises
     ------
@@ -108,8 +108,8 @@ def _estimated(
     off = np.abs(motors[0] - motors[1])
     off = np.where(turns, np.minimum(off, 2.0 * np.pi - off), off)
     statement = (
-        f"an estimate: twice the largest error at {len(x)} points between those of the table, and "
-        f"the rates at these; {why}"
+        f"an estimate: four times the largest error at {len(x)} points between those of the "
+        f"table, and the rates at these; {why}"
     )
     error, alone = _MARGIN * off.max(axis=0), _MARGIN**2 * np.abs(seen - exact).max(axis=0)
     lower, upper = rates.ratio.min(axis=0), rates.ratio.max(axis=0)
