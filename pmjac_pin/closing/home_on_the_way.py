@@ -27,6 +27,7 @@ _LONGEST, _SHORTEST = 1.0 / 12.0, 2.0**-12 / 12.0  # steps, as shares of the way
 _FARTHEST = 0.3  # lengths or rad, of one step
 _STRAIGHT = 0.25  # of a step: what it may differ by from Newton's
 _HARDLY = 1e-6  # lengths or rad: not looked at
+_MOST_TRIES = 300  # after which steps are as long as they come
 _LEAST_SHARE = 0.4  # of σ_min at first: below, the motors move on the way
 
 
@@ -88,12 +89,14 @@ def followed(stops: Sequence[Parts], home_q: Array | None) -> Array | None:
 
     first = here = None if home_q is None else HomePose.at(at(0.0), home_q)
     share = known = 0.0  # of the way; up to where `here` is known
-    step = _LONGEST
+    step, tries = _LONGEST, 0
     while share < 1.0:
+        tries += 1
         ahead = share + step if share + step < 1.0 - 0.5 * _SHORTEST else 1.0
         problem = at(ahead)
         q = home_pose(problem, end.home_q if here is None else here.q)
-        before = here.q if here is not None and known == share and step > _SHORTEST else None
+        careful = known == share and step > _SHORTEST and tries < _MOST_TRIES
+        before = here.q if careful and here is not None else None
         if q is not None and before is not None and not _is_next(problem, before, q):
             step *= 0.5
             continue
