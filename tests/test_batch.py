@@ -324,3 +324,13 @@ def test_near_singular_poses_have_the_digits_of_single_calls():
     assert len(near) > 2
     for k in near:
         np.testing.assert_array_equal(found.J_eq[k], modes[k].jacobian().J_eq)
+
+
+def test_a_target_too_far_away_has_the_share_of_the_single_call():
+    mechanism = loaded("five_bar")
+    far = mechanism.home.actuated + np.array([1e4, 0.3])
+    with pytest.raises(pj.ClosureError) as caught:
+        mechanism.close(far, enforce_limits=False)
+    found = pj.batch(mechanism).close([far], enforce_limits=False)
+    assert (found.status[0], found.share[0]) == (pj.Status.STOPPED, caught.value.share)
+    np.testing.assert_array_equal(found.q[0], mechanism.home.q)

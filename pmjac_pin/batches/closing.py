@@ -10,7 +10,7 @@ from pmjac_pin.algebra.compiled_programs import CompiledPrograms
 from pmjac_pin.batches.one_by_one import close_one
 from pmjac_pin.batches.pieces import Piece
 from pmjac_pin.batches.results import Status, Statuses
-from pmjac_pin.closing.closure import MOST_STEPS
+from pmjac_pin.closing.closure import LARGEST_STEP, MOST_STEPS
 from pmjac_pin.closing.many_paths import GoOn, Walker
 from pmjac_pin.closing.path_kernel import many_paths_kernel
 from pmjac_pin.closing.paths_in_lanes import PathsInLanes
@@ -110,4 +110,7 @@ class Closing:
         displacement -= 2.0 * np.pi * turns
         walker = self.lanes or self.walker
         paths = walker.walk(start, displacement, values, go_on, most)
-        return paths.q, paths.share, paths.settled
+        # Where a path is too long for any number of steps, single calls say so without a step.
+        far = np.linalg.norm(displacement / partition.motor_scale, axis=1)
+        within = far <= MOST_STEPS * LARGEST_STEP * partition.length
+        return paths.q, paths.share, paths.settled & within
