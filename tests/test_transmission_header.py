@@ -238,3 +238,11 @@ def test_a_header_says_what_it_is_of():
 def test_names_that_c_does_not_allow(name):
     with pytest.raises(pj.ArgumentError):
         table_of("four_bar").c(name)
+
+
+def test_a_header_that_is_pasted_has_no_constant_that_nothing_uses(tmp_path):
+    """Of one that is included a compiler does not say so."""
+    table = pj.transmission_table(pj.load("four_bar"), {"phi1": (2.2, 2.4)}, points=5)
+    (tmp_path / "t.c").write_text(f"{table.c()}\nint main(void) {{ return 0; }}\n")
+    asked = ["cc", *OPTIONS[:5], "-o", str(tmp_path / "t"), str(tmp_path / "t.c"), "-lm"]
+    subprocess.run(asked, check=True)

@@ -125,7 +125,6 @@ def _numbers(parts: HeaderParts) -> dict[str, str]:
         "nn": len(transmission.joints) ** 2,
         "nq": parts.sheet.data.shape[-1],
         "inputs": len(parts.program.recording.inputs),
-        "kept": parts.kept.size,
         "seeds": len(_seeds(parts)),
     }
     sizes = {f"points{k}": str(axis.size) for k, axis in enumerate(parts.sheet.axes)}
@@ -250,8 +249,6 @@ def _arrays(parts: HeaderParts, name: str) -> Iterator[str]:
     seeds = _seeds(parts)
     yield _array(f"{name}_seeds[{len(seeds)}][{seeds.shape[1]}]", seeds)
     yield _array(f"{name}_alone[{parts.alone.size}]", parts.alone)
-    kept_names = ", ".join(map(str, kept.tolist()))
-    yield f"static const int {name}_kept[{kept.size}] = {{{kept_names}}};\n"
 
 
 def _seeds(parts: HeaderParts) -> Array:
