@@ -105,6 +105,15 @@ class _Closure:
         return Relative(gap, gap_rates, scratch.c1Mc2.rotation, turning)
 
 
+class _LoopRows(NamedTuple):
+    """What one loop's rows are called and counted in, its ends, and what moves these."""
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    ends: tuple[LoopEnd, ...]
+    moving: NDArray[np.intp]
+
+
 class LoopSystem:
     """All the loops of a mechanism, stacked: η(q) and ∂η/∂v.
 
@@ -154,48 +163,52 @@ class LoopSystem:
         self._nv = model.nv
         self._closures: list[_Closure] = []
         self.couplings: dict[int, Coupling] = {}
-        names: list[str] = []
-        units: list[str] = []
-        owners: list[str] = []
         self.rods: dict[int, float] = {}
-        moving: list[NDArray[np.intp]] = []
-        starts: list[int] = []
-        ends: list[tuple[LoopEnd, ...]] = []
+        found: list[_LoopRows] = []
         for loop in loops:
-            starts.append(len(names))
-            prefix = "-".join(loop.ends)
+            start = sum(len(one.names) for one in found)
             if isinstance(loop, JointLoop):
-                coupling = couple(model, loop)
-                self.couplings[len(names)] = coupling
-                names.append(f"{prefix} ratio")
-                units.append(coupling.unit)
-                owners.append(prefix)
-                moving.append(np.zeros(0, dtype=np.intp))
-                ends.append(())
-                continue
-            blocks = []
-            for block in loop.rows(values):
-                rows = slice(len(names), len(names) + len(block.names))
-                blocks.append((rows, block))
-                if isinstance(block, Distance):
-                    self.rods[rows.start] = block.length
-                else:
-                    _check_unit(block)
-                names += [f"{prefix} {row}" for row in block.names]
-                units += [block.unit] * len(block.names)
-                owners += [prefix] * len(block.names)
-            frames = [find_frame(model, name) for name in loop.frames]
-            self._closures.append(_closure(model, loop, frames, tuple(blocks)))
-            columns = moving_columns(model, frames)
-            indices = [frame.index for frame in frames]
-            ends.append(tuple(map(LoopEnd, indices, columns)))
-            moving.append(np.concatenate(columns))
-        self.row_names = tuple(names)
-        self.row_units = tuple(units)
-        self.row_loops = tuple(owners)
-        self.ends = tuple(ends)
-        self.moving = tuple(moving)
-        self.slices = tuple(itertools.starmap(slice, itertools.pairwise([*starts, len(names)])))
+                found.append(self._geared(model, loop, start))
+            else:
+                found.append(self._between_frames(model, loop, loop.rows(values), start))
+        self.row_names = tuple(
+            f"{'-'.join(loop.ends)} {name}"
+            for loop, one in zip(loops, found, strict=True)
+            for name in one.names
+        )
+        self.row_units = tuple(unit for one in found for unit in one.units)
+        self.row_loops = tuple(
+            "-".join(loop.ends) for loop, one in zip(loops, found, strict=True) for _ in one.names
+        )
+        self.ends = tuple(one.ends for one in found)
+        self.moving = tuple(one.moving for one in found)
+        stops = itertools.accumulate((len(one.names) for one in found), initial=0)
+        self.slices = tuple(itertools.starmap(slice, itertools.pairwise(stops)))
+
+    def _geared(self, model: pin.Model, loop: JointLoop, start: int) -> _LoopRows:
+        coupling = self.couplings[start] = couple(model, loop)
+        return _LoopRows(("ratio",), (coupling.unit,), (), np.zeros(0, dtype=np.intp))
+
+    def _between_frames(
+        self, model: pin.Model, loop: LoopBetweenFrames, rows: Sequence[Rows], start: int
+    ) -> _LoopRows:
+        frames = [find_frame(model, name) for name in loop.frames]
+        stops = itertools.accumulate((len(block.names) for block in rows), initial=start)
+        slots = itertools.starmap(slice, itertools.pairwise(stops))
+        blocks = tuple(zip(slots, rows, strict=True))
+        for slot, block in blocks:
+            if isinstance(block, Distance):
+                self.rods[slot.start] = block.length
+            else:
+                _check_unit(block)
+        self._closures.append(_closure(model, loop, frames, blocks))
+        columns = moving_columns(model, frames)
+        return _LoopRows(
+            tuple(name for block in rows for name in block.names),
+            tuple(block.unit for block in rows for _ in block.names),
+            tuple(map(LoopEnd, [frame.index for frame in frames], columns)),
+            np.concatenate(columns),
+        )
 
     def placed(
         self, model: pin.Model, places: Mapping[int, pin.SE3], rows: Sequence[Sequence[Rows]]
