@@ -15,7 +15,7 @@ PROGRAMS = {
     "import pinocchio": "import pinocchio",
     "import pmjac_pin": "import pmjac_pin",
     "import pmjac_pin, load four_bar": "import pmjac_pin as pj; pj.load('four_bar')",
-    "pmjac list": "from pmjac_pin.cli.running import run; run(['list'])",
+    "pmjac list": "from pmjac_pin.cli.running import run_command; run_command(['list'])",
 }
 
 

@@ -18,6 +18,7 @@ from pmjac_pin.pictures.figures import check_figure_file, save_figure
 from pmjac_pin.pictures.transmission_figure import plot_transmission
 from pmjac_pin.studies.transmissions.table_maker import transmission_table
 from pmjac_pin.studies.transmissions.tabulated import TABLE_SUFFIXES
+from pmjac_pin.studies.transmissions.transmission_table import TransmissionTable
 from pmjac_pin.studies.transmissions.widest import widest_rectangle
 from pmjac_pin.words.blocks import Verbatim
 from pmjac_pin.words.transmission_tables import transmission_blocks
@@ -40,6 +41,16 @@ class Where:
     ] = None
     points: Annotated[int, Parameter(help="Along each joint (default: 17).")] = 17
     no_proof: Annotated[bool, Parameter(help="Estimate the error: sooner.")] = False
+
+    def table(self, mechanism: Mechanism) -> TransmissionTable:
+        """Return the transmission over the rectangle."""
+        return transmission_table(
+            mechanism,
+            self.rectangle(mechanism),
+            self.points,
+            enforce_limits="all" if mechanism.spec.enforce_limits else False,
+            proof=not self.no_proof,
+        )
 
     def rectangle(self, mechanism: Mechanism) -> dict[str, tuple[float, float]]:
         """Return where each joint begins and ends."""
@@ -85,22 +96,14 @@ def transmission_command(
     paths = output or []
     for path in paths:
         _check_output(path, force)
-    loaded = choice.load(mechanism)
-    enforce = "all" if loaded.spec.enforce_limits else False
-    table = transmission_table(
-        loaded,
-        where.rectangle(loaded),
-        where.points,
-        enforce_limits=enforce,
-        proof=not where.no_proof,
-    )
+    table = where.table(choice.load(mechanism))
     given = _limits_given(limits, len(table.motors))
     blocks = list(transmission_blocks(table, given))
     for path in paths:
-        if Path(path).suffix in TABLE_SUFFIXES:
-            table.save(path, name=name, force=force)
-        else:
+        if Path(path).suffix in _FIGURES:
             save_figure(plot_transmission(table.map, given), path)
+        else:
+            table.save(path, name=name, force=force)
     return [*blocks, *map(Verbatim, paths)]
 
 
