@@ -142,6 +142,10 @@ from .studies.modes.proof import prove as prove
 from .studies.program import Program as Program
 from .studies.program import program as program
 from .studies.recut import recut as recut
+from .studies.singularities.locus import LocusCurve as LocusCurve
+from .studies.singularities.locus import LocusPoint as LocusPoint
+from .studies.singularities.locus import SingularityLocus as SingularityLocus
+from .studies.singularities.singularity_locus import singularity_locus as singularity_locus
 from .studies.sweep.sweep import sweep as sweep
 from .studies.transmissions.map_maker import transmission_map as transmission_map
 from .studies.transmissions.table_maker import transmission_table as transmission_table

@@ -1,0 +1,120 @@
+"""Finding the curves of singular poses in a slice: from sheet to sheet, over the folds between.
+
+From each sheet curves are sought; from each curve of gain lead the two sheets that meet there, and
+so on, until there is no new one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from pmjac_pin.closing.damped_closure import assemble
+from pmjac_pin.closing.pose_assembly import motor_weights
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import PmjacError
+from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
+from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
+from pmjac_pin.studies.singularities.sheets import Sheets
+from pmjac_pin.studies.singularities.singular_equations import SingularEquations, SingularPoint
+from pmjac_pin.values.arrays import Array
+
+_FAR = 1.0  # lengths or rad: Newton's way from a cell to the locus
+_ASIDE = (3e-2, 1e-2, 3e-3)  # lengths or rad: from a fold to the two modes that meet there
+_LOOKED = 6  # points of a curve from where its sheets are looked for
+
+
+class LocusFinding:
+    """Finds curves and isolated points of one kind in a slice.
+
+    Parameters
+    ----------
+    area : PlaneSlice
+    equations : SingularEquations
+    sheets : Sheets
+        Known to all kinds.
+
+    Attributes
+    ----------
+    curves : list of Traced
+    isolated : list of SingularPoint
+        Through which no curve leads.
+    """
+
+    def __init__(self, area: PlaneSlice, equations: SingularEquations, sheets: Sheets) -> None:
+        self.area, self.equations, self.sheets = area, equations, sheets
+        self.tracer = Tracer(equations, area)
+        self.curves: list[Traced] = []
+        self.isolated: list[SingularPoint] = []
+
+    def seek(self, seeds: Iterable[Array]) -> list[Traced]:
+        """Trace the curves near some poses; return those that are new."""
+        before = len(self.curves)
+        for q in seeds:
+            point = self.tracer.corrected(self.equations.begin(q), _FAR)
+            if point is not None:
+                self._trace(self.equations.turned(point))
+        return self.curves[before:]
+
+    def _trace(self, point: SingularPoint) -> None:
+        area = self.area
+        if not area.inside(area.places(point.q)):
+            return
+        if any(self.tracer.holds(curve, point) for curve in self.curves):
+            return
+        if any(area.apart(one.q, point.q) <= 1e-6 for one in self.isolated):
+            return
+        traced = self.tracer.trace(point)
+        if traced is None:
+            self.isolated.append(point)
+            return
+        self.curves.append(traced)
+        for end in (traced.points[0].point, traced.points[-1].point):
+            for q in area.turned_back(end.q):
+                again = self.tracer.corrected(SingularPoint(q, end.u, end.idle), _FAR)
+                if again is not None:
+                    self._trace(again)
+
+    def beside(self, curve: Traced) -> Iterator[Configuration]:
+        """Yield poses on the sheets that meet at a curve of gain."""
+        count = len(curve.points)
+        for index in sorted({int(k) for k in np.linspace(0, count - 1, _LOOKED + 2)[1:-1]}):
+            yield from self.modes_at(curve.points[index])
+
+    def modes_of(self, curve: Traced) -> tuple[int, ...]:
+        """Return on which of the known sheets a curve lies; of a gain, which meet there."""
+        middle = curve.points[len(curve.points) // 2].point.q
+        poses = (
+            self.beside(curve)
+            if self.equations.freed == "gain"
+            else [self.area.mechanism.configuration(middle)]
+        )
+        numbers = {self.sheets.index(pose) for pose in poses}
+        return tuple(sorted(number for number in numbers if number is not None))
+
+    def modes_at(self, here: OnCurve) -> Iterator[Configuration]:
+        """Yield the two modes that meet at a fold, a little aside."""
+        equations, area, point = self.equations, self.area, here.point
+        fold = equations.fold(point)
+        partition = equations.partition
+        places = [int(np.flatnonzero(partition.actuated == c)[0]) for c in area.columns]
+        normal = np.zeros(fold.normal.size)
+        normal[places] = fold.normal[places]
+        size = float(np.linalg.norm(normal))
+        if not size > 1e-9:
+            return
+        for side in (1.0, -1.0):
+            for aside in _ASIDE:
+                step = np.zeros(here.tangent.size)
+                step[partition.passive] = side * aside * point.u
+                # η_θ δθ + ½ η_uu aside² = 0 along w.
+                step[partition.actuated] = -0.5 * fold.curvature * aside**2 / size**2 * normal
+                q = equations.moved(point, step).q
+                found = assemble(equations.problem, q, motor_weights(equations.problem, 0.0))
+                if found.gap <= equations.problem.tolerance and area.apart(found.q, q) < aside:
+                    try:
+                        yield area.mechanism.configuration(found.q)
+                    except PmjacError:
+                        continue
+                    break

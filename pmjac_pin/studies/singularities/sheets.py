@@ -1,0 +1,145 @@
+"""Sheets: what a slice's grid reaches from one assembly mode, and what says where to look.
+
+A sheet ends where the machine folds: between a cell that is closed and one beside it that is not
+reached lies a curve of gain, seldom a limit. Within it the tool loses a motion where the
+determinant of its rates by the motors changes sign, or where its smallest singular value has a
+valley.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from pmjac_pin.algebra.singular_values import singular_values
+from pmjac_pin.batches.batch import Batch
+from pmjac_pin.batches.results import ManyInGrid, Status
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
+from pmjac_pin.values.arrays import Array, Mask
+
+_SAME = 1e-6  # lengths or rad
+_TRIED = 16  # cells near a pose, to tell on which sheet it is
+_LOW = 0.05  # of a matrix, dimensionless: a valley that may go down to zero
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """The cells of a slice that one assembly mode reaches.
+
+    Attributes
+    ----------
+    start : Configuration
+        A pose on it.
+    cells : ManyInGrid
+    """
+
+    start: Configuration
+    cells: ManyInGrid
+
+    @cached_property
+    def closed(self) -> Mask:
+        """Which cells are reached, shape (a, b)."""
+        return np.asarray(self.cells.status == Status.CLOSED)
+
+    def border(self) -> Array:
+        """Return q of the closed cells beside others that no path reaches, shape (k, nq)."""
+        open_cells = np.pad(self.cells.status == Status.STOPPED, 1)
+        beside = open_cells[:-2, 1:-1] | open_cells[2:, 1:-1]
+        beside |= open_cells[1:-1, :-2] | open_cells[1:-1, 2:]
+        return np.asarray(self.cells.q[self.closed & beside])
+
+    def valleys(self, values: Array) -> Array:
+        """Return q of cells where something low is lower than in all cells beside, (k, nq)."""
+        around = np.pad(np.where(self.closed, values, np.inf), 1, constant_values=np.inf)
+        middle = around[1:-1, 1:-1]
+        beside = (around[:-2, 1:-1], around[2:, 1:-1], around[1:-1, :-2], around[1:-1, 2:])
+        low = np.isfinite(middle) & (middle < _LOW)
+        for side in beside:
+            low &= middle <= side
+        return np.asarray(self.cells.q[low])
+
+    def changes(self, signs: Array) -> Array:
+        """Return q of cells whose sign is another than that of one beside them, shape (k, nq)."""
+        found = np.zeros(signs.shape, dtype=bool)
+        found[:-1] |= signs[:-1] * signs[1:] < 0.0
+        found[:, :-1] |= signs[:, :-1] * signs[:, 1:] < 0.0
+        return np.asarray(self.cells.q[found & self.closed])
+
+
+class Sheets:
+    """The sheets of a slice that are known.
+
+    Parameters
+    ----------
+    area : PlaneSlice
+    cells : (int, int)
+        How many of the grid, along each axis.
+    """
+
+    def __init__(self, area: PlaneSlice, cells: tuple[int, int]) -> None:
+        self.area, self.known = area, list[Sheet]()
+        self._many, self._axes = Batch(area.mechanism), area.axes(cells)
+        self._values = np.stack(np.meshgrid(*self._axes.values(), indexing="ij"), axis=-1)
+
+    def add(self, start: Configuration) -> int | None:
+        """Return which sheet a pose is on, a new one if it is on none; None where no cell is."""
+        leads = list(self._leads(start))
+        known = self._among_known(leads)
+        if known is None and leads:
+            self.known.append(Sheet(start, self._many.grid(self._axes, start)))
+            return len(self.known) - 1
+        return known
+
+    def index(self, pose: Configuration) -> int | None:
+        """Return which known sheet a pose is on, None where none has a cell that it leads to."""
+        return self._among_known(list(self._leads(pose)))
+
+    def _among_known(self, leads: list[tuple[int, Array]]) -> int | None:
+        for number, sheet in enumerate(self.known):
+            closed, rows = sheet.closed.ravel(), sheet.cells.q.reshape(sheet.closed.size, -1)
+            for cell, q in leads:
+                if closed[cell] and self.area.apart(rows[cell], q) <= _SAME:
+                    return number
+        return None
+
+    def _leads(self, pose: Configuration) -> Iterator[tuple[int, Array]]:
+        """Yield the cells near a pose that straight paths from it reach, and q there."""
+        place = self.area.places(pose.q)
+        away = np.linalg.norm((self._values - place) / self.area.size, axis=-1).ravel()
+        near = np.argsort(away, kind="stable")[:_TRIED]
+        motors = self.area.mechanism.actuated
+        targets = np.tile(pose.actuated, (near.size, 1))
+        for k, name in enumerate(self.area.names):
+            targets[:, motors.index(name)] = self._values[..., k].ravel()[near]
+        reached = self._many.close(targets, pose, threads=1)
+        for cell, q, status in zip(near.tolist(), reached.q, reached.status, strict=True):
+            if status == Status.CLOSED:
+                yield cell, q
+
+    def gain_seeds(self, sheet: Sheet) -> Iterator[Array]:
+        """Yield q near which K* may lose rank: on the border of a sheet, and in its valleys."""
+        yield from sheet.border()
+        smallest = np.full(sheet.closed.shape, np.nan)
+        q = sheet.cells.q[sheet.closed]
+        smallest[sheet.closed] = self._many.measures(q).smallest
+        yield from sheet.valleys(smallest)
+
+    def loss_seeds(self, sheet: Sheet) -> Iterator[Array]:
+        """Yield q near which the tool may lose a motion."""
+        partition = self.area.mechanism.problem.partition
+        rows, q = partition.tool_rows, sheet.cells.q[sheet.closed]
+        J_eq = self._many.jacobian(q, rows.axes).J_eq * partition.motor_scale
+        J_eq[:, 3:] *= partition.length
+        judged = J_eq[:, rows.linear + rows.angular]
+        if judged.shape[1] == judged.shape[2]:
+            signs = np.zeros(sheet.closed.shape)
+            signs[sheet.closed] = np.sign(np.linalg.det(np.nan_to_num(judged)))
+            yield from sheet.changes(signs)
+        smallest = np.full(sheet.closed.shape, np.nan)
+        values = singular_values(np.moveaxis(judged, 0, -1).copy())
+        smallest[sheet.closed] = values[partition.tool_rank - 1]
+        yield from sheet.valleys(smallest)
