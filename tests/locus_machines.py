@@ -5,8 +5,6 @@ from functools import cache
 import numpy as np
 from mechanisms import build
 
-import pmjac_pin as pj
-
 Z = (0.0, 0.0, 1.0)
 BASE = np.array([[0.0, 0.0], [15.91, 0.0], [0.0, 10.0]])
 SIDES = {"d12": 17.04, "d23": 16.54, "d31": 20.84}

@@ -20,6 +20,8 @@ _BEND = 0.12  # rad, between the tangents of two points that follow each other
 _MOST_BEND = 0.3  # more may be another curve
 _OFF = 0.15  # of a step: how far Newton may lead from its end
 _MOST_POINTS = 20_000
+_FOOT_STEPS = 8
+_SAME = 1e-5  # of the way between two points that follow each other
 
 
 class OnCurve(NamedTuple):
@@ -168,15 +170,17 @@ class Tracer:
     def foot(self, first: OnCurve, second: OnCurve, point: SingularPoint) -> float | None:
         """Return at which share of the way between two points another lies, None if it does not."""
         chord = self.chord(first.point, second.point)[: self._nv]
-        away = self._turns_aside(self.chord(first.point, point)[: self._nv])
-        length = chord @ chord
-        share = float(away @ chord / length)
-        if not -0.5 <= share <= 1.5:
-            return None
-        there = self.between(first, second, share)
-        if there is None or self.area.apart(there.q, point.q) > 1e-3 * np.sqrt(length):
-            return None
-        return share
+        length, share, here = chord @ chord, 0.0, first.point
+        for _ in range(_FOOT_STEPS):
+            away = self._turns_aside(self.chord(here, point)[: self._nv])
+            if away @ away <= (_SAME * _SAME) * length:
+                return share
+            share += float(away @ chord / length)
+            there = self.between(first, second, share) if -0.5 <= share <= 1.5 else None
+            if there is None:
+                return None
+            here = there
+        return None
 
     def holds(self, curve: Traced, point: SingularPoint) -> bool:
         """Tell whether a singular point lies on a curve."""

@@ -13,7 +13,6 @@ import numpy as np
 from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.pose_assembly import motor_weights
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import PmjacError
 from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
 from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
 from pmjac_pin.studies.singularities.sheets import Sheets
@@ -21,8 +20,9 @@ from pmjac_pin.studies.singularities.singular_equations import SingularEquations
 from pmjac_pin.values.arrays import Array
 
 _FAR = 1.0  # lengths or rad: Newton's way from a cell to the locus
-_ASIDE = (3e-2, 1e-2, 3e-3)  # lengths or rad: from a fold to the two modes that meet there
-_LOOKED = 6  # points of a curve from where its sheets are looked for
+_ASIDE = 1e-2  # lengths or rad: from a fold to the two modes that meet there
+_LOOKED, _LOOKED_EVERY = 6, 15  # points of a curve from where its sheets are looked for
+_NO_FOLD = 1e-9  # dimensionless: where branches meet the motors are not held back
 
 
 class LocusFinding:
@@ -77,9 +77,10 @@ class LocusFinding:
                     self._trace(again)
 
     def beside(self, curve: Traced) -> Iterator[Configuration]:
-        """Yield poses on the sheets that meet at a curve of gain."""
+        """Yield poses on the sheets that meet at a curve of gain, some cells away from it."""
         count = len(curve.points)
-        for index in sorted({int(k) for k in np.linspace(0, count - 1, _LOOKED + 2)[1:-1]}):
+        looked = max(_LOOKED, count // _LOOKED_EVERY)
+        for index in sorted({int(k) for k in np.linspace(0, count - 1, looked + 2)[1:-1]}):
             yield from self.modes_at(curve.points[index])
 
     def modes_of(self, curve: Traced) -> tuple[int, ...]:
@@ -94,27 +95,22 @@ class LocusFinding:
         return tuple(sorted(number for number in numbers if number is not None))
 
     def modes_at(self, here: OnCurve) -> Iterator[Configuration]:
-        """Yield the two modes that meet at a fold, a little aside."""
+        """Yield poses on the two sheets that meet at a fold."""
         equations, area, point = self.equations, self.area, here.point
-        fold = equations.fold(point)
-        partition = equations.partition
-        places = [int(np.flatnonzero(partition.actuated == c)[0]) for c in area.columns]
-        normal = np.zeros(fold.normal.size)
-        normal[places] = fold.normal[places]
+        fold, partition = equations.fold(point), equations.partition
+        normal = np.where(np.isin(partition.actuated, area.columns), fold.normal, 0.0)
         size = float(np.linalg.norm(normal))
-        if not size > 1e-9:
+        if not size > _NO_FOLD:
             return
+        inward = -np.sign(fold.curvature) * normal / size
         for side in (1.0, -1.0):
-            for aside in _ASIDE:
-                step = np.zeros(here.tangent.size)
-                step[partition.passive] = side * aside * point.u
-                # η_θ δθ + ½ η_uu aside² = 0 along w.
-                step[partition.actuated] = -0.5 * fold.curvature * aside**2 / size**2 * normal
-                q = equations.moved(point, step).q
-                found = assemble(equations.problem, q, motor_weights(equations.problem, 0.0))
-                if found.gap <= equations.problem.tolerance and area.apart(found.q, q) < aside:
-                    try:
-                        yield area.mechanism.configuration(found.q)
-                    except PmjacError:
-                        continue
-                    break
+            # η_θ δθ + ½ η_uu aside² = 0 along w.
+            step = np.zeros(here.tangent.size)
+            step[partition.passive] = side * _ASIDE * point.u
+            step[partition.actuated] = 0.5 * abs(fold.curvature) * _ASIDE**2 / size * inward
+            q = equations.moved(point, step).q
+            found = assemble(equations.problem, q, motor_weights(equations.problem, 0.0))
+            if found.gap <= equations.problem.tolerance and area.apart(found.q, q) < _ASIDE:
+                away = self.sheets.away_from(found.q, inward)
+                if away is not None:
+                    yield away

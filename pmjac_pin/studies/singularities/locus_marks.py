@@ -14,6 +14,7 @@ from pmjac_pin.values.arrays import Array
 _HALVINGS = 60
 _STEPS = 12  # of Newton, to where curves cross
 _SAME_PLACE = 1e-11  # of the window
+_PARALLEL = 1e-4  # rad, in the window's proportions: curves that lie on each other do not cross
 _SAME_POSE = 1e-5  # lengths or rad: where branches meet, Newton tells poses no better
 
 
@@ -40,9 +41,7 @@ def cusps(tracer: Tracer, curve: Traced) -> Iterator[SingularPoint]:
                 yield found
 
 
-def _curvature(
-    tracer: Tracer, point: SingularPoint, left: Array | None
-) -> tuple[float, Array]:
+def _curvature(tracer: Tracer, point: SingularPoint, left: Array | None) -> tuple[float, Array]:
     """Return the fold's curvature, its w on the side of another's, and that w."""
     fold = tracer.equations.fold(point)
     turned = 1.0 if left is None or fold.left @ left >= 0.0 else -1.0
@@ -72,6 +71,8 @@ def _cusp_between(tracer: Tracer, first: OnCurve, second: OnCurve) -> SingularPo
 def crossings(tracers: Sequence[Tracer], curves: Sequence[Traced]) -> Iterator[Crossing]:
     """Yield where curves cross in the plane; `meets` where they do in joint space as well.
 
+    Not where they touch or lie on each other, as those of mirror images do.
+
     Parameters
     ----------
     tracers : sequence of Tracer
@@ -85,7 +86,8 @@ def crossings(tracers: Sequence[Tracer], curves: Sequence[Traced]) -> Iterator[C
     for i in range(len(curves)):
         for j in range(i, len(curves)):
             for k, m in _crossing_chords(places[i], places[j], same=i == j):
-                found = _refined(tracers[i], tracers[j], curves[i], curves[j], k, m)
+                ends = curves[i].points[k : k + 2], curves[j].points[m : m + 2]
+                found = _refined(tracers[i], tracers[j], *ends)
                 if found is not None:
                     first, second = found
                     meets = area.apart(first.q, second.q) <= _SAME_POSE
@@ -113,14 +115,13 @@ def _crossing_chords(first: Array, second: Array, *, same: bool) -> Iterator[tup
 
 
 def _refined(
-    mine: Tracer, theirs: Tracer, first: Traced, second: Traced, k: int, m: int
+    mine: Tracer, theirs: Tracer, a: Sequence[OnCurve], b: Sequence[OnCurve]
 ) -> tuple[SingularPoint, SingularPoint] | None:
     """Return the two poses at which two curves are at one place, by Newton along both."""
-    a, b = first.points[k : k + 2], second.points[m : m + 2]
     area, shares = mine.area, np.full(2, 0.5)
     for _ in range(_STEPS):
         one, other = (
-            tracer.between(*ends, share)
+            tracer.between(ends[0], ends[1], share)
             for tracer, ends, share in ((mine, a, shares[0]), (theirs, b, shares[1]))
         )
         if one is None or other is None:
@@ -129,7 +130,8 @@ def _refined(
         if (np.abs(away) <= _SAME_PLACE * area.size).all():
             return one, other
         along = np.column_stack([_pace(mine, a, one), -_pace(theirs, b, other)])
-        if abs(np.linalg.det(along)) <= 1e-12 * np.abs(along).max() ** 2:
+        sizes = np.linalg.norm(along / area.size[:, None], axis=0)
+        if abs(np.linalg.det(along / area.size[:, None])) <= _PARALLEL * sizes[0] * sizes[1]:
             return None
         shares = np.clip(shares + np.linalg.solve(along, away), -0.5, 1.5)
     return None
@@ -139,9 +141,7 @@ def _pace(tracer: Tracer, ends: Sequence[OnCurve], here: SingularPoint) -> Array
     """Return how the place changes with the share of the way between two points."""
     area, chord = tracer.area, tracer.chord(ends[0].point, ends[1].point)
     there = tracer.on_curve(here, chord)
-    tangent = chord if there is None else there.tangent * (chord @ chord) / (
-        there.tangent @ chord
-    )
+    tangent = chord if there is None else there.tangent * (chord @ chord) / (there.tangent @ chord)
     partition = tracer.equations.partition
     return np.asarray(
         partition.length * partition.column_scale[area.columns] * tangent[area.columns]

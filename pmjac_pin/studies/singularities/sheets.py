@@ -23,6 +23,9 @@ from pmjac_pin.values.arrays import Array, Mask
 
 _SAME = 1e-6  # lengths or rad
 _TRIED = 16  # cells near a pose, to tell on which sheet it is
+_FEW_STEPS = 6  # a path to a cell nearby takes one or two, but where it ends
+_CELLS_AWAY = (3.0, 2.0, 1.0, 0.5)
+_SOME_STEPS = 60  # away from a fold
 _LOW = 0.05  # of a matrix, dimensionless: a valley that may go down to zero
 
 
@@ -35,10 +38,14 @@ class Sheet:
     start : Configuration
         A pose on it.
     cells : ManyInGrid
+    new : ndarray of bool, shape (a, b)
+        Which closed cells no sheet before it has: a sheet that winds about a cusp lies over itself,
+        and its layers are several here.
     """
 
     start: Configuration
     cells: ManyInGrid
+    new: Mask
 
     @cached_property
     def closed(self) -> Mask:
@@ -50,11 +57,11 @@ class Sheet:
         open_cells = np.pad(self.cells.status == Status.STOPPED, 1)
         beside = open_cells[:-2, 1:-1] | open_cells[2:, 1:-1]
         beside |= open_cells[1:-1, :-2] | open_cells[1:-1, 2:]
-        return np.asarray(self.cells.q[self.closed & beside])
+        return np.asarray(self.cells.q[self.new & beside])
 
     def valleys(self, values: Array) -> Array:
         """Return q of cells where something low is lower than in all cells beside, (k, nq)."""
-        around = np.pad(np.where(self.closed, values, np.inf), 1, constant_values=np.inf)
+        around = np.pad(np.where(self.new, values, np.inf), 1, constant_values=np.inf)
         middle = around[1:-1, 1:-1]
         beside = (around[:-2, 1:-1], around[2:, 1:-1], around[1:-1, :-2], around[1:-1, 2:])
         low = np.isfinite(middle) & (middle < _LOW)
@@ -67,7 +74,7 @@ class Sheet:
         found = np.zeros(signs.shape, dtype=bool)
         found[:-1] |= signs[:-1] * signs[1:] < 0.0
         found[:, :-1] |= signs[:, :-1] * signs[:, 1:] < 0.0
-        return np.asarray(self.cells.q[found & self.closed])
+        return np.asarray(self.cells.q[found & self.new])
 
 
 class Sheets:
@@ -83,6 +90,7 @@ class Sheets:
     def __init__(self, area: PlaneSlice, cells: tuple[int, int]) -> None:
         self.area, self.known = area, list[Sheet]()
         self._many, self._axes = Batch(area.mechanism), area.axes(cells)
+        self._largest = max(1.0, area.mechanism.characteristic_length)
         self._values = np.stack(np.meshgrid(*self._axes.values(), indexing="ij"), axis=-1)
 
     def add(self, start: Configuration) -> int | None:
@@ -90,13 +98,41 @@ class Sheets:
         leads = list(self._leads(start))
         known = self._among_known(leads)
         if known is None and leads:
-            self.known.append(Sheet(start, self._many.grid(self._axes, start)))
+            cells = self._many.grid(self._axes, start)
+            new = np.asarray(cells.status == Status.CLOSED)
+            for other in self.known:
+                new &= ~self._alike(cells.q, other.cells.q)
+            self.known.append(Sheet(start, cells, new))
             return len(self.known) - 1
         return known
 
     def index(self, pose: Configuration) -> int | None:
         """Return which known sheet a pose is on, None where none has a cell that it leads to."""
         return self._among_known(list(self._leads(pose)))
+
+    def away_from(self, q: Array, inward: Array) -> Configuration | None:
+        """Return the pose some cells away along motor rates, as far as one mode leads so.
+
+        Parameters
+        ----------
+        q : ndarray, shape (nq,)
+            A pose, right beside a fold.
+        inward : ndarray, shape (n,)
+            Away from it, on the motors' scaled rates.
+        """
+        partition = self.area.mechanism.problem.partition
+        rates = inward * partition.motor_scale
+        cell = self.area.size / [axis.size - 1 for axis in self._axes.values()]
+        motors = [self.area.mechanism.actuated.index(name) for name in self.area.names]
+        longest = float(np.max(np.abs(rates[motors]) / cell))
+        strides = np.array(_CELLS_AWAY)[:, None] * rates / longest
+        values = self.area.mechanism.coordinates.values_of(q, partition.actuated)
+        start = np.broadcast_to(q, (len(strides), q.size))
+        found = self._many._toward(values + strides, start, "none", _SOME_STEPS, threads=1)
+        for pose, status in zip(found.q, found.status, strict=True):
+            if status == Status.CLOSED:
+                return self.area.mechanism.configuration(pose)
+        return None
 
     def _among_known(self, leads: list[tuple[int, Array]]) -> int | None:
         for number, sheet in enumerate(self.known):
@@ -105,6 +141,14 @@ class Sheets:
                 if closed[cell] and self.area.apart(rows[cell], q) <= _SAME:
                     return number
         return None
+
+    def _alike(self, q: Array, other: Array) -> Mask:
+        """Tell which poses of two arrays (a, b, nq) are the same, full turns aside."""
+        coordinates = self.area.mechanism.coordinates
+        entries = [coordinates.entry(k) for k in np.flatnonzero(coordinates.angles).tolist()]
+        away = q - other
+        away[..., entries] = np.remainder(away[..., entries] + np.pi, 2.0 * np.pi) - np.pi
+        return np.asarray(np.abs(away).max(axis=-1) <= _SAME * self._largest)
 
     def _leads(self, pose: Configuration) -> Iterator[tuple[int, Array]]:
         """Yield the cells near a pose that straight paths from it reach, and q there."""
@@ -115,7 +159,8 @@ class Sheets:
         targets = np.tile(pose.actuated, (near.size, 1))
         for k, name in enumerate(self.area.names):
             targets[:, motors.index(name)] = self._values[..., k].ravel()[near]
-        reached = self._many.close(targets, pose, threads=1)
+        start = np.broadcast_to(pose.q, (near.size, pose.q.size))
+        reached = self._many._toward(targets, start, "motors", _FEW_STEPS, threads=1)
         for cell, q, status in zip(near.tolist(), reached.q, reached.status, strict=True):
             if status == Status.CLOSED:
                 yield cell, q

@@ -20,12 +20,14 @@ space. The pose is a fold where wᵀ (∂K*/∂q · u) u ≠ 0, and a cusp where
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
 from pmjac_pin.closing.idle_motions import gained_and_idle
 from pmjac_pin.errors import ArgumentError
+from pmjac_pin.kinematics.pinocchio import Snapshot
 from pmjac_pin.kinematics.slopes import Slopes
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.factorisation import Factorisation
@@ -124,7 +126,7 @@ class SingularEquations:
 
     def matrix(self, q: Array) -> Array:
         """Return M at a q, dimensionless, shape (rows, k)."""
-        return self._of(q)[1]
+        return self._of(self.mechanism.kinematics.snapshot(q))[1]
 
     def begin(self, q: Array) -> SingularPoint:
         """Return the first guess from a closed q: the motion that M holds least."""
@@ -148,9 +150,7 @@ class SingularEquations:
 
     def residual(self, point: SingularPoint) -> Array:
         """Return what vanishes at a singular pose, dimensionless, all equations."""
-        gap, matrix = self._of(point.q)
-        u = point.u
-        return np.concatenate([gap, matrix @ u, point.idle.T @ u, [0.5 * (u @ u - 1.0)]])
+        return self._vanishing(point, *self._of(self.mechanism.kinematics.snapshot(point.q)))
 
     def evaluate(self, point: SingularPoint) -> tuple[Array, Array]:
         """Return the residual and its derivative by q, in lengths or rad, and by u.
@@ -161,14 +161,15 @@ class SingularEquations:
         jacobian : ndarray, shape (r, nv + k)
             Unknowns are those of `moved`.
         """
-        residual, u, idle = self.residual(point), point.u, point.idle
-        constraint, slopes = self.slopes(point.q)
-        nv, k = constraint.shape[1], u.size
+        snapshot, u, idle = self.mechanism.kinematics.snapshot(point.q), point.u, point.idle
+        constraint, slopes = self._slopes_at(point.q, snapshot)
+        gap, matrix = self._of(snapshot)
+        residual = self._vanishing(point, gap, matrix)
+        nv, k, p, rows = constraint.shape[1], u.size, gap.size, len(matrix)
         jacobian = np.zeros((residual.size, nv + k))
-        p, rows = len(constraint), slopes.shape[1]
         jacobian[:p, :nv] = constraint
         jacobian[p : p + rows, :nv] = (slopes @ u).T
-        jacobian[p : p + rows, nv:] = self.matrix(point.q)
+        jacobian[p : p + rows, nv:] = matrix
         jacobian[p + rows : -1, nv:] = idle.T
         jacobian[-1, nv:] = u
         return residual, jacobian
@@ -178,7 +179,7 @@ class SingularEquations:
         nv = self.partition.column_scale.size
         return replace(
             point,
-            q=self.problem.integrate(point.q, self._stride * step[:nv]),
+            q=self.problem.integrate(point.q, self._strides.diagonal() * step[:nv]),
             u=point.u + step[nv:],
         )
 
@@ -263,31 +264,37 @@ class SingularEquations:
 
     def slopes(self, q: Array) -> tuple[Array, Array]:
         """Return [K K*] (p, nv), and how M changes, (nv, rows, k), by lengths or rad of q."""
+        return self._slopes_at(q, self.mechanism.kinematics.snapshot(q))
+
+    def _slopes_at(self, q: Array, snapshot: Snapshot) -> tuple[Array, Array]:
         partition, nv = self.partition, self.partition.column_scale.size
-        snapshot = self.mechanism.kinematics.snapshot(q)
         by = self.mechanism._recorded.slopes() or self._by_complex_steps
-        changed = by.at(q, np.diag(self._stride))
+        changed = by.at(q, self._strides)
         constraint = partition.scaled(snapshot.constraint_jacobian)
         slopes = partition.scaled(changed.constraint)[:, :, self.columns]
         if self.freed == "gain":
             return constraint, slopes
         return constraint, np.concatenate([slopes, self._tool_slopes(changed, nv)], axis=1)
 
-    @property
-    def _stride(self) -> Array:
-        """What an unknown of 1 is of each column, m or rad."""
-        return np.asarray(self.partition.length * self.partition.column_scale)
+    @cached_property
+    def _strides(self) -> Array:
+        """What an unknown of 1 is of each column, m or rad: a diagonal matrix."""
+        return np.diag(self.partition.length * self.partition.column_scale)
 
-    def _of(self, q: Array) -> tuple[Array, Array]:
+    def _of(self, snapshot: Snapshot) -> tuple[Array, Array]:
         """Return η without dimension, and M."""
         partition = self.partition
-        snapshot = self.mechanism.kinematics.snapshot(q)
         gap = snapshot.residual * partition.row_scale / partition.length
         constraint = partition.scaled(snapshot.constraint_jacobian)
         if self.freed == "gain":
             return gap, constraint[:, self.columns]
         tool = snapshot.judged_jacobian(partition.tool_rows)
         return gap, np.vstack([constraint, partition.scaled_tool(tool)[self._tool]])
+
+    @staticmethod
+    def _vanishing(point: SingularPoint, gap: Array, matrix: Array) -> Array:
+        u = point.u
+        return np.concatenate([gap, matrix @ u, point.idle.T @ u, [0.5 * (u @ u - 1.0)]])
 
     def _tool_slopes(self, changed: Slopes, nv: int) -> Array:
         axes = self.partition.tool_rows.axes

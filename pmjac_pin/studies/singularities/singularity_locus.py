@@ -97,7 +97,9 @@ def singularity_locus(
         raise ArgumentError(f"`cells` is a number, 2 or more, got {quoted(cells)}")
     area = PlaneSlice.of(plane, start, window)
     sheets = Sheets(area, (cells, cells))
-    begin = assembly_modes(mechanism, start.actuated, rng=0, limits=False) if modes is None else modes
+    begin = (
+        assembly_modes(mechanism, start.actuated, rng=0, limits=False) if modes is None else modes
+    )
     for mode in begin:
         sheets.add(mode)
     gain = SingularEquations(mechanism, "gain")
