@@ -9,8 +9,8 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from pmjac_pin.studies.singularities.curve_equations import CurveEquations, SingularPoint
 from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
-from pmjac_pin.studies.singularities.singular_equations import SingularEquations, SingularPoint
 from pmjac_pin.values.arrays import Array, norm
 
 End = Literal["closed", "window", "lost", "long"]
@@ -77,7 +77,7 @@ class Tracer:
         Of the same machine, whoever drives it.
     """
 
-    def __init__(self, equations: SingularEquations, area: PlaneSlice) -> None:
+    def __init__(self, equations: CurveEquations, area: PlaneSlice) -> None:
         self.equations, self.area = equations, area
         self._nv = equations.partition.column_scale.size
 

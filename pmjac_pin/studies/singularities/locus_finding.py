@@ -13,10 +13,11 @@ import numpy as np
 from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.pose_assembly import motor_weights
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.studies.singularities.curve_equations import SingularPoint
 from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
 from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
 from pmjac_pin.studies.singularities.sheets import Sheets
-from pmjac_pin.studies.singularities.singular_equations import SingularEquations, SingularPoint
+from pmjac_pin.studies.singularities.singular_equations import SingularEquations
 from pmjac_pin.values.arrays import Array
 
 _FAR = 1.0  # lengths or rad: Newton's way from a cell to the locus

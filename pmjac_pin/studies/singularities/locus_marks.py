@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pmjac_pin.studies.singularities.curve_equations import SingularPoint
 from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
-from pmjac_pin.studies.singularities.singular_equations import SingularPoint
 from pmjac_pin.values.arrays import Array
 
 _HALVINGS = 60
