@@ -17,12 +17,13 @@ from pmjac_pin.studies.singularities.curve_equations import SingularPoint
 from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
 from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
 from pmjac_pin.studies.singularities.sheets import Sheets
-from pmjac_pin.studies.singularities.singular_equations import SingularEquations
+from pmjac_pin.studies.singularities.singular_equations import Freed, SingularEquations
 from pmjac_pin.values.arrays import Array
 
 _FAR = 1.0  # lengths or rad: Newton's way from a cell to the locus
 _ASIDE = 1e-2  # lengths or rad: from a fold to the two modes that meet there
 _LOOKED, _LOOKED_EVERY = 6, 15  # points of a curve from where its sheets are looked for
+_AT_REST = 1e-9  # of the window
 _NO_FOLD = 1e-9  # dimensionless: where branches meet the motors are not held back
 
 
@@ -35,6 +36,8 @@ class LocusFinding:
     equations : SingularEquations
     sheets : Sheets
         Known to all kinds.
+    kind : {"gain", "loss"}
+        What these are of the machine itself.
 
     Attributes
     ----------
@@ -43,8 +46,10 @@ class LocusFinding:
         Through which no curve leads.
     """
 
-    def __init__(self, area: PlaneSlice, equations: SingularEquations, sheets: Sheets) -> None:
-        self.area, self.equations, self.sheets = area, equations, sheets
+    def __init__(
+        self, area: PlaneSlice, equations: SingularEquations, sheets: Sheets, kind: Freed
+    ) -> None:
+        self.area, self.equations, self.sheets, self.kind = area, equations, sheets, kind
         self.tracer = Tracer(equations, area)
         self.curves: list[Traced] = []
         self.isolated: list[SingularPoint] = []
@@ -84,12 +89,19 @@ class LocusFinding:
         for index in sorted({int(k) for k in np.linspace(0, count - 1, looked + 2)[1:-1]}):
             yield from self.modes_at(curve.points[index])
 
+    def stays(self, curve: Traced) -> bool:
+        """Tell whether a curve stays at its place, the machine moving with the plane at rest."""
+        extent = np.ptp(self.area.places(curve.q), axis=0)
+        return bool((extent <= _AT_REST * self.area.size).all())
+
     def modes_of(self, curve: Traced) -> tuple[int, ...]:
         """Return on which of the known sheets a curve lies; of a gain, which meet there."""
+        if self.stays(curve):
+            return ()
         middle = curve.points[len(curve.points) // 2].point.q
         poses = (
             self.beside(curve)
-            if self.equations.freed == "gain"
+            if self.equations.folds
             else [self.area.mechanism.configuration(middle)]
         )
         numbers = {self.sheets.index(pose) for pose in poses}

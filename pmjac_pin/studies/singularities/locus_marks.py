@@ -9,6 +9,7 @@ import numpy as np
 
 from pmjac_pin.studies.singularities.curve_equations import SingularPoint
 from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
+from pmjac_pin.studies.singularities.singular_equations import SingularEquations
 from pmjac_pin.values.arrays import Array
 
 _HALVINGS = 60
@@ -27,38 +28,42 @@ class Crossing(NamedTuple):
     meets: bool
 
 
-def cusps(tracer: Tracer, curve: Traced) -> Iterator[SingularPoint]:
+def cusps(tracer: Tracer, equations: SingularEquations, curve: Traced) -> Iterator[SingularPoint]:
     """Yield the poses of a curve of gain at which its image in motor space has a cusp."""
     curvatures, left = [], None
     for one in curve.points:
-        curvature, left = _curvature(tracer, one.point, left)
+        curvature, left = _curvature(equations, one.point, left)
         curvatures.append(curvature)
     pairs = zip(curve.points, curve.points[1:], strict=False)
     for k, (first, second) in enumerate(pairs):
         if curvatures[k] * curvatures[k + 1] < 0.0:
-            found = _cusp_between(tracer, first, second)
+            found = _cusp_between(tracer, equations, first, second)
             if found is not None:
                 yield found
 
 
-def _curvature(tracer: Tracer, point: SingularPoint, left: Array | None) -> tuple[float, Array]:
+def _curvature(
+    equations: SingularEquations, point: SingularPoint, left: Array | None
+) -> tuple[float, Array]:
     """Return the fold's curvature, its w on the side of another's, and that w."""
-    fold = tracer.equations.fold(point)
+    fold = equations.fold(point)
     turned = 1.0 if left is None or fold.left @ left >= 0.0 else -1.0
     return turned * fold.curvature, turned * fold.left
 
 
-def _cusp_between(tracer: Tracer, first: OnCurve, second: OnCurve) -> SingularPoint | None:
+def _cusp_between(
+    tracer: Tracer, equations: SingularEquations, first: OnCurve, second: OnCurve
+) -> SingularPoint | None:
     """Return where the curvature passes zero, by the rule of false position (Illinois)."""
-    start, left = _curvature(tracer, first.point, None)
-    low, high = (0.0, start), (1.0, _curvature(tracer, second.point, left)[0])
+    start, left = _curvature(equations, first.point, None)
+    low, high = (0.0, start), (1.0, _curvature(equations, second.point, left)[0])
     found, kept = None, 0
     for _ in range(_HALVINGS):
         share = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1])
         found = tracer.between(first, second, share)
         if found is None:
             return None
-        value, _ = _curvature(tracer, found, left)
+        value, _ = _curvature(equations, found, left)
         if abs(value) <= 1e-14 or high[0] - low[0] <= 1e-14:
             return found
         if value * low[1] < 0.0:

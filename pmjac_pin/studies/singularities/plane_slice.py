@@ -64,8 +64,8 @@ class PlaneSlice:
         names = _two_motors(plane, mechanism)
         partition = mechanism.problem.partition
         columns = np.array([partition.columns[name] for name in names])
-        if mechanism.coordinates.curved[partition.actuated].any():
-            raise ArgumentError(f"a motor of {mechanism.name} turns about more than one axis")
+        if mechanism.coordinates.curved[columns].any():
+            raise ArgumentError(f"{names[0]!r} or {names[1]!r} turns about more than one axis")
         held = np.array([c for c in partition.actuated.tolist() if c not in columns], dtype=np.intp)
         ranges = _window(names, mechanism, window)
         return cls(mechanism, at, names, columns, held, ranges[:, 0], ranges[:, 1])

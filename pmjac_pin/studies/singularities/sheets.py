@@ -14,11 +14,11 @@ from functools import cached_property
 
 import numpy as np
 
-from pmjac_pin.algebra.singular_values import singular_values
 from pmjac_pin.batches.batch import Batch
 from pmjac_pin.batches.results import ManyInGrid, Status
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
+from pmjac_pin.studies.singularities.singular_equations import SingularEquations
 from pmjac_pin.values.arrays import Array, Mask
 
 _SAME = 1e-6  # lengths or rad
@@ -26,7 +26,6 @@ _TRIED = 16  # cells near a pose, to tell on which sheet it is
 _FEW_STEPS = 6  # a path to a cell nearby takes one or two, but where it ends
 _CELLS_AWAY = (3.0, 2.0, 1.0, 0.5)
 _SOME_STEPS = 60  # away from a fold
-_LOW = 0.05  # of a matrix, dimensionless: a valley that may go down to zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,20 +59,22 @@ class Sheet:
         return np.asarray(self.cells.q[self.new & beside])
 
     def valleys(self, values: Array) -> Array:
-        """Return q of cells where something low is lower than in all cells beside, (k, nq)."""
-        around = np.pad(np.where(self.new, values, np.inf), 1, constant_values=np.inf)
-        middle = around[1:-1, 1:-1]
-        beside = (around[:-2, 1:-1], around[2:, 1:-1], around[1:-1, :-2], around[1:-1, 2:])
-        low = np.isfinite(middle) & (middle < _LOW)
-        for side in beside:
-            low &= middle <= side
-        return np.asarray(self.cells.q[low])
+        """Return q of cells where something may pass zero between those beside, (k, nq).
 
-    def changes(self, signs: Array) -> Array:
-        """Return q of cells whose sign is another than that of one beside them, shape (k, nq)."""
-        found = np.zeros(signs.shape, dtype=bool)
-        found[:-1] |= signs[:-1] * signs[1:] < 0.0
-        found[:, :-1] |= signs[:, :-1] * signs[:, 1:] < 0.0
+        Along a row or a column of the grid it is lower than on both sides, and by as much as what
+        is left, as |x| is beside 0.
+
+        Parameters
+        ----------
+        values : ndarray, shape (a, b)
+            Not negative, NaN where nothing is known.
+        """
+        found = np.zeros(values.shape, dtype=bool)
+        for axis in (0, 1):
+            along = np.moveaxis(values, axis, 0)
+            before, here, after = along[:-2], along[1:-1], along[2:]
+            low = (here <= before) & (here <= after) & (before + after > 3.0 * here)
+            np.moveaxis(found, axis, 0)[1:-1] |= low
         return np.asarray(self.cells.q[found & self.new])
 
 
@@ -165,26 +166,16 @@ class Sheets:
             if status == Status.CLOSED:
                 yield cell, q
 
-    def gain_seeds(self, sheet: Sheet) -> Iterator[Array]:
-        """Yield q near which K* may lose rank: on the border of a sheet, and in its valleys."""
+    def border_seeds(self, sheet: Sheet, equations: SingularEquations) -> Iterator[Array]:
+        """Yield q near which the sheets' own K* may lose rank: on their borders, in valleys."""
         yield from sheet.border()
-        smallest = np.full(sheet.closed.shape, np.nan)
-        q = sheet.cells.q[sheet.closed]
-        smallest[sheet.closed] = self._many.measures(q).smallest
-        yield from sheet.valleys(smallest)
+        yield from self.inner_seeds(sheet, equations)
 
-    def loss_seeds(self, sheet: Sheet) -> Iterator[Array]:
-        """Yield q near which the tool may lose a motion."""
-        partition = self.area.mechanism.problem.partition
-        rows, q = partition.tool_rows, sheet.cells.q[sheet.closed]
-        J_eq = self._many.jacobian(q, rows.axes).J_eq * partition.motor_scale
-        J_eq[:, 3:] *= partition.length
-        judged = J_eq[:, rows.linear + rows.angular]
-        if judged.shape[1] == judged.shape[2]:
-            signs = np.zeros(sheet.closed.shape)
-            signs[sheet.closed] = np.sign(np.linalg.det(np.nan_to_num(judged)))
-            yield from sheet.changes(signs)
-        smallest = np.full(sheet.closed.shape, np.nan)
-        values = singular_values(np.moveaxis(judged, 0, -1).copy())
-        smallest[sheet.closed] = values[partition.tool_rank - 1]
-        yield from sheet.valleys(smallest)
+    def inner_seeds(self, sheet: Sheet, equations: SingularEquations) -> Iterator[Array]:
+        """Yield q near which a matrix may lose rank."""
+        values = np.full(sheet.closed.shape, np.nan)
+        if sheet.new.any():
+            matrices = np.array([equations.matrix(q) for q in sheet.cells.q[sheet.closed]])
+            found = np.linalg.svd(matrices, compute_uv=False)[:, equations.rank - 1]
+            values[sheet.closed] = found
+        yield from sheet.valleys(values)

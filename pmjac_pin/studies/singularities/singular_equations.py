@@ -127,6 +127,11 @@ class SingularEquations(CurveEquations):
         if not self.rank:
             raise ArgumentError(f"{mechanism.name} has nothing that could lose rank by {freed}")
 
+    @property
+    def folds(self) -> bool:
+        """Whether the mechanism's motors turn back where these hold: M is its K*."""
+        return self.freed == "gain" and self._block is None
+
     def matrix(self, q: Array) -> Array:
         """Return M at a q, dimensionless, shape (rows, k)."""
         return self._of(self.mechanism.kinematics.snapshot(q))[1]
@@ -185,7 +190,7 @@ class SingularEquations(CurveEquations):
         ArgumentError
             Of a loss there is none: ask the machine that is driven by its tool.
         """
-        if self.freed == "loss" or self._block is not None:
+        if not self.folds:
             raise ArgumentError("what folds is a gain: ask the machine driven by its tool")
         partition = self.partition
         constraint, slopes = self.slopes(point.q)
