@@ -156,6 +156,8 @@ from .studies.transmissions.transmission_map import TransmissionMap as Transmiss
 from .studies.transmissions.transmission_table import (
     TransmissionTable as TransmissionTable,
 )
+from .studies.workspaces.find_workspace import workspace as workspace
+from .studies.workspaces.workspace import Workspace as Workspace
 from .viewer.viewer import Viewer as Viewer
 from .viewer.viewer import view as view
 from .words.labelled_matrix import LabelledMatrix as LabelledMatrix

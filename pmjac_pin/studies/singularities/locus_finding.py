@@ -13,7 +13,7 @@ import numpy as np
 from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.pose_assembly import motor_weights
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.studies.singularities.curve_equations import SingularPoint
+from pmjac_pin.studies.singularities.curve_equations import CurveEquations, SingularPoint
 from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
 from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
 from pmjac_pin.studies.singularities.sheets import Sheets
@@ -47,10 +47,13 @@ class LocusFinding:
     """
 
     def __init__(
-        self, area: PlaneSlice, equations: SingularEquations, sheets: Sheets, kind: Freed
+        self, area: PlaneSlice, equations: CurveEquations, sheets: Sheets, kind: Freed
     ) -> None:
         self.area, self.equations, self.sheets, self.kind = area, equations, sheets, kind
         self.tracer = Tracer(equations, area)
+        self._folds: SingularEquations | None = None
+        if isinstance(equations, SingularEquations) and equations.folds:
+            self._folds = equations
         self.curves: list[Traced] = []
         self.isolated: list[SingularPoint] = []
 
@@ -101,7 +104,7 @@ class LocusFinding:
         middle = curve.points[len(curve.points) // 2].point.q
         poses = (
             self.beside(curve)
-            if self.equations.folds
+            if self._folds is not None
             else [self.area.mechanism.configuration(middle)]
         )
         numbers = {self.sheets.index(pose) for pose in poses}
@@ -109,7 +112,9 @@ class LocusFinding:
 
     def modes_at(self, here: OnCurve) -> Iterator[Configuration]:
         """Yield poses on the two sheets that meet at a fold."""
-        equations, area, point = self.equations, self.area, here.point
+        equations, area, point = self._folds, self.area, here.point
+        if equations is None:
+            return
         fold, partition = equations.fold(point), equations.partition
         normal = np.where(np.isin(partition.actuated, area.columns), fold.normal, 0.0)
         size = float(np.linalg.norm(normal))

@@ -77,6 +77,13 @@ class Sheet:
             np.moveaxis(found, axis, 0)[1:-1] |= low
         return np.asarray(self.cells.q[found & self.new])
 
+    def changes(self, signed: Array) -> Array:
+        """Return q of cells where something has another sign than in one beside, (k, nq)."""
+        found = np.zeros(signed.shape, dtype=bool)
+        found[:-1] |= signed[:-1] * signed[1:] <= 0.0
+        found[:, :-1] |= signed[:, :-1] * signed[:, 1:] <= 0.0
+        return np.asarray(self.cells.q[found & self.closed])
+
 
 class Sheets:
     """The sheets of a slice that are known.
@@ -86,10 +93,12 @@ class Sheets:
     area : PlaneSlice
     cells : (int, int)
         How many of the grid, along each axis.
+    limits : bool
+        Whether the motors keep within theirs.
     """
 
-    def __init__(self, area: PlaneSlice, cells: tuple[int, int]) -> None:
-        self.area, self.known = area, list[Sheet]()
+    def __init__(self, area: PlaneSlice, cells: tuple[int, int], *, limits: bool = True) -> None:
+        self.area, self.known, self._limits = area, list[Sheet](), limits
         self._many, self._axes = Batch(area.mechanism), area.axes(cells)
         self._largest = max(1.0, area.mechanism.characteristic_length)
         self._values = np.stack(np.meshgrid(*self._axes.values(), indexing="ij"), axis=-1)
@@ -99,7 +108,7 @@ class Sheets:
         leads = list(self._leads(start))
         known = self._among_known(leads)
         if known is None and leads:
-            cells = self._many.grid(self._axes, start)
+            cells = self._many.grid(self._axes, start, enforce_limits=self._limits)
             new = np.asarray(cells.status == Status.CLOSED)
             for other in self.known:
                 new &= ~self._alike(cells.q, other.cells.q)

@@ -22,7 +22,7 @@ from pmjac_pin.studies.singularities.locus import (
 from pmjac_pin.studies.singularities.locus_finding import LocusFinding
 from pmjac_pin.studies.singularities.locus_marks import crossings, cusps
 from pmjac_pin.studies.singularities.sheets import Sheets
-from pmjac_pin.studies.singularities.singular_equations import Freed
+from pmjac_pin.studies.singularities.singular_equations import Freed, SingularEquations
 from pmjac_pin.values.arrays import Array, norm
 from pmjac_pin.values.checks import check_kind
 
@@ -101,7 +101,7 @@ def singularity_locus(
     for mode in _begin(drawn) if modes is None else modes:
         sheets.add(drawn.lifted(mode))
     folds = LocusFinding(drawn.area, drawn.folds, sheets, drawn.fold_kind)
-    _over_the_folds(folds)
+    _over_the_folds(folds, drawn.folds)
     found = [folds] if drawn.fold_kind in asked else []
     if drawn.inner_kind in asked:
         if drawn.inner is None:
@@ -134,12 +134,12 @@ def _kinds(kinds: Iterable[Freed]) -> tuple[Freed, ...]:
     return given
 
 
-def _over_the_folds(folds: LocusFinding) -> None:
+def _over_the_folds(folds: LocusFinding, equations: SingularEquations) -> None:
     """Seek curves of gain on all sheets, those too that are met over a fold."""
     done = 0
     while done < min(len(folds.sheets.known), _MOST_SHEETS):
         sheet = folds.sheets.known[done]
-        for curve in folds.seek(folds.sheets.border_seeds(sheet, folds.equations)):
+        for curve in folds.seek(folds.sheets.border_seeds(sheet, equations)):
             for mode in folds.beside(curve):
                 folds.sheets.add(mode)
         done += 1
