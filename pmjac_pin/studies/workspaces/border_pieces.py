@@ -13,6 +13,7 @@ from pmjac_pin.studies.singularities.locus_marks import crossings
 from pmjac_pin.values.arrays import Array
 
 _HALVINGS = 80
+_NO_LENGTH = 1e-9  # of the window
 _SAME = 1e-6  # of the window: places that are one
 _ALIKE = 2e-2  # of a piece's length: middles of pieces that lie on each other
 _ASIDE = 2e-3  # of the window: to both sides of a piece
@@ -150,6 +151,9 @@ def _cut(tracer: Tracer, curve: Traced, cuts: list[_Cut], name: str) -> Iterator
     for begin, end in itertools.pairwise(ends):
         within = slice(begin.after + 1, end.after + 1)
         inner, along = places[within], ways[within]
+        apart = [np.abs(inner - end.place).max(axis=1) for end in (begin, end)]
+        off = np.minimum(*apart) > _NO_LENGTH * tracer.area.size.max()
+        inner, along = inner[off], along[off]
         if not len(inner):
             continue
         row = np.vstack([begin.place, inner, end.place])
