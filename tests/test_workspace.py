@@ -62,6 +62,14 @@ def test_five_bar_reaches_what_two_annuli_share(bar_in_tool_space):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("cells", [25, 33, 52, 90, 121])
+def test_areas_do_not_depend_on_the_grid(cells):
+    annuli = [((0.0, 0.0), 0.1, 0.7), ((0.3, 0.0), 0.1, 0.7)]
+    found = pj.workspace(loaded("five_bar"), ("x", "y"), cells=cells)
+    assert found.area == pytest.approx(shared_area(annuli), rel=1e-7)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "annuli"),
     [

@@ -24,6 +24,8 @@ _COMMANDS = {
     "view": "three_rps --from lecture_b",
     "convert": "robot.urdf -o robot.toml",
     "sweep": "map.toml --resume",
+    "workspace": "five_bar --plane x,y --measure dexterity -o map.pdf",
+    "locus": "five_bar --plane theta1,theta2 -o locus.pdf",
     "transmission": "humanoid_ankle --joints pitch,roll -o ankle.h -o ankle.png",
 }
 
