@@ -28,7 +28,7 @@ OTHERWISE = {
     "rates/ellipsoid.py": {"svd"},  # what is across one vector
     "rates/tool_motion.py": {"qr"},  # unit vectors along motions that are independent
     "algebra/singular_values.py": {"svd"},  # those that are shown, of many poses
-    "closing/damped_closure.py": {"svd"},  # a step that damping holds back
+    "closing/levenberg_marquardt.py": {"svd"},  # a step that damping holds back
     "studies/modes/marks.py": {"qr"},  # the space of a joint's own motions, for many poses
     "studies/modes/krawczyk.py": {"lstsq", "pinv"},  # guesses: what they are worth is proven
     "studies/homotopy/curve.py": {"pinv"},  # a step where there is no other
