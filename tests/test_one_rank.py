@@ -30,7 +30,7 @@ OTHERWISE = {
     "algebra/singular_values.py": {"svd"},  # those that are shown, of many poses
     "closing/levenberg_marquardt.py": {"svd"},  # a step that damping holds back
     "studies/modes/marks.py": {"qr"},  # the space of a joint's own motions, for many poses
-    "studies/modes/krawczyk.py": {"lstsq", "pinv"},  # guesses: what they are worth is proven
+    "studies/modes/enclosed_modes.py": {"lstsq", "pinv"},  # guesses: what they are worth is proven
     "studies/homotopy/curve.py": {"pinv"},  # a step where there is no other
     "words/report.py": {"svd"},  # the singular values that are shown
     "pictures/stick_drawing.py": {"svd"},  # planes of points
