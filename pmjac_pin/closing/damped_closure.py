@@ -64,14 +64,14 @@ def assemble(
         grows=4.0,
         grows_within=np.inf,  # closed, and no further
     )
-    ends = descend(_OnePose(problem, weights, room), q[None], patience)
-    return Assembled(ends.q[0], float(ends.gap[0]), int(ends.iterations[0]))
+    end = descend(_OnePose(problem, weights, room), q, patience)
+    return Assembled(end.q, float(end.gap), int(end.iterations))
 
 
 class _OnePose:
-    """The loops of one pose, as a batch of one."""
+    """The loops of one pose: what is to be closed."""
 
-    __slots__ = ("_columns", "_problem", "_room", "_row_column")
+    __slots__ = ("_columns", "_problem", "_room", "_row_column", "_row_scale")
 
     solution = staticmethod(by_singular_values)
 
@@ -83,21 +83,22 @@ class _OnePose:
     ) -> None:
         self._problem, self._room = problem, room
         self._columns = weights * problem.partition.column_scale
-        self._row_column = problem.partition.row_scale[:, None]
+        self._row_scale = problem.partition.row_scale
+        self._row_column = self._row_scale[:, None]
 
     def evaluate(self, q: Array) -> tuple[Array, Array]:
-        """Return η (1, p) in m and its rows."""
-        residual, jacobian = self._problem.evaluate(q[0])
-        return (residual * self._row_column[:, 0])[None], (self._row_column * jacobian)[None]
+        """Return η in m and its rows."""
+        residual, jacobian = self._problem.evaluate(q)
+        return residual * self._row_scale, self._row_column * jacobian
 
     def ease(self, q: Array, error: Array, rows: Array, _: Array | None) -> Array:
         """Return the scales of the columns: no joint moves on downhill where a limit is."""
         if self._room is unlimited:
-            return self._columns[None]
-        uphill = self._columns * (rows[0].T @ error[0])
-        below, above = self._room(q[0])
+            return self._columns
+        uphill = self._columns * (rows.T @ error)
+        below, above = self._room(q)
         held = ((uphill > 0.0) & (below <= 0.0)) | ((uphill < 0.0) & (above <= 0.0))
-        return np.where(held, 0.0, self._columns)[None]
+        return np.where(held, 0.0, self._columns)
 
     def fading(self, gap: Array) -> Array:
         """Return the square of the gap, in characteristic lengths.
@@ -114,9 +115,9 @@ class _OnePose:
         step = step * min(1.0, _LONGEST_STRIDE * partition.length / (stride or 1.0))
         if self._room is unlimited:
             return step
-        below, above = self._room(q[0])
+        below, above = self._room(q)
         return np.clip(step, -below, above)
 
     def moved(self, q: Array, step: Array) -> Array:
         """Return q ⊕ v."""
-        return self._problem.integrate(q[0], step[0])[None]
+        return self._problem.integrate(q, step)

@@ -4,7 +4,7 @@
 
 where E says how easily each unknown moves, and λ holds the step back: less after one that closes
 further, more after one that does not. What is to be closed, its scales, and how patient one is
-are given; nothing here knows whether there is one start or whether there are hundreds.
+are given. All is over leading axes: one start has none, hundreds have one.
 
 Sources: K. Levenberg, A method for the solution of certain non-linear problems in least squares,
 Quarterly of Applied Mathematics 2 (1944); D. W. Marquardt, An algorithm for least-squares
@@ -21,22 +21,23 @@ import numpy as np
 from pmjac_pin.values.arrays import Array, Index, Mask
 
 _TINY_VALUE = 1e-9  # of the largest singular value: idle and redundant directions stay alone
+_NOT_ZERO = float(np.finfo(float).tiny)
 _TINY_SQUARE = 1e-12  # of the diagonal of JᵀJ with columns of length one: it has an inverse
 
 
 class Descent(Protocol):
-    """What is to be closed, over poses q (b, nq): errors e (b, p) of unknowns x (b, k)."""
+    """What is to be closed, over poses q (..., nq): errors e (..., p) of unknowns x (..., k)."""
 
     def evaluate(self, q: Array) -> tuple[Array, Array]:
-        """Return e (b, p) and J = ∂e/∂x (b, p, k)."""
+        """Return e (..., p) and J = ∂e/∂x (..., p, k)."""
         ...
 
     def ease(self, q: Array, error: Array, rows: Array, before: Array | None) -> Array:
-        """Return how easily each unknown moves (b, k), by what it was a step before."""
+        """Return how easily each unknown moves (..., k), by what it was a step before."""
         ...
 
     def fading(self, gap: Array) -> Array:
-        """Return what the damping is multiplied by at gaps (b,)."""
+        """Return what the damping is multiplied by at gaps (...)."""
         ...
 
     def solution(self, rows: Array, error: Array, damping: Array) -> Array:
@@ -44,11 +45,11 @@ class Descent(Protocol):
         ...
 
     def bounded(self, q: Array, step: Array) -> Array:
-        """Return steps x (b, k) that are not too long."""
+        """Return steps x (..., k) that are not too long."""
         ...
 
     def moved(self, q: Array, step: Array) -> Array:
-        """Return the poses after steps x (b, k)."""
+        """Return the poses after steps x (..., k)."""
         ...
 
 
@@ -94,7 +95,7 @@ class Patience:
 
 
 class Descended(NamedTuple):
-    """Where starts lead to, one a row, in the order in which they end.
+    """Where starts lead to: one, or many in the order in which they end.
 
     `closed` where the gap is small enough, `spent` where the steps were used up; the others were
     given up. `iterations` counts the steps tried until the pose was reached.
@@ -108,7 +109,7 @@ class Descended(NamedTuple):
 
 
 class Points(NamedTuple):
-    """Poses q (b, nq) with their e and J, and how easily each unknown moves there."""
+    """Poses q (..., nq) with their e and J, and how easily each unknown moves there."""
 
     q: Array
     error: Array
@@ -133,38 +134,39 @@ class _Starts(NamedTuple):
 
 
 def descend(descent: Descent, q: Array, patience: Patience) -> Descended:
-    """Return where starts q (b, nq) lead to."""
-    here, ended = _begun(descent, q, patience), []
+    """Return where one start q (nq,), or many (b, nq), lead to."""
+    here = _begun(descent, q, patience)
+    ended: list[Descended] = []
     for tries in range(1, patience.steps + 1):
         closed = (here.gap <= patience.enough) | here.least
         over = closed | (here.damping >= patience.most)
         over |= here.creeping >= patience.creeping_steps
         if over.any():
-            ended.append(_ended(here, over, closed))
+            if over.all():
+                return _joined([*ended, _ended(here, closed, ~over)])
+            ended.append(_ended(here.only(over), closed[over], ~over[over]))
             here = here.only(~over)
-        if not len(here.gap):
-            break
         here = _after_a_step(descent, here, patience, tries)
-    rest = np.ones(len(here.gap), dtype=bool)
-    ended.append(_ended(here, rest, ~rest, spent=True))
-    return Descended(*map(np.concatenate, zip(*ended, strict=True)))
+    nowhere = here.gap < 0.0
+    return _joined([*ended, _ended(here, nowhere, ~nowhere)])
 
 
 def points_at(descent: Descent, q: Array) -> Points:
-    """Return poses (b, nq) where nothing is known of the steps before."""
+    """Return poses (..., nq) of which no step before is known."""
     error, rows = descent.evaluate(q)
     return Points(q, error, rows, descent.ease(q, error, rows, None))
 
 
 def damped_step(descent: Descent, points: Points, damping: Array) -> Array:
-    """Return steps x (b, k), not too long."""
+    """Return steps x (..., k), not too long."""
     q, error, rows, ease = points
-    return descent.bounded(q, -ease * descent.solution(rows * ease[:, None, :], error, damping))
+    return descent.bounded(q, -ease * descent.solution(rows * ease[..., None, :], error, damping))
 
 
 def norms(vectors: Array) -> Array:
-    """Return the Euclidean norm of each row, shape (b,)."""
-    return np.asarray(np.sqrt((vectors[:, None, :] @ vectors[:, :, None])[:, 0, 0]))
+    """Return the Euclidean norms of vectors (..., n)."""
+    found: Array = np.sqrt(np.vecdot(vectors, vectors))
+    return found
 
 
 def by_singular_values(rows: Array, error: Array, damping: Array) -> Array:
@@ -172,17 +174,16 @@ def by_singular_values(rows: Array, error: Array, damping: Array) -> Array:
 
     Parameters
     ----------
-    rows : ndarray, shape (b, p, k)
-    error : ndarray, shape (b, p)
-    damping : ndarray, shape (b,)
+    rows : ndarray, shape (..., p, k)
+    error : ndarray, shape (..., p)
+    damping : ndarray, shape (...)
     """
     # No rank is said here: what vanishes is held back by damping.
     left, values, right = np.linalg.svd(rows, full_matrices=False)
-    squared = (damping[:, None] + _TINY_VALUE**2) * values[:, :1] ** 2
-    across = (error[:, None, :] @ left)[:, 0]
-    # J may be zero, and nothing moves then.
-    shares = values / np.maximum(values**2 + squared, np.finfo(float).tiny)
-    return np.asarray(((shares * across)[:, None, :] @ right)[:, 0])
+    squares = values * values
+    held = (damping[..., None] + _TINY_VALUE**2) * squares[..., :1] + _NOT_ZERO  # J may be zero
+    along = (values / (squares + held))[..., None, :] * (error[..., None, :] @ left)
+    return np.asarray((along @ right)[..., 0, :])
 
 
 def by_normal_equations(rows: Array, error: Array, damping: Array) -> Array:
@@ -192,54 +193,62 @@ def by_normal_equations(rows: Array, error: Array, damping: Array) -> Array:
 
     Parameters
     ----------
-    rows : ndarray, shape (b, p, k)
-    error : ndarray, shape (b, p)
-    damping : ndarray, shape (b,)
+    rows : ndarray, shape (..., p, k)
+    error : ndarray, shape (..., p)
+    damping : ndarray, shape (...)
     """
-    across = rows.transpose(0, 2, 1)
+    across = rows.swapaxes(-1, -2)
     square = across @ rows
-    diagonal = np.einsum("bii->bi", square)
-    diagonal += (damping + _TINY_SQUARE)[:, None]
-    return np.asarray(np.linalg.solve(square, across @ error[:, :, None])[:, :, 0])
+    diagonal = np.einsum("...ii->...i", square)
+    diagonal += (damping + _TINY_SQUARE)[..., None]
+    return np.asarray(np.linalg.solve(square, across @ error[..., None])[..., 0])
 
 
 def _begun(descent: Descent, q: Array, patience: Patience) -> _Starts:
-    points, nothing = points_at(descent, q), np.zeros(len(q), dtype=int)
-    return _Starts(
-        points=points,
-        gap=norms(points.error),
-        damping=np.full(len(q), patience.damping),
-        creeping=nothing,
-        least=nothing > 0,
-        iterations=nothing,
+    points = points_at(descent, q)
+    gap = norms(points.error)
+    least = gap < 0.0
+    nothing = 0 * least
+    damping: Array = patience.damping + 0.0 * gap
+    return _Starts(points, gap, damping, nothing, least, nothing)
+
+
+def _ended(here: _Starts, closed: Mask, spent: Mask) -> Descended:
+    return Descended(here.points.q, here.gap, here.iterations, closed, spent)
+
+
+def _joined(ended: list[Descended]) -> Descended:
+    return (
+        ended[0] if len(ended) == 1 else Descended(*map(np.concatenate, zip(*ended, strict=True)))
     )
-
-
-def _ended(here: _Starts, over: Mask, closed: Mask, spent: bool = False) -> Descended:
-    one = over.nonzero()[0]
-    where = here.points.q[one], here.gap[one], here.iterations[one], closed[one]
-    return Descended(*where, np.full(len(one), spent))
 
 
 def _after_a_step(descent: Descent, here: _Starts, patience: Patience, tries: int) -> _Starts:
     """Try a step from each pose, and take those that close further."""
-    points, damping, gap = here.points, here.damping, here.gap
+    points, gap, damping = here.points, here.gap, here.damping
     step = damped_step(descent, points, damping * descent.fading(gap))
-    trial = descent.moved(points.q, step)
-    error, rows = descent.evaluate(trial)
+    q = descent.moved(points.q, step)
+    error, rows = descent.evaluate(q)
     reached = norms(error)
     better, within = reached < gap, gap <= patience.tolerance
-    falls = (reached < (1.0 - patience.creeping) * gap) | within
-    harder = damping * np.where(within, patience.grows_within, patience.grows)
-    harder[~step.any(axis=1)] = np.inf  # where nothing moves, damping changes nothing
-    q = np.where(better[:, None], trial, points.q)
-    error = np.where(better[:, None], error, points.error)
-    rows = np.where(better[:, None, None], rows, points.rows)
+    falls = within | (reached < (1.0 - patience.creeping) * gap)
+    least = within & better & (reached >= (1.0 - patience.falling) * gap)
+    eased = np.maximum(damping / patience.shrinks, patience.least)
+    iterations = 0 * here.iterations + tries
+    if not better.all():
+        grows = np.where(within, patience.grows_within, patience.grows)
+        grows = np.where(step.any(axis=-1), grows, np.inf)  # what does not move never will
+        eased = np.where(better, eased, damping * grows)
+        q = np.where(better[..., None], q, points.q)
+        error = np.where(better[..., None], error, points.error)
+        rows = np.where(better[..., None, None], rows, points.rows)
+        reached = np.where(better, reached, gap)
+        iterations = np.where(better, iterations, here.iterations)
     return _Starts(
         points=Points(q, error, rows, descent.ease(q, error, rows, points.ease)),
-        gap=np.where(better, reached, gap),
-        damping=np.where(better, np.maximum(damping / patience.shrinks, patience.least), harder),
-        creeping=np.where(falls, 0, here.creeping + better),
-        least=within & better & (reached >= (1.0 - patience.falling) * gap),
-        iterations=np.where(better, tries, here.iterations),
+        gap=reached,
+        damping=eased,
+        creeping=~falls * (here.creeping + better),
+        least=least,
+        iterations=iterations,
     )
