@@ -237,8 +237,9 @@ def _after_a_step(descent: Descent, here: _Starts, patience: Patience, tries: in
     iterations = 0 * here.iterations + tries
     if not better.all():
         grows = np.where(within, patience.grows_within, patience.grows)
-        grows = np.where(step.any(axis=-1), grows, np.inf)  # what does not move never will
-        eased = np.where(better, eased, damping * grows)
+        # Where nothing moves, damping changes nothing.
+        harder = np.where(step.any(axis=-1), damping * grows, np.inf)
+        eased = np.where(better, eased, harder)
         q = np.where(better[..., None], q, points.q)
         error = np.where(better[..., None], error, points.error)
         rows = np.where(better[..., None, None], rows, points.rows)
