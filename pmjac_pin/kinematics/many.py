@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.algebra.floats import Floats
+from pmjac_pin.kinematics.joint_steps import moved_by
 from pmjac_pin.kinematics.loops import Loops, by_twists
 from pmjac_pin.kinematics.places import through
 from pmjac_pin.kinematics.tree import Link, Poses, Tree
@@ -109,11 +110,8 @@ class ManyPoses:
 
     def moved(self, q: Array, v: Array) -> Array:
         """Return q ⊕ v for each row, shapes (b, nq) and (b, nv)."""
-        result = q.copy()
-        for link in self.tree.links.values():
-            rates = v[:, link.column : link.column + link.kind.nv]
-            result[:, link.entries] = link.kind.moved(q[:, link.entries], rates)
-        return result
+        moved = moved_by(_FLOATS, self.tree, np.ascontiguousarray(q.T), np.ascontiguousarray(v.T))
+        return np.ascontiguousarray(moved.T)
 
 
 class ManyLoops:
