@@ -21,6 +21,7 @@ from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
 from pmjac_pin.closing.recorded_step import BOUNDS
 from pmjac_pin.closing.step_guard import MARGIN
 from pmjac_pin.model.coordinates import JointCoordinates
+from pmjac_pin.rates.rank_bounds import RankBounds
 from pmjac_pin.values.arrays import Array, Index, Mask
 
 LONG, FEW = 300, 2  # so few paths with so many steps behind them are walked one by one sooner
@@ -200,9 +201,8 @@ class Walker:
 
     def regular(self, points: PathPoints) -> Mask:
         """Tell where K* has its generic rank for certain."""
-        partition = self.problem.partition
-        size = np.maximum(points.size, partition.least_size)
-        return np.asarray(points.inverse * partition.rank_tolerance * size < 1.0)
+        bounds = RankBounds.of(self.problem.partition)
+        return np.asarray(bounds.regular(points.inverse, points.size))
 
     def _strides(
         self, here: PathPoints, going: Index, step: Array, left: Array
