@@ -30,7 +30,8 @@ ORDER = (
     ("rates",),
     ("closing",),
     (
-        "configuration mechanism mechanism_siblings mechanism_value direct_kinematics pose_of_configuration",
+        "configuration mechanism mechanism_siblings mechanism_value direct_kinematics "
+        "pose_of_configuration",
     ),
     ("loading", "batches", "builders"),
     ("studies",),

@@ -36,8 +36,7 @@ class SplitJacobian(ReadOnlyArrays, Tabled):
     partition : Partition
         Which columns are actuated and which passive.
     pose : JacobianPose or None
-        The pose that they belong to; None for matrices from
-        elsewhere.
+        The pose that they belong to; None for matrices from elsewhere.
     """
 
     constraint_jacobian: Array
