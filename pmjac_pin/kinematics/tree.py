@@ -221,7 +221,7 @@ class Poses:
             return standing(self.algebra), ()
         link = self.tree.links[body]
         pose, columns = self.before(base, link)
-        pose = moved(self.algebra, pose, link.kind, self.motion(link))
+        pose = moved(pose, link.kind, self.motion(link))
         own = [k for k in range(link.kind.nv) if link.column + k in self._riding]
         if not own:
             return pose, columns
@@ -233,7 +233,7 @@ class Poses:
         return pose
 
 
-def moved(algebra: Algebra, pose: Pose, kind: JointKind, motion: JointMotion) -> Pose:
+def moved(pose: Pose, kind: JointKind, motion: JointMotion) -> Pose:
     """Return pose · M, M the motion of a joint."""
     x, y, z, p = pose
     for axis, slide in zip(kind.along, motion.slides, strict=True):
@@ -242,7 +242,7 @@ def moved(algebra: Algebra, pose: Pose, kind: JointKind, motion: JointMotion) ->
         c, s = motion.turn
         x, y = x * c + y * s, y * c - x * s
     elif motion.turn:
-        columns = zip(*rotation_of(algebra, motion.turn), strict=True)
+        columns = zip(*rotation_of(motion.turn), strict=True)
         x, y, z = (x * a + y * b + z * c for a, b, c in columns)
     return Pose(x, y, z, p)
 

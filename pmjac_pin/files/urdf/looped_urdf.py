@@ -37,7 +37,7 @@ from pmjac_pin.files.urdf.loop_elements import (
     read_gears,
 )
 from pmjac_pin.files.urdf.robot import MAXIMAL_URDF, Urdf
-from pmjac_pin.files.urdf.rotors import lost_rotors, rotors
+from pmjac_pin.files.urdf.rotors import kept_rotors
 from pmjac_pin.files.urdf.ties import (
     closing_frames,
     joints_of_gazebo,
@@ -114,14 +114,13 @@ def read_robot(
     cut = CutJoints.of(elements, names, balls, {*motors, *wanted, *geared})
     declared, tie_notes = _declared(robot, names, cut, joined)
     springs = spring_notes(sprung_joints(robot))
-    armature, kept = rotors(robot), [joint.name for joint in cut.kept]
+    armature, lost = kept_rotors(robot, [joint.name for joint in cut.kept])
     cut.remove_from(robot)
     anchors = Anchors(robot)
     cut.turn(anchors)
     cut_loops, closings = cut.loops(anchors), read_closings(declared, names, anchors)
     loops = (*cut_loops, *(closing.loop for closing in closings), *gears)
     home, home_notes = home_within_limits(cut.checked, cut.kept)
-    closing_notes = _closing_notes(closings, cut.kept)
     urdf = Urdf.of(robot, str(path))
     massless = mass_notes(urdf, set(names) - set(added))
     return ForeignModel(
@@ -129,12 +128,12 @@ def read_robot(
         urdf=urdf,
         loops=tuple(loop for loop in loops if loop is not None),
         spherical=tuple(joint.name for joint in cut.kept if joint.name in balls),
-        armature={name: inertia for name, inertia in armature.items() if name in kept},
+        armature=armature,
         home=home,
         actuated=_actuated(cut.kept, independent, led),
         notes=(
-            *(*limit_notes, *home_notes, *cut.notes(), *lost_rotors(armature, kept)),
-            *(*tie_notes, *closing_notes, *springs, *massless),
+            *(*limit_notes, *home_notes, *cut.notes(), *lost, *tie_notes),
+            *(*_closing_notes(closings, cut.kept), *springs, *massless),
         ),
         unread=(*unread, *doubtful(robot, followers)),
     )
