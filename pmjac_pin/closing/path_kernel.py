@@ -22,6 +22,7 @@ _FOLDER = Path(__file__).parent
 _ALGEBRA = _FOLDER.parent / "algebra"
 _SOURCES = (
     _FOLDER / "path_kernel.c",
+    _FOLDER / "starts.h",
     _FOLDER / "walk.h",
     _ALGEBRA / "tape_kernel.c",
     _ALGEBRA / "lanes.h",
@@ -79,6 +80,7 @@ class LaneStruct(ctypes.Structure):
         *((name, _Count) for name in ("state", "path", "tries", "iterations", "corrections")),
         ("last", _Count),
         *((name, _Number) for name in ("share", "next", "stride", "allowed", "before")),
+        *((name, _Number) for name in ("size", "left")),
     )
 
 
@@ -88,10 +90,9 @@ class WalkStruct(ctypes.Structure):
     _fields_ = (
         ("machine", _Pointer),
         *((name, ProgramStruct) for name in ("move", "arrival", "leg")),
-        *(
-            (name, _Pointer)
-            for name in ("point", "lanes", "common", "start", "displacement", "target")
-        ),
+        *((name, _Pointer) for name in ("point", "lanes", "common")),
+        ("inverse", _Number),
+        *((name, _Pointer) for name in ("start", "displacement", "target")),
         *((name, _Count) for name in ("apart", "count", "taken", "most_tries", "few", "patience")),
         *((name, _Pointer) for name in ("q", "gap", "share", "iterations", "end")),
     )
