@@ -16,6 +16,9 @@ import numpy as np
 from pmjac_pin.model.tool_rows import ToolRows
 from pmjac_pin.rates.factorisation import Factorisation
 from pmjac_pin.rates.partition import LoopRates, Partition
+from pmjac_pin.rates.screw import Screw, principal_screws
+from pmjac_pin.rates.singularity_types import MotionDimensions, SingularityTypes
+from pmjac_pin.rates.tool_motion import ToolMotion
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays, norm
 from pmjac_pin.values.shown import Shown
 from pmjac_pin.values.ties import first_largest
@@ -61,6 +64,19 @@ class Singularity(ReadOnlyArrays, Shown):
     actuated_names, passive_names : tuple of str
     actuated_units, passive_units : tuple of str
         "m" or "rad"; empty for matrices from elsewhere.
+    types : SingularityTypes
+        Which of Zlatanov's six types, and of Gosselin and Angeles' three, the pose has.
+    free_twists : ndarray, shape (6, k)
+        Columns span the twists that the tool can have here with all motors locked, on all six rows:
+        of its origin, in m/s and rad/s, linear rows first, in the world's axes.
+    borne_wrenches : ndarray, shape (6, k)
+        Columns span the wrenches on the judged rows that the loops bear here without the motors:
+        N and N m about the tool's origin, in the world's axes. They are those of every pose, as
+        many as rows less `generic_tool_rank`, and `lost` more.
+    tool_point : ndarray, shape (3,)
+        Where the tool's origin is in the world, m; 0 for matrices from elsewhere.
+    length : float
+        The machine's characteristic length, m.
     isolated : bool
         No pose near home closes, so that nothing is known of what is generic: the generic ranks
         are home's.
@@ -82,6 +98,11 @@ class Singularity(ReadOnlyArrays, Shown):
     forbidden_rates: Array
     actuated_names: tuple[str, ...]
     passive_names: tuple[str, ...]
+    types: SingularityTypes
+    free_twists: Array
+    borne_wrenches: Array
+    tool_point: Array
+    length: float
     actuated_units: tuple[str, ...] = ()
     passive_units: tuple[str, ...] = ()
     isolated: bool = False
@@ -143,6 +164,18 @@ class Singularity(ReadOnlyArrays, Shown):
         """
         return self.gained > 0 or self.isolated
 
+    @property
+    def free_screws(self) -> tuple[Screw, ...]:
+        """The principal screws of what the tool can do here with all motors locked."""
+        linear, angular = self.free_twists[:3], self.free_twists[3:]
+        return principal_screws(angular, linear, self.tool_point, self.length)
+
+    @property
+    def borne_screws(self) -> tuple[Screw, ...]:
+        """The principal screws of `borne_wrenches`, those that have a force last."""
+        force, moment = self.borne_wrenches[:3], self.borne_wrenches[3:]
+        return principal_screws(force, moment, self.tool_point, self.length)
+
     def free_motion(self) -> dict[str, float]:
         """Return one motion that comes free here, largest rate 1, by name; empty where none does.
 
@@ -170,6 +203,7 @@ def analyse_singularity(
     split: Split | None = None,
     *,
     loops: LoopRates | None = None,
+    tool_pose: tuple[Array, Array] | None = None,
 ) -> Singularity:
     """Read the ranks off the constraint and tool Jacobians of one closed pose.
 
@@ -184,6 +218,9 @@ def analyse_singularity(
         not.
     loops : LoopRates, optional
         Of the constraint Jacobian, where these are known.
+    tool_pose : tuple of ndarray, shapes (3, 3) and (3,), optional
+        From the axes of the tool Jacobian to the world's, and where the tool's origin is there;
+        as if they were the world's, with the tool at its origin, where it is not given.
     """
     scaled, size, passive = loops or partition.loop_rates(constraint_jacobian)
     whole = partition.factorise(scaled, size)
@@ -191,6 +228,17 @@ def analyse_singularity(
     tool = tool_motion.ranks(whole.null_space)
     forbidden = forbidden_rates(passive.left_null_space, scaled, partition)
     gained, idle = _free(passive, partition, split)
+    free = passive.null_space
+    axes, point = (np.eye(3), np.zeros(3)) if tool_pose is None else tool_pose
+    tool_rank = tool_motion.judged_rank(whole.null_space)
+    allowed, locked = whole.null_space.shape[1], free.shape[1]
+    here = MotionDimensions(
+        allowed=allowed,
+        locked=locked,
+        tool=tool_rank,
+        unfelt=locked - _felt(tool_motion, free, partition, tool_rank - (allowed - locked)),
+        twist=tool.twist,
+    )
     scale = partition.column_scale[partition.passive, None]
     return Singularity(
         singular_values=passive.singular_values / (size or 1.0),
@@ -200,7 +248,7 @@ def analyse_singularity(
         constraint_rank=whole.rank,
         generic_constraint_rank=partition.constraint_rank,
         tool_rows=partition.tool_rows,
-        tool_rank=tool_motion.judged_rank(whole.null_space),
+        tool_rank=tool_rank,
         generic_tool_rank=partition.tool_rank,
         linear_rank=tool.linear,
         angular_rank=tool.angular,
@@ -209,10 +257,24 @@ def analyse_singularity(
         forbidden_rates=forbidden,
         actuated_names=partition.actuated_names,
         passive_names=partition.passive_names,
+        types=SingularityTypes(here, partition.generic_dimensions, partition.actuated.size),
+        free_twists=_in_world(axes, tool_motion.twists(free, partition.passive)),
+        borne_wrenches=_in_world(axes, tool_motion.borne(whole.null_space)),
+        tool_point=point,
+        length=partition.length,
         actuated_units=partition.units_of(partition.actuated),
         passive_units=partition.units_of(partition.passive),
         isolated=partition.isolated,
     )
+
+
+def _felt(tool: ToolMotion, free: Array, partition: Partition, least: int) -> int:
+    """Return how many velocities free motions give the tool: what motors cannot, these do."""
+    return max(tool.felt_rank(free, partition.passive), least) if free.shape[1] else 0
+
+
+def _in_world(axes: Array, columns: Array) -> Array:
+    return np.vstack([axes @ columns[:3], axes @ columns[3:]])
 
 
 def _free(passive: Factorisation, partition: Partition, split: Split | None) -> tuple[Array, Array]:

@@ -69,6 +69,10 @@ class ToolMotion:
         return norm(self.scaled[3:]) / self.length
 
     @property
+    def _units(self) -> Array:
+        return np.repeat([1.0, self.length], 3)[:, None]
+
+    @property
     def _judged_size(self) -> float:
         return self.size if self.rows.linear else norm(self.scaled[3:])
 
@@ -91,6 +95,28 @@ class ToolMotion:
         """Return how many independent velocities they give the rows that are judged."""
         moved = self._moved(motions)[self.rows.linear + self.rows.angular]
         return factorise(moved, self._judged_size, self.tolerance).rank
+
+    def felt_rank(self, free: Array, passive: Index) -> int:
+        """Return how many independent velocities passive motions (m_p, k) give the judged rows."""
+        motions = np.zeros((self.scaled.shape[1], free.shape[1]))
+        motions[passive] = free
+        return self.judged_rank(motions)
+
+    def twists(self, free: Array, passive: Index) -> Array:
+        """Return independent twists (6, k), m/s and rad/s, that passive motions (m_p, k) span."""
+        found = factorise(self.scaled[:, passive] @ free, self.size, self.tolerance)
+        return found.left[:, : found.rank] / self._units
+
+    def borne(self, motions: Array) -> Array:
+        """Return independent wrenches (6, k), N and N m, on the judged rows.
+
+        They span those that do no work on the tool by these motions.
+        """
+        judged = self.rows.linear + self.rows.angular
+        found = factorise(self._moved(motions)[judged], self._judged_size, self.tolerance)
+        wrenches = np.zeros((6, len(judged) - found.rank))
+        wrenches[judged] = found.left_null_space
+        return wrenches * self._units
 
     def _moved(self, motions: Array) -> Array:
         """Return the tool's twists by these motions, or by such of them as move it alike."""
@@ -149,6 +175,10 @@ class CommandedMotion:
         if rank == min(len(self.twists.matrix), allowed.shape[1]):  # there are no more
             return rank
         return max(rank, self.tool.judged_rank(allowed))
+
+    def twist_rank(self) -> int:
+        """Return in how many independent ways the tool moves, on all six rows."""
+        return self.tool.ranks(self.whole.null_space).twist
 
     def generic_rates(self) -> Array:
         """Return `rates` by a regular pose: max |v| / σ over its motions v, of twists σ.
