@@ -337,7 +337,8 @@ class Partition(ReadOnlyArrays):
     def unfelt_at(self, constraint_jacobian: Array, tool_jacobian: Array) -> int:
         """Return how many passive motions move no motor and no judged row of the tool."""
         free = self.loop_rates(constraint_jacobian).passive.null_space
-        return free.shape[1] - self.tool_motion(tool_jacobian).felt_rank(free, self.passive)
+        felt = self.tool_motion(tool_jacobian).felt_rank(free, self.passive)
+        return int(free.shape[1]) - felt
 
     def _commanded(self, constraint_jacobian: Array, tool_jacobian: Array) -> CommandedMotion:
         """Return what motors do to the tool at one pose."""

@@ -111,7 +111,7 @@ def principal_screws(
     about = moments @ factors.inverse(rank) * length @ axes
     about -= free @ (free.T @ about)
     pitches, turns = np.linalg.eigh(0.5 * (axes.T @ about + about.T @ axes))
-    for alike in _alike(pitches, length):
+    for alike in _equal_pitches(pitches, length):
         directions = settled_basis(axes @ turns[:, alike])
         screws += [Screw.of(d, about @ (axes.T @ d), at, length) for d in directions.T]
     return tuple(screws)
@@ -130,7 +130,7 @@ def settled_basis(columns: Array) -> Array:
     return np.column_stack([_signed(column) for column in basis.T])
 
 
-def _alike(pitches: Array, length: float) -> list[slice]:
+def _equal_pitches(pitches: Array, length: float) -> list[slice]:
     """Return which pitches, ascending, are equal."""
     gap = (1.0 - LIKE) * length
     steps = np.flatnonzero(np.diff(pitches) > gap) + 1

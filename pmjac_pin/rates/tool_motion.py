@@ -69,7 +69,8 @@ class ToolMotion:
         return norm(self.scaled[3:]) / self.length
 
     @property
-    def _units(self) -> Array:
+    def units(self) -> Array:
+        """What makes wrenches of such that have moments over `length`, shape (6, 1)."""
         return np.repeat([1.0, self.length], 3)[:, None]
 
     @property
@@ -93,8 +94,19 @@ class ToolMotion:
 
     def judged_rank(self, motions: Array) -> int:
         """Return how many independent velocities they give the rows that are judged."""
-        moved = self._moved(motions)[self.rows.linear + self.rows.angular]
-        return factorise(moved, self._judged_size, self.tolerance).rank
+        return factorise(self.judged(motions), self._judged_size, self.tolerance).rank
+
+    def judged(self, motions: Array) -> Array:
+        """Return the velocities that they give the judged rows, or such of them as move it alike.
+
+        Angular ones times `length`.
+        """
+        return self._moved(motions)[self.rows.linear + self.rows.angular]
+
+    def resting(self, motions: Array) -> Array:
+        """Return those of the motions, (nv, k), by which the judged rows rest."""
+        found = factorise(self.judged(motions), self._judged_size, self.tolerance)
+        return self._alike(motions) @ found.null_space
 
     def felt_rank(self, free: Array, passive: Index) -> int:
         """Return how many independent velocities passive motions (m_p, k) give the judged rows."""
@@ -105,25 +117,28 @@ class ToolMotion:
     def twists(self, free: Array, passive: Index) -> Array:
         """Return independent twists (6, k), m/s and rad/s, that passive motions (m_p, k) span."""
         found = factorise(self.scaled[:, passive] @ free, self.size, self.tolerance)
-        return found.left[:, : found.rank] / self._units
+        return found.left[:, : found.rank] / self.units
 
     def borne(self, motions: Array) -> Array:
         """Return independent wrenches (6, k), N and N m, on the judged rows.
 
         They span those that do no work on the tool by these motions.
         """
-        judged = self.rows.linear + self.rows.angular
-        found = factorise(self._moved(motions)[judged], self._judged_size, self.tolerance)
-        wrenches = np.zeros((6, len(judged) - found.rank))
-        wrenches[judged] = found.left_null_space
-        return wrenches * self._units
+        found = factorise(self.judged(motions), self._judged_size, self.tolerance)
+        wrenches = np.zeros((6, len(found.matrix) - found.rank))
+        wrenches[self.rows.linear + self.rows.angular] = found.left_null_space
+        return wrenches * self.units
 
     def _moved(self, motions: Array) -> Array:
         """Return the tool's twists by these motions, or by such of them as move it alike."""
-        if not self.rates.size:
-            return self.scaled @ motions
-        moved: Array = self.scaled * self.rates @ np.linalg.qr(motions / self.rates[:, None])[0]
+        moved: Array = self.scaled @ self._alike(motions)
         return moved
+
+    def _alike(self, motions: Array) -> Array:
+        if not self.rates.size:
+            return motions
+        alike: Array = self.rates[:, None] * np.linalg.qr(motions / self.rates[:, None])[0]
+        return alike
 
     def commanded(self, whole: Factorisation, gap: float, motors: Index) -> CommandedMotion:
         """Return what motors do to the judged rows, told from rounding.
