@@ -24,7 +24,7 @@ from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.algebra.series import largest_sizes
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.rates.partition import Partition, independent_rows
-from pmjac_pin.studies.contraction import contraction
+from pmjac_pin.studies.krawczyk import contraction
 from pmjac_pin.studies.transmissions.newton_program import NewtonProgram
 from pmjac_pin.studies.transmissions.sheet import Sheet
 from pmjac_pin.studies.transmissions.sheet_equations import EquationsAlong, Pieces, SheetEquations
