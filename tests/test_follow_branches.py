@@ -78,8 +78,8 @@ def test_the_other_branch_is_followed_from_its_pose_ahead():
         assert tan(phi / 2.0) == pytest.approx(-3.0 * tan(theta / 2.0), rel=1e-6)
 
 
-@pytest.mark.parametrize("singularity", ["stop", "pass"])
-@pytest.mark.parametrize("size", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
+@pytest.mark.parametrize("singularity", ["stop", pytest.param("pass", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("size", [1e-2, 1e-4, 1e-6])
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_what_is_almost_a_parallelogram_never_jumps(side, size, singularity):
     """With a longer rocker both modes go on, close to each other; with a shorter one they end."""
@@ -126,8 +126,8 @@ def loop(radius, way, begin=5.1):
 
 
 def by_hand(path, angles):
-    """The same loop by Newton's method on the circles, in steps of 2 π / 4000."""
-    for t in np.linspace(0.0, 2.0 * pi, 4001):
+    """The same loop by Newton's method on the circles, in steps of 2 π / 800."""
+    for t in np.linspace(0.0, 2.0 * pi, 801):
         moved = cuspidal.newton(angles, path(t))
         if moved is None or cuspidal.apart(moved, angles) > 0.05:
             return None

@@ -19,6 +19,7 @@ from pmjac_pin.studies.follow.path_end import path_end
 from pmjac_pin.studies.follow.step import CoveredStep, PathPose
 from pmjac_pin.studies.follow.tool_losses import ToolLosses
 from pmjac_pin.studies.follow.trajectory import PathStatus, Trajectory
+from pmjac_pin.studies.follow.tubes import ProvenTubes, proven_tubes
 from pmjac_pin.studies.follow.user_events import UserEvents
 from pmjac_pin.studies.follow.walker import CourseWalker
 from pmjac_pin.values.arrays import Array
@@ -62,10 +63,16 @@ class Journey:
         self._events: list[Event] = []
         self._last = pose
         self._status: PathStatus = "end"
+        self._tubes: ProvenTubes | None = None
         self._reason = "all of the path was followed"
 
     def go(self) -> Iterator[float]:
-        """Walk; yield the parameter after each step."""
+        """Walk, and prove what was walked; yield the parameter after each step."""
+        yield from self._walk()
+        if self._certified:
+            self._prove()
+
+    def _walk(self) -> Iterator[float]:
         pose: PathPose | None = self._pose
         while pose is not None:
             walker = CourseWalker(self._course, pose)
@@ -160,7 +167,7 @@ class Journey:
             evidence=self._evidence(),
             homecoming=homecoming(self._begin, end, events) if self._status == "end" else None,
             steps=np.array([one.start.t for one in self._stretches] + [self._last.t]),
-            radii=np.zeros(0),
+            radii=np.zeros(0) if self._tubes is None else self._tubes.radii,
         )
 
     def _sampled(self, wanted: Array | None) -> list[PathPose]:
@@ -177,7 +184,22 @@ class Journey:
                 found.append(self._stretches[number].at(t))
         return [*found, last]
 
+    def _prove(self) -> None:
+        """Prove the steps; leave out those after the first for which nothing is proven."""
+        steps = [one for one in self._stretches if isinstance(one, CoveredStep)]
+        self._tubes = proven_tubes(self._course, steps)
+        if not self._tubes.failed:
+            return
+        done = len(self._tubes.radii)
+        last = steps[done].start if steps else self._last
+        self._stretches = self._stretches[:done]
+        self._events = [event for event in self._events if event.t <= last.t]
+        self._stop("not proven", f"{self._tubes.failed}; without proof, {self._reason}", last)
+
     def _evidence(self) -> Evidence:
+        if self._tubes is not None:
+            last = self._stretches[-1].end.t if self._stretches else self._last.t
+            return _proven(self._tubes, last)
         told = "each step is covered: in a tube about it each t has exactly one closed pose"
         passed = sum(isinstance(one, Passage) for one in self._stretches)
         if passed:
@@ -187,6 +209,25 @@ class Journey:
         if self._losses is None:
             told += "; what the tool loses was not watched"
         return Evidence("tolerance", told)
+
+
+def _proven(tubes: ProvenTubes, end: float) -> Evidence:
+    """Say what is proven of a path up to a parameter."""
+    if not tubes.radii.size:
+        return Evidence("nothing", tubes.failed or "there is no step to be proven")
+    if np.isinf(tubes.radii).all():
+        return Evidence("proof", "nothing is passive: motors alone say where all is")
+    wide = f"{tubes.radii.min():.2g} to {tubes.radii.max():.2g} rad or lengths"
+    parts = [
+        f"up to t = {end:.9g} each t has exactly one closed pose in a tube of {wide}, and they "
+        "hang together"
+    ]
+    if tubes.held:
+        parts.append(f"with {', '.join(tubes.held)} held")
+    if tubes.left_out:
+        rows = f"{len(tubes.left_out)} dependent row" + "s" * (len(tubes.left_out) > 1)
+        parts.append(f"of all rows but {rows}, which it solves to {tubes.gap:.2g}")
+    return Evidence("proof", "; ".join(parts))
 
 
 def _kept(stretch: Stretch) -> list[PathPose]:

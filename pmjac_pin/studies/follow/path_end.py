@@ -15,7 +15,7 @@ from pmjac_pin.values.arrays import norm
 _NEAR_SPOT = 1e-2  # lengths or rad: from where no step is covered to the spot
 _APART = 1e-11  # of a length: μ of branches that count as meeting
 _WELL_AWAY = 1e-3  # relative singular value of K* at the pose whose rows are taken
-_TRANSVERSAL = 1e-4  # wᵀ G_s beside |w|, at a fold
+_TRANSVERSAL = 3e-6  # wᵀ G_s beside |w|, at a fold: of two with μ apart about √μ
 _AT_THE_END = 1e-10  # of the parameter
 
 

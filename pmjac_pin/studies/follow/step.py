@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pmjac_pin.closing.closed import Closed
+from pmjac_pin.errors import ClosureError
 from pmjac_pin.studies.follow.course import Course
 from pmjac_pin.studies.follow.motor_path import PathPiece
 from pmjac_pin.values.arrays import Array
@@ -57,8 +58,8 @@ class CoveredStep:
         motion = hermite((t - self.start.t) / self.width, way, *self.rates())
         point = course.close(problem.integrate(self.start.q, motion), self.piece, t, way)
         if point is None:
-            message = f"no pose at t = {t!r} between {self.start.t!r} and {self.end.t!r}"
-            raise ArithmeticError(message)
+            message = f"no closed pose is found at t = {t!r}, in a step that is covered"
+            raise ClosureError(message, residual_norm=np.inf, q=self.start.q)
         return PathPose(t, point, course.velocity(point, self.piece, t))
 
     def rates(self) -> tuple[Array, Array]:

@@ -158,8 +158,8 @@ class Trajectory(ReadOnlyArrays):
         --------
         >>> import pmjac_pin as pj
         >>> found = pj.follow(pj.load("four_bar"), [[0.9], [1.5]], samples=4).to_xarray()
-        >>> dict(found.sizes), found.actuated.values[:, 0].round(3).tolist()
-        ({'t': 4, 'entry': 3, 'motor': 1, 'passive_joint': 2, 'joint': 3}, [0.9, 1.1, 1.3, 1.5])
+        >>> found.v.dims, found.actuated.values[:, 0].round(3).tolist()
+        (('t', 'joint'), [0.9, 1.1, 1.3, 1.5])
         """
         try:
             import xarray  # noqa: PLC0415 (heavy)
