@@ -128,6 +128,11 @@ from .studies.check.diagnosis import Diagnosis as Diagnosis
 from .studies.check.diagnosis_maker import check as check
 from .studies.convert import convert as convert
 from .studies.evidence import Evidence as Evidence
+from .studies.follow.event import Event as Event
+from .studies.follow.event import PathBranch as PathBranch
+from .studies.follow.follow import follow as follow
+from .studies.follow.homecoming import Homecoming as Homecoming
+from .studies.follow.trajectory import Trajectory as Trajectory
 from .studies.homotopy.complex_modes import ComplexModes as ComplexModes
 from .studies.homotopy.operation_modes import OperationModes as OperationModes
 from .studies.homotopy.parameter_homotopy import (
