@@ -337,7 +337,7 @@ class Configuration(LoadedPose, Shown):
             functools.partial(gained_and_idle, problem, self.q),
             loops=self._loop_rates,
             tool_pose=(snapshot.axes_of(rows), snapshot.position + self._parts.place),
-            slopes=PoseRounding(self, rows.axes).slopes,
+            slopes=PoseOfConfiguration(self, rows.axes).slopes,
         )
 
     def _need_tool(self) -> None:

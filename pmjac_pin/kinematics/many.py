@@ -150,7 +150,7 @@ class ManyLoops:
     @found_once
     def _tape(self) -> Tape | None:
         """The program of the loops, None where there is no kernel or none for these rows."""
-        if tape_runner.kernel() is None or not self._loops.count:
+        if tape_runner.tape_kernel() is None or not self._loops.count:
             return None
         from pmjac_pin.kinematics.recorded import recorded_loops  # noqa: PLC0415
 
