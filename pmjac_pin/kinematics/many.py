@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from pmjac_pin.algebra.tape import Tape
 
 _FLOATS = Floats()
-_MANY = 64  # poses, for which it takes less time to record a program
+_MANY = 2  # poses: one alone does not pay for recording
 
 
 @dataclass(frozen=True, slots=True, eq=False)
