@@ -1,4 +1,4 @@
-"""The command line: ``pmjac`` with list, report, modes, check, plot, view, convert, follow and more.
+"""The command line: ``pmjac`` with list, report, modes, check, plot, view, follow and more.
 
 Exit status 0; 1 where ``check`` finds an error in the model, or ``follow`` stops on the way; 2 with
 one line on stderr when something is wrong; 130 on Ctrl-C.
