@@ -157,3 +157,6 @@ from .viewer.viewer import view as view
 from .words.labelled_matrix import LabelledMatrix as LabelledMatrix
 from .words.report import Report as Report
 from .words.report import report as report
+from .studies.reach.reach import reach as reach
+from .studies.reach.reached import Reached as Reached
+from .studies.reach.task import Task as Task

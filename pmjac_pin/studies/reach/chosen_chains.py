@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.studies.reach.goal import ToolGoal
+from pmjac_pin.studies.reach.goal import ToolGoal, tool_at
 from pmjac_pin.studies.reach.tool_chain import ToolChain
 from pmjac_pin.studies.reach.tool_motions import ToolMotions, tool_motions
 from pmjac_pin.values.arrays import Array
@@ -24,11 +24,11 @@ def chosen_chains(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> tuple[Tool
     or the orientations alone, or the positions alone, where the other rows follow from these.
     """
     motions = tool_motions(mechanism, goals)
-    homes = [goal.pose(mechanism, mechanism.home.q) for goal in goals]
+    homes = _homes(mechanism, goals)
     if not motions.rank:
         return None
     if motions.rows == motions.rank:
-        return tuple(_whole(goal, home) for goal, home in zip(goals, homes, strict=True))
+        return whole_chains(mechanism, goals)
     split = [_split(goal, home, *motions.ways(k)) for k, (goal, home) in _paired(goals, homes)]
     chains = [one for one in split if one is not None]
     if len(chains) == len(split) and sum(map(_driven, chains)) == motions.rank:
@@ -46,13 +46,23 @@ def _driven(chain: ToolChain) -> int:
     )
 
 
+def whole_chains(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> tuple[ToolChain, ...]:
+    """Return the chains of all rows of the tasks."""
+    homes = _homes(mechanism, goals)
+    return tuple(_whole(goal, home) for goal, home in zip(goals, homes, strict=True))
+
+
+def _homes(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> list[pin.SE3]:
+    return [tool_at(mechanism, goal.tool, mechanism.home.q)[1] for goal in goals]
+
+
 def _whole(goal: ToolGoal, home: pin.SE3) -> ToolChain:
     """Return the chain of all rows of a task."""
     task = goal.task
     turning = "swivel" if goal.tool.points and task.turning == "free" else task.turning
     slides = len(task.directions)
     axes = _completed(task.linear.T)
-    return ToolChain(_name(goal), home, axes, slides, slides < 3, turning, np.array(task.axis))
+    return ToolChain(goal.tool, home, axes, slides, slides < 3, turning, np.array(task.axis))
 
 
 def _split(goal: ToolGoal, home: pin.SE3, linear: Array, angular: Array) -> ToolChain | None:
@@ -69,7 +79,7 @@ def _split(goal: ToolGoal, home: pin.SE3, linear: Array, angular: Array) -> Tool
         return None
     axes = _completed(task.linear.T @ linear)
     floats = len(task.directions) < 3
-    return ToolChain(_name(goal), home, axes, linear.shape[1], floats, chosen, axis)
+    return ToolChain(goal.tool, home, axes, linear.shape[1], floats, chosen, axis)
 
 
 def _one_block(
@@ -80,7 +90,7 @@ def _one_block(
     if sum(map(len, motions.angular[0])) == motions.rank and motions.tells(motions.angular[0]):
         return tuple(
             ToolChain(
-                _name(goal), home, np.eye(3), 0, True, goal.task.turning, np.array(goal.task.axis)
+                goal.tool, home, np.eye(3), 0, True, goal.task.turning, np.array(goal.task.axis)
             )
             for goal, home in zip(goals, homes, strict=True)
         )
@@ -89,10 +99,6 @@ def _one_block(
     if sum(map(_driven, chains)) == motions.rank and motions.tells(motions.linear[0]):
         return tuple(chains)
     return None
-
-
-def _name(goal: ToolGoal) -> str:
-    return "-".join(goal.tool.names)
 
 
 def _completed(columns: Array) -> Array:

@@ -6,10 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
+import numpy as np
+
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.studies.reach.driven_by_tool import DrivenByTool, driven_by_tool
+from pmjac_pin.studies.reach.driven_by_tool import DrivenByTool, driven_by_tool, welded_to_tool
 from pmjac_pin.studies.reach.goal import Goal, JointGoal, ToolGoal
 from pmjac_pin.values.arrays import Array
 
@@ -29,7 +31,7 @@ class DrivenByJoints:
     whole: Mechanism
     mechanism: Mechanism
 
-    def lifted(self, configuration: Configuration, _: Sequence[Goal]) -> Configuration:
+    def lifted(self, configuration: Configuration) -> Configuration:
         """Return the pose as one of the machine driven by its joints."""
         return self.mechanism.configuration(configuration.q)
 
@@ -39,9 +41,8 @@ class DrivenByJoints:
 
     def values(self, goals: Sequence[Goal], _: Configuration) -> Array:
         """Return the joints' values."""
-        [goal] = goals
-        assert isinstance(goal, JointGoal)
-        return goal.values
+        joints = [goal.values for goal in goals if isinstance(goal, JointGoal)]
+        return np.concatenate(joints)
 
 
 Driven: TypeAlias = DrivenByTool | DrivenByJoints
@@ -49,12 +50,25 @@ Driven: TypeAlias = DrivenByTool | DrivenByJoints
 
 def driven_by(mechanism: Mechanism, goals: Sequence[Goal]) -> Driven | None:
     """Return the machine driven by what is wanted; None where no choice of rows tells its pose."""
-    tools = [goal for goal in goals if isinstance(goal, ToolGoal)]
-    if len(tools) == len(goals):
+    if tools := _tool_goals(goals):
         return driven_by_tool(mechanism, tools)
-    [joints] = goals
-    assert isinstance(joints, JointGoal)
+    return _driven_by_joints(mechanism, goals)
+
+
+def held_by(mechanism: Mechanism, goals: Sequence[Goal]) -> Driven | None:
+    """Return the machine that closes where all that is wanted holds; None where there is none."""
+    if tools := _tool_goals(goals):
+        return welded_to_tool(mechanism, tools)
+    return _driven_by_joints(mechanism, goals)
+
+
+def _tool_goals(goals: Sequence[Goal]) -> list[ToolGoal]:
+    return [goal for goal in goals if isinstance(goal, ToolGoal)]
+
+
+def _driven_by_joints(mechanism: Mechanism, goals: Sequence[Goal]) -> DrivenByJoints | None:
+    joints = [name for goal in goals if isinstance(goal, JointGoal) for name in goal.joints]
     try:
-        return DrivenByJoints(mechanism, mechanism.driven_by(joints.joints))
+        return DrivenByJoints(mechanism, mechanism.driven_by(joints))
     except ClosureError:
         return None

@@ -11,14 +11,14 @@ the machine comes first in q, the chains' joints behind it. `values` are the mot
 the tools where they are to be.
 
     driven = driven_by_tool(mechanism, goals)          # None where no rows tell the tools' poses
-    start = driven.lifted(mechanism.home, goals)
+    start = driven.lifted(mechanism.home)
     there = driven.mechanism.close(driven.values(goals, start), guess=start)
     driven.original(there)
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,8 +33,8 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop
-from pmjac_pin.studies.reach.chosen_chains import chosen_chains
-from pmjac_pin.studies.reach.goal import ToolGoal, turn_between
+from pmjac_pin.studies.reach.chosen_chains import chosen_chains, whole_chains
+from pmjac_pin.studies.reach.goal import ToolGoal, tool_at, turn_between
 from pmjac_pin.studies.reach.tool_chain import ToolChain
 from pmjac_pin.studies.recut import resolved_loop
 from pmjac_pin.values.arrays import Array
@@ -60,9 +60,9 @@ class DrivenByTool:
     mechanism: Mechanism
     chains: tuple[ToolChain, ...]
 
-    def lifted(self, configuration: Configuration, goals: Sequence[ToolGoal]) -> Configuration:
+    def lifted(self, configuration: Configuration) -> Configuration:
         """Return the machine's pose as one of the machine driven by its tools."""
-        entries = [configuration.q, *_entries(self.whole, configuration.q, self.chains, goals)]
+        entries = [configuration.q, *_entries(self.whole, configuration.q, self.chains)]
         return self.mechanism.configuration(np.concatenate(entries))
 
     def original(self, configuration: Configuration) -> Configuration:
@@ -82,8 +82,8 @@ class DrivenByTool:
                 own = model.joints[model.getJointId(joint.name)]
                 entries = slice(own.idx_q, own.idx_q + own.nq)
                 if chain.turning == "pointing" and joint.joint.nv == 3 and joint.joint.nq == 4:
-                    here = goal.pose(self.whole, start.q[: self.whole.nq]).rotation
-                    q[entries] = _pointed(chain, goal, here, q[entries])
+                    _, here = tool_at(self.whole, chain.tool, start.q[: self.whole.nq])
+                    q[entries] = _pointed(chain, goal, here.rotation, q[entries])
                 elif joint.driven:
                     q[entries] = joint.entries(*moved)
         return coordinates.values(q)[self.mechanism.problem.partition.actuated]
@@ -98,21 +98,29 @@ def driven_by_tool(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> DrivenByT
         None where no rows of the tasks tell the tools' poses: those of a four-bar's coupler, say,
         none of whose coordinates determines the others.
     """
-    key = ("driven by", *((goal.tool, goal.task) for goal in goals))
+    return _once(mechanism, goals, chosen_chains)
+
+
+def welded_to_tool(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> DrivenByTool | None:
+    """Return the machine driven in all rows of the tasks, though its tools may not move in all.
+
+    Nothing can be followed by it, but it closes where the tools are at their targets.
+    """
+    return _once(mechanism, goals, whole_chains)
+
+
+def _once(
+    mechanism: Mechanism,
+    goals: Sequence[ToolGoal],
+    chains: Callable[[Mechanism, Sequence[ToolGoal]], tuple[ToolChain, ...] | None],
+) -> DrivenByTool | None:
+    key = (chains.__name__, *((goal.tool, goal.task) for goal in goals))
     if key not in mechanism._siblings:
-        mechanism._siblings[key] = _driven_by_tool(mechanism, goals)
+        chosen = chains(mechanism, goals)
+        rigid = all(_is_rigid(mechanism, goal) for goal in goals)
+        mechanism._siblings[key] = _driven(mechanism, chosen, goals) if chosen and rigid else None
     found: DrivenByTool | None = mechanism._siblings[key]
     return found
-
-
-def _driven_by_tool(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> DrivenByTool | None:
-    chains = chosen_chains(mechanism, goals)
-    if chains is None or not all(_is_rigid(mechanism, goal) for goal in goals):
-        return None
-    try:
-        return DrivenByTool(mechanism, _driven(mechanism, chains, goals), chains)
-    except ClosureError:  # its home is singular
-        return None
 
 
 def _is_rigid(mechanism: Mechanism, goal: ToolGoal) -> bool:
@@ -126,6 +134,15 @@ def _is_rigid(mechanism: Mechanism, goal: ToolGoal) -> bool:
 
 
 def _driven(
+    mechanism: Mechanism, chains: tuple[ToolChain, ...], goals: Sequence[ToolGoal]
+) -> DrivenByTool | None:
+    try:
+        return DrivenByTool(mechanism, _mechanism(mechanism, chains, goals), chains)
+    except ClosureError:  # its home is singular
+        return None
+
+
+def _mechanism(
     mechanism: Mechanism, chains: Sequence[ToolChain], goals: Sequence[ToolGoal]
 ) -> Mechanism:
     model, spec, home = mechanism.model, mechanism.spec, mechanism.home.q
@@ -142,7 +159,7 @@ def _driven(
             model.addFrame(pin.Frame(target, carrier, end * place, pin.FrameType.OP_FRAME), False)
             point = bool(goal.tool.points) or chain.turning == "free"
             loops.append((PointLoop if point else FrameLoop)(frames=(frame, target)))
-    q = np.concatenate([home, *_entries(mechanism, home, chains, goals)])
+    q = np.concatenate([home, *_entries(mechanism, home, chains)])
     driven = replace(
         spec,
         actuated=tuple(motors),
@@ -158,13 +175,11 @@ def _driven(
     return Mechanism(build_parts(model, driven, {}, mechanism.urdf, q))
 
 
-def _entries(
-    mechanism: Mechanism, q: Array, chains: Sequence[ToolChain], goals: Sequence[ToolGoal]
-) -> list[Array]:
+def _entries(mechanism: Mechanism, q: Array, chains: Sequence[ToolChain]) -> list[Array]:
     """Return what the chains' joints are where the machine is at q."""
     found = []
-    for chain, goal in zip(chains, goals, strict=True):
-        moved = chain.moved(goal.pose(mechanism, q))
+    for chain in chains:
+        moved = chain.moved(tool_at(mechanism, chain.tool, q)[1])
         found += [joint.entries(*moved) for joint in chain.joints]
     return found
 
@@ -181,7 +196,7 @@ def _held(mechanism: Mechanism, goal: ToolGoal, q: Array) -> list[tuple[str, pin
     """Return the frames by which a tool is held, and where they are in it at q."""
     if goal.tool.frame:
         return [(goal.tool.frame, pin.SE3.Identity())]
-    pose = goal.pose(mechanism, q)
+    _, pose = tool_at(mechanism, goal.tool, q)
     corners = _corners(mechanism, goal, q)
     return [
         (name, pin.SE3(np.eye(3), pose.actInv(corner)))

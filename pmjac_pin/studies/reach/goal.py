@@ -68,23 +68,13 @@ class ToolGoal:
     task: Task
     target: pin.SE3
 
-    def pose(self, mechanism: Mechanism, q: Array) -> pin.SE3:
-        """Return the tool's pose in the world."""
-        return self._seen(mechanism, q)[1]
-
     def gaps(self, mechanism: Mechanism, q: Array) -> Gaps:
         """Return what is missing at a closed pose."""
-        twists, pose = self._seen(mechanism, q)
+        twists, pose = tool_at(mechanism, self.tool, q)
         directions = self.task.linear
         linear = directions @ (self.target.translation - pose.translation)
         turning = self._turning(pose.rotation) @ twists[3:]
         return Gaps(linear, self._turn(pose.rotation), directions @ twists[:3], turning)
-
-    def _seen(self, mechanism: Mechanism, q: Array) -> tuple[Array, pin.SE3]:
-        kinematics = mechanism.kinematics
-        tool = tool_kinematics(kinematics.model, self.tool)
-        twists, rotation, position = kinematics.tool_at(q, tool)
-        return twists, pin.SE3(rotation, position + mechanism.place)
 
     def _turn(self, rotation: Array) -> Array:
         wanted, axis = self.target.rotation, np.array(self.task.axis)
@@ -145,6 +135,14 @@ def gaps_of(goals: Sequence[Goal], mechanism: Mechanism, q: Array) -> Gaps:
         np.vstack([one.linear_rates for one in found]),
         np.vstack([one.angular_rates for one in found]),
     )
+
+
+def tool_at(mechanism: Mechanism, tool: Tool, q: Array) -> tuple[Array, pin.SE3]:
+    """Return a tool's Jacobian (6, nv), LOCAL_WORLD_ALIGNED, and its pose in the world."""
+    kinematics = mechanism.kinematics
+    seen = kinematics.tool_at(q, tool_kinematics(kinematics.model, tool))
+    twists, rotation, position = seen
+    return twists, pin.SE3(rotation, position + mechanism.place)
 
 
 def turn_between(one: Array, other: Array) -> Array:

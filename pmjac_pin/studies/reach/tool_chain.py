@@ -17,6 +17,7 @@ import pinocchio as pin
 
 from pmjac_pin.model.linkage import turned_to
 from pmjac_pin.model.rows import across
+from pmjac_pin.model.spec import Tool
 from pmjac_pin.studies.reach.task import Turning, plane_axes
 from pmjac_pin.values.arrays import Array
 
@@ -53,6 +54,7 @@ class ToolChain:
 
     Attributes
     ----------
+    tool : Tool
     home : pin.SE3
         The tool's pose at home, in the world.
     axes : ndarray, shape (3, 3)
@@ -68,13 +70,18 @@ class ToolChain:
         Of a heading or a hinge, in the world, or of the tool, for pointing.
     """
 
-    name: str
+    tool: Tool
     home: pin.SE3
     axes: Array
     slides: int
     floats: bool
     turning: Turning | str
     axis: Array
+
+    @property
+    def name(self) -> str:
+        """That of the tool."""
+        return "-".join(self.tool.names)
 
     @property
     def base(self) -> pin.SE3:

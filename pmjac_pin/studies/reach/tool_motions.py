@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pmjac_pin.closing.nearby_poses import nearby
-from pmjac_pin.kinematics.tool import tool_kinematics
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.studies.reach.goal import ToolGoal
+from pmjac_pin.studies.reach.goal import ToolGoal, tool_at
 from pmjac_pin.values.arrays import Array
 
 _SAME = 1e-6  # of motions that are all of about size 1: less is rounding, as where ranks are judged
@@ -61,17 +60,16 @@ class ToolMotions:
 def tool_motions(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> ToolMotions:
     """Return how the tools of these goals move, of their tasks' rows those that count."""
     problem, home = mechanism.problem, mechanism.home.q
-    partition, kinematics = problem.partition, mechanism.kinematics
+    partition = problem.partition
     linear, angular = [], []
     for q in (home, *nearby(problem, home)):
         _, constraint = problem.evaluate(q)
         motions = partition.column_scale[:, None] * partition.factorise_all(constraint).null_space
         straight, turning = [], []
         for goal in goals:
-            tool = tool_kinematics(kinematics.model, goal.tool)
-            twists, rotation, _ = kinematics.tool_at(q, tool)
+            twists, pose = tool_at(mechanism, goal.tool, q)
             straight.append(goal.task.linear @ twists[:3] @ motions)
-            turns = goal.task.angular(rotation) @ twists[3:] @ motions
+            turns = goal.task.angular(pose.rotation) @ twists[3:] @ motions
             turning.append(partition.length * turns)
         linear.append(tuple(straight))
         angular.append(tuple(turning))

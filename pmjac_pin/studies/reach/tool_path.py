@@ -67,7 +67,7 @@ class ToolPath:
     _displacement: Array = field(init=False)
 
     def __post_init__(self) -> None:
-        lifted = self.driven.lifted(self.start, self.goals)
+        lifted = self.driven.lifted(self.start)
         mechanism = self.driven.mechanism
         motors = mechanism.problem.partition.actuated
         values = self.driven.values(self.goals, lifted)
