@@ -95,6 +95,7 @@ def check_limits(mechanism: Mechanism, values: Array) -> None:
 
 
 def start_of(mechanism: Mechanism, guess: Guess, values: Array) -> Configuration:
+    """Return the closed pose that a guess names; motors that it does not name have these values."""
     if isinstance(guess, Configuration):
         if guess.mechanism is mechanism:
             return guess

@@ -1,8 +1,9 @@
-"""Which of a task's rows drive a machine: those in which its tools can move, the others must fit."""
+"""Which of a task's rows drive a machine: those in which its tools move; the others must fit."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -12,8 +13,6 @@ from pmjac_pin.studies.reach.goal import ToolGoal, tool_at
 from pmjac_pin.studies.reach.tool_chain import ToolChain
 from pmjac_pin.studies.reach.tool_motions import ToolMotions, tool_motions
 from pmjac_pin.values.arrays import Array
-
-_UNTURNED = np.array([0.0, 0.0, 1.0])
 
 
 def chosen_chains(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> tuple[ToolChain, ...] | None:
@@ -29,27 +28,32 @@ def chosen_chains(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> tuple[Tool
         return None
     if motions.rows == motions.rank:
         return whole_chains(mechanism, goals)
-    split = [_split(goal, home, *motions.ways(k)) for k, (goal, home) in _paired(goals, homes)]
+    ways = [motions.ways(k) for k in range(len(goals))]
+    split = [
+        _split(*one, *way) for one, way in zip(zip(goals, homes, strict=True), ways, strict=True)
+    ]
     chains = [one for one in split if one is not None]
     if len(chains) == len(split) and sum(map(_driven, chains)) == motions.rank:
         return tuple(chains)
     return _one_block(motions, goals, homes)
 
 
-def _paired(goals: Sequence[ToolGoal], homes: Sequence[pin.SE3]):  # type: ignore[no-untyped-def]
-    return enumerate(zip(goals, homes, strict=True))
-
-
 def _driven(chain: ToolChain) -> int:
-    return sum(joint.joint.nv for joint in chain.joints if joint.driven) - (
-        chain.turning == "pointing"
-    )
+    """Return how many rows of a task drive a chain."""
+    driven = sum(int(joint.joint.nv) for joint in chain.joints if joint.driven)
+    return driven - (chain.turning == "pointing")  # a ball says more than where an axis points
 
 
 def whole_chains(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> tuple[ToolChain, ...]:
     """Return the chains of all rows of the tasks."""
     homes = _homes(mechanism, goals)
     return tuple(_whole(goal, home) for goal, home in zip(goals, homes, strict=True))
+
+
+def single_chains(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> tuple[ToolChain, ...]:
+    """Return the chosen chains, or those of all rows, of joints with one freedom each."""
+    chains = chosen_chains(mechanism, goals) or whole_chains(mechanism, goals)
+    return tuple(replace(chain, singly=True) for chain in chains)
 
 
 def _homes(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> list[pin.SE3]:
@@ -94,7 +98,10 @@ def _one_block(
             )
             for goal, home in zip(goals, homes, strict=True)
         )
-    split = [_split(goal, home, motions.ways(k)[0], none) for k, (goal, home) in _paired(goals, homes)]
+    split = [
+        _split(goal, home, motions.ways(k)[0], none)
+        for k, (goal, home) in enumerate(zip(goals, homes, strict=True))
+    ]
     chains = [one for one in split if one is not None]
     if sum(map(_driven, chains)) == motions.rank and motions.tells(motions.linear[0]):
         return tuple(chains)

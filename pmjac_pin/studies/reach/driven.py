@@ -11,7 +11,12 @@ import numpy as np
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.studies.reach.driven_by_tool import DrivenByTool, driven_by_tool, welded_to_tool
+from pmjac_pin.studies.reach.driven_by_tool import (
+    DrivenByTool,
+    driven_by_tool,
+    searched_by_tool,
+    welded_to_tool,
+)
 from pmjac_pin.studies.reach.goal import Goal, JointGoal, ToolGoal
 from pmjac_pin.values.arrays import Array
 
@@ -59,6 +64,13 @@ def held_by(mechanism: Mechanism, goals: Sequence[Goal]) -> Driven | None:
     """Return the machine that closes where all that is wanted holds; None where there is none."""
     if tools := _tool_goals(goals):
         return welded_to_tool(mechanism, tools)
+    return _driven_by_joints(mechanism, goals)
+
+
+def searched_by(mechanism: Mechanism, goals: Sequence[Goal]) -> Driven | None:
+    """Return the machine whose assembly modes are the working modes; None where there is none."""
+    if tools := _tool_goals(goals):
+        return searched_by_tool(mechanism, tools)
     return _driven_by_joints(mechanism, goals)
 
 

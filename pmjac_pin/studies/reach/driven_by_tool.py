@@ -12,13 +12,13 @@ the tools where they are to be.
 
     driven = driven_by_tool(mechanism, goals)          # None where no rows tell the tools' poses
     start = driven.lifted(mechanism.home)
-    there = driven.mechanism.close(driven.values(goals, start), guess=start)
+    there = driven.mechanism.close(driven.values(goals, mechanism.home), guess=start)
     driven.original(there)
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,8 +33,8 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop
-from pmjac_pin.studies.reach.chosen_chains import chosen_chains, whole_chains
-from pmjac_pin.studies.reach.goal import ToolGoal, tool_at, turn_between
+from pmjac_pin.studies.reach.chosen_chains import chosen_chains, single_chains, whole_chains
+from pmjac_pin.studies.reach.goal import Goal, ToolGoal, tool_at
 from pmjac_pin.studies.reach.tool_chain import ToolChain
 from pmjac_pin.studies.recut import resolved_loop
 from pmjac_pin.values.arrays import Array
@@ -69,24 +69,29 @@ class DrivenByTool:
         """Return the pose of the machine itself."""
         return self.whole.configuration(configuration.q[: self.whole.nq])
 
-    def values(self, goals: Sequence[ToolGoal], start: Configuration) -> Array:
-        """Return the motor values that put the tools at their targets, from a pose of `mechanism`.
+    def values(self, goals: Sequence[Goal], start: Configuration) -> Array:
+        """Return the motor values that put the tools at their targets, from a pose of the machine.
 
         Where an axis is to point somewhere, the tool is turned there the shortest way from there.
         """
-        coordinates, q = self.mechanism.coordinates, start.q.copy()
-        model = self.mechanism.kinematics.model
-        for chain, goal in zip(self.chains, goals, strict=True):
-            moved = chain.moved(goal.target)
-            for joint in chain.joints:
-                own = model.joints[model.getJointId(joint.name)]
-                entries = slice(own.idx_q, own.idx_q + own.nq)
-                if chain.turning == "pointing" and joint.joint.nv == 3 and joint.joint.nq == 4:
-                    _, here = tool_at(self.whole, chain.tool, start.q[: self.whole.nq])
-                    q[entries] = _pointed(chain, goal, here.rotation, q[entries])
-                elif joint.driven:
-                    q[entries] = joint.entries(*moved)
+        coordinates = self.mechanism.coordinates
+        entries = {
+            joint.name: joint.entries(*moved).tolist()
+            for chain, moved in self._moved(goals, start)
+            for joint in chain.joints
+            if joint.driven
+        }
+        q = coordinates.q(entries, self.mechanism.home.q)
         return coordinates.values(q)[self.mechanism.problem.partition.actuated]
+
+    def _moved(
+        self, goals: Sequence[Goal], start: Configuration
+    ) -> Iterator[tuple[ToolChain, tuple[Array, Array]]]:
+        """Yield each chain, and how its tool is to slide and turn since home."""
+        tools = [goal for goal in goals if isinstance(goal, ToolGoal)]
+        for chain, goal in zip(self.chains, tools, strict=True):
+            _, here = tool_at(self.whole, chain.tool, start.q)
+            yield chain, chain.moved(goal.pose_from(here))
 
 
 def driven_by_tool(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> DrivenByTool | None:
@@ -107,6 +112,11 @@ def welded_to_tool(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> DrivenByT
     Nothing can be followed by it, but it closes where the tools are at their targets.
     """
     return _once(mechanism, goals, whole_chains)
+
+
+def searched_by_tool(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> DrivenByTool | None:
+    """Return the machine with motors of one freedom each, as proofs and homotopies want them."""
+    return _once(mechanism, goals, single_chains)
 
 
 def _once(
@@ -182,14 +192,6 @@ def _entries(mechanism: Mechanism, q: Array, chains: Sequence[ToolChain]) -> lis
         moved = chain.moved(tool_at(mechanism, chain.tool, q)[1])
         found += [joint.entries(*moved) for joint in chain.joints]
     return found
-
-
-def _pointed(chain: ToolChain, goal: ToolGoal, rotation: Array, quaternion: Array) -> Array:
-    """Return a ball's entries, turned as a tool's axis turns to its target."""
-    axis = np.array(goal.task.axis)
-    turn = turn_between(rotation @ axis, goal.target.rotation @ axis)
-    ball = pin.Quaternion(quaternion).toRotationMatrix()
-    return np.asarray(pin.Quaternion(pin.exp3(chain.axes.T @ turn) @ ball).coeffs())
 
 
 def _held(mechanism: Mechanism, goal: ToolGoal, q: Array) -> list[tuple[str, pin.SE3]]:

@@ -33,7 +33,7 @@ def poses_at_target(
     problem, coordinates = mechanism.problem, mechanism.coordinates
     partition = problem.partition
     lifted = driven.lifted(start)
-    values = driven.values(goals, lifted)
+    values = driven.values(goals, start)
     q = coordinates.with_values(lifted.q, partition.actuated, values)
     weights, rng = motor_weights(problem, 0.0), np.random.default_rng(0)
     scale = weights * partition.column_scale * partition.length

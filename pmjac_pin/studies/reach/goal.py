@@ -16,6 +16,9 @@ from pmjac_pin.studies.reach.task import Task, heading
 from pmjac_pin.values.arrays import Array, norm
 from pmjac_pin.values.ties import first_smallest
 
+_MET = 1e-9  # of the characteristic length, or rad
+_TOLERANCES = 4.0  # of the machine: far from the world's origin, nothing is closer
+
 
 class Miss(NamedTuple):
     """How far a pose is from a target: all its positions, m, and all its turns, rad."""
@@ -76,6 +79,13 @@ class ToolGoal:
         turning = self._turning(pose.rotation) @ twists[3:]
         return Gaps(linear, self._turn(pose.rotation), directions @ twists[:3], turning)
 
+    def pose_from(self, pose: pin.SE3) -> pin.SE3:
+        """Return the target as a pose: where an axis is to point, turned the shortest way there."""
+        if self.task.turning != "pointing":
+            return self.target
+        turn = pin.exp3(self._turn(pose.rotation))
+        return pin.SE3(turn @ pose.rotation, self.target.translation)
+
     def _turn(self, rotation: Array) -> Array:
         wanted, axis = self.target.rotation, np.array(self.task.axis)
         match self.task.turning:
@@ -135,6 +145,13 @@ def gaps_of(goals: Sequence[Goal], mechanism: Mechanism, q: Array) -> Gaps:
         np.vstack([one.linear_rates for one in found]),
         np.vstack([one.angular_rates for one in found]),
     )
+
+
+def is_met(goals: Sequence[Goal], mechanism: Mechanism, q: Array) -> bool:
+    """Tell whether all goals are met: to 1e-9 of the characteristic length, and 1e-9 rad."""
+    miss, length = gaps_of(goals, mechanism, q).miss, mechanism.characteristic_length
+    closed = _TOLERANCES * mechanism.tolerance
+    return miss.linear <= _MET * length + closed and miss.angular <= _MET + closed / length
 
 
 def tool_at(mechanism: Mechanism, tool: Tool, q: Array) -> tuple[Array, pin.SE3]:

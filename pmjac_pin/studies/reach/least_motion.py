@@ -6,8 +6,6 @@ left: there θ₀ − θ is in the range of Jᵀ, which is the condition for the
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from pmjac_pin.configuration import Configuration
@@ -20,22 +18,7 @@ _MOST_STEPS = 300
 _SLOWER = 0.5  # where a step overshoots
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class LeastMotion:
-    """Where a self-motion ended.
-
-    Attributes
-    ----------
-    configuration : Configuration
-    left : float
-        What is left of the way along the self-motion, m.
-    """
-
-    configuration: Configuration
-    left: float
-
-
-def least_motion(space: MotorSpace, point: Configuration, wanted: Array) -> LeastMotion:
+def least_motion(space: MotorSpace, point: Configuration, wanted: Array) -> Configuration:
     """Move along the self-motion at a target, as near to wanted motor values as it leads.
 
     Parameters
@@ -65,14 +48,14 @@ def least_motion(space: MotorSpace, point: Configuration, wanted: Array) -> Leas
             continue
         point = trial
         towards, along = _steps(space, point, wanted)
-    return LeastMotion(point, norm(along))
+    return point
 
 
 def _steps(space: MotorSpace, point: Configuration, wanted: Array) -> tuple[Array, Array]:
     """Return the step towards the target, and the one along the self-motion, in m."""
     gap, rates = space.system(point)
     away = (wanted - point.actuated) / space.scale
-    held = ~space.free(point, away)
+    held = np.logical_not(space.free(point, away))
     rates = np.where(held, 0.0, rates)
     inverse = np.linalg.pinv(rates, rcond=NO_MOTION)
     along = np.where(held, 0.0, away)

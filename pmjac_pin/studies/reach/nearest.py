@@ -13,7 +13,7 @@ import numpy as np
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.studies.reach.motor_space import MotorSpace
-from pmjac_pin.values.arrays import Array, norm
+from pmjac_pin.values.arrays import Array, Index, norm
 
 # Relative to the characteristic length.
 _LONGEST = 0.25  # step
@@ -117,7 +117,7 @@ def _gradient(space: MotorSpace, point: Configuration) -> Array:
     return -(rates.T @ gap)
 
 
-def _hessian(space: MotorSpace, point: Configuration, motors: Array) -> Array | None:
+def _hessian(space: MotorSpace, point: Configuration, motors: Index) -> Array | None:
     """Return differences of the gradient over steps of these motors; one-sided at a limit."""
     size, n = _DIFFERENCE * space.length, len(point.actuated)
     hessian = np.zeros((n, n))

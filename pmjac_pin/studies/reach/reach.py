@@ -2,33 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from functools import cached_property
-
-import numpy as np
+import itertools
+from collections.abc import Sequence
+from typing import assert_never
 
 from pmjac_pin.closing.motor_values import MotorValues, motor_values
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.direct_kinematics import Guess, start_of
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.studies.evidence import Evidence
-from pmjac_pin.studies.reach.driven import Driven, driven_by, held_by
-from pmjac_pin.studies.reach.elsewhere import poses_at_target
-from pmjac_pin.studies.reach.goal import Goal, Miss, gaps_of
-from pmjac_pin.studies.reach.least_motion import least_motion
-from pmjac_pin.studies.reach.motor_space import MotorSpace, led
-from pmjac_pin.studies.reach.nearest import trail_to_nearest
-from pmjac_pin.studies.reach.reached import Reached, Status
+from pmjac_pin.studies.reach.asked import Asked
+from pmjac_pin.studies.reach.driven import Driven
+from pmjac_pin.studies.reach.reached import Reached
 from pmjac_pin.studies.reach.targets import Target, ToolName, read_goals
 from pmjac_pin.studies.reach.task import Task
-from pmjac_pin.studies.reach.tool_path import Stop, ToolPath, same_pose
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.studies.reach.tool_path import Stop, ToolPath, leads
 from pmjac_pin.values.checks import as_flag, check_kind
-
-_ENOUGH = 1e-9  # of the characteristic length, or rad: a target that is met
-_TOLERANCES = 4.0  # of the machine: far from the origin, nothing is closer
 
 
 def reach(
@@ -98,185 +87,90 @@ def reach(
     wanted = start.actuated
     if posture is not None:
         wanted = motor_values(mechanism.spec, mechanism.coordinates, posture)
-    return _Reach(mechanism, goals, start, as_flag(limits, "limits"), wanted).answer()
+    return _answer(Asked(mechanism, goals, start, as_flag(limits, "limits"), wanted))
 
 
-@dataclass(frozen=True, eq=False)
-class _Reach:
-    """One question, from a closed pose."""
+def _answer(asked: Asked) -> Reached:
+    """Go straight; where that ends, go downhill; where that ends, look elsewhere."""
+    path = None if asked.driven is None else _path(asked, asked.driven)
+    if path is None:
+        return _beyond(asked, Stop(asked.start, 0.0, "end of the mode"))
+    stop = path.walked(asked.limits)
+    match stop.end:
+        case "limit":
+            return _at_limit(asked, stop)
+        case "lost by its motors":
+            message = f"{_way(stop)} the motors lose the tool"
+            return asked.told("singular", stop.configuration, stop.share, message)
+        case "target":
+            met = asked.meets(stop.configuration)
+            return _arrived(asked, stop.configuration, "straight") if met else _beyond(asked, stop)
+        case "end of the mode":
+            return _beyond(asked, stop)
+        case _:
+            assert_never(stop.end)
 
-    mechanism: Mechanism
-    goals: Sequence[Goal]
-    start: Configuration
-    limits: bool
-    wanted: Array
 
-    @cached_property
-    def _space(self) -> MotorSpace:
-        return MotorSpace(led(self.mechanism), self.goals, self.limits)
+def _path(asked: Asked, driven: Driven) -> ToolPath | None:
+    try:
+        return ToolPath(driven, asked.goals, asked.start)
+    except ClosureError:  # where rows follow each other at home alone, nothing drives from here
+        return None
 
-    @cached_property
-    def _driven(self) -> Driven | None:
-        return driven_by(self.mechanism, self.goals)
 
-    def answer(self) -> Reached:
-        """Go straight; where that ends, downhill; where that ends, look elsewhere."""
-        path = None if self._driven is None else self._path(self._driven)
-        if path is None:
-            return self._beyond(Stop(self.start, 0.0, "end of the mode"))
-        stop = path.walked(self.limits)
-        match stop.end:
-            case "limit":
-                return self._at_limit(stop)
-            case "lost by its motors":
-                return self._singular(stop)
-            case "target" if self._meets(stop.configuration):
-                return self._arrived(stop.configuration)
-            case _:
-                return self._beyond(stop)
+def _way(stop: Stop) -> str:
+    return f"after {100.0 * stop.share:.4g} % of the way"
 
-    def _path(self, driven: Driven) -> ToolPath | None:
-        try:
-            return ToolPath(driven, self.goals, self.start)
-        except ClosureError:  # far from home, chains that stand for a task do not close
-            return None
 
-    def _miss(self, configuration: Configuration) -> Miss:
-        return gaps_of(self.goals, self.mechanism, configuration.q).miss
+def _arrived(asked: Asked, configuration: Configuration, how: str) -> Reached:
+    least = asked.with_least_motion(configuration)
+    return asked.told("reached", least, 1.0, f"the target is met, {how}")
 
-    def _meets(self, configuration: Configuration) -> bool:
-        mechanism, miss = self.mechanism, self._miss(configuration)
-        length, closed = mechanism.characteristic_length, _TOLERANCES * mechanism.tolerance
-        return (
-            miss.linear <= _ENOUGH * length + closed
-            and miss.angular <= _ENOUGH + closed / length
-        )
 
-    def _arrived(self, configuration: Configuration, how: str = "straight") -> Reached:
-        """Return the target, after a self-motion where it leaves one."""
-        space = self._space
-        gap, rates = space.system(self._own(configuration))
-        if np.linalg.matrix_rank(rates, tol=1e-9 * np.linalg.norm(rates)) < rates.shape[1]:
-            wanted = self.wanted[self._own_motors]
-            found = self._back(least_motion(space, self._own(configuration), wanted).configuration)
-            configuration = found if self._meets(found) else configuration
-        message = f"the target is met, {how}"
-        return self._told("reached", configuration, 1.0, message)
+def _at_limit(asked: Asked, stop: Stop) -> Reached:
+    values = stop.configuration.joint_values
+    told = ", ".join(f"{name!r} at {values[name]:.6g}" for name in stop.joints)
+    message = f"{_way(stop)} joints reach their limits: {told}"
+    return asked.told("at a limit", stop.configuration, stop.share, message, joints=stop.joints)
 
-    @property
-    def _own_motors(self) -> list[int]:
-        names = self._space.mechanism.actuated
-        return [self.mechanism.actuated.index(name) for name in names]
 
-    def _own(self, configuration: Configuration) -> Configuration:
-        """Return a pose of the machine as one by the motors that lead."""
-        mechanism = self._space.mechanism
-        if mechanism is self.mechanism:
-            return configuration
-        return mechanism.configuration(configuration.q)
+def _beyond(asked: Asked, stop: Stop) -> Reached:
+    """Go on by the motors, to where the tool is nearest; look elsewhere if that is not enough."""
+    trail = asked.trail_downhill(stop.configuration)
+    nearest, ambiguous = trail[-1], _tells_no_branch(asked, stop)
+    if asked.meets(nearest):
+        if ambiguous or _connected(asked, trail):
+            return _arrived(asked, nearest, "by a way around")
+        return _on_another_branch(asked, stop, nearest)
+    found = list(asked.poses_elsewhere())
+    led = [one for one in found if ambiguous and asked.is_led_to(one)]
+    if led:
+        return _arrived(asked, led[0], "where the motors lead")
+    if found:
+        return _on_another_branch(asked, stop, found[0])
+    miss = asked.miss(nearest)
+    parts = [f"{miss.linear:.6g} m"] * (miss.linear > 0.0)
+    parts += [f"{miss.angular:.6g} rad"] * (miss.angular > 0.0)
+    message = f"around there the nearest pose is {' and '.join(parts)} from the target"
+    return asked.told("out of reach", nearest, stop.share, message)
 
-    def _back(self, configuration: Configuration) -> Configuration:
-        if configuration.mechanism is self.mechanism:
-            return configuration
-        return self.mechanism.configuration(configuration.q)
 
-    def _at_limit(self, stop: Stop) -> Reached:
-        told = ", ".join(
-            f"{name!r} at {self._limit_of(stop.configuration, name)}" for name in stop.joints
-        )
-        message = f"after {100.0 * stop.share:.4g} % of the way joints reach limits: {told}"
-        return self._told("at a limit", stop.configuration, stop.share, message, stop.joints)
-
-    def _limit_of(self, configuration: Configuration, name: str) -> str:
-        value = configuration.joint_values[name]
-        return f"{value:.6g}"
-
-    def _singular(self, stop: Stop) -> Reached:
-        message = f"after {100.0 * stop.share:.4g} % of the way the motors lose the tool"
-        return self._told("singular", stop.configuration, stop.share, message)
-
-    def _beyond(self, stop: Stop) -> Reached:
-        """Go on by the motors, to where the tool is nearest; look elsewhere if that is not enough."""
-        trail = list(trail_to_nearest(self._space, self._own(stop.configuration)))
-        nearest = self._back(trail[-1])
-        if self._meets(nearest):
-            if self._tells_no_branch(stop) or self._connected(trail):
-                return self._arrived(nearest, "by a way around")
-            return self._elsewhere(stop, nearest)
-        found = list(self._found_elsewhere())
-        for one in found:
-            if self._is_led_to(one) and self._tells_no_branch(stop):
-                return self._arrived(one, "where the motors of the guess lead")
-        if found:
-            return self._elsewhere(stop, found[0])
-        miss = self._miss(nearest)
-        parts = [f"{miss.linear:.6g} m"] * (miss.linear > 0.0)
-        parts += [f"{miss.angular:.6g} rad"] * (miss.angular > 0.0)
-        message = f"out of reach: around there the nearest is {' and '.join(parts)} from it"
-        return self._told("out of reach", nearest, stop.share, message)
-
-    def _tells_no_branch(self, stop: Stop) -> bool:
-        """Tell whether working modes are none of the tool's: no rows tell its pose as it goes."""
-        if self._driven is None or stop.end == "target":
-            return True
-        # From a singular pose, several begin.
-        return not stop.share and self._driven.lifted(self.start).singularity().kind != "regular"
-
-    def _connected(self, trail: Sequence[Configuration]) -> bool:
-        """Tell whether the tool leads the machine along a trail, on one working mode."""
-        assert self._driven is not None
-        driven = self._driven
-        poses = [self._back(one) for one in trail]
-        for one, other in zip(poses, poses[1:], strict=False):
-            lifted = driven.lifted(other)
-            values = lifted.actuated
-            try:
-                found = driven.mechanism.close(
-                    values, guess=driven.lifted(one), enforce_limits=False
-                )
-            except ClosureError:
-                return False
-            if not same_pose(found, lifted):
-                return False
+def _tells_no_branch(asked: Asked, stop: Stop) -> bool:
+    """Tell whether no working mode is left: no rows tell the tool's pose, or several modes meet."""
+    if asked.driven is None or stop.end == "target":
         return True
+    return not stop.share and asked.driven.lifted(asked.start).singularity().kind != "regular"
 
-    def _found_elsewhere(self) -> Iterator[Configuration]:
-        """Yield closed poses at the target, from seeded starts."""
-        held = held_by(self.mechanism, self.goals)
-        for found in poses_at_target(held, self.goals, self.start) if held else ():
-            if self._meets(found) and not (self.limits and found.limits_violated):
-                yield found
 
-    def _is_led_to(self, found: Configuration) -> bool:
-        try:
-            there = self.mechanism.close(
-                found.actuated, guess=self.start, enforce_limits=self.limits
-            )
-        except ClosureError:
-            return False
-        return same_pose(there, found)
+def _connected(asked: Asked, trail: Sequence[Configuration]) -> bool:
+    """Tell whether the tool leads the machine along a trail, on one working mode."""
+    if asked.driven is None:
+        return False
+    poses = map(asked.driven.lifted, trail)
+    return all(leads(one, other) for one, other in itertools.pairwise(poses))
 
-    def _elsewhere(self, stop: Stop, found: Configuration) -> Reached:
-        message = (
-            f"after {100.0 * stop.share:.4g} % of the way this branch ends; the machine meets the "
-            "target on another"
-        )
-        return self._told(
-            "on another branch", stop.configuration, stop.share, message, elsewhere=found
-        )
 
-    def _told(
-        self,
-        status: Status,
-        configuration: Configuration,
-        share: float,
-        message: str,
-        joints: tuple[str, ...] = (),
-        elsewhere: Configuration | None = None,
-    ) -> Reached:
-        miss = self._miss(configuration)
-        rests = f"{miss.linear:.2g} m and {miss.angular:.2g} rad from the target"
-        evidence = Evidence("tolerance", f"a closed pose, {rests}")
-        return Reached(
-            status, configuration, miss, share, message, evidence, joints, elsewhere
-        )
+def _on_another_branch(asked: Asked, stop: Stop, found: Configuration) -> Reached:
+    message = f"{_way(stop)} this branch ends; the machine meets the target on another"
+    last = stop.configuration
+    return asked.told("on another branch", last, stop.share, message, elsewhere=found)

@@ -140,7 +140,9 @@ def _pose(target: Any) -> pin.SE3 | None:
     rotation = given[:3, :3]
     rigid = np.abs(rotation.T @ rotation - np.eye(3)).max() < _NEARLY_RIGID
     if not rigid or np.linalg.det(rotation) < 0.0 or given[3].tolist() != [0.0, 0.0, 0.0, 1.0]:
-        raise ArgumentError(f"a pose is a rotation and a translation, this is none: {quoted(given)}")
+        raise ArgumentError(
+            f"a pose is a rotation and a translation, this is none: {quoted(given)}"
+        )
     left, _, right = np.linalg.svd(rotation)
     return pin.SE3(left @ right, given[:3, 3])
 

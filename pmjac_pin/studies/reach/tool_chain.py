@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import assert_never
 
 import numpy as np
 import pinocchio as pin
@@ -68,6 +67,9 @@ class ToolChain:
         turns; with "swivel" it turns as it likes; "free" is left open by the loop at its end.
     axis : ndarray, shape (3,)
         Of a heading or a hinge, in the world, or of the tool, for pointing.
+    singly : bool
+        Whether each joint has one freedom, as proofs and homotopies want their motors: nothing to
+        follow paths by, as turns about three axes lock where two of these meet.
     """
 
     tool: Tool
@@ -77,6 +79,7 @@ class ToolChain:
     floats: bool
     turning: Turning | str
     axis: Array
+    singly: bool = False
 
     @property
     def name(self) -> str:
@@ -125,7 +128,7 @@ class ToolChain:
 
     def _sliding(self) -> Iterator[ChainJoint]:
         still = pin.SE3.Identity()
-        if self.slides == 3 or (self.floats and not self.slides):
+        if not self.singly and (self.slides == 3 or (self.floats and not self.slides)):
             joint = pin.JointModelTranslation()
             yield ChainJoint(
                 f"{self.name} position", joint, still, self.slides > 0, lambda slid, _: slid
@@ -138,21 +141,22 @@ class ToolChain:
                 joint,
                 still,
                 k < self.slides,
-                lambda slid, _, k=k: slid[k : k + 1],
+                _part(k),
             )
 
     def _turning(self) -> Iterator[ChainJoint]:
-        still, name = pin.SE3.Identity(), self.name
+        name = self.name
         match self.turning:
             case "free" | "none":
                 return
             case "orientation" | "pointing" | "swivel":
-                driven, ball = self.turning != "swivel", pin.JointModelSpherical()
-                yield ChainJoint(f"{name} orientation", ball, still, driven, _quaternion)
+                yield from self._ball(self.turning != "swivel")
                 if self.turning == "pointing":
                     still_spin = np.array([1.0, 0.0])
                     spin = pin.JointModelRUBZ()
-                    yield ChainJoint(f"{name} spin", spin, self._about, False, lambda *_: still_spin)
+                    yield ChainJoint(
+                        f"{name} spin", spin, self._about, False, lambda *_: still_spin
+                    )
             case "hinge":
                 axis = self.axes.T @ self.axis
                 hinge = pin.JointModelRUBZ()
@@ -164,25 +168,36 @@ class ToolChain:
             case _:
                 raise AssertionError(self.turning)
 
+    def _ball(self, driven: bool) -> Iterator[ChainJoint]:
+        if self.singly:
+            yield from self._in_turn(np.eye(3), np.eye(3), 3 * driven)
+            return
+        ball, still = pin.JointModelSpherical(), pin.SE3.Identity()
+        yield ChainJoint(f"{self.name} orientation", ball, still, driven, _quaternion)
+
     def _heading(self) -> Iterator[ChainJoint]:
         """Yield turns about the axis, then about y and x: of these the first is the heading."""
         level = self.axes.T @ plane_axes(self.axis)
-        still = pin.SE3.Identity()
-        at_home = self.axes.T @ self.home.rotation
+        return self._in_turn(level, self.axes.T @ self.home.rotation, 1)
 
-        def angles(turned: Array) -> Array:
-            return np.asarray(pin.rpy.matrixToRpy(level.T @ turned @ at_home))
-
-        joints = (pin.JointModelRUBZ(), pin.JointModelRUBY(), pin.JointModelRUBX())
-        names = ("angle", "pitch", "roll")
-        for k, (joint, what) in enumerate(zip(joints, names, strict=True)):
+    def _in_turn(self, before: Array, after: Array, driven: int) -> Iterator[ChainJoint]:
+        """Yield turns about z, y and x, the first so many driven, between what is turned before."""
+        still, kinds = (
+            pin.SE3.Identity(),
+            (pin.JointModelRUBZ, pin.JointModelRUBY, pin.JointModelRUBX),
+        )
+        for k, (kind, what) in enumerate(zip(kinds, ("yaw", "pitch", "roll"), strict=True)):
 
             def entries(_: Array, turned: Array, k: int = k) -> Array:
-                angle = angles(turned)[2 - k]
+                angle = pin.rpy.matrixToRpy(before.T @ turned @ after)[2 - k]
                 return np.array([np.cos(angle), np.sin(angle)])
 
-            place = pin.SE3(level, np.zeros(3)) if k == 0 else still
-            yield ChainJoint(f"{self.name} {what}", joint, place, k == 0, entries)
+            place = still if k else pin.SE3(before, np.zeros(3))
+            yield ChainJoint(f"{self.name} {what}", kind(), place, k < driven, entries)
+
+
+def _part(k: int) -> Callable[[Array, Array], Array]:
+    return lambda slid, _: slid[k : k + 1]
 
 
 def _quaternion(_: Array, turned: Array) -> Array:
@@ -193,4 +208,4 @@ def _turn(axis: Array, turned: Array) -> Array:
     """Return cosine and sine of the angle by which a rotation turns about an axis."""
     side = across(axis)[0]
     x, y = side @ turned @ side, np.cross(axis, side) @ turned @ side
-    return np.array([x, y]) / np.hypot(x, y)
+    return np.asarray(np.array([x, y]) / np.hypot(x, y))

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -70,7 +71,7 @@ class ToolPath:
         lifted = self.driven.lifted(self.start)
         mechanism = self.driven.mechanism
         motors = mechanism.problem.partition.actuated
-        values = self.driven.values(self.goals, lifted)
+        values = self.driven.values(self.goals, self.start)
         self._known[0.0] = lifted
         motion = np.zeros(mechanism.nv)
         motion[motors] = mechanism.coordinates.motion_to(lifted.q, motors, values)
@@ -81,7 +82,9 @@ class ToolPath:
         mechanism = self.driven.mechanism
         if share == 1.0:
             return self._values
-        q = pin.integrate(mechanism.kinematics.model, self._known[0.0].q, share * self._displacement)
+        q = pin.integrate(
+            mechanism.kinematics.model, self._known[0.0].q, share * self._displacement
+        )
         return mechanism.coordinates.values(q)[mechanism.problem.partition.actuated]
 
     def at(self, share: float) -> Configuration:
@@ -140,9 +143,7 @@ class ToolPath:
             middle = 0.5 * (inside + outside)
             if outside - inside <= _RESOLVED or not inside < middle < outside:
                 break
-            inside, outside = (
-                (inside, middle) if self._beyond(middle) else (middle, outside)
-            )
+            inside, outside = (inside, middle) if self._beyond(middle) else (middle, outside)
         names = tuple(self.at(outside).limits_violated)
         return Stop(self.at(inside), inside, "limit", names)
 
@@ -151,11 +152,11 @@ class ToolPath:
 
     def _lost(self, samples: Sequence[float], stop: Stop) -> Stop | None:
         """Return where the motors lose the tool on the way to a stop; None where they never do."""
-        if self._drives(self.start, stop.configuration):
+        if leads(self.start, stop.configuration):
             return None
         shares = [*samples, stop.share]
-        for one, other in zip(shares, shares[1:], strict=False):
-            if not self._drives(self.at(one), self.at(other)):
+        for one, other in pairwise(shares):
+            if not leads(self.at(one), self.at(other)):
                 found = self._last_driven(one, other)
                 if found is not None:
                     return Stop(self.at(found), found, "lost by its motors")
@@ -168,22 +169,22 @@ class ToolPath:
             middle = 0.5 * (one + other)
             if other - one <= _RESOLVED or not one < middle < other:
                 break
-            if self._drives(self.at(one), self.at(middle)):
+            if leads(self.at(one), self.at(middle)):
                 one = middle
-                if self._drives(self.at(one), self.at(end)):
+                if leads(self.at(one), self.at(end)):
                     return None
             else:
                 other = middle
         return one if one < end else begin
 
-    def _drives(self, one: Configuration, other: Configuration) -> bool:
-        """Tell whether the motors alone lead the machine from one pose to another."""
-        mechanism = self.driven.whole
-        try:
-            found = mechanism.close(other.actuated, guess=one, enforce_limits=False)
-        except ClosureError:
-            return False
-        return same_pose(found, other)
+
+def leads(one: Configuration, other: Configuration) -> bool:
+    """Tell whether its motors lead a machine from one closed pose to another, limits aside."""
+    try:
+        found = one.mechanism.close(other.actuated, guess=one, enforce_limits=False)
+    except ClosureError:
+        return False
+    return same_pose(found, other)
 
 
 def same_pose(one: Configuration, other: Configuration) -> bool:
