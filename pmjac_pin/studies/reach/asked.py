@@ -15,9 +15,9 @@ from pmjac_pin.studies.reach.driven import Driven, driven_by, held_by
 from pmjac_pin.studies.reach.elsewhere import poses_at_target
 from pmjac_pin.studies.reach.goal import Goal, Miss, gaps_of, is_met
 from pmjac_pin.studies.reach.least_motion import least_motion
-from pmjac_pin.studies.reach.motor_space import NO_MOTION, MotorSpace, led
+from pmjac_pin.studies.reach.motor_space import NO_MOTION, MotorSpace, with_leading_motors
 from pmjac_pin.studies.reach.nearest import trail_to_nearest
-from pmjac_pin.studies.reach.reached import Reached, Status
+from pmjac_pin.studies.reach.reached import Reached, ReachStatus
 from pmjac_pin.studies.reach.tool_path import leads
 from pmjac_pin.values.arrays import Array
 
@@ -49,7 +49,7 @@ class Asked:
 
     @cached_property
     def _space(self) -> MotorSpace:
-        return MotorSpace(led(self.mechanism), self.goals, self.limits)
+        return MotorSpace(with_leading_motors(self.mechanism), self.goals, self.limits)
 
     def miss(self, configuration: Configuration) -> Miss:
         """Return how far a pose is from what is wanted."""
@@ -101,7 +101,7 @@ class Asked:
 
     def told(
         self,
-        status: Status,
+        status: ReachStatus,
         configuration: Configuration,
         share: float,
         message: str,

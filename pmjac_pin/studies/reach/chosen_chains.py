@@ -33,12 +33,12 @@ def chosen_chains(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> tuple[Tool
         _split(*one, *way) for one, way in zip(zip(goals, homes, strict=True), ways, strict=True)
     ]
     chains = [one for one in split if one is not None]
-    if len(chains) == len(split) and sum(map(_driven, chains)) == motions.rank:
+    if len(chains) == len(split) and sum(map(_driven_rows, chains)) == motions.rank:
         return tuple(chains)
     return _one_block(motions, goals, homes)
 
 
-def _driven(chain: ToolChain) -> int:
+def _driven_rows(chain: ToolChain) -> int:
     """Return how many rows of a task drive a chain."""
     driven = sum(int(joint.joint.nv) for joint in chain.joints if joint.driven)
     return driven - (chain.turning == "pointing")  # a ball says more than where an axis points
@@ -47,7 +47,7 @@ def _driven(chain: ToolChain) -> int:
 def whole_chains(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> tuple[ToolChain, ...]:
     """Return the chains of all rows of the tasks."""
     homes = _homes(mechanism, goals)
-    return tuple(_whole(goal, home) for goal, home in zip(goals, homes, strict=True))
+    return tuple(_of_all_rows(goal, home) for goal, home in zip(goals, homes, strict=True))
 
 
 def single_chains(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> tuple[ToolChain, ...]:
@@ -60,7 +60,7 @@ def _homes(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> list[pin.SE3]:
     return [tool_at(mechanism, goal.tool, mechanism.home.q)[1] for goal in goals]
 
 
-def _whole(goal: ToolGoal, home: pin.SE3) -> ToolChain:
+def _of_all_rows(goal: ToolGoal, home: pin.SE3) -> ToolChain:
     """Return the chain of all rows of a task."""
     task = goal.task
     turning = "swivel" if goal.tool.points and task.turning == "free" else task.turning
@@ -103,7 +103,7 @@ def _one_block(
         for k, (goal, home) in enumerate(zip(goals, homes, strict=True))
     ]
     chains = [one for one in split if one is not None]
-    if sum(map(_driven, chains)) == motions.rank and motions.tells(motions.linear[0]):
+    if sum(map(_driven_rows, chains)) == motions.rank and motions.tells(motions.linear[0]):
         return tuple(chains)
     return None
 

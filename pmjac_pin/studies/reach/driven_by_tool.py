@@ -62,7 +62,7 @@ class DrivenByTool:
 
     def lifted(self, configuration: Configuration) -> Configuration:
         """Return the machine's pose as one of the machine driven by its tools."""
-        entries = [configuration.q, *_entries(self.whole, configuration.q, self.chains)]
+        entries = [configuration.q, *_chain_entries(self.whole, configuration.q, self.chains)]
         return self.mechanism.configuration(np.concatenate(entries))
 
     def original(self, configuration: Configuration) -> Configuration:
@@ -128,7 +128,9 @@ def _once(
     if key not in mechanism._siblings:
         chosen = chains(mechanism, goals)
         rigid = all(_is_rigid(mechanism, goal) for goal in goals)
-        mechanism._siblings[key] = _driven(mechanism, chosen, goals) if chosen and rigid else None
+        mechanism._siblings[key] = (
+            _if_it_closes(mechanism, chosen, goals) if chosen and rigid else None
+        )
     found: DrivenByTool | None = mechanism._siblings[key]
     return found
 
@@ -138,12 +140,12 @@ def _is_rigid(mechanism: Mechanism, goal: ToolGoal) -> bool:
     if goal.tool.frame:
         return True
     home, problem = mechanism.home.q, mechanism.problem
-    corners = [_corners(mechanism, goal, q) for q in (home, *nearby(problem, home))]
+    corners = [_spanning_points(mechanism, goal, q) for q in (home, *nearby(problem, home))]
     sides = [np.linalg.norm(one - np.roll(one, 1, axis=0), axis=1) for one in corners]
     return bool(np.ptp(sides, axis=0).max() <= _RIGID * problem.partition.length)
 
 
-def _driven(
+def _if_it_closes(
     mechanism: Mechanism, chains: tuple[ToolChain, ...], goals: Sequence[ToolGoal]
 ) -> DrivenByTool | None:
     try:
@@ -169,7 +171,7 @@ def _mechanism(
             model.addFrame(pin.Frame(target, carrier, end * place, pin.FrameType.OP_FRAME), False)
             point = bool(goal.tool.points) or chain.turning == "free"
             loops.append((PointLoop if point else FrameLoop)(frames=(frame, target)))
-    q = np.concatenate([home, *_entries(mechanism, home, chains)])
+    q = np.concatenate([home, *_chain_entries(mechanism, home, chains)])
     driven = replace(
         spec,
         actuated=tuple(motors),
@@ -185,7 +187,7 @@ def _mechanism(
     return Mechanism(build_parts(model, driven, {}, mechanism.urdf, q))
 
 
-def _entries(mechanism: Mechanism, q: Array, chains: Sequence[ToolChain]) -> list[Array]:
+def _chain_entries(mechanism: Mechanism, q: Array, chains: Sequence[ToolChain]) -> list[Array]:
     """Return what the chains' joints are where the machine is at q."""
     found = []
     for chain in chains:
@@ -199,14 +201,14 @@ def _held(mechanism: Mechanism, goal: ToolGoal, q: Array) -> list[tuple[str, pin
     if goal.tool.frame:
         return [(goal.tool.frame, pin.SE3.Identity())]
     _, pose = tool_at(mechanism, goal.tool, q)
-    corners = _corners(mechanism, goal, q)
+    corners = _spanning_points(mechanism, goal, q)
     return [
         (name, pin.SE3(np.eye(3), pose.actInv(corner)))
         for name, corner in zip(goal.tool.names, corners, strict=True)
     ]
 
 
-def _corners(mechanism: Mechanism, goal: ToolGoal, q: Array) -> Array:
+def _spanning_points(mechanism: Mechanism, goal: ToolGoal, q: Array) -> Array:
     """Return the points that span a tool, by rows, in the world."""
     model, data = mechanism.kinematics.model, mechanism.kinematics.placed(q)
     places = [data.oMf[find_frame(model, name).index].translation for name in goal.tool.names]

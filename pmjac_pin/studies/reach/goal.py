@@ -16,8 +16,8 @@ from pmjac_pin.studies.reach.task import Task, heading
 from pmjac_pin.values.arrays import Array, norm
 from pmjac_pin.values.ties import first_smallest
 
-_MET = 1e-9  # of the characteristic length, or rad
-_TOLERANCES = 4.0  # of the machine: far from the world's origin, nothing is closer
+_ENOUGH_FOR_TARGETS = 1e-9  # of the characteristic length, or rad
+_TOLERANCES_OF_TARGETS = 4.0  # of the machine: far from the world's origin, nothing is closer
 
 
 class Miss(NamedTuple):
@@ -27,7 +27,7 @@ class Miss(NamedTuple):
     angular: float
 
 
-class Gaps(NamedTuple):
+class GapsToTarget(NamedTuple):
     """What is missing to a target, and how fast the joints make up for it.
 
     Attributes
@@ -71,13 +71,13 @@ class ToolGoal:
     task: Task
     target: pin.SE3
 
-    def gaps(self, mechanism: Mechanism, q: Array) -> Gaps:
+    def gaps(self, mechanism: Mechanism, q: Array) -> GapsToTarget:
         """Return what is missing at a closed pose."""
         twists, pose = tool_at(mechanism, self.tool, q)
         directions = self.task.linear
         linear = directions @ (self.target.translation - pose.translation)
         turning = self._turning(pose.rotation) @ twists[3:]
-        return Gaps(linear, self._turn(pose.rotation), directions @ twists[:3], turning)
+        return GapsToTarget(linear, self._turn(pose.rotation), directions @ twists[:3], turning)
 
     def pose_from(self, pose: pin.SE3) -> pin.SE3:
         """Return the target as a pose: where an axis is to point, turned the shortest way there."""
@@ -124,22 +124,22 @@ class JointGoal:
     joints: tuple[str, ...]
     values: Array
 
-    def gaps(self, mechanism: Mechanism, q: Array) -> Gaps:
+    def gaps(self, mechanism: Mechanism, q: Array) -> GapsToTarget:
         """Return what is missing at a closed pose; what turns endlessly goes the shorter way."""
         coordinates = mechanism.coordinates
         columns = coordinates.columns(self.joints)
         missing, turns = coordinates.motion_to(q, columns, self.values), coordinates.rotational
         rows, angular = np.eye(mechanism.nv)[columns], turns[columns]
-        return Gaps(missing[~angular], missing[angular], rows[~angular], rows[angular])
+        return GapsToTarget(missing[~angular], missing[angular], rows[~angular], rows[angular])
 
 
 Goal: TypeAlias = ToolGoal | JointGoal
 
 
-def gaps_of(goals: Sequence[Goal], mechanism: Mechanism, q: Array) -> Gaps:
+def gaps_of(goals: Sequence[Goal], mechanism: Mechanism, q: Array) -> GapsToTarget:
     """Return what is missing to several goals."""
     found = [goal.gaps(mechanism, q) for goal in goals]
-    return Gaps(
+    return GapsToTarget(
         np.concatenate([one.linear for one in found]),
         np.concatenate([one.angular for one in found]),
         np.vstack([one.linear_rates for one in found]),
@@ -150,8 +150,11 @@ def gaps_of(goals: Sequence[Goal], mechanism: Mechanism, q: Array) -> Gaps:
 def is_met(goals: Sequence[Goal], mechanism: Mechanism, q: Array) -> bool:
     """Tell whether all goals are met: to 1e-9 of the characteristic length, and 1e-9 rad."""
     miss, length = gaps_of(goals, mechanism, q).miss, mechanism.characteristic_length
-    closed = _TOLERANCES * mechanism.tolerance
-    return miss.linear <= _MET * length + closed and miss.angular <= _MET + closed / length
+    closed = _TOLERANCES_OF_TARGETS * mechanism.tolerance
+    return (
+        miss.linear <= _ENOUGH_FOR_TARGETS * length + closed
+        and miss.angular <= _ENOUGH_FOR_TARGETS + closed / length
+    )
 
 
 def tool_at(mechanism: Mechanism, tool: Tool, q: Array) -> tuple[Array, pin.SE3]:

@@ -10,11 +10,11 @@ import numpy as np
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.studies.reach.motor_space import NO_MOTION, MotorSpace
+from pmjac_pin.studies.reach.nearest import LONGEST_STEP
 from pmjac_pin.values.arrays import Array, norm
 
-_LONGEST = 0.25  # step, of the characteristic length
-_SETTLED = 1e-12
-_MOST_STEPS = 300
+_NOTHING_LEFT = 1e-12
+_MOST_MOVES = 300
 _SLOWER = 0.5  # where a step overshoots
 
 
@@ -30,28 +30,28 @@ def least_motion(space: MotorSpace, point: Configuration, wanted: Array) -> Conf
         Motor values, m or rad.
     """
     pace, before = 1.0, np.inf
-    towards, along = _steps(space, point, wanted)
-    for _ in range(_MOST_STEPS):
+    towards, along = _ways_on(space, point, wanted)
+    for _ in range(_MOST_MOVES):
         left = norm(along) / space.length
-        if left <= _SETTLED and norm(towards) <= _SETTLED * space.length:
+        if left <= _NOTHING_LEFT and norm(towards) <= _NOTHING_LEFT * space.length:
             break
         if left > before:
             pace *= _SLOWER
         before = left
         step = towards + pace * along
-        step *= min(1.0, _LONGEST * space.length / norm(step))
+        step *= min(1.0, LONGEST_STEP * space.length / norm(step))
         trial = space.moved(point, step)
         if trial is None:
-            if pace < _SETTLED:
+            if pace < _NOTHING_LEFT:
                 break
             pace *= _SLOWER
             continue
         point = trial
-        towards, along = _steps(space, point, wanted)
+        towards, along = _ways_on(space, point, wanted)
     return point
 
 
-def _steps(space: MotorSpace, point: Configuration, wanted: Array) -> tuple[Array, Array]:
+def _ways_on(space: MotorSpace, point: Configuration, wanted: Array) -> tuple[Array, Array]:
     """Return the step towards the target, and the one along the self-motion, in m."""
     gap, rates = space.system(point)
     away = (wanted - point.actuated) / space.scale

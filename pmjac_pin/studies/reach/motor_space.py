@@ -90,7 +90,7 @@ class MotorSpace:
         return np.asarray(~held)
 
 
-def led(mechanism: Mechanism) -> Mechanism:
+def with_leading_motors(mechanism: Mechanism) -> Mechanism:
     """Return the machine with as many motors as freedoms: those that lead, where some are tied."""
     partition, home = mechanism.problem.partition, mechanism.home.q
     freedoms = mechanism.nv - partition.constraint_rank

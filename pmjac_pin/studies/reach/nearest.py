@@ -16,14 +16,14 @@ from pmjac_pin.studies.reach.motor_space import MotorSpace
 from pmjac_pin.values.arrays import Array, Index, norm
 
 # Relative to the characteristic length.
-_LONGEST = 0.25  # step
+LONGEST_STEP = 0.25  # step
 _NOTHING = 1e-13  # gap that no step improves
-_DIFFERENCE = 1e-5  # of differences: what is lost is its square
-_SETTLED = 1e-11  # step of Newton's method
-_MOST_STEPS = 200
+_OF_DIFFERENCES = 1e-5  # of differences: what is lost is its square
+_SHORTEST_STEP = 1e-11  # step of Newton's method
+_MOST_DOWNHILL = 200
 _MOST_NEWTON_STEPS = 40
-_HARDLY = 1e-6  # of the squared gap: a step that gains less leaves the rest to Newton's method
-_HOPELESS = 1e12  # damping
+_LITTLE_GAINED = 1e-6  # of the squared gap: less leaves the rest to Newton's method
+_MOST_DAMPED = 1e12  # damping
 
 
 def trail_to_nearest(space: MotorSpace, start: Configuration) -> Iterator[Configuration]:
@@ -40,8 +40,8 @@ def trail_to_nearest(space: MotorSpace, start: Configuration) -> Iterator[Config
 def _downhill(space: MotorSpace, point: Configuration) -> Iterator[Configuration]:
     gap, rates = space.system(point)
     damping, length = 1e-4, space.length
-    for _ in range(_MOST_STEPS):
-        if norm(gap) <= _NOTHING * length or damping > _HOPELESS:
+    for _ in range(_MOST_DOWNHILL):
+        if norm(gap) <= _NOTHING * length or damping > _MOST_DAMPED:
             return
         step = _damped(space, point, gap, rates, damping)
         trial = space.moved(point, step) if step.any() else None
@@ -56,7 +56,7 @@ def _downhill(space: MotorSpace, point: Configuration) -> Iterator[Configuration
         point, (gap, rates) = trial, ahead
         damping = max(damping / 8.0, 1e-12)
         yield point
-        if gained < _HARDLY:
+        if gained < _LITTLE_GAINED:
             return
 
 
@@ -75,7 +75,7 @@ def _damped(
 
 
 def _capped(space: MotorSpace, step: Array) -> Array:
-    return step * min(1.0, _LONGEST * space.length / (norm(step) or 1.0))
+    return step * min(1.0, LONGEST_STEP * space.length / (norm(step) or 1.0))
 
 
 def _settled(space: MotorSpace, point: Configuration) -> Iterator[Configuration]:
@@ -85,7 +85,7 @@ def _settled(space: MotorSpace, point: Configuration) -> Iterator[Configuration]
         step = _newton(space, point)
         if step is None:
             return
-        while norm(step) > _SETTLED * space.length:
+        while norm(step) > _SHORTEST_STEP * space.length:
             trial = space.moved(point, step)
             ahead = np.inf if trial is None else norm(space.system(trial)[0])
             if trial is not None and ahead <= distance * (1.0 + 1e-15):
@@ -119,7 +119,7 @@ def _gradient(space: MotorSpace, point: Configuration) -> Array:
 
 def _hessian(space: MotorSpace, point: Configuration, motors: Index) -> Array | None:
     """Return differences of the gradient over steps of these motors; one-sided at a limit."""
-    size, n = _DIFFERENCE * space.length, len(point.actuated)
+    size, n = _OF_DIFFERENCES * space.length, len(point.actuated)
     hessian = np.zeros((n, n))
     for motor in motors.tolist():
         ends = [(space.moved(point, way * size * np.eye(n)[motor]), way) for way in (1.0, -1.0)]

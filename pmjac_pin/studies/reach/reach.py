@@ -92,9 +92,9 @@ def reach(
 
 def _answer(asked: Asked) -> Reached:
     """Go straight; where that ends, go downhill; where that ends, look elsewhere."""
-    path = None if asked.driven is None else _path(asked, asked.driven)
+    path = None if asked.driven is None else _straight_path(asked, asked.driven)
     if path is None:
-        return _beyond(asked, Stop(asked.start, 0.0, "end of the mode"))
+        return _off_the_way(asked, Stop(asked.start, 0.0, "end of the mode"))
     stop = path.walked(asked.limits)
     match stop.end:
         case "limit":
@@ -104,14 +104,14 @@ def _answer(asked: Asked) -> Reached:
             return asked.told("singular", stop.configuration, stop.share, message)
         case "target":
             met = asked.meets(stop.configuration)
-            return _arrived(asked, stop.configuration, "straight") if met else _beyond(asked, stop)
+            return _met(asked, stop.configuration, "straight") if met else _off_the_way(asked, stop)
         case "end of the mode":
-            return _beyond(asked, stop)
+            return _off_the_way(asked, stop)
         case _:
             assert_never(stop.end)
 
 
-def _path(asked: Asked, driven: Driven) -> ToolPath | None:
+def _straight_path(asked: Asked, driven: Driven) -> ToolPath | None:
     try:
         return ToolPath(driven, asked.goals, asked.start)
     except ClosureError:  # where rows follow each other at home alone, nothing drives from here
@@ -122,7 +122,7 @@ def _way(stop: Stop) -> str:
     return f"after {100.0 * stop.share:.4g} % of the way"
 
 
-def _arrived(asked: Asked, configuration: Configuration, how: str) -> Reached:
+def _met(asked: Asked, configuration: Configuration, how: str) -> Reached:
     least = asked.with_least_motion(configuration)
     return asked.told("reached", least, 1.0, f"the target is met, {how}")
 
@@ -134,18 +134,18 @@ def _at_limit(asked: Asked, stop: Stop) -> Reached:
     return asked.told("at a limit", stop.configuration, stop.share, message, joints=stop.joints)
 
 
-def _beyond(asked: Asked, stop: Stop) -> Reached:
+def _off_the_way(asked: Asked, stop: Stop) -> Reached:
     """Go on by the motors, to where the tool is nearest; look elsewhere if that is not enough."""
     trail = asked.trail_downhill(stop.configuration)
     nearest, ambiguous = trail[-1], _tells_no_branch(asked, stop)
     if asked.meets(nearest):
-        if ambiguous or _connected(asked, trail):
-            return _arrived(asked, nearest, "by a way around")
+        if ambiguous or _on_one_mode(asked, trail):
+            return _met(asked, nearest, "by a way around")
         return _on_another_branch(asked, stop, nearest)
     found = list(asked.poses_elsewhere())
     led = [one for one in found if ambiguous and asked.is_led_to(one)]
     if led:
-        return _arrived(asked, led[0], "where the motors lead")
+        return _met(asked, led[0], "where the motors lead")
     if found:
         return _on_another_branch(asked, stop, found[0])
     miss = asked.miss(nearest)
@@ -162,7 +162,7 @@ def _tells_no_branch(asked: Asked, stop: Stop) -> bool:
     return not stop.share and asked.driven.lifted(asked.start).singularity().kind != "regular"
 
 
-def _connected(asked: Asked, trail: Sequence[Configuration]) -> bool:
+def _on_one_mode(asked: Asked, trail: Sequence[Configuration]) -> bool:
     """Tell whether the tool leads the machine along a trail, on one working mode."""
     if asked.driven is None:
         return False

@@ -10,7 +10,7 @@ from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.reach.goal import Miss
 from pmjac_pin.values.arrays import Array
 
-Status = Literal["reached", "at a limit", "out of reach", "singular", "on another branch"]
+ReachStatus = Literal["reached", "at a limit", "out of reach", "singular", "on another branch"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ class Reached:
         What it rests on.
     """
 
-    status: Status
+    status: ReachStatus
     configuration: Configuration
     error: Miss
     share: float

@@ -40,7 +40,7 @@ def read_goals(
     if task is not None:
         check_kind(task, Task)
     if isinstance(target, Mapping):
-        return _by_name(mechanism, target, tool, task)
+        return _named_goals(mechanism, target, tool, task)
     if (tools := _several(target, tool)) is not None:
         pairs = zip(tools, target, strict=True)  # type: ignore[arg-type]
         return tuple(_goal(mechanism, one, name, task) for name, one in pairs)
@@ -66,7 +66,7 @@ def _is_numbers(given: Any) -> bool:
         return False
 
 
-def _by_name(
+def _named_goals(
     mechanism: Mechanism, target: Mapping[str, Any], tool: ToolName, task: Task | None
 ) -> tuple[Goal, ...]:
     if not target:
@@ -74,7 +74,7 @@ def _by_name(
     if all(name in _COORDINATES for name in target):
         if task is not None:
             raise ArgumentError("single coordinates are their own task: leave `task` out")
-        return (_coordinates_goal(_tool(mechanism, tool), target),)
+        return (_coordinates_goal(_checked_frames(mechanism, tool), target),)
     if all(name in mechanism.coordinates.names for name in target) and all(
         np.ndim(value) == 0 and not isinstance(value, pin.SE3 | Mapping)
         for value in target.values()
@@ -104,7 +104,7 @@ def _coordinates_goal(tool: Tool, target: Mapping[str, Any]) -> ToolGoal:
 
 
 def _goal(mechanism: Mechanism, target: Any, tool: ToolName, task: Task | None) -> Goal:
-    own = _tool(mechanism, tool)
+    own = _checked_frames(mechanism, tool)
     if isinstance(target, Mapping):
         return _coordinates_goal(own, _checked_coordinates(target))
     pose = _pose(target)
@@ -156,7 +156,7 @@ def _checked_coordinates(target: Mapping[str, Any]) -> Mapping[str, Any]:
     return target
 
 
-def _tool(mechanism: Mechanism, tool: ToolName) -> Tool:
+def _checked_frames(mechanism: Mechanism, tool: ToolName) -> Tool:
     if tool is None:
         mechanism.need_tool()
         return mechanism.spec.tool

@@ -18,7 +18,7 @@ from pmjac_pin.values.arrays import Array
 #: What of a tool's orientation counts: nothing, one angle, where one axis points, all of it.
 Turning = Literal["free", "heading", "pointing", "orientation"]
 
-_UNIT: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+_ALONG_AXES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class Task:
     (3, 2, 2)
     """
 
-    directions: tuple[Vector, ...] = _UNIT
+    directions: tuple[Vector, ...] = _ALONG_AXES
     turning: Turning = "orientation"
     axis: Vector = Z
 
@@ -56,7 +56,7 @@ class Task:
     @classmethod
     def position(cls) -> Task:
         """Return the task of the position alone: 3 rows."""
-        return cls(_UNIT, "free")
+        return cls(_ALONG_AXES, "free")
 
     @classmethod
     def orientation(cls) -> Task:
@@ -72,7 +72,7 @@ class Task:
         ArgumentError
             An axis without a direction.
         """
-        return cls(_UNIT if position else (), "pointing", unit_vector("axis", axis))
+        return cls(_ALONG_AXES if position else (), "pointing", unit_vector("axis", axis))
 
     @classmethod
     def planar(cls, normal: Vector = Z) -> Task:
@@ -104,22 +104,22 @@ class Task:
             As `checked_rows`.
         """
         names = checked_rows(rows)
-        linear = tuple(_UNIT[k] for k in range(3) if TWIST_ROWS[k] in names)
+        linear = tuple(_ALONG_AXES[k] for k in range(3) if TWIST_ROWS[k] in names)
         about = [k for k in range(3) if TWIST_ROWS[3 + k] in names]
         match len(about):
             case 0:
                 return cls(linear, "free")
             case 1:
-                return cls(linear, "heading", _UNIT[about[0]])
+                return cls(linear, "heading", _ALONG_AXES[about[0]])
             case 2:
-                return cls(linear, "pointing", _UNIT[3 - sum(about)])
+                return cls(linear, "pointing", _ALONG_AXES[3 - sum(about)])
             case _:
                 return cls(linear, "orientation")
 
     @property
     def rows(self) -> int:
         """How many independent numbers it is."""
-        return len(self.directions) + _ROWS[self.turning]
+        return len(self.directions) + _ROWS_OF_TURNING[self.turning]
 
     @property
     def linear(self) -> Array:
@@ -157,7 +157,7 @@ class Task:
         return f"Task({len(self.directions)} of the position, {turning})"
 
 
-_ROWS: dict[Turning, int] = {"free": 0, "heading": 1, "pointing": 2, "orientation": 3}
+_ROWS_OF_TURNING: dict[Turning, int] = {"free": 0, "heading": 1, "pointing": 2, "orientation": 3}
 _NO_HEADING = 1e-6  # sine of the angle between the tool's x axis and the axis of its heading
 
 

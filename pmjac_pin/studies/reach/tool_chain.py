@@ -20,8 +20,6 @@ from pmjac_pin.model.spec import Tool
 from pmjac_pin.studies.reach.task import Turning, plane_axes
 from pmjac_pin.values.arrays import Array
 
-_UPRIGHT = "xyz"
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ChainJoint:

@@ -12,7 +12,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.reach.goal import ToolGoal, tool_at
 from pmjac_pin.values.arrays import Array
 
-_SAME = 1e-6  # of motions that are all of about size 1: less is rounding, as where ranks are judged
+_ROUNDED = 1e-6  # of motions that are of about size 1: as where ranks are judged
 _WELL = 1e-2  # of the largest: a block that tells a pose so badly is not asked to
 
 
@@ -78,7 +78,7 @@ def tool_motions(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> ToolMotions
 
 def _rank(rows: Array) -> int:
     values = np.linalg.svd(rows, compute_uv=False)
-    return int(np.count_nonzero(values > _SAME * values.max(initial=1.0)))
+    return int(np.count_nonzero(values > _ROUNDED * values.max(initial=1.0)))
 
 
 def _span(blocks: Sequence[Array]) -> Array:
@@ -86,4 +86,4 @@ def _span(blocks: Sequence[Array]) -> Array:
     if not stacked.size:
         return np.zeros((len(stacked), 0))
     left, values, _ = np.linalg.svd(stacked, full_matrices=False)
-    return np.asarray(left[:, values > _SAME * values.max(initial=1.0)])
+    return np.asarray(left[:, values > _ROUNDED * values.max(initial=1.0)])

@@ -29,10 +29,10 @@ from pmjac_pin.values.arrays import Array, norm
 #: the tool loses a freedom.
 End = Literal["target", "limit", "lost by its motors", "end of the mode"]
 
-_STRIDE = 0.25  # lengths or rad, of all joints: between poses that are looked at
+_BETWEEN_LOOKS = 0.25  # lengths or rad, of all joints: between poses that are looked at
 _FEWEST, _MOST = 4, 64
-_SAME = 1e-6  # lengths or rad
-_RESOLVED = 1e-12  # of the way
+_ONE_POSE = 1e-6  # lengths or rad
+_LEAST_OF_A_WAY = 1e-12  # of the way
 _HALVINGS = 60
 
 
@@ -120,7 +120,7 @@ class ToolPath:
         apart = mechanism.problem.difference(self._known[0.0].q, self._known[share].q)
         partition = mechanism.problem.partition
         lengths = norm(apart / partition.column_scale) / partition.length
-        count = int(min(max(math.ceil(lengths / _STRIDE), _FEWEST), _MOST))
+        count = int(min(max(math.ceil(lengths / _BETWEEN_LOOKS), _FEWEST), _MOST))
         shares = [share * k / count for k in range(1, count)] if share > 0.0 else []
         return [0.0, *shares, share]
 
@@ -141,7 +141,7 @@ class ToolPath:
         names: tuple[str, ...] = ()
         for _ in range(_HALVINGS):
             middle = 0.5 * (inside + outside)
-            if outside - inside <= _RESOLVED or not inside < middle < outside:
+            if outside - inside <= _LEAST_OF_A_WAY or not inside < middle < outside:
                 break
             inside, outside = (inside, middle) if self._beyond(middle) else (middle, outside)
         names = tuple(self.at(outside).limits_violated)
@@ -167,7 +167,7 @@ class ToolPath:
         begin, end = one, other
         for _ in range(_HALVINGS):
             middle = 0.5 * (one + other)
-            if other - one <= _RESOLVED or not one < middle < other:
+            if other - one <= _LEAST_OF_A_WAY or not one < middle < other:
                 break
             if leads(self.at(one), self.at(middle)):
                 one = middle
@@ -192,6 +192,6 @@ def same_pose(one: Configuration, other: Configuration) -> bool:
     mechanism = one.mechanism
     partition = mechanism.problem.partition
     apart = mechanism.problem.difference(one.q, other.q) / partition.column_scale
-    if norm(apart) <= _SAME * partition.length:
+    if norm(apart) <= _ONE_POSE * partition.length:
         return True
     return Recognition([one]).index(other) is not None

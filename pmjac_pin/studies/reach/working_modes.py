@@ -23,7 +23,7 @@ from pmjac_pin.studies.reach.task import Task
 from pmjac_pin.values.arrays import Array, norm
 from pmjac_pin.values.checks import as_flag, check_kind
 
-_SAME = 1e-6  # rad or characteristic lengths: motor values that count as one
+_SAME_MOTORS = 1e-6  # rad or characteristic lengths: motor values that count as one
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +127,7 @@ def working_modes(
     values = driven.values(goals, mechanism.home)
     modes = find_modes(driven.mechanism, values, generator(rng), as_flag(limits, "limits"), aim)
     poses = [driven.original(one) for one in _by_motors(mechanism, modes)]
-    return _sorted(mechanism, goals, poses, modes)
+    return _by_order(mechanism, goals, poses, modes)
 
 
 def _by_motors(mechanism: Mechanism, modes: AssemblyModes) -> Iterator[Configuration]:
@@ -146,10 +146,10 @@ def _same_motors(mechanism: Mechanism, one: Configuration, other: Configuration)
     apart = mechanism.coordinates.motion_to(one.q[: mechanism.nq], columns, there)
     turns = mechanism.coordinates.rotational[columns]
     apart = np.where(turns, np.remainder(apart + np.pi, 2.0 * np.pi) - np.pi, apart)
-    return norm(apart / partition.motor_scale) <= _SAME * partition.length
+    return norm(apart / partition.motor_scale) <= _SAME_MOTORS * partition.length
 
 
-def _sorted(
+def _by_order(
     mechanism: Mechanism, goals: Sequence[Goal], poses: list[Configuration], modes: AssemblyModes
 ) -> WorkingModes:
     """Return the poses that meet all rows of the target, by their motor values."""
