@@ -328,13 +328,16 @@ class Configuration(LoadedPose, Shown):
         >>> pj.load("four_bar").home.singularity().kind
         'regular'
         """
-        problem = self._problem
+        problem, snapshot = self._problem, self._snapshot
+        rows = problem.partition.tool_rows
         return analyse_singularity(
-            self._snapshot.constraint_jacobian,
-            self._snapshot.judged_jacobian(problem.partition.tool_rows),
+            snapshot.constraint_jacobian,
+            snapshot.judged_jacobian(rows),
             problem.partition,
             functools.partial(gained_and_idle, problem, self.q),
             loops=self._loop_rates,
+            tool_pose=(snapshot.axes_of(rows), snapshot.position + self._parts.place),
+            slopes=PoseOfConfiguration(self, rows.axes).slopes,
         )
 
     def _need_tool(self) -> None:

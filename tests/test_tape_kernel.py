@@ -60,6 +60,38 @@ def everything():
     return Tape.of(recording, outputs)
 
 
+def sums(begins, products):
+    """Products that are added to something one after the other, or taken from it."""
+    recording = Recording(4)
+    x, y, z, w = recording.inputs
+    outputs = []
+    for sign in (1.0, -1.0):
+        total = {"a product": z * w, "a sum": z * w + x, "a difference": z * w - y, "": w}[begins]
+        for k in range(products):
+            total = total + sign * ((x + float(k)) * (y - float(k)))
+        outputs.append(total)
+    return Tape.of(recording, outputs)
+
+
+@pytest.mark.parametrize("products", range(9))
+@pytest.mark.parametrize("begins", ["a product", "a sum", "a difference", ""])
+def test_sums_of_products_are_rounded_one_after_the_other(kernel, begins, products, rng):
+    tape, inputs = sums(begins, products), rng.normal(size=(4, 130))
+    np.testing.assert_array_equal(run_in(kernel, tape, inputs), numpy_tape.run(tape, inputs))
+
+
+@pytest.mark.parametrize("factors", [(3, 1), (1, 3), (3, 3)])
+@pytest.mark.parametrize("name", ["muladd", "submul"])
+def test_a_sum_may_be_a_factor_of_what_is_added_to_it(kernel, name, factors, rng):
+    number = {name: k for k, name in enumerate(INSTRUCTIONS)}
+    rows = [("load", 1, 0), ("load", 2, 1), ("load", 3, 2), (name, 3, 1, 2, 3)]
+    rows += [(name, 3, *factors, 3), (name, 3, 1, 2, 3), ("store", 0, 3)]
+    code = [[number[first], *more, *(0,) * (4 - len(more))] for first, *more in rows]
+    tape = Tape(np.array(code, dtype=np.int32), np.zeros(1), slots=4, inputs=3, outputs=1)
+    inputs = rng.normal(size=(3, 70))
+    np.testing.assert_array_equal(run_in(kernel, tape, inputs), numpy_tape.run(tape, inputs))
+
+
 @pytest.mark.parametrize("count", [0, 1, 31, 32, 33, 1000])
 @pytest.mark.parametrize("size", [1e-3, 1.0, 1e3, 1e4, 1e7])
 def test_every_instruction(kernel, count, size, rng):

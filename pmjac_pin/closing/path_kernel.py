@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 _SOURCES = (
     "closing/path_kernel.c",
+    "closing/starts.h",
     "closing/walk.h",
     "algebra/tape_kernel.c",
     "algebra/lanes.h",
@@ -76,6 +77,7 @@ class LaneStruct(ctypes.Structure):
         *((name, _Count) for name in ("state", "path", "tries", "iterations", "corrections")),
         ("last", _Count),
         *((name, _Number) for name in ("share", "next", "stride", "allowed", "before")),
+        *((name, _Number) for name in ("size", "left")),
     )
 
 
@@ -85,10 +87,9 @@ class WalkStruct(ctypes.Structure):
     _fields_ = (
         ("machine", _Pointer),
         *((name, ProgramStruct) for name in ("move", "arrival", "leg")),
-        *(
-            (name, _Pointer)
-            for name in ("point", "lanes", "common", "start", "displacement", "target")
-        ),
+        *((name, _Pointer) for name in ("point", "lanes", "common")),
+        ("inverse", _Number),
+        *((name, _Pointer) for name in ("start", "displacement", "target")),
         *((name, _Count) for name in ("apart", "count", "taken", "most_tries", "few", "patience")),
         *((name, _Pointer) for name in ("q", "gap", "share", "iterations", "end")),
     )

@@ -12,7 +12,8 @@ import pinocchio as pin
 
 from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.jets import Jet
-from pmjac_pin.algebra.programs import PROGRAMS, Term, objects, root, zeros
+from pmjac_pin.algebra.programs import PROGRAMS, Recording, Term, objects, root, zeros
+from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.kinematics.loops import Loops, by_twists
 from pmjac_pin.kinematics.tool import spanned_jacobian, spanned_rotation
 from pmjac_pin.kinematics.tree import Link, Poses, Tree
@@ -94,13 +95,8 @@ class Recorder:
 
     def at(self, q: Sequence[Term]) -> RecordedKinematics:
         """Record it at entries of q."""
-        entries = PROGRAMS.numbers(q)
-
-        def motion(link: Link) -> JointMotion:
-            return link.kind.motion(PROGRAMS, entries[link.entries], link.edge.pitch)
-
-        poses = Poses(self._loops.tree, PROGRAMS, motion)
-        residual, rates, cosines = _loop_rows(self._loops, poses, entries[:, 0, 0], self.nv)
+        poses = _poses_at(self._loops.tree, q)
+        residual, rates, cosines = _loop_rows(self._loops, poses, objects(q), self.nv)
         frames = [find_frame(self._model, name) for name in self._names]
         points = [frame_motion(poses, frame, self.nv, 1) for frame in frames]
         tool, spread = _spanned(points) if len(points) > 1 else (points[0], 1.0)
@@ -115,6 +111,26 @@ class Recorder:
             spread=spread,
             turned=tuple((rows, axes[..., 0]) for rows, axes in turned),
         )
+
+
+def recorded_loops(loops: Loops, nq: int, nv: int) -> Tape | None:
+    """Return the program of η and ∂η/∂v, row by row, over the entries of q.
+
+    None where there are tilts or turns: their polynomials are not what they are measured by.
+    """
+    recording = Recording(nq)
+    poses = _poses_at(loops.tree, recording.inputs)
+    residual, rates, cosines = _loop_rows(loops, poses, objects(recording.inputs), nv)
+    return None if cosines.size else Tape.of(recording, [*residual, *rates.ravel()])
+
+
+def _poses_at(tree: Tree, q: Sequence[Term]) -> Poses:
+    entries = PROGRAMS.numbers(q)
+
+    def motion(link: Link) -> JointMotion:
+        return link.kind.motion(PROGRAMS, entries[link.entries], link.edge.pitch)
+
+    return Poses(tree, PROGRAMS, motion)
 
 
 def _loop_rows(loops: Loops, poses: Poses, q: Numbers, nv: int) -> tuple[Numbers, Numbers, Numbers]:
