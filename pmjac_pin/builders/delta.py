@@ -87,7 +87,7 @@ def delta(
         shoulder = model.addJoint(0, pin.JointModelRY(), foot, motor)
         elbow = shoulder, pin.SE3(np.eye(3), np.array([of_arm, 0.0, 0.0]))
         wrist = top, pin.SE3(rotation, rotation[:, 0] * lengths[1])
-        loops += _rods(model, motor, (elbow, wrist), apart, of_rod)
+        loops += _rods_of_leg(model, motor, (elbow, wrist), apart, of_rod)
     pose = (0.0, 0.0, -height, 0.0, 0.0, 0.0, 1.0)
     return Mechanism.from_pinocchio(
         model,
@@ -100,7 +100,7 @@ def delta(
     )
 
 
-def _rods(
+def _rods_of_leg(
     model: pin.Model,
     motor: str,
     axles: tuple[tuple[int, pin.SE3], tuple[int, pin.SE3]],

@@ -41,7 +41,7 @@ class WideBoxes(Boxes):
         return self.times(directions, x).widened(rotation_width(directions))
 
 
-BOXES = WideBoxes()
+WIDE_BOXES = WideBoxes()
 
 
 class Width(NamedTuple):
@@ -112,7 +112,7 @@ class Chain:
         known = self._known(poses.at, poses.slides, poses.turns)
         x, y, z = (column.widened(known.tilt) for column in pose[:3])
         widths = np.stack([known.shift, *self._rate_widths(columns, known)])
-        return Riding(BOXES, Pose(x, y, z, pose.p.widened(widths)), columns)
+        return Riding(WIDE_BOXES, Pose(x, y, z, pose.p.widened(widths)), columns)
 
     def _pose(self, poses: Poses) -> tuple[Pose, Columns]:
         pose, columns = poses.body(self._base, self._frame.joint)
