@@ -18,7 +18,8 @@ from pmjac_pin.files.urdf.checks import VELOCITIES
 from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.files.user_path import readable
 from pmjac_pin.model.loop_spec import MAXIMAL_LOOPS, JointLoop, Loop
-from pmjac_pin.model.spec import NO_TOOL, JointValue, MechanismSpec, Tool
+from pmjac_pin.model.spec import JointValue, MechanismSpec
+from pmjac_pin.model.tool_spec import NO_TOOL, Tool
 
 _NO_VALUES: Mapping[str, JointValue] = MappingProxyType({})
 _UNSTATED: Mapping[str, float] = MappingProxyType({})

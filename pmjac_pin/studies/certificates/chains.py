@@ -21,8 +21,9 @@ from pmjac_pin.algebra.balls import (
 from pmjac_pin.algebra.boxes import Boxes
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.algebra.jets import Columns
+from pmjac_pin.kinematics.frame_jets import Riding, Twisted
 from pmjac_pin.kinematics.places import Pose, through
-from pmjac_pin.kinematics.tree import Poses, Riding, Tree, Twisted
+from pmjac_pin.kinematics.tree import Poses, Tree
 from pmjac_pin.model.frames import Frame
 from pmjac_pin.studies.certificates.neighbourhoods import Neighbourhoods
 from pmjac_pin.studies.certificates.unknowns import Unknowns

@@ -18,7 +18,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.linkage import Edge, build, edges_of
 from pmjac_pin.model.loop_spec import DistanceLoop, JointLoop, Loop
-from pmjac_pin.model.spec import Tool
+from pmjac_pin.model.tool_spec import Tool
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.studies.modes.leg_reach import reached
 from pmjac_pin.studies.modes.legs import Leg, find_legs, names_of
