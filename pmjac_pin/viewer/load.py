@@ -14,7 +14,7 @@ from pmjac_pin.values.arrays import Array
 
 LoadKind = Literal["weight", "force"]
 
-LARGEST = 1e6  # kg, N
+LARGEST_LOAD = 1e6  # kg, N
 DOWN = -0.5 * math.pi
 
 
@@ -43,9 +43,9 @@ class Load:
     def __post_init__(self) -> None:
         for name, unit in (("mass", "kg"), ("size", "N")):
             given = getattr(self, name)
-            if not 0.0 <= given <= LARGEST:
+            if not 0.0 <= given <= LARGEST_LOAD:
                 raise ArgumentError(
-                    f"{name} is 0 to {LARGEST:g} {unit}, got {quoted(float(given))}"
+                    f"{name} is 0 to {LARGEST_LOAD:g} {unit}, got {quoted(float(given))}"
                 )
         for name in ("azimuth", "elevation"):
             given = getattr(self, name)

@@ -10,7 +10,7 @@ from pmjac_pin.errors import PmjacError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.motor_limits import stated_effort_limits
 from pmjac_pin.values.arrays import Array
-from pmjac_pin.viewer.load import DOWN, LARGEST, gravity_of
+from pmjac_pin.viewer.load import DOWN, LARGEST_LOAD, gravity_of
 from pmjac_pin.viewer.messages import Slider
 
 _SLIDERS_BEYOND = (
@@ -54,11 +54,11 @@ def _strongest(mechanism: Mechanism, way: Array) -> float:
     share = float(
         np.abs(found / stated_effort_limits(mechanism.problem.partition)).max(initial=0.0)
     )
-    return _SLIDERS_BEYOND / share if share > 1.0 / LARGEST else math.inf
+    return _SLIDERS_BEYOND / share if share > 1.0 / LARGEST_LOAD else math.inf
 
 
 def _end(load: float) -> float:
-    return _next_round(load if load < LARGEST else _USUAL)
+    return _next_round(load if load < LARGEST_LOAD else _USUAL)
 
 
 def _next_round(value: float) -> float:

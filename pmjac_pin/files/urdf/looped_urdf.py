@@ -7,7 +7,7 @@ write it: see `pmjac_pin.files.urdf.ties`.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -109,9 +109,7 @@ def read_robot(
     limit_notes += idle_mimics(elements)
     independent = independence(elements)
     gears, led = _gears(robot, elements, independent)
-    geared = {name for gear in gears for name in gear.joints}
-    wanted = {name for name, given in independent.items() if given}
-    cut = CutJoints.of(elements, names, balls, {*motors, *wanted, *geared})
+    cut = CutJoints.of(elements, names, balls, _uncut(motors, independent, gears))
     declared, tie_notes = _declared(robot, names, cut, joined)
     springs = spring_notes(sprung_joints(robot))
     armature, lost = kept_rotors(robot, [joint.name for joint in cut.kept])
@@ -137,6 +135,14 @@ def read_robot(
         ),
         unread=(*unread, *doubtful(robot, followers)),
     )
+
+
+def _uncut(
+    motors: Collection[str], independent: Mapping[str, bool], gears: Iterable[JointLoop]
+) -> set[str]:
+    """Return the joints that loops are not to be cut at: motors, and such as are geared."""
+    geared = {name for gear in gears for name in gear.joints}
+    return {*motors, *(name for name, given in independent.items() if given), *geared}
 
 
 def _checked(robot: Element) -> tuple[list[Element], Collection[str], tuple[str, ...]]:
