@@ -326,6 +326,10 @@ class Configuration(LoadedPose, Shown):
         >>> pj.load("four_bar").home.singularity().kind
         'regular'
         """
+        return self._singularity
+
+    @found_once
+    def _singularity(self) -> Singularity:
         problem = self._problem
         return analyse_singularity(
             self._snapshot.constraint_jacobian,
