@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sized
-from functools import cache, reduce
+from functools import cache, lru_cache, reduce
 from numbers import Real
 from operator import or_
 from types import GenericAlias, MappingProxyType
@@ -35,6 +35,7 @@ MAXIMAL_ENTRIES = 1000  # poses, and parameters: each pose is assembled, and tak
 #: Pinocchio's name of the world's own frame, which rests: a tool there is none.
 _THE_WORLD = "universe"
 _NO_ROWS = ToolRows(())
+_SPECS = 8  # decoded ones that are kept
 
 
 class Tool(TomlTable, frozen=True, kw_only=True):
@@ -279,7 +280,12 @@ def encode_spec(spec: MechanismSpec) -> bytes:
 
 
 def decode_spec(encoded: bytes) -> MechanismSpec:
-    """Decode what `encode_spec` made."""
+    """Decode what `encode_spec` made; that of poses that come one after another is decoded once."""
+    return _decoded(encoded, tuple(LOOP_KINDS.values()))
+
+
+@lru_cache(maxsize=_SPECS)
+def _decoded(encoded: bytes, kinds: tuple[type[Loop], ...]) -> MechanismSpec:
     return converted(msgspec.json.decode(encoded))
 
 
