@@ -14,6 +14,7 @@ import pinocchio as pin
 
 from pmjac_pin.algebra import tape_runner
 from pmjac_pin.algebra.floats import Floats
+from pmjac_pin.kinematics.joint_steps import moved_by
 from pmjac_pin.kinematics.loops import Loops, by_twists
 from pmjac_pin.kinematics.places import through
 from pmjac_pin.kinematics.tree import Link, Poses, Tree
@@ -116,11 +117,8 @@ class ManyPoses:
 
     def moved(self, q: Array, v: Array) -> Array:
         """Return q ⊕ v for each row, shapes (b, nq) and (b, nv)."""
-        result = q.copy()
-        for link in self.tree.links.values():
-            rates = v[:, link.column : link.column + link.kind.nv]
-            result[:, link.entries] = link.kind.moved(q[:, link.entries], rates)
-        return result
+        moved = moved_by(_FLOATS, self.tree, np.ascontiguousarray(q.T), np.ascontiguousarray(v.T))
+        return np.ascontiguousarray(moved.T)
 
 
 class ManyLoops:
@@ -152,7 +150,7 @@ class ManyLoops:
     @found_once
     def _tape(self) -> Tape | None:
         """The program of the loops, None where there is no kernel or none for these rows."""
-        if tape_runner.kernel() is None or not self._loops.count:
+        if tape_runner.tape_kernel() is None or not self._loops.count:
             return None
         from pmjac_pin.kinematics.recorded import recorded_loops  # noqa: PLC0415
 

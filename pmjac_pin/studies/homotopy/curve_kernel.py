@@ -4,19 +4,15 @@ from __future__ import annotations
 
 import ctypes
 from functools import cache
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.algebra import tape_runner
+from pmjac_pin.algebra.c_kernels import address, loaded
 from pmjac_pin.algebra.tape import Tape
-from pmjac_pin.algebra.tape_runner import address
 from pmjac_pin.values.arrays import Array, Complex, aligned
 
-_FOLDER = Path(__file__).parent
-_ALGEBRA = _FOLDER.parents[1] / "algebra"
 _STEPS_AT_ONCE = 256  # of each lane in one call: milliseconds, in which nothing can interrupt
 _POINTS_OF_MEMORY = 9
 _LANE = 5  # numbers of 8 bytes of a lane, the path first
@@ -53,8 +49,9 @@ class StepRules(NamedTuple):
 @cache
 def curve_kernel() -> ctypes.CDLL | None:
     """Return the kernel, None where none was built; it lets other threads run."""
-    sources = (_FOLDER / "curve_kernel.c", _ALGEBRA / "tape_kernel.c", _ALGEBRA / "lanes.h")
-    return tape_runner.loaded(_FOLDER / "_curve_kernel.so", *sources)
+    folder = "studies/homotopy"
+    sources = (f"{folder}/curve_kernel.c", "algebra/tape_kernel.c", "algebra/lanes.h")
+    return loaded(f"{folder}/_curve_kernel.so", *sources)
 
 
 class CurveInLanes:
