@@ -1,8 +1,8 @@
-"""Whether two poses have the same motor values."""
+"""Poses that differ in the values of some joints, and those that do not."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -12,7 +12,16 @@ from pmjac_pin.values.arrays import norm
 _SAME_MOTORS = 1e-6  # rad or characteristic lengths
 
 
-def same_values(one: Configuration, other: Configuration, joints: Iterable[str]) -> bool:
+def of_other_values(poses: Iterable[Configuration], joints: Sequence[str]) -> list[Configuration]:
+    """Return each pose in which these joints have other values than in those before it."""
+    distinct: list[Configuration] = []
+    for pose in poses:
+        if not any(_same_values(pose, one, joints) for one in distinct):
+            distinct.append(pose)
+    return distinct
+
+
+def _same_values(one: Configuration, other: Configuration, joints: Sequence[str]) -> bool:
     """Tell whether joints have the same values in two poses of a mechanism, full turns aside."""
     mechanism = one.mechanism
     coordinates, partition = mechanism.coordinates, mechanism.problem.partition

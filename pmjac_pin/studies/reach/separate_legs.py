@@ -1,4 +1,4 @@
-"""Separate legs: with its tool held, a parallel machine falls apart, and each leg is searched alone.
+"""Separate legs: with its tool held a parallel machine falls apart, each leg is searched alone.
 
 The body of the tool is hung on the chain that says where the tool is, by the loop that held it
 there (`recut`). Then the loops that share no joint any more have nothing to do with each other: the
@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,10 +26,11 @@ from pmjac_pin.model.loop_spec import FrameLoop, JointLoop
 from pmjac_pin.model.spec import NO_TOOL
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.modes.aim import Aim
+from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
 from pmjac_pin.studies.modes.closed_pose import closed_pose
 from pmjac_pin.studies.modes.find import find_modes
 from pmjac_pin.studies.reach.driven_by_tool import DrivenByTool, target_of
-from pmjac_pin.studies.reach.motor_values_alike import same_values
+from pmjac_pin.studies.reach.motor_values_alike import of_other_values
 from pmjac_pin.studies.recut import recut
 from pmjac_pin.values.arrays import Array
 
@@ -46,25 +47,35 @@ class LegModes:
     evidence: Evidence
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class ModesByLegs:
+    """What all legs allow together: poses of the machine driven by its tool."""
+
+    poses: tuple[Configuration, ...]
+    starts: int
+    evidence: Evidence
+
+
 def modes_by_legs(
     driven: DrivenByTool, values: Array, rng: np.random.Generator, limits: bool, aim: Aim
-) -> tuple[list[Configuration], int, Evidence] | None:
-    """Return the poses at a target, how many starts they took, and what it rests on.
-
-    Poses of the machine driven by its tool. None where it does not fall apart into legs.
-    """
+) -> ModesByLegs | None:
+    """Return the poses at a target; None where the machine does not fall apart into legs."""
     legs = separate_legs(driven.mechanism)
     if not legs:
         return None
     named = dict(zip(driven.mechanism.spec.actuated, values.tolist(), strict=True))
-    found = [_leg_modes(leg, named, driven.whole.spec.actuated, rng, limits, aim) for leg in legs]
+    found = []
+    for leg in legs:
+        modes = find_modes(leg, {name: named[name] for name in leg.spec.actuated}, rng, limits, aim)
+        poses = _distinct_poses(driven.whole, leg, modes)
+        found.append(LegModes(poses, modes.starts, modes.evidence))
     if math.prod(len(one.poses) for one in found) > _MOST_COMBINATIONS:
         return None
     combined = itertools.product(*(one.poses for one in found))
-    rows = (_together(driven.mechanism, values, poses) for poses in combined)
+    rows = (_together(driven.mechanism, values, each) for each in combined)
     closed = [closed_pose(driven.mechanism, q, limits) for q in rows]
-    poses = [one for one in closed if one is not None]
-    return poses, sum(one.starts for one in found), _evidence(found, len(poses))
+    together = tuple(one for one in closed if one is not None)
+    return ModesByLegs(together, sum(one.starts for one in found), _evidence(found, len(together)))
 
 
 def separate_legs(driven: Mechanism) -> list[Mechanism]:
@@ -77,7 +88,7 @@ def separate_legs(driven: Mechanism) -> list[Mechanism]:
     except (ArgumentError, ClosureError):  # it cannot be taken apart there
         return []
     groups = _groups(hung)
-    if len(groups) < 2 or not all(columns for columns, _ in groups):
+    if len(groups) < 2:
         return []
     if sum(len(columns) for columns, _ in groups) < hung.problem.partition.passive.size:
         return []  # joints in no loop
@@ -106,7 +117,8 @@ def _groups(hung: Mechanism) -> list[tuple[set[int], list[int]]]:
             groups.remove(group)
             columns, loops = columns | group[0], [*group[1], *loops]
         groups.append((columns, loops))
-    return groups
+    # A loop that no passive joint is left in fits, or the pose that is put together does not close.
+    return [group for group in groups if group[0]]
 
 
 def _leg(hung: Mechanism, numbers: Sequence[int]) -> Mechanism:
@@ -137,23 +149,13 @@ def _leg(hung: Mechanism, numbers: Sequence[int]) -> Mechanism:
     return Mechanism(build_parts(build(model, kept, {}), leg, {}))
 
 
-def _leg_modes(
-    leg: Mechanism,
-    named: Mapping[str, float],
-    motors: Sequence[str],
-    rng: np.random.Generator,
-    limits: bool,
-    aim: Aim,
-) -> LegModes:
-    """Return what a leg allows where the tool is held: poses of other motor values each."""
-    values = {name: named[name] for name in leg.spec.actuated}
-    modes = find_modes(leg, values, rng, limits, aim)
-    own = [name for name in motors if name in leg.coordinates.names]
-    distinct: list[Configuration] = []
-    for pose in itertools.chain.from_iterable(modes.poses):
-        if not any(same_values(pose, other, own) for other in distinct):
-            distinct.append(pose)
-    return LegModes(tuple(distinct), modes.starts, modes.evidence)
+def _distinct_poses(
+    whole: Mechanism, leg: Mechanism, modes: AssemblyModes
+) -> tuple[Configuration, ...]:
+    """Return the poses of a leg that have other values of the machine's motors each."""
+    motors = [name for name in whole.spec.actuated if name in leg.coordinates.names]
+    poses = itertools.chain.from_iterable(modes.poses)
+    return tuple(of_other_values(poses, motors))
 
 
 def _together(driven: Mechanism, values: Array, poses: Sequence[Configuration]) -> Array:
@@ -184,13 +186,14 @@ def _evidence(legs: Sequence[LegModes], count: int) -> Evidence:
     ways = "·".join(str(len(one.poses)) for one in legs)
     weakest = max((one.evidence for one in legs), key=lambda one: _ORDER.index(one.kind))
     statement = (
-        f"{count} of the {ways} combinations of its legs; of one of them: {weakest.statement}"
+        f"{count}, of the {ways} combinations of what its legs allow, which have nothing to do with "
+        f"each other where the tool is held; of each leg {weakest.statement}"
     )
     unseen = [one.evidence.unseen for one in legs if one.evidence.unseen is not None]
-    doubts = [1.0 - one.evidence.confidence for one in legs if one.evidence.confidence is not None]
+    told = [one.evidence.confidence for one in legs if one.evidence.confidence is not None]
     return Evidence(
         weakest.kind,
         statement,
         max(unseen, default=None),
-        1.0 - sum(doubts) if doubts else None,
+        1.0 - sum(1.0 - one for one in told) if told else None,
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import overload
 
@@ -16,10 +16,10 @@ from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.modes.aim import Aim
 from pmjac_pin.studies.modes.closed_pose import generator
 from pmjac_pin.studies.modes.find import find_modes
-from pmjac_pin.studies.reach.driven import Driven, searched_by
+from pmjac_pin.studies.reach.driven import searched_by
 from pmjac_pin.studies.reach.driven_by_tool import DrivenByTool
 from pmjac_pin.studies.reach.goal import Goal, is_met
-from pmjac_pin.studies.reach.motor_values_alike import same_values
+from pmjac_pin.studies.reach.motor_values_alike import of_other_values
 from pmjac_pin.studies.reach.separate_legs import modes_by_legs
 from pmjac_pin.studies.reach.targets import Target, ToolName, read_goals
 from pmjac_pin.studies.reach.task import Task
@@ -126,47 +126,26 @@ def working_modes(
         raise ArgumentError("the target leaves the machine freedom: there are no separate modes")
     aim = Aim(unseen, confidence, most_starts, as_flag(proof, "proof"), None)
     values = driven.values(goals, mechanism.home)
-    found = _found(mechanism, driven, values, generator(rng), as_flag(limits, "limits"), aim)
-    return _by_order(mechanism, goals, *found)
-
-
-def _found(
-    mechanism: Mechanism,
-    driven: Driven,
-    values: Array,
-    rng: np.random.Generator,
-    limits: bool,
-    aim: Aim,
-) -> tuple[list[Configuration], int, Evidence]:
-    """Return all poses at the target, how many starts they took, and what that rests on."""
+    generated, within = generator(rng), as_flag(limits, "limits")
     if isinstance(driven, DrivenByTool):
-        by_legs = modes_by_legs(driven, values, rng, limits, aim)
+        by_legs = modes_by_legs(driven, values, generated, within, aim)
         if by_legs is not None:
-            poses, starts, evidence = by_legs
-            return [driven.original(one) for one in poses], starts, evidence
-    modes = find_modes(driven.mechanism, values, rng, limits, aim)
-    poses = [driven.original(one) for one in itertools.chain.from_iterable(modes.poses)]
-    return _of_other_motors(mechanism, poses), modes.starts, modes.evidence
-
-
-def _of_other_motors(mechanism: Mechanism, poses: Iterable[Configuration]) -> list[Configuration]:
-    """Return each pose that has other motor values than those before it."""
-    distinct: list[Configuration] = []
-    for pose in poses:
-        if not any(same_values(pose, one, mechanism.spec.actuated) for one in distinct):
-            distinct.append(pose)
-    return distinct
+            poses = [driven.original(one) for one in by_legs.poses]
+            return _by_order(goals, poses, by_legs.starts, by_legs.evidence)
+    modes = find_modes(driven.mechanism, values, generated, within, aim)
+    every = (driven.original(one) for one in itertools.chain.from_iterable(modes.poses))
+    distinct = of_other_values(every, mechanism.spec.actuated)
+    return _by_order(goals, distinct, modes.starts, modes.evidence)
 
 
 def _by_order(
-    mechanism: Mechanism,
     goals: Sequence[Goal],
     poses: list[Configuration],
     starts: int,
     evidence: Evidence,
 ) -> WorkingModes:
     """Return the poses that meet all rows of the target, by their motor values."""
-    met = [one for one in poses if is_met(goals, mechanism, one.q)]
+    met = [one for one in poses if is_met(goals, one.mechanism, one.q)]
     met.sort(key=lambda one: tuple((np.round(one.actuated, 6) + 0.0).tolist()))
     if len(met) < len(poses):
         statement = f"{evidence.statement}; of {len(poses)} poses {len(met)} meet all of the target"
