@@ -186,8 +186,8 @@ def _evidence(legs: Sequence[LegModes], count: int) -> Evidence:
     ways = "·".join(str(len(one.poses)) for one in legs)
     weakest = max((one.evidence for one in legs), key=lambda one: _ORDER.index(one.kind))
     statement = (
-        f"{count}, of the {ways} combinations of what its legs allow, which have nothing to do with "
-        f"each other where the tool is held; of each leg {weakest.statement}"
+        f"{count}, of the {ways} combinations of what its legs allow, each for itself while the "
+        f"tool is held; of one leg: {weakest.statement}"
     )
     unseen = [one.evidence.unseen for one in legs if one.evidence.unseen is not None]
     told = [one.evidence.confidence for one in legs if one.evidence.confidence is not None]
