@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
+import transformed
 from mechanisms import CATALOGUE, loaded, random_closed
 
 import pmjac_pin as pj
@@ -140,7 +141,7 @@ def test_what_the_tool_never_does_must_fit():
 def test_a_leg_ends_where_its_limit_is():
     platform = loaded("stewart_gough")
     start = platform.home.tool_pose()
-    found = pj.reach(platform, pin.SE3(start.rotation, start.translation + [0.0, 0.0, 3.0]))
+    found = pj.reach(platform, pin.SE3(start.rotation, start.translation + 3.0 * np.eye(3)[2]))
     assert found.status == "at a limit"
     [joint] = found.joints
     longest = platform.limits(joint)[1]
@@ -192,7 +193,7 @@ def test_a_self_motion_is_the_least(rng):
     """θ₀ − θ is a combination of the rows of J: no self-motion brings it nearer."""
     arm = loaded("ur5")
     start = arm.close(arm.home.actuated + rng.uniform(-0.2, 0.2, 6))
-    target = start.tool_pose().translation + [0.05, -0.1, 0.07]
+    target = start.tool_pose().translation + np.array([0.05, -0.1, 0.07])
     for posture in (None, arm.home.actuated):
         found = pj.reach(arm, target, guess=start, posture=posture)
         assert found.status == "reached"
@@ -213,7 +214,7 @@ def test_pointing_and_headings():
     found = pj.reach(arm, {"x": at[0], "y": at[1] + 0.05, "angle": 0.4})
     there = found.configuration.tool_pose()
     assert np.arctan2(there.rotation[1, 0], there.rotation[0, 0]) == pytest.approx(0.4, abs=1e-9)
-    np.testing.assert_allclose(there.translation[:2], at[:2] + [0.0, 0.05], atol=1e-9)
+    np.testing.assert_allclose(there.translation[:2], at[:2] + np.array([0.0, 0.05]), atol=1e-9)
 
 
 def two_arms():
