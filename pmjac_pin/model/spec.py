@@ -31,9 +31,8 @@ else:
     Loops = tuple[Any, ...]  # which kinds there are is known when a file is read: `converted`
 
 MAXIMAL_ENTRIES = 1000  # poses, and parameters: each pose is assembled, and takes milliseconds
-
-
 _SPECS = 8  # decoded ones that are kept
+
 JointValue = float | tuple[float, ...]
 
 
