@@ -146,6 +146,11 @@ from .studies.modes.proof import Proof as Proof
 from .studies.modes.proof import prove as prove
 from .studies.program import Program as Program
 from .studies.program import program as program
+from .studies.reach.reach import reach as reach
+from .studies.reach.reached import Reached as Reached
+from .studies.reach.task import Task as Task
+from .studies.reach.working_modes import WorkingModes as WorkingModes
+from .studies.reach.working_modes import working_modes as working_modes
 from .studies.recut import recut as recut
 from .studies.sweep.sweep import sweep as sweep
 from .studies.transmissions.map_maker import transmission_map as transmission_map
