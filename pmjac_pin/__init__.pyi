@@ -115,7 +115,9 @@ from .rates.jacobian import (
 from .rates.motion import Motion as Motion
 from .rates.partition import Partition as Partition
 from .rates.polytope import Polytope as Polytope
+from .rates.screw import Screw as Screw
 from .rates.singularity import Singularity as Singularity
+from .rates.singularity_types import SingularityTypes as SingularityTypes
 from .rates.split import (
     SplitJacobian as SplitJacobian,
 )

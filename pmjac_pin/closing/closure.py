@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -169,18 +170,19 @@ def corrected(problem: ClosureProblem, q: Array, tangent: Array, last: bool) -> 
 
     A first correction that is small beside the predicted motion, and each next one small
     beside the one before, say that the prediction was close to the path. Within the
-    tolerance there is nothing left to tell apart: there it only polishes, slowly at a fold.
+    tolerance there is nothing left to tell apart: there it only polishes, slowly at a fold, and no
+    further than where a correction is foretold that is rounding.
     """
     partition = problem.partition
     enough = (ROUNDING if last else WALKING) * partition.length
     allowed = LARGEST_CORRECTION * norm(tangent / partition.column_scale)
     no_motion = np.zeros(tangent.size)
-    previous_gap = np.inf
+    previous_gap, previous_size, left = np.inf, np.nan, np.nan
     for iteration in range(1, MOST_CORRECTIONS):
         residual, jacobian = problem.evaluate(q)
         gap = problem.gap(residual)
         closed = gap <= problem.tolerance
-        done = gap <= enough or (closed and gap > 0.5 * previous_gap)
+        done = gap <= enough or (closed and (left <= enough or gap > 0.5 * previous_gap))
         velocity = no_motion if done else _newton_step(residual, jacobian, partition)
         size = norm(velocity / partition.column_scale)
         if done or (closed and not np.isfinite(size)):
@@ -188,8 +190,14 @@ def corrected(problem: ClosureProblem, q: Array, tangent: Array, last: bool) -> 
         if not (closed or size <= allowed):
             return None
         allowed, previous_gap = SLOWEST_CONTRACTION * size, gap
+        left, previous_size = next_correction(previous_size, size), size or np.nan
         q = problem.integrate(q, velocity)
     return None
+
+
+def next_correction(before: Any, size: Any) -> Any:
+    """Return how large Newton's next correction is, from the sizes of the last two: they square."""
+    return size * (size / before) ** 2
 
 
 def polished(problem: ClosureProblem, q: Array) -> Array:

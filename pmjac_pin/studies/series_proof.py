@@ -22,7 +22,7 @@ from pmjac_pin.algebra.balls import OUTWARDS
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.algebra.series import largest_sizes
 from pmjac_pin.rates.partition import Partition
-from pmjac_pin.studies.contraction import contraction
+from pmjac_pin.studies.krawczyk import contraction
 from pmjac_pin.studies.series_equations import EquationsAlong, SeriesEquations
 from pmjac_pin.values.arrays import Array, Index, Mask
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from pmjac_pin.errors import PmjacError
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.rates.motor_limits import stated_effort_limits
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.viewer.load import gravity_of
 from pmjac_pin.viewer.messages import Slider
-from pmjac_pin.words.motor_limits import motor_effort_limits
 
 _DOWN = -0.5 * math.pi
 _SLIDERS_BEYOND = (
@@ -53,7 +53,9 @@ def _strongest(mechanism: Mechanism, way: Array) -> float:
         found = mechanism.home.statics([*way, 0.0, 0.0, 0.0], gravity=False).efforts
     except PmjacError:
         return math.inf
-    share = float(np.abs(found / motor_effort_limits(mechanism)).max(initial=0.0))
+    share = float(
+        np.abs(found / stated_effort_limits(mechanism.problem.partition)).max(initial=0.0)
+    )
     return _SLIDERS_BEYOND / share if share > 1.0 / _LARGEST else math.inf
 
 

@@ -206,9 +206,8 @@ def _warning(
     ranks: ToolRanks | None,
 ) -> Nearness:
     if singularity.kind != "regular":
-        return Nearness(
-            "singular", f"At {_SINGULARITIES[singularity.kind]}{_consequence(singularity)}."
-        )
+        kind = f"{_SINGULARITIES[singularity.kind]}{_types(singularity)}"
+        return Nearness("singular", f"At {kind}{_consequence(singularity)}.")
     if singularity.smallest < ALMOST_SINGULAR:
         names = _moving_names(singularity.passive_names, easiest_motions(configuration)[:, 0])
         text = f"Near a gain singularity: with all motors locked, {names} almost come free."
@@ -220,6 +219,14 @@ def _warning(
         return Nearness("near", f"Near a loss singularity: {text}.")
     loss = (ranks or ToolRanks.of(configuration.mechanism)).loss(jacobian)
     return Nearness("loss" if loss else "regular", loss)
+
+
+def _types(singularity: Singularity) -> str:
+    """Return the field's names of it, in brackets."""
+    types = singularity.types
+    kind = types.gosselin_angeles
+    names = [*([] if kind is None else [f"type {kind}"]), *types.present]
+    return f" ({', '.join(names)})" if names and not singularity.isolated else ""
 
 
 def _consequence(singularity: Singularity) -> str:

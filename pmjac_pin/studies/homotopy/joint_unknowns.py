@@ -23,7 +23,7 @@ from pmjac_pin.model.joint_kind import JointKind, JointMotion
 from pmjac_pin.model.linkage import Edge
 from pmjac_pin.values.arrays import Array, Complex
 
-#: Of complex numbers, or of python-flint's balls.
+#: Of complex numbers, of a program's, or of python-flint's balls.
 Numbers = NDArray[Any]
 _QUATERNION = ("x", "y", "z", "w")
 
@@ -142,7 +142,7 @@ class JointUnknowns:
         inverse = 1.0 / p
         return [(p + inverse) * 0.5, (p - inverse) * -0.5j]
 
-    def parameter_rates(self, p: Complex) -> list[Complex]:
+    def parameter_rates(self, p: Numbers) -> list[Numbers]:
         """Return the derivatives of a motor's numbers by its parameter."""
         if self.unit is None:
             return [np.ones_like(p)]
