@@ -144,6 +144,8 @@ from .studies.modes.proof import prove as prove
 from .studies.program import Program as Program
 from .studies.program import program as program
 from .studies.recut import recut as recut
+from .studies.singularities.nearest import NearestSingularity as NearestSingularity
+from .studies.singularities.nearest import nearest_singularity as nearest_singularity
 from .studies.sweep.sweep import sweep as sweep
 from .studies.transmissions.map_maker import transmission_map as transmission_map
 from .studies.transmissions.table_maker import transmission_table as transmission_table
