@@ -154,6 +154,8 @@ from .studies.reach.task import Task as Task
 from .studies.reach.working_modes import WorkingModes as WorkingModes
 from .studies.reach.working_modes import working_modes as working_modes
 from .studies.recut import recut as recut
+from .studies.singularities.nearest import NearestSingularity as NearestSingularity
+from .studies.singularities.nearest import nearest_singularity as nearest_singularity
 from .studies.sweep.sweep import sweep as sweep
 from .studies.transmissions.map_maker import transmission_map as transmission_map
 from .studies.transmissions.table_maker import transmission_table as transmission_table
