@@ -126,6 +126,8 @@ from .studies.check.diagnosis import Diagnosis as Diagnosis
 from .studies.check.diagnosis_maker import check as check
 from .studies.convert import convert as convert
 from .studies.evidence import Evidence as Evidence
+from .studies.export.export import export as export
+from .studies.export.exported import Exported as Exported
 from .studies.homotopy.complex_modes import ComplexModes as ComplexModes
 from .studies.homotopy.operation_modes import OperationModes as OperationModes
 from .studies.homotopy.parameter_homotopy import (
