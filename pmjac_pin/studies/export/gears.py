@@ -60,13 +60,13 @@ def _led_by(root: str, group: Sequence[JointLoop]) -> list[JointLoop]:
         if second in reached:
             if gear.ratio == 0.0:
                 return []
-            gear = _turned(gear)
+            gear = _reversed(gear)
         reached |= {first, second}
         chain.append(gear)
     return chain
 
 
-def _turned(gear: JointLoop) -> JointLoop:
+def _reversed(gear: JointLoop) -> JointLoop:
     first, second = gear.joints
     return JointLoop(
         joints=(second, first), ratio=1.0 / gear.ratio, offset=-gear.offset / gear.ratio

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
@@ -11,8 +10,8 @@ import pinocchio as pin
 
 from pmjac_pin.files.joint_dialects import listed
 from pmjac_pin.files.unused_name import unused_name
-from pmjac_pin.files.user_path import is_file
 from pmjac_pin.files.xml_text import written
+from pmjac_pin.studies.export.mesh_files import mesh_file, mesh_path
 from pmjac_pin.studies.export.plain_machine import PlainShape
 
 _MESHES = (".stl", ".obj")
@@ -49,13 +48,13 @@ class Shapes:
 
     def _mesh(self, drawn: PlainShape) -> str | None:
         named, scale = drawn.shape.get("filename", ""), drawn.shape.get("scale", "1 1 1")
-        file = Path(drawn.file).parent / named
-        if not _opens(file):
+        file = mesh_file(drawn)
+        if file is None or not _opens(file):
             self._lost.append(named)
             return None
         if (named, scale) not in self._known:
             name = unused_name(file.stem, self._names)
-            where = Path(os.path.relpath(file, self._folder)).as_posix()
+            where = mesh_path(drawn, self._folder)
             # As a shell: one whose volume is 0 or below is refused otherwise.
             told = {"file": where, "scale": scale, "inertia": "shell"}
             SubElement(self.assets, "mesh", {"name": name, **told})
@@ -96,7 +95,7 @@ def _sizes(shape: Element) -> dict[str, str]:
 
 def _opens(file: Path) -> bool:
     """Tell whether MuJoCo opens a mesh: of STL it knows the binary kind."""
-    if file.suffix.lower() not in _MESHES or not is_file(file):
+    if file.suffix.lower() not in _MESHES:
         return False
     if file.suffix.lower() != ".stl":
         return True

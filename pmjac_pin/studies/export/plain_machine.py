@@ -55,6 +55,10 @@ class PlainStep:
         """Whether it has one degree of freedom."""
         return self.kind in ("hinge", "slide")
 
+    def seen_from(self, frame: pin.SE3) -> PlainStep:
+        """Return the step with its axis in a frame that is turned against the joint's."""
+        return replace(self, axis=frame.rotation.T @ self.axis)
+
     def motion(self, values: tuple[float, ...]) -> pin.SE3:
         """Return how far it moves at its values: a number, a quaternion, or a place and one."""
         match self.kind:

@@ -27,6 +27,7 @@ from pmjac_pin.studies.export.closable import closable
 from pmjac_pin.studies.export.from_home import FromHome, counted
 from pmjac_pin.studies.export.gears import followers
 from pmjac_pin.studies.export.masses import Masses
+from pmjac_pin.studies.export.mesh_files import mesh_path
 from pmjac_pin.studies.export.names import renamed
 from pmjac_pin.studies.export.plain_machine import (
     PlainBody,
@@ -37,7 +38,6 @@ from pmjac_pin.studies.export.plain_machine import (
     Written,
 )
 from pmjac_pin.studies.export.single_steps import with_single_steps
-from pmjac_pin.studies.export.urdf_tree import mesh_path
 from pmjac_pin.values.arrays import Array
 
 _VERSION = "1.11"  # the first with <mimic>

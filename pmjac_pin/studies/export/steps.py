@@ -56,15 +56,13 @@ class JointSteps:
 
     def _step(self, name: str, kind: StepKind, column: int, driven: bool) -> PlainStep:
         """Return a step; at the neutral pose each axis is where the joint's frame has it."""
-        lower, upper = (
-            float(self._coordinates.lower[column]),
-            float(self._coordinates.upper[column]),
-        )
+        single = kind in ("hinge", "slide")
+        limits = (self._coordinates.lower[column], self._coordinates.upper[column])
         return PlainStep(
             name,
             kind,
-            self._axis(column, 3 if kind == "hinge" else 0),
-            (lower, upper) if kind in ("hinge", "slide") else (-np.inf, np.inf),
+            self._axis(column, 3 if kind == "hinge" else 0) if single else np.zeros(3),
+            (float(limits[0]), float(limits[1])) if single else (-np.inf, np.inf),
             float(self._model.armature[column]),
             float(self._efforts[column]),
             driven,

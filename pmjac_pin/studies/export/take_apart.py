@@ -15,6 +15,7 @@ from pmjac_pin.model.joint_kinds import known_kind, pitch_of
 from pmjac_pin.model.loop_spec import JointLoop, resolved_loop
 from pmjac_pin.studies.export.plain_machine import PlainBody, PlainJoint, PlainMachine, PlainShape
 from pmjac_pin.studies.export.steps import JointSteps, step_values
+from pmjac_pin.studies.export.turned_bodies import with_links_for_bodies
 
 _NAMED_FRAMES = (pin.FrameType.BODY, pin.FrameType.OP_FRAME)
 
@@ -43,7 +44,7 @@ def taken_apart(mechanism: Mechanism) -> PlainMachine:
             values[pose] |= step_values(steps, kind, entries, pitch)
     loops = tuple(resolved_loop(loop, mechanism.parameters) for loop in mechanism.spec.loops)
     tool = mechanism.spec.tool
-    return PlainMachine(
+    machine = PlainMachine(
         name=mechanism.name,
         bodies=tuple(_plain_bodies(mechanism, model)),
         joints=tuple(joints),
@@ -54,6 +55,8 @@ def taken_apart(mechanism: Mechanism) -> PlainMachine:
         gravity=np.array(model.gravity.linear),
         length=mechanism.characteristic_length,
     )
+    links = {frame.name for frame in model.frames if frame.type == pin.FrameType.BODY}
+    return with_links_for_bodies(machine, links)
 
 
 def _driven_steps(mechanism: Mechanism, joints: Sequence[PlainJoint]) -> Iterator[str]:

@@ -6,7 +6,6 @@ from there.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,9 +16,9 @@ import pinocchio as pin
 
 from pmjac_pin.files.joint_dialects import WITHOUT_LIMIT
 from pmjac_pin.files.tree_urdf import STILL, MovingAxis, TreeUrdf
-from pmjac_pin.files.user_path import is_file
 from pmjac_pin.files.xml_text import written
 from pmjac_pin.studies.export.from_home import FromHome, counted
+from pmjac_pin.studies.export.mesh_files import mesh_path
 from pmjac_pin.studies.export.plain_machine import PlainJoint, PlainMachine, PlainShape, PlainStep
 from pmjac_pin.studies.export.single_steps import with_screws_geared, with_single_steps
 
@@ -118,10 +117,3 @@ def prepared(machine: PlainMachine) -> PlainMachine:
     """Return a machine whose joints a URDF has: of one step, or planar and no motor."""
     geared = with_screws_geared(machine)
     return with_single_steps(geared, lambda joint: joint.kind == "planar" and not joint.driven)
-
-
-def mesh_path(drawn: PlainShape, folder: Path) -> str:
-    """Return a mesh's path from another folder; as it is where there is no such file."""
-    named = drawn.shape.get("filename", "")
-    file = Path(drawn.file).parent / named
-    return Path(os.path.relpath(file, folder)).as_posix() if is_file(file) else named

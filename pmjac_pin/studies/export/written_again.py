@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+import pinocchio as pin
 
 from pmjac_pin.errors import ArgumentError, MissingDependencyError, NoJacobianError, PmjacError
 from pmjac_pin.loading import load
@@ -14,7 +16,7 @@ from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.export.plain_machine import PlainMachine
 from pmjac_pin.values.arrays import Array
 
-_SAME_JACOBIAN = 1e-9  # relative, between J_eq of the file and of the mechanism
+_SAME = 1e-9  # relative, between the file and the mechanism
 
 
 def read_again(mechanism: Mechanism, machine: PlainMachine, files: dict[str, bytes]) -> Evidence:
@@ -57,16 +59,38 @@ def _loaded(path: Path, mechanism: Mechanism, machine: PlainMachine) -> Mechanis
 
 
 def _compared(mechanism: Mechanism, again: Mechanism) -> Evidence:
-    try:
+    length = mechanism.characteristic_length
+    allowed = max(_SAME, 10.0 * mechanism.tolerance / length)
+    apart = _links_apart(mechanism, again) / length
+    differences = {"links": apart}
+    with contextlib.suppress(NoJacobianError):
         expected = mechanism.home.jacobian().J_eq
-    except NoJacobianError:
-        return Evidence("tolerance", "read again, the file closes at home and has its mobility")
-    difference = _relative(again.home.jacobian().J_eq, expected, mechanism.characteristic_length)
-    if not difference <= max(_SAME_JACOBIAN, mechanism.tolerance / mechanism.characteristic_length):
-        got = f"J_eq of the file differs by {difference:.1g}"
-        raise ArgumentError(f"{mechanism.name} cannot be written so: {got}")
-    statement = f"read again, the file has this J_eq at home to {difference:.1g}, and its mobility"
-    return Evidence("tolerance", statement)
+        found = again.home.jacobian().J_eq
+        differences["J_eq"] = _relative(found, expected, length)
+    for what, difference in differences.items():
+        if not difference <= allowed:
+            got = f"{what} at home differ by {difference:.1g} in the file"
+            raise ArgumentError(f"{mechanism.name} cannot be written so: {got}")
+    numbers = " and ".join(f"{what} to {number:.1g}" for what, number in differences.items())
+    return Evidence("tolerance", f"read again, the file has at home the same {numbers}")
+
+
+def _links_apart(mechanism: Mechanism, again: Mechanism) -> float:
+    """Return how far links are at home from where they are in the file, m, at most."""
+    one, other = (_link_places(machine) for machine in (mechanism, again))
+    ways = [one[name] - other[name] for name in set(one) & set(other)]
+    return float(np.abs(ways).max(initial=0.0))
+
+
+def _link_places(mechanism: Mechanism) -> dict[str, Array]:
+    model = mechanism.model
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, mechanism.home.q)
+    return {
+        frame.name: data.oMf[k].translation.copy()
+        for k, frame in enumerate(model.frames)
+        if frame.type == pin.FrameType.BODY
+    }
 
 
 def _relative(found: Array, expected: Array, length: float) -> float:
