@@ -98,7 +98,13 @@ def export(mechanism: Mechanism, *, to: str, file: str | Path, force: bool = Fal
         mechanism, written.machine, {path.name: text for path, text in files.items()}
     )
     write_files(files, replace=force)
-    return Exported(tuple(files), (*written.notes, *_unsaid(mechanism, to)), again)
+    return Exported(
+        paths=tuple(files),
+        actuated=written.machine.motors,
+        tool=written.machine.tool,
+        notes=(*written.notes, *_unsaid(mechanism, written.machine.tool, to)),
+        evidence=again,
+    )
 
 
 def _as_model_file(mechanism: Mechanism, file: str | Path, force: bool) -> Exported:
@@ -112,7 +118,8 @@ def _as_model_file(mechanism: Mechanism, file: str | Path, force: bool) -> Expor
     comments = (f"From {mechanism.name}.", *mechanism.notes)
     write_model_file(places, spec, urdf, comments, force=force)
     loaded = "the files were loaded, and close at home, before they were put in their places"
-    return Exported(places, (), Evidence("tolerance", loaded))
+    tool = () if spec.tool.is_none else spec.tool.names
+    return Exported(places, spec.actuated, tool, (), Evidence("tolerance", loaded))
 
 
 def _target(file: str | Path, to: str, suffixes: tuple[str, ...], force: bool) -> Path:
@@ -148,13 +155,12 @@ def _text(written: Written) -> bytes:
     return f'<?xml version="1.0"?>\n{text}\n'.encode()
 
 
-def _unsaid(mechanism: Mechanism, to: str) -> tuple[str, ...]:
+def _unsaid(mechanism: Mechanism, tool: tuple[str, ...], to: str) -> tuple[str, ...]:
     """Return what no format but our own says of a mechanism."""
     spec, notes = mechanism.spec, []
-    if not spec.tool.is_none:
-        names = ", ".join(map(repr, spec.tool.names))
-        what = "of the three points" if len(spec.tool.names) > 1 else "of the frame"
-        notes.append(f"{to} does not say which frame is the tool: name that {what} {names}")
+    if tool:
+        names = ", ".join(map(repr, tool))
+        notes.append(f"{to} does not say what the tool is: {names}")
     if spec.parameters:
         notes.append(f"{to} has no parameters: they are at their values")
     if spec.tolerance is not None:

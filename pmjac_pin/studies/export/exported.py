@@ -16,6 +16,9 @@ class Exported:
     ----------
     paths : tuple of Path
         The file, and those beside it that belong to it.
+    actuated, tool : tuple of str
+        The motors and the tool's frame, or the three that span it, by their names in the file:
+        for formats that do not say which they are.
     notes : tuple of str
         One sentence for each thing that the format says otherwise than the mechanism, or not.
     evidence : Evidence
@@ -23,5 +26,7 @@ class Exported:
     """
 
     paths: tuple[Path, ...]
+    actuated: tuple[str, ...]
+    tool: tuple[str, ...]
     notes: tuple[str, ...]
     evidence: Evidence

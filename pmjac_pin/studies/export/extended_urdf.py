@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from pmjac_pin.files.unused_name import unused_name
@@ -11,7 +12,7 @@ from pmjac_pin.studies.export.closable import closable
 from pmjac_pin.studies.export.names import NO_NAMES, renamed
 from pmjac_pin.studies.export.plain_machine import PlainMachine, Written
 from pmjac_pin.studies.export.urdf_plus import with_mimics
-from pmjac_pin.studies.export.urdf_tree import UrdfTree, prepared
+from pmjac_pin.studies.export.urdf_tree import UrdfTree, called, motor_joints, prepared
 
 #: The types of `closed_loop`, by the kinds of loops that they are.
 EXTENDED_LOOPS: dict[type[Loop], str] = {PointLoop: "3D", FrameLoop: "6D"}
@@ -25,9 +26,10 @@ def extended_urdf(machine: PlainMachine, folder: Path) -> Written:
     ArgumentError
         Gears in which no order is.
     """
-    machine, renames = _told_apart(machine)
     machine, notes = closable(machine, tuple(EXTENDED_LOOPS))
-    tree = UrdfTree(prepared(machine), folder, "floating")
+    machine, renames = _told_apart(prepared(machine))
+    machine = replace(machine, motors=motor_joints(machine))
+    tree = UrdfTree(machine, folder, "floating")
     with_mimics(tree, "extended-urdf")
     notes = [*renames, *notes, *tree.notes()]
     return Written(tree.urdf.robot, machine, tuple(notes), _yaml(machine))
@@ -35,14 +37,14 @@ def extended_urdf(machine: PlainMachine, folder: Path) -> Written:
 
 def _told_apart(machine: PlainMachine) -> tuple[PlainMachine, list[str]]:
     """Return the machine with motors whose names are in no other joint's: all are motors then."""
-    passive = [step.name for step in machine.steps if not step.driven]
+    passive = [called(joint) for joint in machine.joints if not joint.driven]
     taken, names = machine.taken, {}
-    for step in machine.steps:
-        wish = step.name
-        while step.driven and any(wish in name for name in passive):
+    for name in motor_joints(machine):
+        wish = name
+        while any(wish in other for other in passive):
             wish = f"{wish}_motor"
-        if wish != step.name:
-            names[step.name] = unused_name(wish, taken)
+        if wish != name:
+            names[name] = unused_name(wish, taken)
     return renamed(machine, NO_NAMES, names)
 
 

@@ -9,14 +9,15 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 import pinocchio as pin
 
-from pmjac_pin.files.joint_dialects import WITHOUT_LIMIT
 from pmjac_pin.files.xml_text import written
 from pmjac_pin.studies.export.masses import Masses
 from pmjac_pin.studies.export.mjcf_loops import closed_by_equalities
 from pmjac_pin.studies.export.mjcf_shapes import Shapes, place_attributes
+from pmjac_pin.studies.export.motors import refuse_planar_motors
 from pmjac_pin.studies.export.names import with_root
 from pmjac_pin.studies.export.plain_machine import PlainJoint, PlainMachine, PlainStep, Written
 from pmjac_pin.studies.export.single_steps import with_screws_geared
+from pmjac_pin.values.checks import LARGEST
 
 _MOTORS_OF = {"ball": 3, "free": 6}
 
@@ -29,7 +30,13 @@ def mjcf(machine: PlainMachine, folder: Path) -> Written:
     machine : PlainMachine
     folder : Path
         Where the file will be.
+
+    Raises
+    ------
+    ArgumentError
+        A planar motor.
     """
+    refuse_planar_motors(machine, "mjcf")
     machine, renamed = with_root(with_screws_geared(machine), "world")
     machine, equality, tendons = closed_by_equalities(machine)
     writer = _MjcfWriter(machine, folder)
@@ -127,8 +134,8 @@ def _mjcf_joint(step: PlainStep) -> Element:
     if step.single:
         given["axis"] = written(step.axis)
         if np.isfinite(step.limits).any():
-            ends = (-WITHOUT_LIMIT, WITHOUT_LIMIT)
-            given["range"] = written(np.clip(step.limits, *ends))
+            # MuJoCo wants both ends where there is one.
+            given["range"] = written(np.clip(step.limits, -LARGEST, LARGEST))
     if step.armature:
         given["armature"] = written([step.armature])
     return Element("joint", given)

@@ -14,7 +14,7 @@ from pmjac_pin.model.spec import JointValue, MechanismSpec
 from pmjac_pin.studies.convert import closed_poses
 from pmjac_pin.studies.export.plain_machine import PlainJoint, PlainMachine
 from pmjac_pin.studies.export.single_steps import with_single_steps
-from pmjac_pin.studies.export.urdf_tree import UrdfTree
+from pmjac_pin.studies.export.urdf_tree import UrdfTree, motor_joints
 
 _NEUTRAL: Mapping[str, tuple[float, ...]] = {
     "hinge": (0.0,),
@@ -56,7 +56,7 @@ def as_built(mechanism: Mechanism, machine: PlainMachine, path: Path) -> tuple[M
     passive = mechanism.spec.passive
     spec = msgspec.structs.replace(
         mechanism.spec,
-        actuated=tuple(dict.fromkeys(_of_step(machine, name) for name in machine.motors)),
+        actuated=motor_joints(machine),
         passive=passive if passive and set(passive) <= names else None,
         loops=machine.loops,
         spherical=tuple(step.name for step in machine.steps if step.kind == "ball"),
@@ -71,12 +71,6 @@ def as_built(mechanism: Mechanism, machine: PlainMachine, path: Path) -> tuple[M
 
 def _in_one_joint(joint: PlainJoint) -> bool:
     return joint.kind in ("planar", "helical")
-
-
-def _of_step(machine: PlainMachine, name: str) -> str:
-    return next(
-        joint.name for joint in machine.joints if name in [step.name for step in joint.steps]
-    )
 
 
 def _values(

@@ -28,6 +28,7 @@ from pmjac_pin.studies.export.from_home import FromHome, counted
 from pmjac_pin.studies.export.gears import followers
 from pmjac_pin.studies.export.masses import Masses
 from pmjac_pin.studies.export.mesh_files import mesh_path
+from pmjac_pin.studies.export.motors import refuse_planar_motors
 from pmjac_pin.studies.export.names import renamed
 from pmjac_pin.studies.export.plain_machine import (
     PlainBody,
@@ -41,6 +42,7 @@ from pmjac_pin.studies.export.single_steps import with_single_steps
 from pmjac_pin.values.arrays import Array
 
 _VERSION = "1.11"  # the first with <mimic>
+_DRAKE = "http://drake.mit.edu"  # whose word for an armature others pass over
 #: The types of <joint> that close loops, by the kinds of loops that they are.
 SDF_LOOPS: dict[type[Loop], str] = {
     PointLoop: "ball",
@@ -58,14 +60,15 @@ def sdf(machine: PlainMachine, folder: Path) -> Written:
     Raises
     ------
     ArgumentError
-        A body that moves any way and no loop holds, or gears in which no order is.
+        A body that moves any way and no loop holds; a planar motor; gears in which no order is.
     """
+    refuse_planar_motors(machine, "sdf")
     _check_held(machine)
     machine, renames = _with_own_names(machine)
     machine, notes = closable(machine, tuple(SDF_LOOPS))
     machine = with_single_steps(machine, _stays_whole)
     writer = _SdfWriter(machine, folder)
-    root = Element("sdf", version=_VERSION)
+    root = Element("sdf", {"version": _VERSION, "xmlns:drake": _DRAKE})
     root.append(writer.model())
     return Written(root, machine, (*renames, *notes, *writer.notes()))
 
@@ -216,6 +219,8 @@ class _SdfWriter:
             if np.isfinite(step.effort):
                 SubElement(limit, "effort").text = written([step.effort])
         joint.append(axis)
+        if step.armature:
+            SubElement(joint, "drake:rotor_inertia").text = written([step.armature])
         return joint
 
     def _loop(self, loop: LoopBetweenFrames) -> Element:

@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 
-from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.files.unused_name import unused_name
 from pmjac_pin.files.xml_text import written
 from pmjac_pin.model.loop_between_frames import LoopAlongAxis, LoopBetweenFrames
@@ -22,6 +21,7 @@ from pmjac_pin.model.loop_spec import (
 )
 from pmjac_pin.studies.export.closable import closable
 from pmjac_pin.studies.export.gears import followers
+from pmjac_pin.studies.export.motors import refuse_planar_motors, refuse_turning_motors
 from pmjac_pin.studies.export.plain_machine import PlainMachine, Written
 from pmjac_pin.studies.export.urdf_tree import UrdfTree, prepared
 
@@ -43,13 +43,10 @@ def urdf_plus(machine: PlainMachine, folder: Path) -> Written:
     Raises
     ------
     ArgumentError
-        A motor of several freedoms, or gears in which no order is.
+        A motor that turns any way, or in a plane; gears in which no order is.
     """
-    for joint in machine.joints:
-        for step in joint.steps:
-            if step.driven and not step.single:
-                what = f"urdf-plus has no motor of several freedoms, as {quoted(joint.name)} is"
-                raise ArgumentError(f"{what}; mjcf or toml would do")
+    refuse_planar_motors(machine, "urdf-plus")
+    refuse_turning_motors(machine, "urdf-plus")
     machine, notes = closable(machine, tuple(URDF_PLUS_LOOPS))
     tree = UrdfTree(prepared(machine), folder, "spherical")
     robot = tree.urdf.robot

@@ -32,7 +32,7 @@ class UrdfTree:
     Attributes
     ----------
     machine : PlainMachine
-        Of `prepared`.
+        Of `prepared`; of a screw that nothing gears only the turn is written.
     folder : Path
         Where the file will be.
     ball : str
@@ -76,15 +76,15 @@ class UrdfTree:
     def _move(
         self, joint: PlainJoint, placed: tuple[pin.SE3, ...], geared: Collection[str]
     ) -> None:
-        """Write a joint of one step, or a planar one."""
+        """Write a planar joint, or another's first step."""
         above, below = (self.machine.bodies[k].name for k in (joint.parent, joint.child))
         if joint.kind == "planar":
             self.urdf.link(below, placed[joint.child])
             self.urdf.joint(joint.name, "planar", (above, below), MovingAxis((0.0, 0.0, 1.0)))
             return
-        (step,) = joint.steps
+        step = joint.steps[0]
         self.urdf.link(below, placed[joint.child])
-        self._step(step, (above, below), step.name in geared)
+        self._step(step, (above, below), step.name in geared or joint.kind == "helical")
 
     def _step(self, step: PlainStep, ends: tuple[str, str], counted: bool) -> None:
         if not step.single:
@@ -113,7 +113,18 @@ class UrdfTree:
         return shape
 
 
+def called(joint: PlainJoint) -> str:
+    """Return the name that a URDF has for a joint: a planar one is no single step."""
+    return joint.name if joint.kind == "planar" else joint.steps[0].name
+
+
+def motor_joints(machine: PlainMachine) -> tuple[str, ...]:
+    """Return the motors by the names of the URDF's joints."""
+    joints = {step.name: called(joint) for joint in machine.joints for step in joint.steps}
+    return tuple(dict.fromkeys(joints[name] for name in machine.motors))
+
+
 def prepared(machine: PlainMachine) -> PlainMachine:
-    """Return a machine whose joints a URDF has: of one step, or planar and no motor."""
+    """Return a machine whose joints a URDF has: of one step, or planar."""
     geared = with_screws_geared(machine)
-    return with_single_steps(geared, lambda joint: joint.kind == "planar" and not joint.driven)
+    return with_single_steps(geared, lambda joint: joint.kind == "planar")
