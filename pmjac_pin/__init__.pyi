@@ -128,6 +128,8 @@ from .studies.check.diagnosis import Diagnosis as Diagnosis
 from .studies.check.diagnosis_maker import check as check
 from .studies.convert import convert as convert
 from .studies.evidence import Evidence as Evidence
+from .studies.export.export import export as export
+from .studies.export.exported import Exported as Exported
 from .studies.follow.event import Event as Event
 from .studies.follow.event import PathBranch as PathBranch
 from .studies.follow.follow import follow as follow
