@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from pmjac_pin.algebra.compiled_programs import CompiledPrograms
 from pmjac_pin.algebra.tape import Tape
-from pmjac_pin.algebra.tape_runner import kernel, run
+from pmjac_pin.algebra.tape_runner import run, tape_kernel
 from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.grid import Grid
 from pmjac_pin.batches.judge import Judge
@@ -83,7 +83,7 @@ class Batch:
     def __init__(self, mechanism: Mechanism, *, compiled: bool = False) -> None:
         self.mechanism = mechanism
         self._compiled = CompiledPrograms() if compiled else None
-        self.runs_on = "NumPy" if kernel() is None else "kernel"
+        self.runs_on = "NumPy" if tape_kernel() is None else "kernel"
         if compiled:
             self.runs_on = "compiled programs"
         self._recorded = mechanism._recorded

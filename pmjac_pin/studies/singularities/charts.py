@@ -8,7 +8,7 @@ of [K K*].
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,8 +20,7 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import JointCoordinates
-from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop
-from pmjac_pin.studies.recut import resolved_loop
+from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop, resolved_loop
 from pmjac_pin.studies.singularities.joint_limits import within_joint_limits
 from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
 from pmjac_pin.studies.singularities.sheets import Sheets
@@ -174,9 +173,10 @@ def _driven(names: tuple[str, str], at: Configuration) -> Mechanism:
     """Return the machine whose tool two slides lead from where it is, turning as `at` has it."""
     mechanism, pose = at.mechanism, at.tool_pose()
     key = ("tool plane", names, at.q.tobytes())
-    if key not in mechanism._siblings:
-        mechanism._siblings[key] = _led(names, at, pose)
-    return mechanism._siblings[key]
+    known: dict[Hashable, Mechanism] = mechanism._siblings
+    if key not in known:
+        known[key] = _led(names, at, pose)
+    return known[key]
 
 
 def _led(names: tuple[str, str], at: Configuration, pose: pin.SE3) -> Mechanism:
