@@ -1,9 +1,9 @@
 """Loci and maps of slices, beside what is written by hand for one machine, in the same run.
 
-Points of the five-bar's locus of gain, all seeds and modes sought, beside SciPy's root finder on its
-closed equation, the elbows two distal links apart; maps of 500 x 500 cells of motor space, the
-smallest singular value of K* at each, beside the five-bar's closed form in NumPy. In seconds of the
-processor, in turn; ratios are what counts.
+Points of the five-bar's locus of gain, one curve traced and then all with seeds and modes sought,
+beside SciPy's root finder on its closed equation, the elbows two distal links apart; maps of
+500 x 500 cells of motor space, the smallest singular value of K* at each, beside the five-bar's
+closed form in NumPy. In seconds of the processor, in turn; ratios are what counts.
 """
 
 from __future__ import annotations
@@ -16,6 +16,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 import pmjac_pin as pj
+from pmjac_pin.studies.singularities.curve_tracing import Tracer
+from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
+from pmjac_pin.studies.singularities.singular_equations import SingularEquations
 
 ROUNDS = 3
 CELLS = 500
@@ -79,16 +82,30 @@ def mapped(mechanism: pj.Mechanism) -> pj.Workspace:
     )
 
 
-def main() -> None:
-    bar = pj.load("five_bar")
+def one_curve(mechanism: pj.Mechanism) -> Callable[[], int]:
+    equations = SingularEquations(mechanism, "gain")
+    area = PlaneSlice.of(mechanism.actuated[:2], mechanism.home, None)
+    tracer = Tracer(equations, area)
+    seed = tracer.corrected(equations.begin(mechanism.home.q), 1.0)
+    return lambda: len(tracer.trace(seed).points)
+
+
+def compared(what: str, points: Callable[[], int]) -> None:
+    """Print points a second, beside those by hand."""
     taken: list[tuple[float, float]] = []
     for _ in range(ROUNDS):
-        points: list[int] = []
-        ours = seconds(lambda: points.append(locus_points(bar)))  # noqa: B023
-        theirs = seconds(lambda: points.append(by_hand(100)))  # noqa: B023
-        taken.append((points[0] / ours, points[1] / theirs))
+        found: list[int] = []
+        ours = seconds(lambda: found.append(points()))  # noqa: B023
+        theirs = seconds(lambda: found.append(by_hand(100)))  # noqa: B023
+        taken.append((found[0] / ours, found[1] / theirs))
     ours, theirs = (statistics.median(one) for one in zip(*taken, strict=True))
-    print(f"{'locus of the five-bar':34s}{ours:10.0f}{theirs:10.0f}{ours / theirs:8.2f}   points/s")
+    print(f"{what:34s}{ours:10.0f}{theirs:10.0f}{ours / theirs:8.2f}   points/s")
+
+
+def main() -> None:
+    bar = pj.load("five_bar")
+    compared("one curve of the five-bar", one_curve(bar))
+    compared("locus of the five-bar", lambda: locus_points(bar))
     axes = tuple(np.linspace(-np.pi, np.pi, CELLS) for _ in range(2))
     for name in ("five_bar", "three_rps"):
         mechanism = pj.load(name)
