@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sized
-from functools import cache, reduce
+from functools import cache, lru_cache, reduce
 from numbers import Real
 from operator import or_
 from types import GenericAlias, MappingProxyType
@@ -31,7 +31,7 @@ else:
     Loops = tuple[Any, ...]  # which kinds there are is known when a file is read: `converted`
 
 MAXIMAL_ENTRIES = 1000  # poses, and parameters: each pose is assembled, and takes milliseconds
-
+_SPECS = 8  # decoded ones that are kept
 
 JointValue = float | tuple[float, ...]
 
@@ -226,7 +226,12 @@ def encode_spec(spec: MechanismSpec) -> bytes:
 
 
 def decode_spec(encoded: bytes) -> MechanismSpec:
-    """Decode what `encode_spec` made."""
+    """Decode what `encode_spec` made; that of poses that come one after another is decoded once."""
+    return _decoded(encoded, tuple(LOOP_KINDS.values()))
+
+
+@lru_cache(maxsize=_SPECS)
+def _decoded(encoded: bytes, kinds: tuple[type[Loop], ...]) -> MechanismSpec:
     return converted(msgspec.json.decode(encoded))
 
 

@@ -17,7 +17,7 @@ from flint import Ordering, acb, fmpq_mpoly, fmpq_mpoly_ctx
 from numpy.typing import NDArray
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.complex_terms import complex_terms, parts_of
+from pmjac_pin.algebra.complex_terms import complex_terms, real_and_imaginary
 from pmjac_pin.algebra.polynomials import Symbols, symbols
 from pmjac_pin.algebra.programs import Recording
 from pmjac_pin.algebra.tape import Tape
@@ -119,7 +119,7 @@ class PolynomialLoops:
         there = start + rate * point[-1]
         values, slopes = self._along(point[None, :-1], there[None], rate[None], self._table.record)
         rows = np.concatenate([slopes, values[:, :, None]], axis=2)
-        return Tape.of(recording, parts_of(rows.ravel().tolist()))
+        return Tape.of(recording, real_and_imaginary(rows.ravel().tolist()))
 
     def _along(
         self,
