@@ -10,10 +10,11 @@ import pytest
 
 import pmjac_pin as pj
 from pmjac_pin.algebra import numpy_tape
+from pmjac_pin.algebra.c_kernels import loaded
 from pmjac_pin.algebra.programs import Recording, largest, root, with_sign
 from pmjac_pin.algebra.singular_values import singular_values, values_in
 from pmjac_pin.algebra.tape import INSTRUCTIONS, Tape
-from pmjac_pin.algebra.tape_runner import loaded, run_in
+from pmjac_pin.algebra.tape_runner import run_in
 
 ROOT = Path(__file__).resolve().parent.parent
 ALGEBRA = ROOT / "pmjac_pin" / "algebra"
@@ -197,7 +198,7 @@ def test_small_singular_values_of_few_are_exact_beside_their_columns(values_kern
 @pytest.mark.parametrize("by_kernel", [True, False])
 def test_singular_values_of_what_is_no_number(by_kernel, monkeypatch):
     if not by_kernel:
-        monkeypatch.setattr("pmjac_pin.algebra.singular_values.kernel", lambda: None)
+        monkeypatch.setattr("pmjac_pin.algebra.singular_values.values_kernel", lambda: None)
     matrices = np.ones((2, 3, 3))
     matrices[0, 0, 1], matrices[1, 2, 2] = np.nan, np.inf
     found = singular_values(matrices)

@@ -24,6 +24,7 @@ _COMMANDS = {
     "view": "three_rps --from lecture_b",
     "convert": "robot.urdf -o robot.toml",
     "sweep": "map.toml --resume",
+    "follow": "four_bar --waypoints way.csv --certified -o way_followed.csv",
     "transmission": "humanoid_ankle --joints pitch,roll -o ankle.h -o ankle.png",
 }
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pmjac_pin.algebra.c_kernels import address
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing import closure
 from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
@@ -17,7 +18,6 @@ from pmjac_pin.closing.path_kernel import (
     MachineStruct,
     Memory,
     WalkStruct,
-    address,
 )
 from pmjac_pin.closing.step_guard import MARGIN
 from pmjac_pin.model.coordinates import JointCoordinates

@@ -25,13 +25,13 @@ from typing import Any
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import Term, largest, objects, roots, zeros
+from pmjac_pin.algebra.programs import PROGRAMS, Term, largest, objects, roots, zeros
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.arms import Arms
 from pmjac_pin.closing.bends import Bends, MotionSeries
 from pmjac_pin.closing.recorded_rates import RecordedRates
 from pmjac_pin.closing.step_guard import CUBIC, QUADRATIC, SLOPES
-from pmjac_pin.kinematics.recorded_motions import arriving, between, moved_by
+from pmjac_pin.kinematics.joint_steps import arriving, between, moved_by
 from pmjac_pin.rates.sparse_qr import Triangle, norm
 
 BOUNDS = 3  #: that are told of a step
@@ -50,9 +50,9 @@ def leg_tape(loops: RecordedRates, arms: Arms) -> Tape:
     def make(inputs: Sequence[Term]) -> list[Any]:
         ends = [nq, 2 * nq, 2 * nq + nv, 2 * nq + 2 * nv]
         start, end, leaving, onward, inverses = np.split(objects(inputs), ends)
-        way = between(tree, start, end)
-        at_end = arriving(tree, way, onward)
-        half = moved_by(tree, start, 0.5 * way + 0.125 * (leaving - at_end))
+        way = between(PROGRAMS, tree, start, end)
+        at_end = arriving(PROGRAMS, tree, way, onward)
+        half = moved_by(PROGRAMS, tree, start, 0.5 * way + 0.125 * (leaving - at_end))
         poses, rates = np.array([start, end, half]), np.array([leaving, at_end, way])
         return _covered(loops, arms, poses, rates, inverses)
 

@@ -115,7 +115,7 @@ def _recut(
     tree = shifted_model(
         build(model, [*stay, *cut.edges, *held.edges], cut.frames), mechanism.place
     )
-    loops = [_resolved(loop, mechanism.parameters) for loop in spec.loops if loop is not opened]
+    loops = [resolved_loop(loop, mechanism.parameters) for loop in spec.loops if loop is not opened]
 
     def pose(q: Array) -> dict[str, JointValue]:
         values = mechanism.coordinates.pose(q) | _new_values(model, q, held, turned)
@@ -220,5 +220,6 @@ def _new_values(
     return changed
 
 
-def _resolved(loop: Loop, values: Mapping[str, float]) -> Loop:
+def resolved_loop(loop: Loop, values: Mapping[str, float]) -> Loop:
+    """Return a loop with numbers in the place of parameters."""
     return loop if isinstance(loop, JointLoop) else loop.resolved(values)
