@@ -3,6 +3,7 @@
 from .batches.batch import Batch as Batch
 from .batches.batch import batch as batch
 from .batches.results import ManyClosed as ManyClosed
+from .batches.results import ManyEllipsoids as ManyEllipsoids
 from .batches.results import ManyInGrid as ManyInGrid
 from .batches.results import ManyJacobians as ManyJacobians
 from .batches.results import ManyMeasures as ManyMeasures
