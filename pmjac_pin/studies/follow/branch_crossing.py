@@ -19,7 +19,7 @@ from pmjac_pin.values.arrays import Array
 _SIZES = (1e-3, 1e-4)  # of a length: how far beyond the walk goes on
 _NEARER = (1.0, 0.5, 0.25)
 _QUADRATIC = 0.3  # of a distance from the tangent, that at half the way: a quarter and its rounding
-_NOTHING = 1e-6  # of the way: a distance from the tangent that is rounding
+_OF_ROUNDING = 1e-6  # of the way: a distance from the tangent that is rounding
 _MOTORS_REST = 1e-6  # of a tangent: the parameter's share on a branch that turns back
 _AT_A_BREAK = 1e-10  # of the parameter
 
@@ -66,7 +66,7 @@ def _landed(
         if one.q is None or one.t > piece.end:
             return None
         off.append(course.size(problem.difference(spot.q, one.q) - (one.t - spot.t) * rate))
-    if not all(near <= _QUADRATIC * away + _NOTHING * size for away, near in pairwise(off)):
+    if not all(near <= _QUADRATIC * away + _OF_ROUNDING * size for away, near in pairwise(off)):
         return None
     (q, t), partition = (far[0].q, far[0].t), problem.partition
     if q is None or (point := course.close(q, piece, t, problem.difference(spot.q, q))) is None:

@@ -25,7 +25,7 @@ from pmjac_pin.studies.follow.path_equations import PathEquations
 from pmjac_pin.values.arrays import Array, norm
 
 _DEGENERATE = 1e-6  # of B²: its determinant
-_RESTS = 1e-6  # of a tangent: the parameter's share on a branch that turns back
+_MOTORS_STILL = 1e-6  # of a tangent: the parameter's share on a branch that turns back
 _AHEAD = 1e-3  # of a length: how far a pose on a branch is looked for
 _NARROWER = 0.25  # of how far branches are apart there: how far a pose may be from its tangent
 _STEPS_ACROSS = 12
@@ -97,7 +97,7 @@ def branches(spot: SingularSpot, incoming: Array) -> tuple[PathBranch, ...]:
     for k, (x, v) in enumerate(zip(found, motions, strict=True)):
         there = pose_ahead(spot, x, found[1 - k])
         pose = None if there.q is None else course.configuration(there.q)
-        rests, goes_on = bool(x[-1] <= _RESTS), cosines[k] == max(cosines)
+        rests, goes_on = bool(x[-1] <= _MOTORS_STILL), cosines[k] == max(cosines)
         result.append(PathBranch(v, rests, goes_on, pose))
     return tuple(sorted(result, key=lambda branch: not branch.goes_on))
 
@@ -111,7 +111,7 @@ def along(spot: SingularSpot, x: Array, incoming: Array) -> float:
 
 def _motion(spot: SingularSpot, x: Array) -> Array:
     """Return dq/dt of a tangent; of one at which motors rest, the motion of a length."""
-    if x[-1] <= _RESTS:
+    if x[-1] <= _MOTORS_STILL:
         length = spot.equations.course.problem.partition.length
         return spot.equations.velocity(spot.t, x * length)
     return spot.equations.rate(spot.t, x)
@@ -121,6 +121,6 @@ def on_next_piece(spot: SingularSpot, equations: PathEquations) -> SingularSpot 
     """Return the same spot as the beginning of another piece; None where it is regular there."""
     _, Gx = equations.at(spot.q, spot.t)
     left, values, right = np.linalg.svd(Gx)
-    if values[-1] > _RESTS * values[0]:
+    if values[-1] > _MOTORS_STILL * values[0]:
         return None
     return replace(spot, equations=equations, null=right[-2:].T, left=left[:, -1])

@@ -199,7 +199,7 @@ class Journey:
     def _evidence(self) -> Evidence:
         if self._tubes is not None:
             last = self._stretches[-1].end.t if self._stretches else self._last.t
-            return _proven(self._tubes, last)
+            return _tube_evidence(self._tubes, last)
         told = "each step is covered: in a tube about it each t has exactly one closed pose"
         passed = sum(isinstance(one, Passage) for one in self._stretches)
         if passed:
@@ -211,7 +211,7 @@ class Journey:
         return Evidence("tolerance", told)
 
 
-def _proven(tubes: ProvenTubes, end: float) -> Evidence:
+def _tube_evidence(tubes: ProvenTubes, end: float) -> Evidence:
     """Say what is proven of a path up to a parameter."""
     if not tubes.radii.size:
         return Evidence("nothing", tubes.failed or "there is no step to be proven")

@@ -27,7 +27,7 @@ from pmjac_pin.values.arrays import Array, Index
 
 _SPLITS = 3  # of a step's tube, before more closed poses on the step are asked for
 _FINER = 6  # how often a step is halved so
-_AT_ONCE = 256
+_STEPS_AT_A_TIME = 256
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,8 +125,8 @@ class _Prover:
     def _by_steps(self, steps: Sequence[CoveredStep]) -> Iterator[list[Tube]]:
         for _, group in groupby(steps, key=lambda step: id(step.piece)):
             own = list(group)
-            for start in range(0, len(own), _AT_ONCE):
-                part = own[start : start + _AT_ONCE]
+            for start in range(0, len(own), _STEPS_AT_A_TIME):
+                part = own[start : start + _STEPS_AT_A_TIME]
                 poses = [part[0].start, *(step.end for step in part)]
                 found = self._between(part[0].piece, poses)
                 yield from map(self._finer, part, found)
