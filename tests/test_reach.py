@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hand_reach as hand
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -61,23 +62,35 @@ WAYS = {
 @pytest.mark.parametrize("name", ["five_bar", "head_6rss", "planar_3rrr", "three_rps", "ur5"])
 def test_wherever_a_machine_stands_and_however_large_it_is(name, way, rng):
     mechanism = WAYS[way](loaded(name))
-    [wanted] = random_closed(mechanism, rng, 1, 0.1)
-    found = pj.reach(mechanism, wanted.tool_pose(), limits=False)
-    assert found.status == "reached"
     length = mechanism.characteristic_length
     slides = [mechanism.units[one] == "m" for one in mechanism.actuated]
-    apart = np.abs(found.actuated - wanted.actuated) / np.where(slides, length, 1.0)
+    size = np.where(slides, length, 1.0)
+    step = 0.1 * size * rng.uniform(-1.0, 1.0, size.size)
+    wanted = mechanism.close(mechanism.home.actuated + step, enforce_limits=False)
+    found = pj.reach(mechanism, wanted.tool_pose(), limits=False)
+    assert found.status == "reached"
+    apart = np.abs(found.actuated - wanted.actuated) / size
     assert apart.max() < (1e-9 if way != "far" else 1e3 * mechanism.tolerance / length)
 
 
-@pytest.mark.parametrize("name", ["five_bar", "planar_3rpr", "serial_2r"])
-def test_near_a_singular_pose(name, rng):
-    """Beside where a leg is straight, the tool's last millionth still tells the motors."""
-    mechanism = loaded(name)
-    [wanted] = random_closed(mechanism, rng, 1, 0.3)
-    if name == "serial_2r":
-        wanted = mechanism.close([0.3, 1e-3])
-    found = pj.reach(mechanism, wanted.tool_pose(), limits=False)
+@pytest.mark.parametrize("beside", [1e-3, 1e-6, 1e-9])
+def test_beside_where_a_leg_is_straight(beside):
+    """The first arm of the five-bar but for a share of its length: angles change as its root."""
+    bar = loaded("five_bar")
+    lengths = list(bar.parameters.values())
+    tip = (lengths[1] + lengths[2]) * (1.0 - beside) * np.array([np.cos(1.2), np.sin(1.2)])
+    found = pj.reach(bar, {"x": tip[0], "y": tip[1]})
+    assert found.status == "reached"
+    by_hand = hand.five_bar_angles(tip, *lengths)
+    apart = np.abs(np.exp(1j * found.actuated)[:, None] - np.exp(1j * by_hand))
+    assert apart.min(axis=1).max() < 1e-13 / np.sqrt(beside)
+
+
+def test_a_machine_that_is_singular_at_home_starts_from_there():
+    """At home the 3-RPS moves its tool up and down alone: its position tells nothing there."""
+    machine = loaded("three_rps")
+    wanted = machine.close(machine.home.actuated + np.array([0.05, -0.03, 0.02]))
+    found = pj.reach(machine, wanted.tool_pose())
     assert found.status == "reached"
     np.testing.assert_allclose(found.actuated, wanted.actuated, atol=1e-9)
 
@@ -156,12 +169,24 @@ def test_a_leg_ends_where_its_limit_is():
     assert beyond.status == "reached"
 
 
-def test_a_passive_joint_has_limits_too():
-    ankle = loaded("humanoid_ankle")
-    lower = ankle.limits("pitch")[0]
-    found = pj.reach(ankle, {"pitch": lower - 0.5, "roll": 0.0})
-    assert found.status in ("at a limit", "out of reach", "singular")
-    assert not found.configuration.limits_violated
+def slider_crank(longest):
+    """The catalogue's, its piston, which nothing drives, kept from going farther."""
+    mechanism = loaded("slider_crank")
+    model = mechanism.model
+    model.upperPositionLimit[model.joints[model.getJointId("x")].idx_q] = longest
+    return transformed.rebuilt(mechanism, model)
+
+
+def test_a_passive_joint_ends_the_way_at_its_limit():
+    longest = loaded("slider_crank").home.joint_values["x"] + 0.05
+    machine = slider_crank(longest)
+    target = machine.home.tool_pose()
+    target.translation += 0.1 * np.eye(3)[0]
+    found = pj.reach(machine, target)
+    assert (found.status, found.joints) == ("at a limit", ("x",))
+    assert found.configuration.joint_values["x"] == pytest.approx(longest, abs=2e-9)
+    assert found.share == pytest.approx(0.5, abs=1e-8)
+    assert pj.reach(machine, target, limits=False).status == "reached"
 
 
 def test_motors_lose_the_tip_of_a_five_bar_where_its_elbows_meet():

@@ -20,7 +20,6 @@ import pinocchio as pin
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError
-from pmjac_pin.studies.modes.recognition import Recognition
 from pmjac_pin.studies.reach.driven import Driven
 from pmjac_pin.studies.reach.goal import Goal
 from pmjac_pin.values.arrays import Array, norm
@@ -194,4 +193,7 @@ def same_pose(one: Configuration, other: Configuration) -> bool:
     apart = mechanism.problem.difference(one.q, other.q) / partition.column_scale
     if norm(apart) <= _ONE_POSE * partition.length:
         return True
+    # What tells modes apart is imported where the joints' values do not do.
+    from pmjac_pin.studies.modes.recognition import Recognition  # noqa: PLC0415
+
     return Recognition([one]).index(other) is not None
