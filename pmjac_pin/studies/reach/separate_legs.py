@@ -23,7 +23,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.linkage import build, edges_of
 from pmjac_pin.model.loop_spec import FrameLoop, JointLoop
-from pmjac_pin.model.spec import NO_TOOL
+from pmjac_pin.model.tool_spec import NO_TOOL
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.modes.aim import Aim
 from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
