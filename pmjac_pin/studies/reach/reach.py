@@ -138,19 +138,16 @@ def _off_the_way(asked: Asked, stop: Stop) -> Reached:
     """Go on by the motors, to where the tool is nearest; look elsewhere if that is not enough."""
     trail = asked.trail_downhill(stop.configuration)
     nearest, ambiguous = trail[-1], _tells_no_branch(asked, stop)
-    if asked.meets(nearest):
-        if ambiguous or _on_one_mode(asked, trail):
-            return _met(asked, nearest, "by a way around")
-        return _on_another_branch(asked, stop, nearest)
-    elsewhere: Configuration | None = None
+    met = nearest if asked.meets(nearest) else None
+    if met is not None and (ambiguous or _on_one_mode(asked, trail)):
+        return _met(asked, met, "by a way around")
     for found in asked.poses_elsewhere():
-        if ambiguous and asked.is_led_to(found):
-            return _met(asked, found, "where the motors lead")
-        elsewhere = elsewhere or found
-        if not ambiguous:
-            break
-    if elsewhere is not None:
-        return _on_another_branch(asked, stop, elsewhere)
+        around = asked.trail_by_motors(found)
+        if around and (ambiguous or _on_one_mode(asked, around)):
+            return _met(asked, around[-1], "by another way of the motors")
+        met = met or found
+    if met is not None:
+        return _on_another_branch(asked, stop, met)
     miss = asked.miss(nearest)
     parts = [f"{miss.linear:.6g} m"] * (miss.linear > 0.0)
     parts += [f"{miss.angular:.6g} rad"] * (miss.angular > 0.0)

@@ -17,9 +17,11 @@ from typing import Literal
 
 import numpy as np
 import pinocchio as pin
+from scipy.optimize import minimize_scalar
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError
+from pmjac_pin.rates.factorisation import RANK_TOLERANCE
 from pmjac_pin.studies.reach.driven import Driven
 from pmjac_pin.studies.reach.goal import Goal
 from pmjac_pin.values.arrays import Array, norm
@@ -33,6 +35,8 @@ _FEWEST, _MOST = 4, 64
 _ONE_POSE = 1e-6  # lengths or rad
 _LEAST_OF_A_WAY = 1e-12  # of the way
 _HALVINGS = 60
+_BESIDE_SINGULAR = 1e-4  # relative singular value of K*
+_LOOK_BACK, _LOOK_AHEAD = 1e-3, 4.0  # shares of what is left, and of how far it should be
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,19 +166,45 @@ class ToolPath:
         return None
 
     def _last_driven(self, one: float, other: float) -> float | None:
-        """Return up to where motors lead the machine along; None where they do all the way."""
-        begin, end = one, other
+        """Return up to where motors lead the machine along; None where they do all the way.
+
+        Beside a singular pose the branches that meet there are not told apart, so no such pose
+        counts as led to: the last one before leads to it.
+        """
+        end = other
         for _ in range(_HALVINGS):
             middle = 0.5 * (one + other)
             if other - one <= _LEAST_OF_A_WAY or not one < middle < other:
                 break
-            if leads(self.at(one), self.at(middle)):
+            pose = self.at(middle)
+            if _sigma(pose) > _BESIDE_SINGULAR and leads(self.at(one), pose):
                 one = middle
-                if leads(self.at(one), self.at(end)):
+                if leads(pose, self.at(end)):
                     return None
             else:
                 other = middle
-        return one if one < end else begin
+        return self._singular_after(one, end)
+
+    def _singular_after(self, share: float, end: float) -> float:
+        """Return where K* is singular close after a share, or the share."""
+        near = _sigma(self.at(share))
+        before = max(0.0, share - _LOOK_BACK * (end - share))
+        slope = (_sigma(self.at(before)) - near) / (share - before) if share > before else 0.0
+        if not slope > 0.0:
+            return share
+        bounds = (share, min(end, share + _LOOK_AHEAD * near / slope))
+        found = minimize_scalar(
+            lambda one: _sigma(self.at(float(one))),
+            bounds=bounds,
+            method="bounded",
+            options={"xatol": _LEAST_OF_A_WAY},
+        )
+        return float(found.x) if found.fun < RANK_TOLERANCE else share
+
+
+def _sigma(pose: Configuration) -> float:
+    """Return the relative singular value of K* that the rank rests on."""
+    return pose.singularity().smallest
 
 
 def leads(one: Configuration, other: Configuration) -> bool:
