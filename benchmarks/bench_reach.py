@@ -6,9 +6,11 @@ motors are told to `close`, the tool's pose to `reach`, which ends at the same m
 
 from __future__ import annotations
 
+import itertools
 import statistics
 import time
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -39,24 +41,30 @@ def seconds(call: Callable[[], object]) -> float:
     return time.perf_counter() - began
 
 
+Pairs = list[tuple[pj.Configuration, pj.Configuration]]
+
+
+def close_all(mechanism: pj.Mechanism, pairs: Pairs) -> None:
+    for one, other in pairs:
+        mechanism.close(other.actuated, guess=one, enforce_limits=False)
+
+
+def reach_all(mechanism: pj.Mechanism, pairs: Pairs) -> None:
+    for one, other in pairs:
+        there = pj.reach(mechanism, other.tool_pose(), guess=one, limits=False)
+        if not np.abs(there.actuated - other.actuated).max() < 1e-9:
+            raise SystemExit(f"{mechanism.name}: {there}")
+
+
 def main() -> None:
     print(f"{'machine':<14}{'close':>12}{'reach':>12}{'reach / close':>16}")
     for name in MACHINES:
         mechanism = pj.load(name)
         found = poses(mechanism)
-        pairs = list(zip(found, found[1:], strict=False))
-
-        def closed(mechanism: pj.Mechanism = mechanism, pairs: list = pairs) -> None:
-            for one, other in pairs:
-                mechanism.close(other.actuated, guess=one, enforce_limits=False)
-
-        def reached(mechanism: pj.Mechanism = mechanism, pairs: list = pairs) -> None:
-            for one, other in pairs:
-                there = pj.reach(mechanism, other.tool_pose(), guess=one, limits=False)
-                if np.abs(there.actuated - other.actuated).max() > 1e-9:
-                    raise SystemExit(f"{name}: {there}")
-
-        closed(), reached()
+        pairs = list(itertools.pairwise(found))
+        closed, reached = partial(close_all, mechanism, pairs), partial(reach_all, mechanism, pairs)
+        closed()
+        reached()
         times = [(seconds(closed), seconds(reached)) for _ in range(ROUNDS)]
         close = statistics.median(one for one, _ in times) / POSES
         reach = statistics.median(other for _, other in times) / POSES
