@@ -22,7 +22,7 @@ from pmjac_pin.studies.reach.reached import Reached, ReachStatus
 from pmjac_pin.studies.reach.tool_path import same_pose
 from pmjac_pin.values.arrays import Array
 
-_LOOKS = 9  # poses on a way of the motors
+_POSES_BY_MOTORS = 9  # poses on a way of the motors
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +113,7 @@ class Asked:
         if mechanism.coordinates.curved[columns].any():
             apart = found.actuated - begin.actuated
         trail = [begin]
-        for share in np.linspace(0.0, 1.0, _LOOKS)[1:]:
+        for share in np.linspace(0.0, 1.0, _POSES_BY_MOTORS)[1:]:
             values = begin.actuated + share * apart
             try:
                 pose = mechanism.close(values, guess=trail[-1], enforce_limits=False)

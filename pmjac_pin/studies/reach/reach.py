@@ -100,7 +100,7 @@ def _answer(asked: Asked) -> Reached:
         case "limit":
             return _at_limit(asked, stop)
         case "lost by its motors":
-            message = f"{_way(stop)} the motors lose the tool"
+            message = f"{_how_far(stop)} the motors lose the tool"
             return asked.told("singular", stop.configuration, stop.share, message)
         case "target":
             met = asked.meets(stop.configuration)
@@ -118,7 +118,7 @@ def _straight_path(asked: Asked, driven: Driven) -> ToolPath | None:
         return None
 
 
-def _way(stop: Stop) -> str:
+def _how_far(stop: Stop) -> str:
     return f"after {100.0 * stop.share:.4g} % of the way"
 
 
@@ -130,7 +130,7 @@ def _met(asked: Asked, configuration: Configuration, how: str) -> Reached:
 def _at_limit(asked: Asked, stop: Stop) -> Reached:
     values = stop.configuration.joint_values
     told = ", ".join(f"{name!r} at {values[name]:.6g}" for name in stop.joints)
-    message = f"{_way(stop)} joints reach their limits: {told}"
+    message = f"{_how_far(stop)} joints reach their limits: {told}"
     return asked.told("at a limit", stop.configuration, stop.share, message, joints=stop.joints)
 
 
@@ -173,6 +173,6 @@ def _on_one_mode(asked: Asked, trail: Sequence[Configuration]) -> bool:
 
 def _on_another_branch(asked: Asked, stop: Stop, found: Configuration) -> Reached:
     where = "the machine meets the target, but by no way that was found from here"
-    message = f"{_way(stop)} this branch ends; {where}"
+    message = f"{_how_far(stop)} this branch ends; {where}"
     last = stop.configuration
     return asked.told("on another branch", last, stop.share, message, elsewhere=found)

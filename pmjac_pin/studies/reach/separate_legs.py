@@ -35,7 +35,7 @@ from pmjac_pin.studies.recut import recut
 from pmjac_pin.values.arrays import Array
 
 _MOST_COMBINATIONS = 4096
-_ORDER = ("proof", "tolerance", "statistics", "nothing")  # the weakest last
+_WEAKEST_LAST = ("proof", "tolerance", "statistics", "nothing")  # the weakest last
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,7 +75,9 @@ def modes_by_legs(
     rows = (_together(driven.mechanism, values, each) for each in combined)
     closed = [closed_pose(driven.mechanism, q, limits) for q in rows]
     together = tuple(one for one in closed if one is not None)
-    return ModesByLegs(together, sum(one.starts for one in found), _evidence(found, len(together)))
+    return ModesByLegs(
+        together, sum(one.starts for one in found), _of_the_weakest(found, len(together))
+    )
 
 
 def separate_legs(driven: Mechanism) -> list[Mechanism]:
@@ -87,12 +89,12 @@ def separate_legs(driven: Mechanism) -> list[Mechanism]:
         hung = recut(driven, joint)
     except (ArgumentError, ClosureError):  # it cannot be taken apart there
         return []
-    groups = _groups(hung)
+    groups = _groups_of_loops(hung)
     if len(groups) < 2:
         return []
     if sum(len(columns) for columns, _ in groups) < hung.problem.partition.passive.size:
         return []  # joints in no loop
-    return [_leg(hung, loops) for _, loops in groups]
+    return [_machine_of(hung, loops) for _, loops in groups]
 
 
 def _carrier(driven: Mechanism) -> str:
@@ -107,7 +109,7 @@ def _is_welded(driven: Mechanism) -> bool:
     return isinstance(driven.spec.loops[0], FrameLoop)
 
 
-def _groups(hung: Mechanism) -> list[tuple[set[int], list[int]]]:
+def _groups_of_loops(hung: Mechanism) -> list[tuple[set[int], list[int]]]:
     """Return the loops in groups that share no passive joint, each behind its passive columns."""
     passive = set(hung.problem.partition.passive.tolist())
     groups: list[tuple[set[int], list[int]]] = []
@@ -121,7 +123,7 @@ def _groups(hung: Mechanism) -> list[tuple[set[int], list[int]]]:
     return [group for group in groups if group[0]]
 
 
-def _leg(hung: Mechanism, numbers: Sequence[int]) -> Mechanism:
+def _machine_of(hung: Mechanism, numbers: Sequence[int]) -> Mechanism:
     """Return the machine with these loops alone, and the joints that lead to them."""
     model, spec, edges = hung.kinematics.model, hung.spec, edges_of(hung.kinematics.model)
     loops = [spec.loops[number] for number in numbers]
@@ -181,10 +183,10 @@ def _carried(driven: Mechanism, q: Array) -> Array:
     return driven.coordinates.q({carrier: entries}, q)
 
 
-def _evidence(legs: Sequence[LegModes], count: int) -> Evidence:
+def _of_the_weakest(legs: Sequence[LegModes], count: int) -> Evidence:
     """Return what all legs rest on, the weakest of them first."""
     ways = "·".join(str(len(one.poses)) for one in legs)
-    weakest = max((one.evidence for one in legs), key=lambda one: _ORDER.index(one.kind))
+    weakest = max((one.evidence for one in legs), key=lambda one: _WEAKEST_LAST.index(one.kind))
     statement = (
         f"{count}, of the {ways} combinations of what its legs allow, each for itself while the "
         f"tool is held; of one leg: {weakest.statement}"

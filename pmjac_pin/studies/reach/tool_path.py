@@ -28,13 +28,13 @@ from pmjac_pin.values.arrays import Array, norm
 
 #: What ended the way: its target, a joint's limit, a pose where motors lose the tool, or one where
 #: the tool loses a freedom.
-End = Literal["target", "limit", "lost by its motors", "end of the mode"]
+EndOfWay = Literal["target", "limit", "lost by its motors", "end of the mode"]
 
 _BETWEEN_LOOKS = 0.25  # lengths or rad, of all joints: between poses that are looked at
 _FEWEST, _MOST = 4, 64
 _ONE_POSE = 1e-6  # lengths or rad
 _LEAST_OF_A_WAY = 1e-12  # of the way
-_HALVINGS = 60
+_BISECTIONS = 60
 _BESIDE_SINGULAR = 1e-4  # relative singular value of K*
 _LOOK_BACK, _LOOK_AHEAD = 1e-3, 4.0  # shares of what is left, and of how far it should be
 
@@ -56,7 +56,7 @@ class Stop:
 
     configuration: Configuration
     share: float
-    end: End
+    end: EndOfWay
     joints: tuple[str, ...] = ()
 
 
@@ -142,7 +142,7 @@ class ToolPath:
     def _at_limit(self, inside: float, outside: float) -> Stop:
         """Return the last pose within limits, by halving."""
         names: tuple[str, ...] = ()
-        for _ in range(_HALVINGS):
+        for _ in range(_BISECTIONS):
             middle = 0.5 * (inside + outside)
             if outside - inside <= _LEAST_OF_A_WAY or not inside < middle < outside:
                 break
@@ -172,7 +172,7 @@ class ToolPath:
         counts as led to: the last one before leads to it.
         """
         end = other
-        for _ in range(_HALVINGS):
+        for _ in range(_BISECTIONS):
             middle = 0.5 * (one + other)
             if other - one <= _LEAST_OF_A_WAY or not one < middle < other:
                 break
