@@ -36,7 +36,7 @@ def main() -> None:
             return home + SIZE * (np.sin(3.0 * t + shifts) - np.sin(shifts))
 
         def followed(certified: bool, machine: pj.Mechanism = machine) -> pj.Trajectory:
-            return pj.follow(machine, path, times=(0.0, END), certified=certified)  # noqa: B023
+            return pj.follow(machine, path, times=(0.0, END), certified=certified)
 
         plain = followed(False)
         assert plain.reached
@@ -50,10 +50,12 @@ def main() -> None:
                 pose = machine.close(values, pose)
 
         times = [
-            (seconds(lambda: followed(False)), seconds(lambda: followed(True)), seconds(closed))  # noqa: B023
+            (seconds(lambda: followed(False)), seconds(lambda: followed(True)), seconds(closed))
             for _ in range(ROUNDS)
         ]
-        one, proven, direct = (statistics.median(column) / count * 1e6 for column in zip(*times))
+        one, proven, direct = (
+            statistics.median(column) / count * 1e6 for column in zip(*times, strict=True)
+        )
         ratio = statistics.median(b / a for a, b, _ in times)
         print(f"{name:16} {count:5} {one:16.0f} {proven:10.0f} {ratio:6.1f} {direct:17.0f}")
 

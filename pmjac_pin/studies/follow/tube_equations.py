@@ -19,7 +19,7 @@ from pmjac_pin.studies.series_equations import EquationsAlong, SeriesEquations
 from pmjac_pin.studies.transmissions.sheet import Sheet
 from pmjac_pin.studies.transmissions.sheet_equations import Pieces, series_over
 
-_FLOATS = Floats()
+_DOUBLES = Floats()
 
 
 class TubeEquations(SeriesEquations):
@@ -35,11 +35,13 @@ class TubeEquations(SeriesEquations):
         self._columns = course.columns.tolist()
         super().__init__(course.mechanism, 1, self._columns)
         self._course = course
+        links = self._whole_tree.links.values()
+        self._single = {link.column for link in links if link.kind.nv == 1}
 
     def sheet(self, poses: Sequence[PathPose]) -> Sheet:
         """Return the cubics between closed poses of one piece of the path."""
         q = np.array([pose.q for pose in poses])
-        slopes = [entry_rates(_FLOATS, self._whole_tree, one.q, one.velocity) for one in poses]
+        slopes = [entry_rates(_DOUBLES, self._whole_tree, one.q, one.velocity) for one in poses]
         times = np.array([pose.t for pose in poses])
         return Sheet.of((times,), q, np.array(slopes)[:, :, None], q[:, :0])
 
@@ -47,8 +49,14 @@ class TubeEquations(SeriesEquations):
         """Return the equations along the cubics of a sheet over some pieces."""
         [t], entries = series_over(sheet, pieces, self.algebra)
         motors = self._motors(path, t)
-        values = dict(zip(self._columns, motors, strict=True))
-        return self.of_series(values, entries, pieces.at.shape[1])
+        coordinates, values = self._course.mechanism.coordinates, {}
+        rows = [entries[k] for k in range(len(entries))]
+        for column, motor in zip(self._columns, motors, strict=True):
+            if column in self._single:
+                values[column] = motor
+            else:
+                rows[coordinates.entry(column)] = motor
+        return self.of_series(values, self.algebra.stack(rows), pieces.at.shape[1])
 
     def _motors(self, path: PathPiece, t: Series) -> list[Series]:
         """Return the leading motors on a piece of the path, by Horner's scheme."""
