@@ -27,7 +27,10 @@ from pmjac_pin.values.arrays import Array
 
 _SIGN_TOLD = 0.5  # of u and of v at both ends: a sign is told
 _LOSS_HALVINGS = 14
-_LOST = 1e-9  # of the tool's size
+_LOST = 1e-9  # of the tool's size: at a touch
+_AT_AN_END = 1e-12  # where a step ends: no sign is told there
+_ASIDE = 1e-6  # of a step: from such an end, where it is
+_FAR = 2.0  # times what the matrix changes by
 
 
 #: A pose of a path ↦ a matrix, how it changes along the path, and what its values compare with.
@@ -41,10 +44,11 @@ _LOST_WORDS: dict[Lost, str] = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Value:
-    """The singular value that decides, its vectors, and its rate."""
+    """The singular value that decides, its vectors, its rate, and how fast it could be at most."""
 
     sigma: float
     rate: float
+    fastest: float
     left: Array
     right: Array
 
@@ -64,17 +68,25 @@ class SingularValueSigns:
     def events(self, stretch: Stretch) -> Iterator[Event]:
         """Yield what the tool loses on a part of a path."""
         self._values.clear()
-        yield from self._between(stretch, stretch.start.t, stretch.end.t, _LOSS_HALVINGS)
+        a, b = stretch.start.t, stretch.end.t
+        aside = _ASIDE * (b - a)
+        for t in (a, b):
+            if self._value(stretch, t).sigma <= _AT_AN_END:
+                yield self._event(stretch, t, "is zero")
+                a, b = (a + aside, b) if t == a else (a, b - aside)
+        yield from self._between(stretch, a, b, _LOSS_HALVINGS)
 
     def _between(self, stretch: Stretch, a: float, b: float, halvings: int) -> Iterator[Event]:
         first, last = self._value(stretch, a), self._value(stretch, b)
+        if first.sigma + last.sigma > _FAR * max(first.fastest, last.fastest) * (b - a):
+            return
         sign = first.sign_of(last)
         middle = 0.5 * (a + b)
         if sign:
             ends = IntervalEnds(first.sigma, first.rate, sign * last.sigma, sign * last.rate, b - a)
             if not ends.may_pass(0.0):
                 return
-            if sign < 0.0 or min(first.sigma, last.sigma) <= _LOST:
+            if sign < 0.0:
                 t = located(lambda t: self._signed(stretch, first, t), a, b)
                 yield self._event(stretch, t, "changes its sign")
                 return
@@ -107,7 +119,8 @@ class SingularValueSigns:
         left, values, right = np.linalg.svd(A)
         u, v = left[:, self._number], right[self._number]
         rate = float(u @ slope @ v)
-        return _Value(float(values[self._number]) / size, rate / size, u, v)
+        fastest = float(np.linalg.norm(slope)) / size
+        return _Value(float(values[self._number]) / size, rate / size, fastest, u, v)
 
     def _event(self, stretch: Stretch, t: float, how: str) -> Event:
         configuration = self._course.configuration(stretch.at(t).q)
