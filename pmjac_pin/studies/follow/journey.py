@@ -25,6 +25,8 @@ from pmjac_pin.studies.follow.walker import CourseWalker
 from pmjac_pin.values.arrays import Array
 
 _SAME_T = 1e-10  # of the parameter
+_BESIDE = 1e-5  # of the parameter: so near to a fold or a branch point need steps not be proven
+_ENDS = ("fold", "branch point", "singular")
 _STOPS_AT = {"motors": ("motor limit",), "all": ("motor limit", "passive limit"), "none": ()}
 
 
@@ -204,13 +206,17 @@ class Journey:
             return
         done = len(self._tubes.radii)
         last = steps[done].start if steps else self._last
+        near = self._last.t - last.t <= _BESIDE * max(1.0, abs(last.t))
+        if near and self._events and self._events[-1].kind in _ENDS:
+            return  # what is left leads to the singular pose that ends the path
         self._stretches = self._stretches[:done]
         self._events = [event for event in self._events if event.t <= last.t]
         self._stop("not proven", f"{self._tubes.failed}; without proof, {self._reason}", last)
 
     def _evidence(self) -> Evidence:
         if self._tubes is not None:
-            last = self._stretches[-1].end.t if self._stretches else self._last.t
+            done = len(self._tubes.radii)
+            last = self._stretches[done - 1].end.t if done else self._last.t
             return _tube_evidence(self._tubes, last)
         told = "each step is covered: in a tube about it each t has exactly one closed pose"
         passed = sum(isinstance(one, Passage) for one in self._stretches)

@@ -66,9 +66,10 @@ class Trajectory(ReadOnlyArrays):
         Of a path that is closed in motor values, whether the machine ends as it began.
     steps : ndarray, shape (S + 1,)
         Where covered steps meet.
-    radii : ndarray, shape (S,)
+    radii : ndarray, shape (k,)
         Of the proven tube about each step, rad or a share of the characteristic length; empty where
-        nothing was to be proven.
+        nothing was to be proven. Of the last steps up to a fold or a branch point, up to 1e-5 of t
+        before it, there may be none: `evidence` says up to where the proof goes.
 
     Examples
     --------
