@@ -144,8 +144,12 @@ from .studies.modes.proof import prove as prove
 from .studies.program import Program as Program
 from .studies.program import program as program
 from .studies.recut import recut as recut
-from .studies.singularities.nearest import NearestSingularity as NearestSingularity
+from .studies.singularities.free_ball import SingularityFree as SingularityFree
+from .studies.singularities.free_ball import singularity_free as singularity_free
 from .studies.singularities.nearest import nearest_singularity as nearest_singularity
+from .studies.singularities.nearest_singularity import (
+    NearestSingularity as NearestSingularity,
+)
 from .studies.sweep.sweep import sweep as sweep
 from .studies.transmissions.map_maker import transmission_map as transmission_map
 from .studies.transmissions.table_maker import transmission_table as transmission_table
