@@ -393,3 +393,54 @@ def test_the_wren_platform_is_shaky_on_each_branch_and_says_so(home):
         assert found.types.here.allowed == 3
         assert (found.kind, found.is_singular) == ("isolated", True)
         assert found.in_words.startswith("not known")
+
+
+def homed_at(configuration):
+    """The same machine, whose home is this pose."""
+    machine = configuration.mechanism
+    own = machine.spec.tool
+    return pj.Mechanism.from_pinocchio(
+        machine.model,
+        [loop.resolved(machine.parameters) for loop in machine.spec.loops],
+        machine.actuated,
+        own.names if len(own.names) > 1 else own.frame,
+        home=configuration.q,
+        tool_rows=own.judged.names,
+        tool_axes=own.judged.axes,
+        enforce_limits=False,
+    )
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_singular_home_says_the_same(name):
+    """What is generic is looked for near home too, so that home may be singular itself."""
+    here = CASES[name][0]()
+    home = homed_at(here).home
+    np.testing.assert_allclose(home.q, here.q, atol=1e-6)
+    assert home.singularity().types == here.singularity().types
+
+
+def test_a_sarrus_linkage_stretched_flat_is_a_mechanism_still():
+    """Its panels upright: [K K*] drops there, at home too, and one freedom stays."""
+    there = pj.nearest_singularity(loaded("sarrus").home, kind="gain").configuration
+    assert there.actuated[0] == pytest.approx(pi / 2, abs=1e-5)
+    machine = homed_at(there)
+    assert machine.mobility == 1
+    found = machine.home.singularity()
+    assert found.kind == "configuration space"
+    assert "IIM" in found.types.present
+
+
+def test_a_flat_parallelogram_opens_on_both_branches():
+    lengths = {"l0": 2.0, "l1": 1.0, "l2": 2.0, "l3": 1.0}
+    machine = pj.load("four_bar", lengths)
+    flat = machine.configuration(np.zeros(3))
+    assert flat.singularity().kind == "configuration space"
+    assert {"RO", "IIM"} <= set(flat.singularity().types.present)
+    modes = [mode.joint_values for mode in pj.assembly_modes(machine, [0.4], rng=0)]
+    assert len(modes) == 2
+    # Crank and rocker parallel, or crossed: sin of the rocker of the same sign or not.
+    assert sorted(np.sign(np.sin(mode["phi1"])) for mode in modes) == [-1.0, 1.0]
+    home = homed_at(flat)
+    assert home.mobility == 1
+    assert home.home.singularity().kind == "configuration space"
