@@ -22,7 +22,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.linkage import Edge, build, edges_of
 from pmjac_pin.model.loop_joint import Anchor, LoopJoint, loop_joint
-from pmjac_pin.model.loop_spec import FrameLoop, JointLoop, Loop
+from pmjac_pin.model.loop_spec import FrameLoop, JointLoop, Loop, resolved_loop
 from pmjac_pin.model.spec import JointValue, MechanismSpec
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import check_kind
@@ -115,7 +115,7 @@ def _recut(
     tree = shifted_model(
         build(model, [*stay, *cut.edges, *held.edges], cut.frames), mechanism.place
     )
-    loops = [_resolved(loop, mechanism.parameters) for loop in spec.loops if loop is not opened]
+    loops = [resolved_loop(loop, mechanism.parameters) for loop in spec.loops if loop is not opened]
 
     def pose(q: Array) -> dict[str, JointValue]:
         values = mechanism.coordinates.pose(q) | _new_values(model, q, held, turned)
@@ -218,7 +218,3 @@ def _new_values(
     for name, edge in turned.items():
         changed[name] = edge.entries(poses[edge.parent], poses[edge.child])
     return changed
-
-
-def _resolved(loop: Loop, values: Mapping[str, float]) -> Loop:
-    return loop if isinstance(loop, JointLoop) else loop.resolved(values)

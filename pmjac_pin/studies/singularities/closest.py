@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pmjac_pin.studies.singularities.singular_equations import SingularEquations, SingularPoint
+from pmjac_pin.studies.singularities.curve_equations import SingularPoint
+from pmjac_pin.studies.singularities.singular_equations import SingularEquations
 from pmjac_pin.values.arrays import Array, Index, norm
 
 _MOST_NEARER = 25
