@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from exported import FORMATS, MACHINES, path_of, round_trip, same
+from exported import FORMATS, MACHINES, PEERS, path_of, round_trip, same
 from mechanisms import CATALOGUE, loaded, mostly_slow
+from peer_models import peer_model
 
 import pmjac_pin as pj
 
@@ -44,3 +45,12 @@ def test_odd_machines_come_back_or_are_refused(name, to, tmp_path):
         return
     exported, again = round_trip(mechanism, to, tmp_path)
     same(mechanism, again, exported, 1e-10 if name.startswith("random") else 1e-12)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("to", FORMATS)
+@pytest.mark.parametrize(("path", "given"), PEERS.items())
+def test_published_models_come_back(path, given, to, tmp_path):
+    mechanism = pj.load(peer_model(path), **given)
+    exported, again = round_trip(mechanism, to, tmp_path)
+    same(mechanism, again, exported)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 
@@ -101,22 +101,24 @@ def _stays_whole(joint: PlainJoint) -> bool:
 
 def _with_own_names(machine: PlainMachine) -> tuple[PlainMachine, list[str]]:
     """Return the machine without names that are SDFormat's, or of a frame and a joint alike."""
-    taken = machine.taken
-    names = {
-        name: unused_name(wish, taken) for name in sorted(taken) if (wish := _of_ours(name)) != name
-    }
-    frames = {old: new for old, new in names.items() if old in machine.frames}
-    joints = {old: new for old, new in names.items() if old not in machine.frames}
-    for step in machine.steps:
-        if step.name in machine.frames:  # SDFormat has one space for all names of a model
-            joints[step.name] = unused_name(f"{step.name}_joint", taken)
-    return renamed(machine, frames, joints)
+    taken, moving = machine.taken, {joint.name for joint in machine.joints}
+    moving |= {step.name for step in machine.steps}
+    frames = {name: _of_ours(name, "link") for name in machine.frames}
+    joints = {name: _of_ours(name, "joint") for name in sorted(moving)}
+    # SDFormat has one space for all names of a model.
+    joints |= {name: f"{name}_joint" for name in moving & set(machine.frames)}
+    return renamed(machine, _changed(frames, taken), _changed(joints, taken))
 
 
-def _of_ours(name: str) -> str:
+def _changed(names: Mapping[str, str], taken: set[str]) -> dict[str, str]:
+    """Return the names that are others, like none that is taken."""
+    return {old: unused_name(new, taken) for old, new in names.items() if new != old}
+
+
+def _of_ours(name: str, what: str) -> str:
     """Return a name that SDFormat does not keep for itself."""
     plain = name.replace("::", "_")
-    return f"{plain}_link" if plain == "world" or re.fullmatch("__.*__", plain) else plain
+    return f"{plain}_{what}" if plain == "world" or re.fullmatch("__.*__", plain) else plain
 
 
 class _SdfWriter:
