@@ -21,13 +21,16 @@ from hatchling.metadata.plugin.interface import MetadataHookInterface
 PACKAGE = Path("pmjac_pin")
 LANES, TAPES = Path("algebra", "lanes.h"), Path("algebra", "tape_kernel.c")
 VALUES, PATHS = Path("algebra", "singular_values.c"), Path("closing", "path_kernel.c")
-WALK, MANY_PATHS = Path("closing", "walk.h"), Path("closing", "many_paths.c")
+STARTS, WALK = Path("closing", "starts.h"), Path("closing", "walk.h")
+MANY_PATHS = Path("closing", "many_paths.c")
+CURVES = Path("studies", "homotopy", "curve_kernel.c")
 #: What is compiled, and what it includes, by what is built of it.
 KERNELS = {
     "algebra/_tape_kernel.so": (TAPES, LANES),
     "algebra/_singular_values.so": (VALUES, LANES),
-    "closing/_path_kernel.so": (PATHS, WALK, TAPES, LANES),
-    "closing/_many_paths.so": (MANY_PATHS, PATHS, WALK, TAPES, LANES),
+    "closing/_path_kernel.so": (PATHS, STARTS, WALK, TAPES, LANES),
+    "closing/_many_paths.so": (MANY_PATHS, PATHS, STARTS, WALK, TAPES, LANES),
+    "studies/homotopy/_curve_kernel.so": (CURVES, TAPES, LANES),
 }
 # No function's error number is asked for, and no exception is trapped: else roots stay scalar.
 OPTIONS = ("-std=c99", "-O3", "-fno-math-errno", "-fno-trapping-math", "-fPIC", "-shared")

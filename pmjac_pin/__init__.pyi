@@ -115,7 +115,9 @@ from .rates.jacobian import (
 from .rates.motion import Motion as Motion
 from .rates.partition import Partition as Partition
 from .rates.polytope import Polytope as Polytope
+from .rates.screw import Screw as Screw
 from .rates.singularity import Singularity as Singularity
+from .rates.singularity_types import SingularityTypes as SingularityTypes
 from .rates.split import (
     SplitJacobian as SplitJacobian,
 )
@@ -128,6 +130,11 @@ from .studies.convert import convert as convert
 from .studies.evidence import Evidence as Evidence
 from .studies.export.export import export as export
 from .studies.export.exported import Exported as Exported
+from .studies.follow.event import Event as Event
+from .studies.follow.event import PathBranch as PathBranch
+from .studies.follow.follow import follow as follow
+from .studies.follow.homecoming import Homecoming as Homecoming
+from .studies.follow.trajectory import Trajectory as Trajectory
 from .studies.homotopy.complex_modes import ComplexModes as ComplexModes
 from .studies.homotopy.operation_modes import OperationModes as OperationModes
 from .studies.homotopy.parameter_homotopy import (
@@ -143,7 +150,18 @@ from .studies.modes.proof import Proof as Proof
 from .studies.modes.proof import prove as prove
 from .studies.program import Program as Program
 from .studies.program import program as program
+from .studies.reach.reach import reach as reach
+from .studies.reach.reached import Reached as Reached
+from .studies.reach.task import Task as Task
+from .studies.reach.working_modes import WorkingModes as WorkingModes
+from .studies.reach.working_modes import working_modes as working_modes
 from .studies.recut import recut as recut
+from .studies.singularities.locus import LocusCurve as LocusCurve
+from .studies.singularities.locus import LocusPoint as LocusPoint
+from .studies.singularities.locus import SingularityLocus as SingularityLocus
+from .studies.singularities.nearest import NearestSingularity as NearestSingularity
+from .studies.singularities.nearest import nearest_singularity as nearest_singularity
+from .studies.singularities.singularity_locus import singularity_locus as singularity_locus
 from .studies.sweep.sweep import sweep as sweep
 from .studies.transmissions.map_maker import transmission_map as transmission_map
 from .studies.transmissions.table_maker import transmission_table as transmission_table
@@ -154,6 +172,8 @@ from .studies.transmissions.transmission_map import TransmissionMap as Transmiss
 from .studies.transmissions.transmission_table import (
     TransmissionTable as TransmissionTable,
 )
+from .studies.workspaces.find_workspace import workspace as workspace
+from .studies.workspaces.workspace import Workspace as Workspace
 from .viewer.viewer import Viewer as Viewer
 from .viewer.viewer import view as view
 from .words.labelled_matrix import LabelledMatrix as LabelledMatrix

@@ -23,7 +23,7 @@ from pmjac_pin.kinematics.pinocchio import Snapshot
 from pmjac_pin.model.limits import Violation, violations
 from pmjac_pin.model.reference_frame import frame_name
 from pmjac_pin.model.twist_frame import FrameName, change_frame
-from pmjac_pin.pose_rounding import PoseRounding
+from pmjac_pin.pose_of_configuration import PoseOfConfiguration
 from pmjac_pin.rates.allowed import AllowedJacobian, allowed_jacobian
 from pmjac_pin.rates.elimination import eliminated
 from pmjac_pin.rates.jacobian import EquivalentJacobian
@@ -241,7 +241,7 @@ class Configuration(LoadedPose, Shown):
             J_eq, find = known.J_eq(name), functools.partial(self._whole, name)
         else:
             J_eq, find = self._eliminated(name)
-        return KnownJacobian.of(J_eq, name, partition, PoseRounding(self, name), find)
+        return KnownJacobian.of(J_eq, name, partition, PoseOfConfiguration(self, name), find)
 
     def allowed_jacobian(
         self,
@@ -286,7 +286,7 @@ class Configuration(LoadedPose, Shown):
         whole = functools.partial(
             EquivalentJacobian, constraint, tool, frame, partition, rates, J_eq
         )
-        return read_only(J_eq), functools.partial(whole, pose=PoseRounding(self, frame))
+        return read_only(J_eq), functools.partial(whole, pose=PoseOfConfiguration(self, frame))
 
     def _whole(self, frame: FrameName) -> EquivalentJacobian:
         return self._eliminated(frame)[1]()
@@ -312,7 +312,9 @@ class Configuration(LoadedPose, Shown):
         partition = self._problem.partition
         if self._parts.spec.tool.is_none:
             tool = np.full_like(tool, np.nan)
-        return SplitJacobian(constraint, tool, name, partition, pose=PoseRounding(self, name))
+        return SplitJacobian(
+            constraint, tool, name, partition, pose=PoseOfConfiguration(self, name)
+        )
 
     def singularity(self) -> Singularity:
         """Return the ranks here, the kind of singularity and what moves freely.
@@ -326,13 +328,20 @@ class Configuration(LoadedPose, Shown):
         >>> pj.load("four_bar").home.singularity().kind
         'regular'
         """
-        problem = self._problem
+        return self._singularity
+
+    @found_once
+    def _singularity(self) -> Singularity:
+        problem, snapshot = self._problem, self._snapshot
+        rows = problem.partition.tool_rows
         return analyse_singularity(
-            self._snapshot.constraint_jacobian,
-            self._snapshot.judged_jacobian(problem.partition.tool_rows),
+            snapshot.constraint_jacobian,
+            snapshot.judged_jacobian(rows),
             problem.partition,
             functools.partial(gained_and_idle, problem, self.q),
             loops=self._loop_rates,
+            tool_pose=(snapshot.axes_of(rows), snapshot.position + self._parts.place),
+            slopes=PoseOfConfiguration(self, rows.axes).slopes,
         )
 
     def _need_tool(self) -> None:

@@ -46,7 +46,7 @@ def close(
     values = motor_values(parts.spec, parts.coordinates, actuated)
     if whose != "none":
         check_limits(mechanism, values)
-    start = _start(mechanism, guess, values)
+    start = start_of(mechanism, guess, values)
 
     closed = _end_of_path(mechanism, start, values)
     if whose == "all" and (beyond := closed.limits_violated):
@@ -94,7 +94,8 @@ def check_limits(mechanism: Mechanism, values: Array) -> None:
         raise limit_error("motor ", found, "; enforce_limits=False turns this check off")
 
 
-def _start(mechanism: Mechanism, guess: Guess, values: Array) -> Configuration:
+def start_of(mechanism: Mechanism, guess: Guess, values: Array) -> Configuration:
+    """Return the closed pose that a guess names; motors that it does not name have these values."""
     if isinstance(guess, Configuration):
         if guess.mechanism is mechanism:
             return guess

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Self
+from typing import Any, Self
 
 from msgspec.structs import replace
 
@@ -20,7 +20,8 @@ from pmjac_pin.values.checks import as_names
 class MechanismSiblings(MechanismValue):
     """A mechanism that makes others of itself, reading nothing again."""
 
-    _siblings: dict[Hashable, Self] = field(default_factory=dict)
+    # What was made of it once, by what it was asked for.
+    _siblings: dict[Hashable, Any] = field(default_factory=dict)
 
     def with_tool(
         self,
@@ -147,4 +148,5 @@ class MechanismSiblings(MechanismValue):
             self._siblings[key] = type(self)(
                 built, notes=self.notes, unread=self.unread, blueprint=blueprint
             )
-        return self._siblings[key]
+        sibling: Self = self._siblings[key]
+        return sibling

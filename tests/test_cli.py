@@ -17,7 +17,18 @@ import pmjac_pin as pj
 from pmjac_pin.cli import main
 from pmjac_pin.cli.running import app
 
-COMMANDS = ("list", "report", "modes", "check", "plot", "demo", "convert", "sweep", "transmission")
+COMMANDS = (
+    "list",
+    "report",
+    "modes",
+    "check",
+    "plot",
+    "demo",
+    "convert",
+    "sweep",
+    "transmission",
+    "follow",
+)
 ROOT = Path(__file__).resolve().parent.parent
 FOLD = ("report", "four_bar", "--set", "l1=3,l2=2.5,l3=2", "--at", "1.3715642395497258")
 

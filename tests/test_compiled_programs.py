@@ -18,7 +18,7 @@ from test_tape_kernel import everything
 import pmjac_pin as pj
 from pmjac_pin.algebra import compiled_programs
 from pmjac_pin.algebra.compiled_programs import CompiledProgram
-from pmjac_pin.algebra.tape_runner import kernel, run
+from pmjac_pin.algebra.tape_runner import run, tape_kernel
 from pmjac_pin.closing.path_kernel import many_paths_kernel
 
 pytestmark = pytest.mark.skipif(
@@ -38,7 +38,7 @@ def numbers(count, rng, size=1.0):
 
 @pytest.mark.parametrize("count", [0, 1, 63, 64, 65, 1000])
 def test_every_instruction_to_the_last_bit(cache, count, rng):
-    assert kernel() is not None
+    assert tape_kernel() is not None
     tape = everything()
     program = CompiledProgram.of(tape)
     for size in (1e-3, 1.0, 1e4, 1e7, np.inf, np.nan):

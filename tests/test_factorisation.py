@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
 from pmjac_pin.rates.factorisation import factorise
+from pmjac_pin.rates.rank_bounds import RankBounds
 
 
 @pytest.mark.parametrize(
@@ -38,3 +41,19 @@ def test_what_the_inverse_tells_is_what_singular_values_tell(share, count, rng):
             scale = np.linalg.norm(pseudo)
             np.testing.assert_allclose(factors.inverse(rank), pseudo, atol=1e-8 * scale)
             np.testing.assert_allclose(factors.solve(b), pseudo @ b, atol=1e-8 * scale)
+
+
+@pytest.mark.parametrize("size", [0.0, 1e-3, 1.0, 50.0])
+def test_what_bounds_call_certain_is_so_by_singular_values(size, rng):
+    """Of K* of all smallest singular values, one at a time and all at once."""
+    bounds = RankBounds(tolerance=1e-6, least_size=0.1, share=0.999, weakest=1e-4)
+    inverse = np.concatenate([[0.0, math.inf], 10.0 ** rng.uniform(-2.0, 9.0, 200)])
+    forbidden = np.concatenate([[0.0, math.inf], 10.0 ** rng.uniform(-12.0, 0.0, 200)])
+    zero = 1e-6 * max(size, 0.1)
+    smallest = 1.0 / np.maximum(inverse, 1e-300)
+    certain, follows = bounds.regular(inverse, size), bounds.follows(forbidden, size)
+    assert (certain == (smallest > max(zero, 1e-4 * size) / 0.999)).all()
+    assert (follows == (forbidden <= 0.999 * zero)).all()
+    one_by_one = [bounds.regular(one, size) for one in inverse.tolist()]
+    assert one_by_one == certain.tolist()
+    assert [bounds.follows(one, size) for one in forbidden.tolist()] == follows.tolist()

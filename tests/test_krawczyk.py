@@ -1,4 +1,4 @@
-"""Krawczyk's radii against equations whose solutions are known."""
+"""Krawczyk's test, of balls and of boxes, against equations whose solutions are known."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 from pmjac_pin.algebra.balls import exactly
 from pmjac_pin.algebra.intervals import Intervals
-from pmjac_pin.studies.krawczyk import RADII, radii
+from pmjac_pin.studies.krawczyk import RADII, image_of_boxes, radii
 
 FINITE = RADII[:-1]
 
@@ -60,6 +60,28 @@ def test_what_is_certified_of_random_parabolas_is_true(rng):
             assert found.uniqueness < away[1]
             proven += 1
     assert proven > 30
+
+
+def test_what_is_proven_of_boxes_of_random_parabolas_is_true(rng):
+    """(x − a)(x − b): the image holds the roots of its box, inside it there is one."""
+    near, apart = rng.normal(size=500), 10.0 ** rng.uniform(-3.0, 0.0, 500)
+    roots = np.stack([near, near + apart], axis=1)
+    middle = near + 0.3 * apart * rng.normal(size=500)
+    widths = apart * 10.0 ** rng.uniform(-2.0, 0.5, 500)
+    boxes = Intervals.exact(middle[:, None]).widened(widths[:, None])
+    at = boxes.middle
+    one, other = (Intervals.exact(root)[:, None] for root in roots.T)
+    residual = (Intervals.exact(at) - one) * (Intervals.exact(at) - other)
+    jacobian = ((boxes - one) + (boxes - other))[..., None]
+    inverse = 1.0 / jacobian.middle
+    image = image_of_boxes(inverse, residual, jacobian, at, boxes)
+    within = boxes.holds(roots)
+    assert image.holds(roots)[within].all()
+    proven = image.inside(boxes)[:, 0]
+    assert (within.sum(axis=1)[proven] == 1).all()
+    assert 20 < proven.sum() < 480
+    outside = image_of_boxes(inverse, residual, jacobian, at + 10.0, boxes)
+    assert not outside.inside(boxes).any()
 
 
 def test_a_linear_system_has_one_solution():

@@ -10,8 +10,10 @@ from mechanisms import loaded
 from test_linkage import BALL
 from test_loops import LOOPS
 
+from pmjac_pin.algebra.tape_runner import tape_kernel
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.many import ManyLoops, ManyPoses
+from pmjac_pin.studies.modes.search_problem import search_problem
 
 
 def random_rows(model, rng, count=7):
@@ -69,3 +71,29 @@ def test_rows_are_pinocchios_in_the_order_of_the_loops(gear_first, rng):
         sizes = np.linalg.norm(residual[turns].reshape(-1, 3), axis=1)
         near = min(1.0, float(np.pi - sizes.max()))
         np.testing.assert_allclose(jacobians[row], jacobian, atol=1e-11 / near**2)
+
+
+@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+def test_many_rows_are_those_of_one(name, rng):
+    """Many go through a program where all rows are polynomials; one alone does not."""
+    mechanism = loaded(name)
+    problem, _ = search_problem(mechanism, mechanism.home.q)
+    q = random_rows(problem.model, rng, 70)
+    residuals, jacobians = problem.loops.evaluate(q)
+    assert residuals.shape == (70, len(problem.partition.row_scale))
+    for rows in np.arange(10)[:, None]:
+        some_residuals, some_jacobians = problem.loops.evaluate(q[rows])
+        np.testing.assert_allclose(residuals[rows], some_residuals, atol=1e-12)
+        np.testing.assert_allclose(jacobians[rows], some_jacobians, atol=1e-12)
+
+
+def test_tilts_and_turns_are_measured_as_ever_not_by_their_polynomials():
+    loops = {
+        name: search_problem(loaded(name), loaded(name).home.q)[0].loops
+        for name in ("stewart_gough", "agile_eye")
+    }
+    if tape_kernel() is None:
+        assert all(one._tape is None for one in loops.values())
+    else:
+        assert loops["stewart_gough"]._tape is not None
+        assert loops["agile_eye"]._tape is None

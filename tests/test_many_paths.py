@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from mechanisms import loaded, mostly_slow
 from test_batch import NAMES, single, targets
@@ -107,27 +108,84 @@ def test_no_lane_depends_on_another(at, rng):
         np.testing.assert_array_equal(getattr(together, name)[order], getattr(apart, name))
 
 
-@pytest.mark.parametrize("name", mostly_slow(NAMES, ("five_bar", "three_rps", "bennett")))
-def test_what_is_told_sooner_of_a_step_is_never_less(name, rng):
-    """So a step that is covered by an early bound is covered by the last one."""
-    mechanism = loaded(name)
-    walker = pj.batch(mechanism)._closing.walker
-    if walker is None:
-        pytest.skip("single calls walk it")
-    displacement = targets(mechanism, 30, 0.005, rng) - mechanism.home.actuated
-    start = walker.at(np.tile(mechanism.home.q[:, None], 30), displacement.T)
-    ahead = run(walker.move, np.vstack([start.q, start.velocity]))
-    end = walker.at(ahead, displacement.T)
-    steps = np.vstack([start.q, end.q, start.velocity, end.velocity, start.inverse])
-    told = run(walker.leg, steps).reshape(BOUNDS, 4, -1)
-    change, rho, tau, within = told.swapaxes(0, 1)
+class ShortSteps:
+    """Steps of a mechanism from home, and what the leg's program tells of them."""
+
+    def __init__(self, name, rng):
+        self.mechanism = mechanism = loaded(name)
+        self.walker = walker = pj.batch(mechanism)._closing.walker
+        if walker is None:
+            pytest.skip("single calls walk it")
+        displacement = targets(mechanism, 30, 0.005, rng) - mechanism.home.actuated
+        self.start = walker.at(np.tile(mechanism.home.q[:, None], 30), displacement.T)
+        ahead = run(walker.move, np.vstack([self.start.q, self.start.velocity]))
+        self.end, good = walker._correct(
+            ahead, np.full(30, np.inf), displacement.T, np.zeros(30, dtype=bool)
+        )
+        assert good.size == 30
+        ends = [self.start.q, self.end.q, self.start.velocity, self.end.velocity]
+        self.inputs = np.vstack([*ends, self.start.inverse, self.end.inverse])
+        self.told = run(walker.leg, self.inputs).reshape(BOUNDS, 4, -1)
+
+    def curve(self, step, share):
+        """The cubic that leaves and arrives as the path does, by Pinocchio."""
+        model = self.mechanism.model
+        first, last = self.start.q[:, step].copy(), self.end.q[:, step].copy()
+        way = pin.difference(model, first, last)
+        slope = pin.dDifference(model, first, last, pin.ArgumentPosition.ARG1)
+        leaving, arriving = self.start.velocity[:, step], slope @ self.end.velocity[:, step]
+        cubic = share**2 * (3.0 - 2.0 * share) * way
+        cubic += share * (1.0 - share) * ((1.0 - share) * leaving - share * arriving)
+        return pin.integrate(model, first, cubic)
+
+    def scaled(self, q):
+        """η and K* on the columns that the program keeps."""
+        problem = self.mechanism.problem
+        residual, jacobian = problem.evaluate(q)
+        kept = pj.batch(self.mechanism)._recorded.rates.kept
+        scaled = problem.partition.scaled(jacobian)
+        return residual * problem.partition.row_scale, scaled[:, kept]
+
+
+STEPS = mostly_slow(NAMES, ("five_bar", "three_rps", "bennett"))
+
+
+@pytest.mark.parametrize("name", STEPS)
+def test_what_is_told_of_a_step_holds_all_along_it(name, rng):
+    """K* changes no more from the start up to where the end takes over, nor from the end back."""
+    steps = ShortSteps(name, rng)
+    change, rho, *_ = steps.told.swapaxes(0, 1)
+    assert (change < 1.0).all()
+    inverse = steps.start.inverse, steps.end.inverse
+    middle = inverse[1] / np.maximum(
+        inverse[0] + inverse[1], 1e-300
+    )  # nothing follows in open chains
+    for step in range(0, 30, 6):
+        ends = [steps.scaled(points.q[:, step].copy()) for points in (steps.start, steps.end)]
+        back = [np.linalg.pinv(matrix) for _, matrix in ends]
+        for share in np.linspace(0.0, 1.0, 11):
+            residual, matrix = steps.scaled(steps.curve(step, share))
+            assert np.linalg.norm(residual) <= rho[0, step]
+            changes = [
+                np.linalg.norm(one @ (matrix - end), 2)
+                for one, (_, end) in zip(back, ends, strict=True)
+            ]
+            assert changes[0] <= change[1:, step].min() * (1.0 + 1e-12) + 1e-14
+            near = changes[0] if share <= middle[step] else changes[1]
+            assert near <= change[0, step] * (1.0 + 1e-12) + 1e-14
+
+
+@pytest.mark.parametrize("name", STEPS)
+def test_what_is_told_sooner_of_a_step_is_the_same_alone(name, rng):
+    """With A⁺ to both changes N is less than with A⁺ to one of them."""
+    steps = ShortSteps(name, rng)
+    change, rho, beyond, contraction = steps.told.swapaxes(0, 1)
     np.testing.assert_array_equal(rho[1:], rho[:-1])
-    sure = change[0] < 1.0
-    assert sure.any()
-    for bound in (change, tau[:, sure], within[:, sure]):
-        assert (bound[:-1] >= bound[1:] * (1.0 - 1e-12) - 1e-14).all()
-    parts = walker.leg.stages
-    assert list(parts) == sorted(parts)
-    for number, length in enumerate(parts):
-        early = run(replace(walker.leg, code=walker.leg.code[:length]), steps)
-        np.testing.assert_array_equal(early[: 4 * number + 4], told[: number + 1].reshape(-1, 30))
+    for bound in (change, beyond, contraction):
+        assert (bound[1] >= bound[2] * (1.0 - 1e-12) - 1e-14).all()
+    leg = steps.walker.leg
+    assert list(leg.stages) == sorted(leg.stages)
+    for number, length in enumerate(leg.stages):
+        early = run(replace(leg, code=leg.code[:length]), steps.inputs)
+        told = steps.told[: number + 1].reshape(-1, 30)
+        np.testing.assert_array_equal(early[: 4 * number + 4], told)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from mechanisms import loaded
+from mechanisms import CATALOGUE, loaded, mostly_slow
 
+import pmjac_pin as pj
 from pmjac_pin.studies.homotopy.curve import Curve, Planes
+from pmjac_pin.studies.homotopy.curve_kernel import curve_kernel
 from pmjac_pin.studies.homotopy.machines import Line, Machines
 from pmjac_pin.studies.homotopy.monodromy import STRAIGHT, PlaneSection
 from pmjac_pin.studies.homotopy.paths import led
@@ -19,6 +21,9 @@ class PlaneCurve:
 
     def __init__(self, degree, value, slopes):
         self._degree, self._value, self._slopes = degree, value, slopes
+
+    def lanes(self):
+        """No kernel knows it."""
 
     def evaluate(self, X, t):
         """h^d f(X/h, t) and its derivatives by X, h and t; d is the degree in x."""
@@ -150,3 +155,52 @@ def test_a_double_point_is_lost():
     starts = np.array([[1.0, 1.0], [-1.0, 1.0]], complex)
     ends = led(Curve(line), starts, Planes.at_machine(1.0, 1, 2), Planes.at_machine(0.0, 1, 2))
     assert (ends.arrived.any(), ends.to_infinity.any(), ends.lost) == (False, False, 2)
+
+
+def lines_of(name, rng):
+    """A random line of a mechanism's machines, and points of its curve in a plane."""
+    machines = Machines(loaded(name))
+    x = machines.loops.somewhere(rng)
+    start = machines.offset(machines.home.near(rng), x)
+    line = Line(machines.loops, start, machines.offset(machines.home.near(rng), x))
+    return line, np.append(x, 0.0)
+
+
+@pytest.mark.skipif(curve_kernel() is None, reason="no kernel was built")
+@pytest.mark.parametrize(
+    "name", mostly_slow(CATALOGUE, ("four_bar", "bennett", "serial_2r", "three_rps_ss"))
+)
+def test_the_kernel_follows_as_numpy_does(name, rng):
+    """More points than lanes, so that lanes take up others; none, one and few."""
+    try:
+        line, point = lines_of(name, rng)
+    except pj.ArgumentError as refused:
+        assert "no homotopy" in str(refused)
+        return
+    section = PlaneSection.through(Curve(line), point, rng)
+    count = 70
+    there = rng.normal(size=(2, count, point.size + 1))
+    there = Planes(*np.split(there[0] + 1j * there[1], [point.size], axis=1))
+    there = Planes(there.normals, there.offsets[:, 0])
+    for many in (count, 1, 0):
+        here, ends = section.planes(count=many), there[np.arange(many)]
+        points = np.tile(point, (many, 1))
+        found, arrived = Curve(line).walk(points, here, ends)
+        expected, all_arrived = Curve(WithoutKernel(line)).walk(points, here, ends)
+        np.testing.assert_array_equal(arrived, all_arrived)
+        assert arrived.mean() > 0.5 if many > 1 else arrived.shape == (many,)
+        near = np.abs(expected).max(axis=1, initial=0.0) < 1e3
+        size = 1.0 + np.abs(expected[arrived & near]).max(initial=0.0)
+        np.testing.assert_allclose(
+            found[arrived & near], expected[arrived & near], atol=1e-7 * size
+        )
+
+
+class WithoutKernel:
+    """A line that no kernel knows."""
+
+    def __init__(self, line):
+        self.count, self.evaluate = line.count, line.evaluate
+
+    def lanes(self):
+        return None

@@ -19,6 +19,7 @@ OTHERWISE = {
     "rates/gradients.py": {"svd"},  # the singular values that are measured
     "rates/polytope.py": {"svd"},  # whether a hull is flat, by a tolerance of its own
     "rates/jacobian.py": {"qr"},  # unit vectors along columns that are independent
+    "rates/screw.py": {"eigh", "qr"},  # extremal pitches; unit vectors along independent ones
     "rates/solid.py": {"svd"},  # whether an outline is flat, by a tolerance of its own
     "rates/within_limits.py": {"lstsq"},  # the smallest solution, which is then checked
     "studies/transmissions/fitted_polynomial.py": {"lstsq"},  # a guess for Newton's steps
@@ -28,9 +29,10 @@ OTHERWISE = {
     "rates/ellipsoid.py": {"svd"},  # what is across one vector
     "rates/tool_motion.py": {"qr"},  # unit vectors along motions that are independent
     "algebra/singular_values.py": {"svd"},  # those that are shown, of many poses
-    "closing/damped_closure.py": {"svd"},  # a step that damping holds back
+    "closing/levenberg_marquardt.py": {"svd"},  # a step that damping holds back
     "studies/modes/marks.py": {"qr"},  # the space of a joint's own motions, for many poses
-    "studies/modes/krawczyk.py": {"lstsq", "pinv"},  # guesses: what they are worth is proven
+    "studies/singularities/singular_equations.py": {"svd"},  # steps of a rank that is known
+    "studies/modes/enclosed_modes.py": {"lstsq", "pinv"},  # guesses: what they are worth is proven
     "studies/homotopy/curve.py": {"pinv"},  # a step where there is no other
     "words/report.py": {"svd"},  # the singular values that are shown
     "pictures/stick_drawing.py": {"svd"},  # planes of points

@@ -7,11 +7,12 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
+from pmjac_pin.algebra.floats import Floats
 from pmjac_pin.algebra.numpy_tape import run
-from pmjac_pin.algebra.programs import Recording, objects
+from pmjac_pin.algebra.programs import PROGRAMS, Recording, objects
 from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.kinematics.joint_steps import arriving, between, entry_rates, moved_by
 from pmjac_pin.kinematics.recorded import Recorder
-from pmjac_pin.kinematics.recorded_motions import arriving, between, moved_by
 from pmjac_pin.kinematics.tree import Tree
 from pmjac_pin.model.joint_kinds import JOINT_KINDS
 from pmjac_pin.rates.sparse_qr import Triangle, norm
@@ -105,26 +106,39 @@ BUILT = [name for name, kind in JOINT_KINDS.items() if kind.model is not None]
 @pytest.mark.parametrize("size", [0.0, 1e-200, 1e-9, 1e-4, 0.7])
 @pytest.mark.parametrize("name", BUILT)
 def test_motions(name, size, rng):
-    """`between` undoes `moved`, and `arriving` is its rate at the end; of turns of any size."""
+    """`between` undoes `moved_by`, and `arriving` is its rate at the end; of turns of any size.
+
+    As floats and as a program, and as Pinocchio integrates: slides first.
+    """
     kind, model = JOINT_KINDS[name], pin.Model()
     model.addJoint(0, kind.built(0.3), pin.SE3.Random(), "joint")
-    nq, nv, tree = model.nq, model.nv, Tree(model)
+    nq, nv, tree, floats = model.nq, model.nv, Tree(model), Floats()
+
+    def motions(algebra, numbers):
+        q, v, rates = np.split(numbers, [nq, nq + nv])
+        end = moved_by(algebra, tree, q, v)
+        on = between(algebra, tree, q, moved_by(algebra, tree, end, rates))
+        back, along = between(algebra, tree, q, end), entry_rates(tree, q, rates)
+        return [*end, *back, *on, *arriving(algebra, tree, v, rates), *along]
+
+    sliding = np.arange(nv) < kind.slides
     recording = Recording(nq + 2 * nv)
-    q, v, rates = np.split(objects(recording.inputs), [nq, nq + nv])
-    end = moved_by(tree, q, v)
-    on = between(tree, q, moved_by(tree, end, rates))
-    tape = Tape.of(recording, [*end, *between(tree, q, end), *on, *arriving(tree, v, rates)])
+    tape = Tape.of(recording, motions(PROGRAMS, objects(recording.inputs)))
     for _ in range(5):
         start = pin.integrate(model, pin.neutral(model), rng.normal(size=nv))
         step, onward = size * rng.normal(size=nv), rng.normal(size=nv)
-        found = [
-            run(tape, np.concatenate([start, step, h * onward])[:, None])[:, 0]
-            for h in (1e-6, -1e-6, 1.0)
-        ]
-        (_, _, after, _), (_, _, before, _), (ours, back, _, rate) = (
-            np.split(one, [nq, nq + nv, nq + 2 * nv]) for one in found
+        inputs = [np.concatenate([start, step, h * onward]) for h in (1e-6, -1e-6, 1.0)]
+        found = [run(tape, numbers[:, None])[:, 0] for numbers in inputs]
+        as_floats = np.array(motions(floats, np.transpose(inputs))).T
+        np.testing.assert_allclose(as_floats, found, atol=1e-15, rtol=1e-14)
+        (_, _, after, _, _), (_, _, before, _, _), (ours, back, _, rate, along) = (
+            np.split(one, np.cumsum([nq, nv, nv, nv])) for one in found
         )
-        np.testing.assert_allclose(ours, kind.moved(start[None], step[None])[0], atol=1e-15)
+        slid = pin.integrate(model, start, np.where(sliding, step, 0.0))
+        turned = pin.integrate(model, slid, np.where(sliding, 0.0, step))
+        np.testing.assert_allclose(ours, turned, atol=1e-14)
         np.testing.assert_allclose(back, step, atol=1e-15)
         np.testing.assert_allclose(rate, (after - before) / 2e-6, atol=1e-9)
+        ahead, behind = (pin.integrate(model, start, h * onward) for h in (1e-6, -1e-6))
+        np.testing.assert_allclose(along, (ahead - behind) / 2e-6, atol=1e-9)
         assert pin.isNormalized(model, ours, 1e-15)

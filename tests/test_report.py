@@ -107,8 +107,12 @@ def test_singularity_and_singular_values(homes, name):
                 assert value == list(configuration.mechanism.spec.tool.judged.names)
             case "tool_axes":
                 assert value == configuration.mechanism.spec.tool.axes
-            case "free_motions" | "idle_motions" | "forbidden_rates":
+            case "free_motions" | "idle_motions" | "forbidden_rates" | "types":
                 assert value == []
+            case "free_screws" | "lost_screws":
+                assert value == []
+            case "gosselin_angeles" | "constraint_singularity" | "architecture_singularity":
+                assert value == getattr(singularity.types, key)
             case _:
                 expected = getattr(singularity, key)
                 assert value == (None if expected == math.inf else expected)

@@ -16,10 +16,10 @@ import pmjac_pin as pj
 from pmjac_pin.files.catalog import find_model_file, find_urdf
 from pmjac_pin.files.shapes import Box, Cone, Cylinder, Sphere, Text
 from pmjac_pin.rates.ellipsoid import velocity_ellipsoid
+from pmjac_pin.rates.motor_limits import stated_rate_limits
 from pmjac_pin.viewer.ellipsoids import LIMIT, THINNEST, directions_after, radius_label
 from pmjac_pin.viewer.free_motion import ALMOST_SINGULAR
 from pmjac_pin.viewer.scene import SceneMaker, SceneOptions
-from pmjac_pin.words.motor_limits import motor_rate_limits
 
 EVERYTHING = SceneOptions(
     linear=True, angular=True, force=True, velocity_polytope=True, force_polytope=True
@@ -672,7 +672,7 @@ def test_polytopes_are_those_of_the_limits_about_the_tool(name):
     mechanism = loaded(name)
     there = mechanism.close(mechanism.home.actuated + 0.03, enforce_limits=False)
     items, block = by_name(scene(there, EVERYTHING)), there.jacobian().Jv_eq
-    tool, limits = there.tool_pose().translation, motor_rate_limits(mechanism)
+    tool, limits = there.tool_pose().translation, stated_rate_limits(mechanism.problem.partition)
     faces = items["polytopes/velocity/faces"]
     edges, label = items["polytopes/velocity/edges"], items["polytopes/velocity/label"]
     assert edges.visible

@@ -10,10 +10,11 @@ import pytest
 
 import pmjac_pin as pj
 from pmjac_pin.algebra import numpy_tape
+from pmjac_pin.algebra.c_kernels import loaded
 from pmjac_pin.algebra.programs import Recording, largest, root, with_sign
 from pmjac_pin.algebra.singular_values import singular_values, values_in
 from pmjac_pin.algebra.tape import INSTRUCTIONS, Tape
-from pmjac_pin.algebra.tape_runner import loaded, run_in
+from pmjac_pin.algebra.tape_runner import run_in
 
 ROOT = Path(__file__).resolve().parent.parent
 ALGEBRA = ROOT / "pmjac_pin" / "algebra"
@@ -57,6 +58,38 @@ def everything():
         *(term("atan2", x, y), term("round", x), 2.5),
     ]
     return Tape.of(recording, outputs)
+
+
+def sums(begins, products):
+    """Products that are added to something one after the other, or taken from it."""
+    recording = Recording(4)
+    x, y, z, w = recording.inputs
+    outputs = []
+    for sign in (1.0, -1.0):
+        total = {"a product": z * w, "a sum": z * w + x, "a difference": z * w - y, "": w}[begins]
+        for k in range(products):
+            total = total + sign * ((x + float(k)) * (y - float(k)))
+        outputs.append(total)
+    return Tape.of(recording, outputs)
+
+
+@pytest.mark.parametrize("products", range(9))
+@pytest.mark.parametrize("begins", ["a product", "a sum", "a difference", ""])
+def test_sums_of_products_are_rounded_one_after_the_other(kernel, begins, products, rng):
+    tape, inputs = sums(begins, products), rng.normal(size=(4, 130))
+    np.testing.assert_array_equal(run_in(kernel, tape, inputs), numpy_tape.run(tape, inputs))
+
+
+@pytest.mark.parametrize("factors", [(3, 1), (1, 3), (3, 3)])
+@pytest.mark.parametrize("name", ["muladd", "submul"])
+def test_a_sum_may_be_a_factor_of_what_is_added_to_it(kernel, name, factors, rng):
+    number = {name: k for k, name in enumerate(INSTRUCTIONS)}
+    rows = [("load", 1, 0), ("load", 2, 1), ("load", 3, 2), (name, 3, 1, 2, 3)]
+    rows += [(name, 3, *factors, 3), (name, 3, 1, 2, 3), ("store", 0, 3)]
+    code = [[number[first], *more, *(0,) * (4 - len(more))] for first, *more in rows]
+    tape = Tape(np.array(code, dtype=np.int32), np.zeros(1), slots=4, inputs=3, outputs=1)
+    inputs = rng.normal(size=(3, 70))
+    np.testing.assert_array_equal(run_in(kernel, tape, inputs), numpy_tape.run(tape, inputs))
 
 
 @pytest.mark.parametrize("count", [0, 1, 31, 32, 33, 1000])
@@ -163,7 +196,7 @@ def test_small_singular_values_of_few_are_exact_beside_their_columns(values_kern
 @pytest.mark.parametrize("by_kernel", [True, False])
 def test_singular_values_of_what_is_no_number(by_kernel, monkeypatch):
     if not by_kernel:
-        monkeypatch.setattr("pmjac_pin.algebra.singular_values.kernel", lambda: None)
+        monkeypatch.setattr("pmjac_pin.algebra.singular_values.values_kernel", lambda: None)
     matrices = np.ones((2, 3, 3))
     matrices[0, 0, 1], matrices[1, 2, 2] = np.nan, np.inf
     found = singular_values(matrices)

@@ -22,8 +22,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pmjac_pin.algebra import compiled_text as text
+from pmjac_pin.algebra.c_kernels import address
 from pmjac_pin.algebra.tape import Tape
-from pmjac_pin.algebra.tape_runner import address
 from pmjac_pin.errors import MissingDependencyError, OutputError
 from pmjac_pin.values.arrays import Array, aligned
 

@@ -54,6 +54,26 @@ class Floats(Arrays):
         """Return sin x."""
         return np.asarray(np.sin(x))
 
+    def vanishes(self, x: Numbers) -> bool:
+        """Tell whether x is zero whatever the numbers are: of doubles, no more is known."""
+        return not x.size
+
+    def sqrt(self, x: Numbers) -> Numbers:
+        """Return √x."""
+        return np.asarray(np.sqrt(x))
+
+    def atan2(self, sine: Numbers, cosine: Numbers) -> Numbers:
+        """Return the angle of a sine and a cosine."""
+        return np.asarray(np.arctan2(sine, cosine))
+
+    def largest(self, x: Numbers, y: ArrayLike) -> Numbers:
+        """Return the larger of each two."""
+        return np.asarray(np.maximum(x, y))
+
+    def with_sign(self, x: Numbers, of: Numbers) -> Numbers:
+        """Return |x| with the sign of another number."""
+        return np.asarray(np.copysign(x, of))
+
     def unit(self, x: Numbers) -> Numbers:
         """Return x by its length, over the first components."""
         return np.asarray(x / np.sqrt(self.squared(x)))

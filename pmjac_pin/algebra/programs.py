@@ -176,17 +176,40 @@ class Programs(Arrays):
         """Return terms as components."""
         return objects(terms)[:, None, None]
 
-    def cos(self, x: Numbers) -> Numbers:
-        """Return cos x."""
-        return _each(x, "cos")
+    def vanishes(self, x: Numbers) -> bool:
+        """Tell whether x takes no part in a program: is zero at every pose."""
+        return all(one == 0.0 for one in x.ravel())
 
-    def sin(self, x: Numbers) -> Numbers:
-        """Return sin x."""
-        return _each(x, "sin")
+    def cos(self, x: Any) -> Any:
+        """Return cos x of a number, or of each."""
+        return _COSINES(x)
+
+    def sin(self, x: Any) -> Any:
+        """Return sin x of a number, or of each."""
+        return _SINES(x)
+
+    def sqrt(self, x: Any) -> Any:
+        """Return √x of a number, or of each."""
+        return _ROOTS(x)
+
+    def atan2(self, sine: Any, cosine: Any) -> Any:
+        """Return the angle of a sine and a cosine, of a number, or of each."""
+        return _ARCTANGENTS(sine, cosine)
+
+    def largest(self, x: Any, y: Any) -> Any:
+        """Return the larger of two numbers, or of each two."""
+        return _MAXIMA(x, y)
+
+    def with_sign(self, x: Any, of: Any) -> Any:
+        """Return |x| with the sign of another number, or of each."""
+        return _SIGNED(x, of)
 
     def unit(self, x: Numbers) -> Numbers:
         """Return x: what q holds of a turn has length 1, as Pinocchio takes it to have."""
         return x
+
+
+PROGRAMS = Programs()
 
 
 def root(x: Any) -> Any:
@@ -216,11 +239,11 @@ def with_sign(x: Any, of: Any) -> Any:
 
 
 _ROOTS = np.frompyfunc(root, 1, 1)
-
-
-def _each(x: Numbers, operation: Operation) -> Numbers:
-    of = [term.recording.term(operation, term) for term in x.ravel().tolist()]
-    return objects(of).reshape(x.shape)
+_MAXIMA = np.frompyfunc(largest, 2, 1)
+_SIGNED = np.frompyfunc(with_sign, 2, 1)
+_COSINES = np.frompyfunc(lambda angle: angle.recording.term("cos", angle), 1, 1)
+_SINES = np.frompyfunc(lambda angle: angle.recording.term("sin", angle), 1, 1)
+_ARCTANGENTS = np.frompyfunc(lambda sine, cosine: sine.recording.term("atan2", sine, cosine), 2, 1)
 
 
 def objects(entries: Iterable[Any]) -> Numbers:

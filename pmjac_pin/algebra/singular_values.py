@@ -5,14 +5,11 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Sequence
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 
-from pmjac_pin.algebra.tape_runner import address, loaded
+from pmjac_pin.algebra.c_kernels import address, loaded
 from pmjac_pin.values.arrays import Array, Mask
-
-_FOLDER = Path(__file__).parent
 
 
 def singular_values(matrices: Array, places: Sequence[int] | None = None) -> Array:
@@ -32,15 +29,15 @@ def singular_values(matrices: Array, places: Sequence[int] | None = None) -> Arr
     [4.0, 3.0]
     """
     wanted = range(min(matrices.shape[:2])) if places is None else places
-    built = kernel()
+    built = values_kernel()
     return _of_stack(matrices, wanted) if built is None else values_in(built, matrices, wanted)
 
 
 @cache
-def kernel() -> ctypes.CDLL | None:
+def values_kernel() -> ctypes.CDLL | None:
     """Return the kernel that was built from the source beside it, None where there is none."""
-    sources = (_FOLDER / "singular_values.c", _FOLDER / "lanes.h")
-    return loaded(_FOLDER / "_singular_values.so", *sources)
+    sources = ("algebra/singular_values.c", "algebra/lanes.h")
+    return loaded("algebra/_singular_values.so", *sources)
 
 
 def _of_stack(matrices: Array, places: Sequence[int]) -> Array:

@@ -187,12 +187,12 @@ class _Writer:
 
     def _compute(self, term: Term, name: str, operands: Sequence[Operand]) -> None:
         slot, left, free, sources = self._slot, self._left, self._free, []
-        used: set[int] = set()
+        used: dict[int, None] = {}  # a sum goes on in its own slot, the last that is freed
         for x in operands:
             if isinstance(x, Term):
                 sources.append(slot[x.index])
                 left[x.index] -= 1
-                used.add(x.index)
+                used[x.index] = None
             else:
                 sources.append(self._constants[float(x)])
         free += [slot[index] for index in used if not left[index]]

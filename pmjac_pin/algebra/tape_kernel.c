@@ -43,12 +43,27 @@ INLINE void wave(
             if (!(fabs(angle[i]) < LARGE)) wave_of[i] = quarter ? cos(angle[i]) : sin(angle[i]);
 }
 
+/* How many products that follow are added to the target, or taken from it, and nothing else is done
+ * with what it holds between them: so it need not go through memory. */
+INLINE int more_products(const int32_t *at, const int32_t *end, int operation, int most)
+{
+    int target = at[1], count = 0;
+    for (at += 5; count < most && at != end && at[0] == operation; at += 5, count++)
+        if (at[1] != target || at[4] != target || at[2] == target || at[3] == target) break;
+    return count;
+}
+
+#define PRODUCT(later) (slots[at[5 * (later) + 2]][i] * slots[at[5 * (later) + 3]][i])
+
 FOR_EACH_PROCESSOR
 static void run(
     const int32_t *code, int64_t length, double (*slots)[LANES], const double *inputs,
     int64_t count, int64_t start, int width, double *outputs)
 {
-    for (const int32_t *at = code; at != code + 5 * length; at += 5) {
+    const int32_t *end = code + 5 * length;
+    int more = 0;
+    for (const int32_t *at = code; at != end; at += 5 * (1 + more)) {
+        more = 0;
         double *result = slots[at[0] == STORE ? 0 : at[1]];
         const double *a = slots[at[2]], *b = slots[at[3]], *c = slots[at[4]];
         switch (at[0]) {
@@ -66,7 +81,15 @@ static void run(
         }
         case ADD: EACH result[i] = a[i] + b[i]; break;
         case SUBTRACT: EACH result[i] = a[i] - b[i]; break;
-        case MULTIPLY: EACH result[i] = a[i] * b[i]; break;
+        case MULTIPLY:
+            more = more_products(at, end, MULTIPLY_ADD, 3);
+            switch (more) {
+            case 0: EACH result[i] = PRODUCT(0); break;
+            case 1: EACH result[i] = PRODUCT(1) + PRODUCT(0); break;
+            case 2: EACH result[i] = PRODUCT(2) + (PRODUCT(1) + PRODUCT(0)); break;
+            default: EACH result[i] = PRODUCT(3) + (PRODUCT(2) + (PRODUCT(1) + PRODUCT(0)));
+            }
+            break;
         case DIVIDE: EACH result[i] = a[i] / b[i]; break;
         case NEGATE: EACH result[i] = -a[i]; break;
         case SINE: wave(a, result, 0); break;
@@ -77,9 +100,26 @@ static void run(
         case COPYSIGN: EACH result[i] = copysign(a[i], b[i]); break;
         case ARCTANGENT: EACH result[i] = atan2(a[i], b[i]); break;
         case ROUND: EACH result[i] = rint(a[i]); break;
-        case MULTIPLY_ADD: EACH result[i] = a[i] * b[i] + c[i]; break;
+        case MULTIPLY_ADD:
+            more = more_products(at, end, MULTIPLY_ADD, 3);
+            switch (more) {
+            case 0: EACH result[i] = PRODUCT(0) + c[i]; break;
+            case 1: EACH result[i] = PRODUCT(1) + (PRODUCT(0) + c[i]); break;
+            case 2: EACH result[i] = PRODUCT(2) + (PRODUCT(1) + (PRODUCT(0) + c[i])); break;
+            default:
+                EACH result[i] = PRODUCT(3) + (PRODUCT(2) + (PRODUCT(1) + (PRODUCT(0) + c[i])));
+            }
+            break;
         case MULTIPLY_SUBTRACT: EACH result[i] = a[i] * b[i] - c[i]; break;
-        case SUBTRACT_PRODUCT: EACH result[i] = c[i] - a[i] * b[i]; break;
+        case SUBTRACT_PRODUCT:
+            more = more_products(at, end, SUBTRACT_PRODUCT, 3);
+            switch (more) {
+            case 0: EACH result[i] = c[i] - PRODUCT(0); break;
+            case 1: EACH result[i] = c[i] - PRODUCT(0) - PRODUCT(1); break;
+            case 2: EACH result[i] = c[i] - PRODUCT(0) - PRODUCT(1) - PRODUCT(2); break;
+            default: EACH result[i] = c[i] - PRODUCT(0) - PRODUCT(1) - PRODUCT(2) - PRODUCT(3);
+            }
+            break;
         default: EACH result[i] = NAN;
         }
     }

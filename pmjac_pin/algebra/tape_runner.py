@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 import ctypes
-import hashlib
 from functools import cache
-from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.algebra import numpy_tape
+from pmjac_pin.algebra.c_kernels import address, loaded
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.values.arrays import Array
-
-_FOLDER = Path(__file__).parent
 
 
 def run(tape: Tape, inputs: Array) -> Array:
@@ -23,25 +18,14 @@ def run(tape: Tape, inputs: Array) -> Array:
 
     The kernel lets other threads run.
     """
-    built = kernel()
+    built = tape_kernel()
     return numpy_tape.run(tape, inputs) if built is None else run_in(built, tape, inputs)
 
 
 @cache
-def kernel() -> ctypes.CDLL | None:
+def tape_kernel() -> ctypes.CDLL | None:
     """Return the kernel that was built from the source beside it, None where there is none."""
-    return loaded(_FOLDER / "_tape_kernel.so", _FOLDER / "tape_kernel.c", _FOLDER / "lanes.h")
-
-
-def loaded(built: Path, *sources: Path) -> ctypes.CDLL | None:
-    """Return a kernel that was built from some sources, None where there is none."""
-    try:
-        text = b"".join(source.read_bytes() for source in sources)
-        library, digest = ctypes.CDLL(str(built)), hashlib.sha256(text).hexdigest()
-        library.pmjac_source.restype = ctypes.c_char_p
-        return library if library.pmjac_source() == digest.encode() else None
-    except (OSError, AttributeError):
-        return None
+    return loaded("algebra/_tape_kernel.so", "algebra/tape_kernel.c", "algebra/lanes.h")
 
 
 def run_in(library: ctypes.CDLL, tape: Tape, inputs: Array) -> Array:
@@ -67,8 +51,3 @@ def run_in(library: ctypes.CDLL, tape: Tape, inputs: Array) -> Array:
     if failed:
         raise MemoryError("no memory for the slots of a program")
     return found
-
-
-def address(array: NDArray[Any]) -> ctypes.c_void_p:
-    """Return where an array's numbers are."""
-    return ctypes.c_void_p(array.ctypes.data)

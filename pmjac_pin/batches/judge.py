@@ -13,6 +13,7 @@ from pmjac_pin.closing.recorded_rates import DOUBTS, SPREAD
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.rates.partition import Partition
+from pmjac_pin.rates.rank_bounds import RankBounds
 from pmjac_pin.values.arrays import Array
 
 _BY_SINGLE_CALLS = 1e-4  # σ_min of K*, relative: above, rounding is that of 12 digits, unrefined
@@ -41,10 +42,10 @@ class Judge:
         """
         partition, n = self.partition, len(self.mechanism.actuated)
         gap, inverse, size, forbidden, felt, tool, spread = found[:DOUBTS]
-        least = partition.rank_tolerance * np.maximum(size, partition.least_size)
-        certain = gap <= self.mechanism.problem.tolerance
-        certain &= inverse * np.maximum(least, _BY_SINGLE_CALLS * size) < 1.0
-        certain &= (forbidden <= least) & (felt <= _FELT * tool) & (spread > SPREAD)
+        bounds = RankBounds.of(partition, weakest=_BY_SINGLE_CALLS)
+        certain = bounds.regular(inverse, size) & bounds.follows(forbidden, size)
+        certain &= (gap <= self.mechanism.problem.tolerance) & (felt <= _FELT * tool)
+        certain &= spread > SPREAD
         certain &= not partition.isolated
         J_eq = found[DOUBTS : DOUBTS + 6 * n]
         status = np.zeros(len(poses), dtype=np.int8)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -77,8 +78,8 @@ def follow(
     if distance > MOST_STEPS * LARGEST_STEP * partition.length:
         return Followed(start, 0.0, 0, spent=True)
     point, share, step, iterations = start, 0.0, 1.0, 0
-    regular = not _is_singular(start, partition)
-    velocity = _path_velocity(start, displacement, partition) if regular else np.zeros(0)
+    regular = not is_singular(start, partition)
+    velocity = path_velocity(start, displacement, partition) if regular else np.zeros(0)
     tries = 0
     while regular and tries < MOST_STEPS:
         tries += 1
@@ -90,25 +91,24 @@ def follow(
             break
         tangent = velocity * stride
         ahead = problem.integrate(point.q, tangent)
-        candidate = _correct(problem, target(ahead) if last else ahead, tangent, last)
+        candidate = corrected(problem, target(ahead) if last else ahead, tangent, last)
         step = 0.5 * stride
-        if candidate is None or not _is_invertible(candidate, partition):
+        if candidate is None or not is_invertible(candidate, partition):
             continue
-        arriving = _path_velocity(candidate, displacement, partition)
+        arriving = path_velocity(candidate, displacement, partition)
         if not guard.covers(problem, point, candidate, tangent, arriving * stride):
             continue
         iterations += candidate.iterations
         before, point, velocity = point, candidate, arriving
         share = 1.0 if last else share + stride
-        if last or _is_singular(point, partition) or _sinks_away(before, point, partition):
+        if last or is_singular(point, partition) or sinks_away(before, point, partition):
             break
         step = 2.0 * stride
     ended = Followed(point, share, iterations, spent=tries == MOST_STEPS)
-    near = (1.0 - share) * distance <= HARDLY_ANYTHING * partition.length
-    return (_arrived(problem, ended, target) if near and share < 1.0 else None) or ended
+    return _arrived(problem, ended, (1.0 - share) * distance, target)
 
 
-def _sinks_away(before: Closed, point: Closed, partition: Partition) -> bool:
+def sinks_away(before: Closed, point: Closed, partition: Partition) -> bool:
     """Tell whether K* has come nearer to losing its rank and is beyond its tolerance already."""
     rank, least = partition.passive_rank, partition.rank_tolerance * partition.size
     if not rank or point.factors.exceeds(rank, least):
@@ -119,12 +119,14 @@ def _sinks_away(before: Closed, point: Closed, partition: Partition) -> bool:
 
 
 def _arrived(
-    problem: ClosureProblem, ended: Followed, target: Callable[[Array], Array]
-) -> Followed | None:
+    problem: ClosureProblem, ended: Followed, left: float, target: Callable[[Array], Array]
+) -> Followed:
     """Return the target itself, when it is singular and the path ended right beside it."""
+    if ended.share == 1.0 or left > HARDLY_ANYTHING * problem.partition.length:
+        return ended
     point = beside(problem, ended.point.q, target(ended.point.q))
-    if point is None or not _is_singular(point, problem.partition):
-        return None
+    if point is None or not is_singular(point, problem.partition):
+        return ended
     return Followed(point, 1.0, ended.iterations + point.iterations)
 
 
@@ -141,16 +143,18 @@ def beside(problem: ClosureProblem, closed: Array, q: Array) -> Closed | None:
     return point_at(problem, found.q, *problem.evaluate(found.q), found.iterations)
 
 
-def _is_singular(point: Closed, partition: Partition) -> bool:
+def is_singular(point: Closed, partition: Partition) -> bool:
+    """Tell whether K* is below its generic rank."""
     return point.factors.rank < partition.passive_rank
 
 
-def _is_invertible(point: Closed, partition: Partition) -> bool:
+def is_invertible(point: Closed, partition: Partition) -> bool:
+    """Tell whether K* has a pseudoinverse of its generic rank that rounding leaves alone."""
     factors = point.factors
     return factors.exceeds(partition.passive_rank, NO_INVERSE * factors.size)
 
 
-def _path_velocity(point: Closed, displacement: Array, partition: Partition) -> Array:
+def path_velocity(point: Closed, displacement: Array, partition: Partition) -> Array:
     """Return v (nv,): the motors' displacement and φ̇ = −K*⁻¹ K θ̇ with it."""
     actuated, passive = partition.actuated, partition.passive
     velocity = np.zeros(partition.column_scale.size)
@@ -162,23 +166,24 @@ def _path_velocity(point: Closed, displacement: Array, partition: Partition) -> 
     return velocity
 
 
-def _correct(problem: ClosureProblem, q: Array, tangent: Array, last: bool) -> Closed | None:
+def corrected(problem: ClosureProblem, q: Array, tangent: Array, last: bool) -> Closed | None:
     """Newton on the passive joints; None unless it contracts at once.
 
     A first correction that is small beside the predicted motion, and each next one small
     beside the one before, say that the prediction was close to the path. Within the
-    tolerance there is nothing left to tell apart: there it only polishes, slowly at a fold.
+    tolerance there is nothing left to tell apart: there it only polishes, slowly at a fold, and no
+    further than where a correction is foretold that is rounding.
     """
     partition = problem.partition
     enough = (ROUNDING if last else WALKING) * partition.length
     allowed = LARGEST_CORRECTION * norm(tangent / partition.column_scale)
     no_motion = np.zeros(tangent.size)
-    previous_gap = np.inf
+    previous_gap, previous_size, left = np.inf, np.nan, np.nan
     for iteration in range(1, MOST_CORRECTIONS):
         residual, jacobian = problem.evaluate(q)
         gap = problem.gap(residual)
         closed = gap <= problem.tolerance
-        done = gap <= enough or (closed and gap > 0.5 * previous_gap)
+        done = gap <= enough or (closed and (left <= enough or gap > 0.5 * previous_gap))
         velocity = no_motion if done else _newton_step(residual, jacobian, partition)
         size = norm(velocity / partition.column_scale)
         if done or (closed and not np.isfinite(size)):
@@ -186,13 +191,19 @@ def _correct(problem: ClosureProblem, q: Array, tangent: Array, last: bool) -> C
         if not (closed or size <= allowed):
             return None
         allowed, previous_gap = SLOWEST_CONTRACTION * size, gap
+        left, previous_size = next_correction(previous_size, size), size or np.nan
         q = problem.integrate(q, velocity)
     return None
 
 
+def next_correction(before: Any, size: Any) -> Any:
+    """Return how large Newton's next correction is, from the sizes of the last two: they square."""
+    return size * (size / before) ** 2
+
+
 def polished(problem: ClosureProblem, q: Array) -> Array:
     """Return a closed pose after as many further Newton steps as halve its gap."""
-    point = _correct(problem, q, np.zeros(problem.partition.column_scale.size), last=True)
+    point = corrected(problem, q, np.zeros(problem.partition.column_scale.size), last=True)
     return q if point is None else point.q
 
 

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
+from pmjac_pin.closing.levenberg_marquardt import Patience, by_singular_values, descend
 from pmjac_pin.values.arrays import Array, norm
 
 _LONGEST_STRIDE = 0.5  # of one iteration, in characteristic lengths: joints must not wind up
-_HOPELESS = 1e16  # a damping at which the steps are shorter than rounding
+_HOPELESS = 4e16  # a damping at which the steps are shorter than rounding
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,55 +53,71 @@ def assemble(
     enough : float
         A gap at which nothing is improved any more, of the characteristic length.
     """
-    length, row_scale = problem.partition.length, problem.partition.row_scale
-    columns, row_column = weights * problem.partition.column_scale, row_scale[:, None]
-    residual, jacobian = problem.evaluate(q)
-    gap, damping = problem.gap(residual), 1e-3
-    for iteration in range(limit):
-        if gap <= enough * length:
-            return Assembled(q, gap, iteration)
-        error, rows = residual * row_scale, row_column * jacobian
-        if room is unlimited:
-            step = _damped_step(problem, error, rows, columns, damping)
-        else:
-            below, above = room(q)
-            scale = _unheld(columns, columns * (rows.T @ error), below, above)
-            step = np.clip(_damped_step(problem, error, rows, scale, damping), -below, above)
-        if not step.any():
-            return Assembled(q, gap, iteration)
-        trial = problem.integrate(q, step)
-        trial_residual, trial_jacobian = problem.evaluate(trial)
-        trial_gap = problem.gap(trial_residual)
-        if trial_gap < gap:
-            q, residual, jacobian, gap = trial, trial_residual, trial_jacobian, trial_gap
-            damping = max(damping / 8.0, 1e-12)
-        elif gap <= problem.tolerance or damping > _HOPELESS:
-            return Assembled(q, gap, iteration)
-        else:
-            damping *= 4.0
-    return Assembled(q, gap, limit)
+    patience = Patience(
+        steps=limit,
+        enough=enough * problem.partition.length,
+        tolerance=problem.tolerance,
+        damping=1e-3,
+        least=1e-12,
+        most=_HOPELESS,
+        shrinks=8.0,
+        grows=4.0,
+        grows_within=np.inf,  # closed, and no further
+    )
+    end = descend(_OnePose(problem, weights, room), q, patience)
+    return Assembled(end.q, float(end.gap), int(end.iterations))
 
 
-def _unheld(columns: Array, uphill: Array, below: Array | float, above: Array | float) -> Array:
-    """Return how easily each degree of freedom moves downhill: not at all, where a limit is."""
-    held = ((uphill > 0.0) & (below <= 0.0)) | ((uphill < 0.0) & (above <= 0.0))
-    return np.where(held, 0.0, columns)
+class _OnePose:
+    """The loops of one pose: what is to be closed."""
 
+    __slots__ = ("_columns", "_problem", "_room", "_row_column", "_row_scale")
 
-def _damped_step(
-    problem: ClosureProblem, error: Array, rows: Array, scale: Array, damping: float
-) -> Array:
-    """Return v (nv,), for rows in m and columns moving as easily as `scale` says."""
-    # No rank is said here: what vanishes is held back by damping.
-    left, values, right = np.linalg.svd(rows * scale, full_matrices=False)
-    if not values.size or not (largest := float(values[0])):
-        return np.zeros(scale.size)
-    partition = problem.partition
-    # Damping fades with the gap, which keeps the convergence quadratic at a regular pose
-    # and leaves idle and redundant directions, with σ at rounding, alone.
-    fading = min(1.0, (norm(error) / partition.length) ** 2)
-    squared = damping * largest**2 * fading + (1e-9 * largest) ** 2
-    step: Array = -scale * (right.T @ (values / (values**2 + squared) * (left.T @ error)))
-    stride = norm(step / partition.column_scale)
-    step *= min(1.0, _LONGEST_STRIDE * partition.length / (stride or 1.0))
-    return step
+    solution = staticmethod(by_singular_values)
+
+    def __init__(
+        self,
+        problem: ClosureProblem,
+        weights: Array,
+        room: Callable[[Array], tuple[Array | float, Array | float]],
+    ) -> None:
+        self._problem, self._room = problem, room
+        self._columns = weights * problem.partition.column_scale
+        self._row_scale = problem.partition.row_scale
+        self._row_column = self._row_scale[:, None]
+
+    def evaluate(self, q: Array) -> tuple[Array, Array]:
+        """Return η in m and its rows."""
+        residual, jacobian = self._problem.evaluate(q)
+        return residual * self._row_scale, self._row_column * jacobian
+
+    def ease(self, q: Array, error: Array, rows: Array, _: Array | None) -> Array:
+        """Return the scales of the columns: no joint moves on downhill where a limit is."""
+        if self._room is unlimited:
+            return self._columns
+        uphill = self._columns * (rows.T @ error)
+        below, above = self._room(q)
+        held = ((uphill > 0.0) & (below <= 0.0)) | ((uphill < 0.0) & (above <= 0.0))
+        return np.where(held, 0.0, self._columns)
+
+    def fading(self, gap: Array) -> Array:
+        """Return the square of the gap, in characteristic lengths.
+
+        That keeps the convergence quadratic at a regular pose and leaves idle and redundant
+        directions, with σ at rounding, alone.
+        """
+        return np.minimum(1.0, (gap / self._problem.partition.length) ** 2)
+
+    def bounded(self, q: Array, step: Array) -> Array:
+        """Return a step within the joints' limits, no longer than a stride."""
+        partition = self._problem.partition
+        stride = norm(step / partition.column_scale)
+        step = step * min(1.0, _LONGEST_STRIDE * partition.length / (stride or 1.0))
+        if self._room is unlimited:
+            return step
+        below, above = self._room(q)
+        return np.clip(step, -below, above)
+
+    def moved(self, q: Array, step: Array) -> Array:
+        """Return q ⊕ v."""
+        return self._problem.integrate(q, step)

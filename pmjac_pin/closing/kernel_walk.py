@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pmjac_pin.algebra.c_kernels import address
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing import closure
 from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
@@ -17,7 +18,6 @@ from pmjac_pin.closing.path_kernel import (
     MachineStruct,
     Memory,
     WalkStruct,
-    address,
 )
 from pmjac_pin.closing.step_guard import MARGIN
 from pmjac_pin.model.coordinates import JointCoordinates
@@ -147,7 +147,9 @@ class KernelWalk:
         programs = [Memory(tape, lanes, it) for tape, it in zip(tapes, compiled, strict=True)]
         _, arrival, _ = tapes
         point, states = aligned(arrival.outputs, lanes), (LaneStruct * lanes)()
-        common = np.zeros(arrival.outputs + machine.struct.motors * machine.struct.nv)
+        nv, motors = machine.struct.nv, machine.struct.motors
+        # With the rates with each motor, how these bend by pairs, and their sizes.
+        common = np.zeros(arrival.outputs + motors * (nv + 1) + motors * (motors + 1) // 2 * nv)
         self._begin, self._walk = library.pmjac_begin, library.pmjac_walk
         self._kept = machine, programs, point, states, common
         self._struct = WalkStruct(
@@ -156,6 +158,7 @@ class KernelWalk:
             address(point),
             ctypes.addressof(states),
             address(common),
+            0.0,
         )
         self._argument = ctypes.byref(self._struct)
 
@@ -165,9 +168,14 @@ class KernelWalk:
         most_tries: int = closure.MOST_STEPS,
         few: int = 0,
         patience: int = closure.MOST_STEPS,
+        inverse: float = 0.0,
     ) -> None:
-        """Take paths to walk: of at most so many steps, of the last few of fewer."""
+        """Take paths to walk: of at most so many steps, of the last few of fewer.
+
+        Where all start at one pose, `inverse` may be how large that of K* is there at most.
+        """
         struct, self._paths = self._struct, paths
+        struct.inverse = inverse
         start = paths.start
         if start.strides[0] and not start.flags.c_contiguous:
             start = np.ascontiguousarray(start)

@@ -21,6 +21,7 @@ from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
 from pmjac_pin.closing.recorded_step import BOUNDS
 from pmjac_pin.closing.step_guard import MARGIN
 from pmjac_pin.model.coordinates import JointCoordinates
+from pmjac_pin.rates.rank_bounds import RankBounds
 from pmjac_pin.values.arrays import Array, Index, Mask
 
 LONG, FEW = 300, 2  # so few paths with so many steps behind them are walked one by one sooner
@@ -157,7 +158,6 @@ class Walker:
         most_steps : int
             Tried in each path; what runs out of them is not settled.
         """
-        motors = self.problem.partition.actuated
         displacement = displacement.T.copy()
         here = self.at(q.T, displacement)
         share, step = np.zeros(len(q)), np.ones(len(q))
@@ -170,15 +170,12 @@ class Walker:
             last = stride >= 1.0 - share[going]
             start = here[going]
             tangent = start.velocity * stride
-            ahead = run(self.move, np.vstack([start.q, tangent]))
-            ahead[:, last] = self.coordinates.with_values(
-                ahead[:, last].T, motors, target[going[last]]
-            ).T
+            ahead = self._ahead(start.q, tangent, last, target[going])
             step[going] = 0.5 * stride
             allowed = closure.LARGEST_CORRECTION * stride * start.pace
             found, good = self._correct(ahead, allowed, displacement[:, going], last)
             steps = [start.q[:, good], found.q, tangent[:, good], found.velocity * stride[good]]
-            covered = self._covers(np.vstack(steps), start.inverse[good])
+            covered = self._covers(np.vstack([*steps, start.inverse[good], found.inverse]))
             good = good[covered]
             done, found = going[good], found[covered]
             here.put(done, found)
@@ -200,9 +197,8 @@ class Walker:
 
     def regular(self, points: PathPoints) -> Mask:
         """Tell where K* has its generic rank for certain."""
-        partition = self.problem.partition
-        size = np.maximum(points.size, partition.least_size)
-        return np.asarray(points.inverse * partition.rank_tolerance * size < 1.0)
+        bounds = RankBounds.of(self.problem.partition)
+        return np.asarray(bounds.regular(points.inverse, points.size))
 
     def _strides(
         self, here: PathPoints, going: Index, step: Array, left: Array
@@ -214,6 +210,12 @@ class Walker:
         on = (stride == left[going]) | (stride * pace >= closure.SMALLEST_STEP * length)
         return going[on], stride[on]
 
+    def _ahead(self, q: Array, tangent: Array, last: Mask, target: Array) -> Array:
+        """Return q ⊕ v (nq, b), the motors at their targets (b, n) where the step is the last."""
+        ahead, motors = run(self.move, np.vstack([q, tangent])), self.problem.partition.actuated
+        ahead[:, last] = self.coordinates.with_values(ahead[:, last].T, motors, target[last]).T
+        return ahead
+
     def _correct(
         self, q: Array, allowed: Array, displacement: Array, last: Mask
     ) -> tuple[PathPoints, Index]:
@@ -222,10 +224,11 @@ class Walker:
         found = self.at(q, displacement)
         left, at, good = np.arange(len(last)), found, np.zeros(len(last), dtype=bool)
         before = np.full(len(last), np.inf)
+        earlier, foretold = np.full((2, len(last)), np.nan)
         for _ in range(closure.MOST_CORRECTIONS):
             size, closed = at.correction, at.gap <= self.problem.tolerance
             done = closed & ~np.isfinite(size) | (at.gap <= enough[left])
-            done |= closed & (at.gap > 0.5 * before)
+            done |= closed & ((foretold <= enough[left]) | (at.gap > 0.5 * before))
             if at is not found:
                 found.put(left[done], at[done])
             good[left[done]] = True
@@ -235,16 +238,17 @@ class Walker:
                 break
             at = at[on]
             allowed, before = closure.SLOWEST_CONTRACTION * size[on], at.gap
+            foretold = closure.next_correction(earlier[on], size[on])
+            earlier = np.where(size[on] > 0.0, size[on], np.nan)
             at = self.at(at.q, displacement[:, left], at.newton)
         good &= found.inverse * found.size * closure.NO_INVERSE < 1.0
         return found[good], np.flatnonzero(good)
 
-    def _covers(self, steps: Array, inverse: Array) -> Mask:
+    def _covers(self, steps: Array) -> Mask:
         """Tell which steps are proven regular, as `StepGuard.covers` does, by one of the bounds."""
-        told = run(self.leg, np.vstack([steps, inverse])).reshape(BOUNDS, 4, -1)
-        change, rho, tau, within = told.swapaxes(0, 1)
-        contracts = MARGIN * (change + inverse * within) < 1.0
-        covered = contracts & (change < 1.0) & (within * tau <= rho)
+        told = run(self.leg, steps).reshape(BOUNDS, 4, -1)
+        change, rho, beyond, contraction = told.swapaxes(0, 1)
+        covered = (MARGIN * contraction < 1.0) & (change < 1.0) & (beyond <= rho)
         return np.asarray(covered.any(axis=0))
 
 

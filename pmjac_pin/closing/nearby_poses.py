@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain
 
 import numpy as np
 
@@ -25,6 +26,7 @@ _SHORT_ROD = 0.1  # of the machine: a rod that ends what can be displaced
 _SEEN = 100.0  # tolerances: a gap of the square of a distance may have a small factor
 _AWAY = 0.1  # of a probe's distance: nearer to home, the loops have only pulled it back
 _TOO_FAR = 20.0  # times a probe's distance: another assembly mode
+_ALL_TOGETHER = 0.05  # of how far joints can be displaced one by one: less is another branch's
 _SHAKEN = 3  # starts of each joint that is displaced and held
 _LEAST_SHARE_OF_RATES = (
     0.05  # a joint's share in the rates that loops allow, below which others are tried
@@ -69,16 +71,28 @@ def reach_of_joints(problem: ClosureProblem, q: Array) -> float:
     them can be displaced neither way so, the pose is singular, or part of the machine a structure:
     0. Where one can be displaced by very little only, loops may still part: gaps that grow with a
     high power of the distance are within the tolerance there. Infinite where nothing may move.
+
+    Where branches meet, each joint may have its own to move on, but not all of them together. So
+    they are displaced so, too, in one combination. By far less than one by one counts as not at
+    all: gaps that grow with a higher power of the distance.
     """
     allowed = _allowed(problem, q)
     leading = pivots(allowed.T, allowed.shape[1])
     steps, farthest = allowed @ np.linalg.inv(allowed[leading]), math.inf
-    for joint, step in zip(leading.tolist(), steps.T, strict=True):
-        distances = (*_seen_distances(problem), *_short_distances(problem, joint))
-        farthest = min(farthest, _farthest_reach(problem, q, step, leading, distances))
+    ways = [
+        (step, _short_distances(problem, joint))
+        for joint, step in zip(leading.tolist(), steps.T, strict=True)
+    ]
+    for step, short in ways:
+        farthest = min(farthest, _farthest_reach(problem, q, step, leading, short))
         if not farthest:
             break
-    return farthest
+    if len(ways) == 1 or not 0.0 < farthest < math.inf:
+        return farthest
+    combined = _unit_step(steps @ np.random.default_rng(0).normal(size=len(ways)))
+    short = tuple(chain.from_iterable(short for _, short in ways))
+    together = _farthest_reach(problem, q, combined, leading, short)
+    return min(farthest, together) if together > _ALL_TOGETHER * farthest else 0.0
 
 
 def _farthest_reach(
@@ -86,8 +100,10 @@ def _farthest_reach(
     q: Array,
     step: Array,
     leading: Index,
-    distances: Sequence[float],
+    short: Sequence[float],
 ) -> float:
+    """Return how far a step leads, the leading joints held, by the distances that are tried."""
+    distances = (*_seen_distances(problem), *short)
     rng, weights = np.random.default_rng(0), np.ones(step.size)
     weights[leading] = 0.0
     tries = [step, *(step + weights * rng.normal(size=step.size) for _ in range(_SHAKEN))]

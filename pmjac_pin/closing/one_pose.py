@@ -19,6 +19,7 @@ from pmjac_pin.closing.recorded_rates import DOUBTS, SPREAD
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.model.unit_turns import UNIT
 from pmjac_pin.rates.factorisation import REFINED
+from pmjac_pin.rates.rank_bounds import RankBounds
 from pmjac_pin.values.arrays import Array, read_only
 
 SURELY = 1.0 - 1e-3  # of a bound: what is nearer, singular values decide
@@ -63,7 +64,7 @@ class OnePose:
     model : pin.Model
     """
 
-    __slots__ = ("_least_size", "_model", "_motors", "_run", "_thread", "_tolerances")
+    __slots__ = ("_bounds", "_closed", "_model", "_motors", "_run", "_thread")
 
     def __init__(
         self, library: ctypes.PyDLL, tape: Tape, problem: ClosureProblem, model: pin.Model
@@ -71,8 +72,9 @@ class OnePose:
         partition = problem.partition
         self._run, self._thread = library.pmjac_run_once, ThreadMemory(tape)
         self._model = model if model.nq > model.nv else None  # else nothing has unit length
-        self._motors, self._least_size = partition.actuated.size, partition.least_size
-        self._tolerances = SURELY * problem.tolerance, partition.rank_tolerance
+        self._motors, self._closed = partition.actuated.size, SURELY * problem.tolerance
+        # Nearer to singular, rates are refined, which the program does not do.
+        self._bounds = RankBounds.of(partition, SURELY, REFINED)
 
     def at(self, q: Array) -> KnownPose | None:
         """Return what is known at a q, None where that is not certain."""
@@ -83,9 +85,6 @@ class OnePose:
         self._run(argument)
         told = outputs.tobytes()
         gap, inverse, size, forbidden, _, _, spread = _DOUBTS.unpack_from(told)
-        closed, tolerance = self._tolerances
-        least = tolerance * max(size, self._least_size)
-        # Nearer to singular, rates are refined, which the program does not do.
-        weakest = max(least, REFINED * size)
-        certain = gap <= closed and inverse * weakest < SURELY and forbidden <= SURELY * least
-        return KnownPose(gap, told, self._motors) if certain and spread > SPREAD else None
+        certain = gap <= self._closed and self._bounds.regular(inverse, size)
+        certain = certain and spread > SPREAD and self._bounds.follows(forbidden, size)
+        return KnownPose(gap, told, self._motors) if certain else None

@@ -13,61 +13,9 @@
 #define LANES 1
 #define FOR_EACH_PROCESSOR
 #endif
-#include "walk.h"
+#include "starts.h"
 
 int pmjac_lanes(void) { return LANES; }
-
-/* A program of one stage. */
-void pmjac_run_once(const Program *program) { run_stage(program, 0); }
-
-/* A lane is at the start of a path, with nothing known there yet. */
-static void put(Walk *walk, int lane, int64_t path)
-{
-    const Machine *machine = walk->machine;
-    int64_t nq = machine->nq, nv = machine->nv;
-    Row *motors = walk->arrival.inputs + nq + nv;
-    for (int64_t k = 0; k < nq; k++)
-        walk->point[k][lane] = walk->start[path * walk->apart + k];
-    for (int64_t k = nq; k < numbers(machine); k++)
-        walk->point[k][lane] = 0.0;
-    for (int64_t k = 0; k < machine->motors; k++)
-        motors[k][lane] = walk->displacement[path * machine->motors + k];
-    walk->lanes[lane] = (Lane){.state = BEGINS, .path = path, .next = 1.0};
-}
-
-/* The same at the start of all paths, where rates are sums of those with each motor. */
-static void put_at_common(Walk *walk, int lane, int64_t path)
-{
-    const Machine *machine = walk->machine;
-    int64_t nv = machine->nv, first = numbers(machine) - nv;
-    const double *displacement = walk->displacement + path * machine->motors;
-    double *rates = walk->common + first, *of_motor = rates + nv, pace = 0.0;
-    put(walk, lane, path);
-    for (int64_t k = 0; k < nv; k++) rates[k] = 0.0;
-    for (int64_t motor = 0; motor < machine->motors; motor++, of_motor += nv)
-        for (int64_t k = 0; k < nv; k++) rates[k] += of_motor[k] * displacement[motor];
-    for (int64_t k = 0; k < nv; k++)
-        pace += rates[k] / machine->scale[k] * (rates[k] / machine->scale[k]);
-    for (int64_t k = 0; k < numbers(machine); k++) walk->point[k][lane] = walk->common[k];
-    known(machine, walk->point)[PACE][lane] = sqrt(pace);
-}
-
-/* What is known where all paths start: lanes are asked for the rates with a motor each. */
-static void learn_common(Walk *walk)
-{
-    const Machine *machine = walk->machine;
-    int64_t nq = machine->nq, nv = machine->nv, motors = machine->motors;
-    Row *inputs = walk->arrival.inputs, *found = walk->arrival.outputs;
-    double *of_motor = walk->common + numbers(machine);
-    for (int64_t k = 0; k < nq + nv + motors; k++)
-        for (int lane = 0; lane < LANES; lane++)
-            inputs[k][lane] = k < nq ? walk->start[k] : k == nq + nv + lane;
-    pmjac_run_once(&walk->arrival);
-    for (int64_t k = 0; k < numbers(machine); k++) walk->common[k] = found[k][0];
-    for (int64_t motor = 0; motor < motors; motor++)
-        for (int64_t k = 0; k < nv; k++)
-            of_motor[motor * nv + k] = velocity(machine, found)[k][motor];
-}
 
 static void finish(Walk *walk, int at, int64_t end)
 {
@@ -98,13 +46,8 @@ static int64_t set_out(Walk *walk, int at, int64_t most_tries)
     if (!(lane->last || stride * pace >= machine->smallest_step)) return STUCK;
     lane->stride = stride, lane->next = 0.5 * stride, lane->tries++;
     lane->allowed = machine->largest_correction * stride * pace, lane->before = HUGE_VAL;
-    lane->corrections = 0, lane->state = CORRECTS;
+    lane->corrections = 0, lane->state = CORRECTS, lane->size = 0.0, lane->left = HUGE_VAL;
     return GOES_ON;
-}
-
-INLINE int have_common_start(const Walk *walk)
-{
-    return !walk->apart && walk->machine->motors <= LANES;
 }
 
 /* A lane without a path takes up the next one. */
@@ -179,9 +122,10 @@ INLINE void predict(Walk *walk)
     for (int64_t k = 0; k < machine->nv; k++)
         EACH leaving[k][i] = rates[k][i] * stride[i];
     copy(walk->leg.inputs, walk->point, machine->nq);
-    copy(leaving + 2 * machine->nv, known(machine, walk->point) + INVERSE, 1);
+    set_inverse(walk, leaving + 2 * machine->nv);
     copy(walk->move.inputs, walk->point, machine->nq);
     copy(walk->move.inputs + machine->nq, leaving, machine->nv);
+    if (have_common_start(walk)) bend(walk, walk->move.inputs + machine->nq);
     pmjac_run_once(&walk->move);
     copy_where(steps, ahead, walk->move.outputs, machine->nq);
     for (int at = 0; at < LANES; at++) {
@@ -198,12 +142,15 @@ INLINE int corrects(const Machine *machine, Lane *lane, double gap, double size)
     int closed = gap <= machine->tolerance;
     double enough = lane->last ? machine->enough : machine->walking;
     lane->corrections++;
-    if (gap <= enough || (closed && (gap > 0.5 * lane->before || !isfinite(size))))
+    int resolved = lane->left <= enough || gap > 0.5 * lane->before || !isfinite(size);
+    if (gap <= enough || (closed && resolved))
         lane->state = CLOSED;
     else if (!(closed || size <= lane->allowed)
              || lane->corrections + 1 >= machine->most_corrections)
         lane->state = REFUSED;
     lane->allowed = machine->slowest_contraction * size, lane->before = gap;
+    lane->left = size * (size / lane->size) * (size / lane->size); /* they square */
+    lane->size = size;
     return lane->state == CORRECTS;
 }
 
@@ -237,12 +184,11 @@ INLINE int invertible(const Machine *machine, const Row *of, int lane)
         && regular(machine, of, lane, machine->arrival_tolerance);
 }
 
-INLINE int covered(const Machine *machine, const Row *bound, double inverse, int lane)
+INLINE int covered(const Machine *machine, const Row *bound, int lane)
 {
     double change = bound[0][lane], rho = bound[1][lane];
-    double tau = bound[2][lane], within = bound[3][lane];
-    return machine->margin * (change + inverse * within) < 1.0 && change < 1.0
-        && within * tau <= rho;
+    double beyond = bound[2][lane], contraction = bound[3][lane];
+    return machine->margin * contraction < 1.0 && change < 1.0 && beyond <= rho;
 }
 
 /* Refuse what is not invertible, and steps that are not covered by any bound; the leg has their q,
@@ -252,7 +198,6 @@ INLINE void judge(Walk *walk)
     const Machine *machine = walk->machine;
     Row *found = walk->arrival.outputs, *other = walk->leg.inputs + machine->nq;
     Row *arriving = other + machine->nq + machine->nv, *onward = velocity(machine, found), stride;
-    const Row *inverse = arriving + machine->nv;
     int left = 0;
     for (int at = 0; at < LANES; at++) {
         Lane *lane = walk->lanes + at;
@@ -261,6 +206,7 @@ INLINE void judge(Walk *walk)
         stride[at] = lane->stride, left += lane->state == CLOSED;
     }
     copy(other, found, machine->nq);
+    copy(arriving + machine->nv + 1, known(machine, found) + INVERSE, 1);
     for (int64_t k = 0; k < machine->nv; k++)
         EACH arriving[k][i] = onward[k][i] * stride[i];
     for (int part = 0; part < BOUNDS && left; part++) {
@@ -268,7 +214,7 @@ INLINE void judge(Walk *walk)
         for (int at = 0; at < LANES; at++) {
             Lane *lane = walk->lanes + at;
             if (lane->state == CLOSED
-                && covered(machine, walk->leg.outputs + 4 * part, inverse[0][at], at))
+                && covered(machine, walk->leg.outputs + 4 * part, at))
                 lane->state = COVERED, left--;
         }
     }

@@ -5,12 +5,11 @@ from __future__ import annotations
 import ctypes
 import threading
 from functools import cache
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pmjac_pin.algebra import tape_runner
+from pmjac_pin.algebra.c_kernels import address, loaded
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.recorded_step import BOUNDS
 from pmjac_pin.values.arrays import aligned
@@ -18,13 +17,12 @@ from pmjac_pin.values.arrays import aligned
 if TYPE_CHECKING:
     from pmjac_pin.algebra.compiled_programs import CompiledProgram
 
-_FOLDER = Path(__file__).parent
-_ALGEBRA = _FOLDER.parent / "algebra"
 _SOURCES = (
-    _FOLDER / "path_kernel.c",
-    _FOLDER / "walk.h",
-    _ALGEBRA / "tape_kernel.c",
-    _ALGEBRA / "lanes.h",
+    "closing/path_kernel.c",
+    "closing/starts.h",
+    "closing/walk.h",
+    "algebra/tape_kernel.c",
+    "algebra/lanes.h",
 )
 
 _Number, _Count = ctypes.c_double, ctypes.c_int64
@@ -37,14 +35,14 @@ def path_kernel() -> ctypes.PyDLL | None:
 
     Its calls take microseconds: other threads wait, instead of taking over in each of them.
     """
-    library = tape_runner.loaded(_FOLDER / "_path_kernel.so", *_SOURCES)
+    library = loaded("closing/_path_kernel.so", *_SOURCES)
     return None if library is None else ctypes.PyDLL(library._name, handle=library._handle)
 
 
 @cache
 def many_paths_kernel() -> ctypes.CDLL | None:
     """Return the kernel of many lanes, None where none was built; it lets other threads run."""
-    return tape_runner.loaded(_FOLDER / "_many_paths.so", _FOLDER / "many_paths.c", *_SOURCES)
+    return loaded("closing/_many_paths.so", "closing/many_paths.c", *_SOURCES)
 
 
 class ProgramStruct(ctypes.Structure):
@@ -79,6 +77,7 @@ class LaneStruct(ctypes.Structure):
         *((name, _Count) for name in ("state", "path", "tries", "iterations", "corrections")),
         ("last", _Count),
         *((name, _Number) for name in ("share", "next", "stride", "allowed", "before")),
+        *((name, _Number) for name in ("size", "left")),
     )
 
 
@@ -88,10 +87,9 @@ class WalkStruct(ctypes.Structure):
     _fields_ = (
         ("machine", _Pointer),
         *((name, ProgramStruct) for name in ("move", "arrival", "leg")),
-        *(
-            (name, _Pointer)
-            for name in ("point", "lanes", "common", "start", "displacement", "target")
-        ),
+        *((name, _Pointer) for name in ("point", "lanes", "common")),
+        ("inverse", _Number),
+        *((name, _Pointer) for name in ("start", "displacement", "target")),
         *((name, _Count) for name in ("apart", "count", "taken", "most_tries", "few", "patience")),
         *((name, _Pointer) for name in ("q", "gap", "share", "iterations", "end")),
     )
@@ -144,8 +142,3 @@ class ThreadMemory(threading.local):
     def __init__(self, tape: Tape) -> None:
         self._kept = memory = Memory(tape)
         self.numbers = memory.inputs[:, 0], memory.outputs[:, 0], ctypes.byref(memory.struct)
-
-
-def address(array: Any) -> int:
-    """Return where an array's numbers are."""
-    return int(array.ctypes.data)

@@ -11,6 +11,7 @@ import numpy as np
 
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing import closure
+from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.kernel_walk import DOUBTFUL, SPENT, KernelMachine, KernelWalk, PathsToWalk
 from pmjac_pin.closing.many_paths import FEW, LONG, GoOn, Paths, judged
@@ -60,6 +61,7 @@ class PathsInLanes:
             least_size=partition.least_size,
         )
         self._threads = threading.local()
+        self._common: tuple[bytes, float] = b"", 0.0
 
     def walk(
         self,
@@ -89,10 +91,22 @@ class PathsInLanes:
             walk = KernelWalk(self._library, self._machine, self._tapes, self._compiled)
             self._threads.walk = walk
         paths = PathsToWalk.of(q, displacement, target)
-        walk.take(paths, most_steps, FEW, LONG)
+        walk.take(paths, most_steps, FEW, LONG, 0.0 if q.strides[0] else self._inverse_at(q[0]))
         walk.begin()
         go_on()
         while walk.go_on(_LANE_STEPS_AT_ONCE):
             go_on()
         ended = Paths(paths.q, paths.share, paths.end != SPENT)
         return judged(self._problem, ended, displacement, paths.end == DOUBTFUL)
+
+    def _inverse_at(self, q: Array) -> float:
+        """Return how large the inverse of K* is, 0 where the programs have it on some columns."""
+        partition, whose = self._problem.partition, q.tobytes()
+        if not 0 < partition.passive_rank == partition.passive.size:
+            return 0.0
+        known = self._common
+        if known[0] != whose:  # threads may each find it
+            factors = closed_point(self._problem, q.copy()).factors
+            smallest = float(factors.singular_values[partition.passive_rank - 1])
+            known = self._common = whose, 1.0 / smallest if smallest > 0.0 else 0.0
+        return known[1]

@@ -13,7 +13,7 @@ from pmjac_pin.algebra.tangents import tangents
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.path_kernel import ThreadMemory
 from pmjac_pin.closing.recorded_rates import RecordedRates
-from pmjac_pin.kinematics.recorded_motions import recorded_entry_rates
+from pmjac_pin.kinematics.joint_steps import entry_rates
 from pmjac_pin.rates.sparse_qr import Triangle
 from pmjac_pin.values.arrays import Array
 
@@ -41,7 +41,7 @@ def motion_tape(loops: RecordedRates) -> Tape:
         G[motors] = np.eye(motors.size)
         G[kept] = following(matrix[:, motors]) / scale[motors]
         v = G @ rates
-        along = recorded_entry_rates(recorder.tree, q, v)
+        along = entry_rates(recorder.tree, q, v)
         of = [*kinematics.rates.ravel(), *kinematics.tool.ravel()]
         changes = objects(tangents(of, q.tolist(), along.tolist())).reshape(-1, scale.size) @ v
         opening, tool = changes[:-6] * partition.row_scale, changes[-6:]

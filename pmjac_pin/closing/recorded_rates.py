@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import Term, largest, objects, zeros
+from pmjac_pin.algebra.programs import PROGRAMS, Term, largest, objects, zeros
 from pmjac_pin.algebra.recordings import Recordings
 from pmjac_pin.algebra.tangents import tangents
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.closure_problem import ClosureProblem
+from pmjac_pin.kinematics.joint_steps import entry_rates, moved_by
 from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
-from pmjac_pin.kinematics.recorded_motions import moved_by, recorded_entry_rates
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.rates.sparse_qr import Triangle, norm
@@ -128,7 +128,7 @@ class RecordedRates:
 
         def make(inputs: Sequence[Term]) -> list[Any]:
             q, v = np.split(objects(inputs), [nq])
-            outputs: list[Any] = moved_by(self.recorder.tree, q, v).tolist()
+            outputs: list[Any] = moved_by(PROGRAMS, self.recorder.tree, q, v).tolist()
             return outputs
 
         return self.recordings.tape("move", nq + nv, make)
@@ -143,7 +143,7 @@ class RecordedRates:
 
         def make(inputs: Sequence[Term]) -> list[Any]:
             start, v, rates = np.split(objects(inputs), [nq, nq + nv])
-            q = moved_by(self.recorder.tree, start, v)
+            q = moved_by(PROGRAMS, self.recorder.tree, start, v)
             known, motions = self._point(q.tolist(), rates)
             sizes = [norm(motion) for motion in motions]
             moves = (motions * self.partition.column_scale).ravel()
@@ -221,9 +221,7 @@ class RecordedRates:
             kinematics = self.recorder.at(inputs[:nq])
             tool = [*kinematics.tool.ravel(), *kinematics.rotation.ravel(), *kinematics.position]
             of = [*kinematics.in_world()[1].ravel(), *tool]
-            along = recorded_entry_rates(
-                self.recorder.tree, objects(inputs[:nq]), objects(inputs[nq:])
-            )
+            along = entry_rates(self.recorder.tree, objects(inputs[:nq]), objects(inputs[nq:]))
             return [*tangents(of, inputs[:nq], along.tolist()), *tool]
 
         return self.recordings.tape("slopes", nq + self.recorder.nv, make)

@@ -1,14 +1,20 @@
 """What the step guard asks of a step of a path, as a program, in Frobenius' norms.
 
 `StepGuard` has the mathematics and measures entry by entry; here, with A⁺ the inverse of K* on its
-kept columns at the start, and norms of dimensionless matrices,
+kept columns at the start, B⁺ that at the end, and norms of dimensionless matrices,
 
     N = ‖A⁺ΔA‖ + ‖A⁺ΔM‖ + ‖A⁺‖ ‖left out‖,    ΔA = K*(q₁) − A,    ΔM = K*(p(½)) − A − ½ ΔA,
     τ = ‖A⁺‖ ρ / (1 − N),    W = ‖how K* changes within 2τ‖,
 
-a step is covered where W τ ≤ ρ and N + ‖A⁺‖ W < 1. Products with A⁺ are most of the work: ‖A⁺‖ ‖ΔA‖
-and ‖A⁺‖ ‖ΔM‖ in their place are larger, but often small enough. So N, and what follows from it, is
-told three times: with norms only, with A⁺ΔA, and with both.
+a step is covered where W τ ≤ ρ and N + ‖A⁺‖ W < 1. Products with A⁺ are most of the work. Less is
+asked first: K* changes by s ΔA from the start and by (1 − s) ΔA from the end, so that
+
+    N = ‖A⁺‖ ‖B⁺‖ / (‖A⁺‖ + ‖B⁺‖) ‖ΔA‖ + max(‖A⁺‖, ‖B⁺‖) (‖ΔM‖ + ‖left out‖)
+
+serves one Newton's map with A⁺ up to s = ‖B⁺‖ / (‖A⁺‖ + ‖B⁺‖), and one with B⁺ from there on. Both
+find the closed pose there: each finds one that is the only one within 2τ, with the larger of both
+norms in τ. So N, and what follows from it, is told three times: with norms only, with A⁺ΔA, and
+with both.
 """
 
 from __future__ import annotations
@@ -19,20 +25,22 @@ from typing import Any
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import Term, largest, objects, roots, zeros
+from pmjac_pin.algebra.programs import PROGRAMS, Term, largest, objects, roots, zeros
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.arms import Arms
 from pmjac_pin.closing.bends import Bends, MotionSeries
 from pmjac_pin.closing.recorded_rates import RecordedRates
 from pmjac_pin.closing.step_guard import CUBIC, QUADRATIC, SLOPES
-from pmjac_pin.kinematics.recorded_motions import arriving, between, moved_by
+from pmjac_pin.kinematics.joint_steps import arriving, between, moved_by
 from pmjac_pin.rates.sparse_qr import Triangle, norm
 
 BOUNDS = 3  #: that are told of a step
 
 
 def leg_tape(loops: RecordedRates, arms: Arms) -> Tape:
-    """Return (q₀, q₁, leaving, onward, ‖A⁺‖) ↦ (N, ρ, τ, W), `BOUNDS` times, the quickest first.
+    """Return (q₀, q₁, leaving, onward, ‖A⁺‖, ‖B⁺‖) ↦ (N, ρ, W τ, N + ‖A⁺‖ W), `BOUNDS` times.
+
+    The quickest first.
 
     Rates of the path at both ends: what leaves q₀ is one of the way, what moves on from q₁ is made
     one.
@@ -41,18 +49,18 @@ def leg_tape(loops: RecordedRates, arms: Arms) -> Tape:
 
     def make(inputs: Sequence[Term]) -> list[Any]:
         ends = [nq, 2 * nq, 2 * nq + nv, 2 * nq + 2 * nv]
-        start, end, leaving, onward, (inverse,) = np.split(objects(inputs), ends)
-        way = between(tree, start, end)
-        at_end = arriving(tree, way, onward)
-        half = moved_by(tree, start, 0.5 * way + 0.125 * (leaving - at_end))
+        start, end, leaving, onward, inverses = np.split(objects(inputs), ends)
+        way = between(PROGRAMS, tree, start, end)
+        at_end = arriving(PROGRAMS, tree, way, onward)
+        half = moved_by(PROGRAMS, tree, start, 0.5 * way + 0.125 * (leaving - at_end))
         poses, rates = np.array([start, end, half]), np.array([leaving, at_end, way])
-        return _covered(loops, arms, poses, rates, inverse)
+        return _covered(loops, arms, poses, rates, inverses)
 
-    return loops.recordings.tape("leg", 2 * nq + 2 * nv + 1, make, range(4, 4 * BOUNDS + 1, 4))
+    return loops.recordings.tape("leg", 2 * nq + 2 * nv + 2, make, range(4, 4 * BOUNDS + 1, 4))
 
 
 def _covered(
-    loops: RecordedRates, arms: Arms, poses: Numbers, rates: Numbers, inverse: Any
+    loops: RecordedRates, arms: Arms, poses: Numbers, rates: Numbers, inverses: Numbers
 ) -> list[Any]:
     """Return the bounds of q₀, q₁ and p(½), and of leaving, arriving and way."""
     kept, at = loops.kept, [loops.recorder.at(q.tolist()) for q in poses]
@@ -64,22 +72,25 @@ def _covered(
     open_by = (CUBIC * bends.residual(motion) + bends.rounding(motion)) * row_scale
     slopes = (at[1].residual - at[0].residual) * row_scale
     rho = norm(open_by) + SLOPES * norm(slopes)
-    left_out = inverse * norm(loops.scaled(QUADRATIC * bends.rates(motion))[:, kept])
+    left_out = norm(loops.scaled(QUADRATIC * bends.rates(motion))[:, kept])
 
-    def bounds(change: Any) -> list[Any]:
+    def bounds(change: Any, inverse: Any) -> list[Any]:
         tau = inverse * rho / (1.0 - change)
         reach = zeros(loops.recorder.nv)
         reach[kept] = [2.0 * tau * scale for scale in loops.partition.column_scale[kept].tolist()]
         within = norm(loops.scaled(bends.within(motion, reach))[:, kept])
-        return [change, rho, tau, within]
+        return [change, rho, within * tau, change + inverse * within]
 
-    small = inverse * norm(bent) + left_out
-    told = bounds(inverse * norm(straight) + small)
+    at_start, at_end = inverses
+    both = at_start * at_end / (at_start + at_end)
+    larger = largest(at_start, at_end)
+    told = bounds(both * norm(straight) + larger * (norm(bent) + left_out), larger)
     triangle = Triangle.of(np.hstack([first, straight, bent]), kept.size)
     count = kept.size
     solved = norm(triangle.solve(range(count, 2 * count)))
-    told += bounds(solved + small)
-    return told + bounds(solved + norm(triangle.solve(range(2 * count, 3 * count))) + left_out)
+    told += bounds(solved + at_start * (norm(bent) + left_out), at_start)
+    solved = solved + norm(triangle.solve(range(2 * count, 3 * count)))
+    return told + bounds(solved + at_start * left_out, at_start)
 
 
 def _series(

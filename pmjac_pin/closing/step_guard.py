@@ -16,6 +16,10 @@ singularity; how it winds in it does not matter.
 N and ρ are what is measured at the ends and in the middle and what may lie between: x(s) is known,
 and so are bounds on the third derivative of K*(p(s)) and on the fourth of η(p(s)) (`bends`), which
 are all that interpolation between the measured points leaves out.
+
+Where the motors do not move straight, p(s) has their values and rates at both ends, and whatever
+their own path strays from that cubic by, |θ(s) − θ_p(s)| ≤ α, opens the loops by |K| α more, and
+lets K* change by as much more as such a motion bends it.
 """
 
 from __future__ import annotations
@@ -37,6 +41,7 @@ from pmjac_pin.values.lapack import solved
 QUADRATIC = 3**0.5 / 216.0  # of |f‴|: f between its values at 0, ½ and 1
 CUBIC = 1.0 / 384.0  # of |f⁗|: f between its values and slopes at 0 and 1
 SLOPES = 8.0 / 27.0  # of |f'|: what such slopes at both ends add
+PARABOLA = 1.25  # of the largest of three values at 0, ½ and 1: that of the parabola through them
 MARGIN = 1.1  # for rounding, and so that ends are not nearly singular
 
 
@@ -44,7 +49,7 @@ class _ScaledStep(NamedTuple):
     """What is known of a step, all of it scaled: A⁺, changes A⁺ΔK* at the end and in the middle.
 
     `bent` is the latter beyond half the former; `left_out` and `open_by` bound what interpolation
-    leaves out of K* (p, m_p), and η (p,).
+    leaves out of K* (p, m_p), and η (p,); `aside` (nv,) is what motors stray from the curve by.
     """
 
     partition: Partition
@@ -54,6 +59,7 @@ class _ScaledStep(NamedTuple):
     bent: Array
     left_out: Array
     open_by: Array
+    aside: Array | None
 
 
 class StepGuard:
@@ -74,7 +80,14 @@ class StepGuard:
         self._curved = any(kind is None or kind.curved for kind in kinds)
 
     def covers(
-        self, problem: ClosureProblem, start: Closed, end: Closed, leaving: Array, arriving: Array
+        self,
+        problem: ClosureProblem,
+        start: Closed,
+        end: Closed,
+        leaving: Array,
+        arriving: Array,
+        *,
+        aside: Array | None = None,
     ) -> bool:
         """Tell whether the path from one closed pose to another is proven regular.
 
@@ -85,6 +98,8 @@ class StepGuard:
             Of the generic rank.
         leaving, arriving : ndarray, shape (nv,)
             The path's rates at the ends, for s from 0 to 1.
+        aside : ndarray, shape (nv,), optional
+            How far motors are from the cubic curve at most, m or rad: 0 where they move straight.
         """
         partition = problem.partition
         passive = partition.passive
@@ -94,12 +109,19 @@ class StepGuard:
         half, motion = self._curve(start.q, end.q, leaving, arriving)
         residual, jacobian = problem.evaluate(problem.integrate(start.q, half))
         straight = inverse.dot((end.scaled - start.scaled).take(passive, axis=1))
-        middle = inverse.dot((partition.scaled(jacobian) - start.scaled).take(passive, axis=1))
         off = self._bends.off_closure * self._bends.block_norms(residual)[:, None]
         left_out = partition.scaled(QUADRATIC * self._bends.rates(motion) + off)
+        scaled = partition.scaled(jacobian)
         open_by = CUBIC * self._bends.residual(motion) + self._bends.rounding(motion)
         open_by *= partition.row_scale
         open_by += SLOPES * np.abs(end.residual - start.residual)
+        middle = inverse.dot((scaled - start.scaled).take(passive, axis=1))
+        if aside is not None:
+            sizes = PARABOLA * np.maximum.reduce(
+                [np.abs(start.scaled), scaled, -scaled, np.abs(end.scaled)]
+            )
+            sizes += left_out + partition.scaled(self._bends.within(motion, aside))
+            open_by += sizes.dot(aside / partition.column_scale)
         step = _ScaledStep(
             partition,
             motion,
@@ -108,6 +130,7 @@ class StepGuard:
             middle - 0.5 * straight,
             left_out.take(passive, axis=1),
             open_by,
+            aside,
         )
         # Loops that follow one another show in the joints themselves, what turns as a whole in
         # the singular vectors.
@@ -148,7 +171,8 @@ class StepGuard:
         for _ in range(2):
             tube = 2.0 * gains.dot(open_by)
             within = self._within(step, tube, mixed)
-            beyond = 0.5 * within.dot(tube)
+            # Along the way from p(s) by h its mean is half of it, unless motors stray, too.
+            beyond = (0.5 if step.aside is None else 1.0) * within.dot(tube)
             if (beyond <= open_by).all():
                 break
             open_by = np.maximum(open_by, 2.0 * beyond)
@@ -161,7 +185,7 @@ class StepGuard:
     def _within(self, step: _ScaledStep, tube: Array, mixed: Array | None) -> Array:
         """Return a bound on how K* changes in the tube, scaled, (p, m_p)."""
         partition = step.partition
-        reach = np.zeros(partition.column_scale.size)
+        reach = np.zeros(partition.column_scale.size) if step.aside is None else step.aside.copy()
         joints = tube if mixed is None else mixed.dot(tube)
         reach[partition.passive] = joints * partition.column_scale[partition.passive]
         bound = partition.scaled(self._bends.within(step.motion, reach))

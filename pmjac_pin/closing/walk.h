@@ -41,6 +41,7 @@ typedef struct {
 typedef struct {
     int64_t state, path, tries, iterations, corrections, last;
     double share, next, stride, allowed, before;
+    double size, left; /* of the correction before, and what that left to correct */
 } Lane;
 
 enum { IDLE, BEGINS, CORRECTS, CLOSED, COVERED, REFUSED };
@@ -57,7 +58,9 @@ typedef struct {
     Program move, arrival, leg;
     Row *point;
     Lane *lanes;
-    double *common; /* of one start: all of its point, and (motors, nv), the rates with each motor */
+    double *common; /* of one start: all of its point, (motors, nv), the rates with each motor, and how
+                     * paths bend there (`learn_bends`) */
+    double inverse; /* of K* at one start by its smallest singular value, 0 where that is not known */
     const double *start, *displacement, *target;
     int64_t apart, count, taken, most_tries, few, patience;
     double *q, *gap, *share;

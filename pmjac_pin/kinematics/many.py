@@ -7,11 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
 
+from pmjac_pin.algebra import tape_runner
 from pmjac_pin.algebra.floats import Floats
+from pmjac_pin.kinematics.joint_steps import moved_by
 from pmjac_pin.kinematics.loops import Loops, by_twists
 from pmjac_pin.kinematics.places import through
 from pmjac_pin.kinematics.tree import Link, Poses, Tree
@@ -19,8 +22,13 @@ from pmjac_pin.model.coupling import Coupling
 from pmjac_pin.model.joint_kind import JointMotion
 from pmjac_pin.model.loop_spec import Loop
 from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.found_once import found_once
+
+if TYPE_CHECKING:
+    from pmjac_pin.algebra.tape import Tape
 
 _FLOATS = Floats()
+_MANY = 2  # poses: one alone does not pay for recording
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,20 +117,16 @@ class ManyPoses:
 
     def moved(self, q: Array, v: Array) -> Array:
         """Return q ⊕ v for each row, shapes (b, nq) and (b, nv)."""
-        result = q.copy()
-        for link in self.tree.links.values():
-            rates = v[:, link.column : link.column + link.kind.nv]
-            result[:, link.entries] = link.kind.moved(q[:, link.entries], rates)
-        return result
+        moved = moved_by(_FLOATS, self.tree, np.ascontiguousarray(q.T), np.ascontiguousarray(v.T))
+        return np.ascontiguousarray(moved.T)
 
 
 class ManyLoops:
     """All loops of a mechanism over rows of q: η (b, p) and ∂η/∂v (b, p, nv).
 
-    The rows are those of `Mechanism.rows`, seen from the last body that carries both frames.
+    The rows are those of `Mechanism.rows`, seen from the last body that carries both frames. Many
+    go through a recorded program, where there is a kernel that runs it.
     """
-
-    __slots__ = ("_loops", "_nv", "_poses")
 
     def __init__(
         self, model: pin.Model, poses: ManyPoses, loops: Sequence[Loop], values: Mapping[str, float]
@@ -132,9 +136,27 @@ class ManyLoops:
             poses,
             model.nv,
         )
+        self._nq = model.nq
 
     def evaluate(self, q: Array) -> tuple[Array, Array]:
         """Return η (b, p) and ∂η/∂v (b, p, nv) at each row of q, exact on and off closure."""
+        tape = self._tape if len(q) >= _MANY else None
+        if tape is None:
+            return self._evaluated(q)
+        found, rows = tape_runner.run(tape, q.T), self._loops.count
+        jacobian = found[rows:].reshape(rows, self._nv, len(q))
+        return found[:rows].T.copy(), jacobian.transpose(2, 0, 1).copy()
+
+    @found_once
+    def _tape(self) -> Tape | None:
+        """The program of the loops, None where there is no kernel or none for these rows."""
+        if tape_runner.tape_kernel() is None or not self._loops.count:
+            return None
+        from pmjac_pin.kinematics.recorded import recorded_loops  # noqa: PLC0415
+
+        return recorded_loops(self._loops, self._nq, self._nv)
+
+    def _evaluated(self, q: Array) -> tuple[Array, Array]:
         poses, loops = self._poses.at(q), self._loops
         residual = np.empty((loops.count, len(q)))
         jacobian = np.zeros((loops.count, self._nv, len(q)))

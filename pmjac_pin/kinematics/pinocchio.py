@@ -15,7 +15,7 @@ import pinocchio as pin
 
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.tool import ToolKinematics
-from pmjac_pin.model.tool_rows import ToolRows
+from pmjac_pin.model.tool_rows import WORLD_AXES, ToolRows
 from pmjac_pin.model.twist_frame import change_frame
 from pmjac_pin.values.arrays import Array, read_only
 
@@ -45,6 +45,10 @@ class Snapshot:
     def judged_jacobian(self, rows: ToolRows) -> Array:
         """Return the tool Jacobian (6, nv) in the axes of the rows that are judged."""
         return change_frame(self.tool_jacobian, rows.axes, self.rotation, self.position)
+
+    def axes_of(self, rows: ToolRows) -> Array:
+        """Return the axes of the rows that are judged, as columns in the world, shape (3, 3)."""
+        return np.eye(3) if rows.axes == WORLD_AXES else self.rotation
 
 
 class _Scratch(threading.local):

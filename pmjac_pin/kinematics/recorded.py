@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,18 +12,17 @@ import pinocchio as pin
 
 from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.jets import Jet
-from pmjac_pin.algebra.programs import Programs, Term, objects, root, zeros
+from pmjac_pin.algebra.programs import PROGRAMS, Recording, Term, objects, root, zeros
+from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.kinematics.loops import Loops, by_twists
-from pmjac_pin.kinematics.places import through
 from pmjac_pin.kinematics.tool import spanned_jacobian, spanned_rotation
 from pmjac_pin.kinematics.tree import Link, Poses, Tree
+from pmjac_pin.kinematics.world_frames import FrameMotion, frame_motion, vectors_in_bodies
 from pmjac_pin.model.coupling import Coupling
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.joint_kind import JointMotion
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.values.arrays import Array
-
-_PROGRAMS = Programs()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,27 +95,42 @@ class Recorder:
 
     def at(self, q: Sequence[Term]) -> RecordedKinematics:
         """Record it at entries of q."""
-        entries = _PROGRAMS.numbers(q)
-
-        def motion(link: Link) -> JointMotion:
-            return link.kind.motion(_PROGRAMS, entries[link.entries], link.edge.pitch)
-
-        poses = Poses(self._loops.tree, _PROGRAMS, motion)
-        residual, rates, cosines = _loop_rows(self._loops, poses, entries[:, 0, 0], self.nv)
-        points = [_frame_motion(self._model, poses, name) for name in self._names]
-        (rotation, position, jacobian), spread = (
-            _spanned(points) if len(points) > 1 else (points[0], 1.0)
-        )
+        poses = _poses_at(self._loops.tree, q)
+        residual, rates, cosines = _loop_rows(self._loops, poses, objects(q), self.nv)
+        frames = [find_frame(self._model, name) for name in self._names]
+        points = [frame_motion(poses, frame, self.nv, 1) for frame in frames]
+        tool, spread = _spanned(points) if len(points) > 1 else (points[0], 1.0)
+        turned = vectors_in_bodies(self._loops, poses)
         return RecordedKinematics(
             residual=residual,
             rates=rates,
             cosines=cosines,
-            tool=jacobian,
-            rotation=rotation,
-            position=position + self._place,
+            tool=tool.jacobian[..., 0],
+            rotation=tool.rotation[..., 0],
+            position=tool.position[..., 0] + self._place,
             spread=spread,
-            turned=tuple(_turned_rows(self._loops, poses)),
+            turned=tuple((rows, axes[..., 0]) for rows, axes in turned),
         )
+
+
+def recorded_loops(loops: Loops, nq: int, nv: int) -> Tape | None:
+    """Return the program of η and ∂η/∂v, row by row, over the entries of q.
+
+    None where there are tilts or turns: their polynomials are not what they are measured by.
+    """
+    recording = Recording(nq)
+    poses = _poses_at(loops.tree, recording.inputs)
+    residual, rates, cosines = _loop_rows(loops, poses, objects(recording.inputs), nv)
+    return None if cosines.size else Tape.of(recording, [*residual, *rates.ravel()])
+
+
+def _poses_at(tree: Tree, q: Sequence[Term]) -> Poses:
+    entries = PROGRAMS.numbers(q)
+
+    def motion(link: Link) -> JointMotion:
+        return link.kind.motion(PROGRAMS, entries[link.entries], link.edge.pitch)
+
+    return Poses(tree, PROGRAMS, motion)
 
 
 def _loop_rows(loops: Loops, poses: Poses, q: Numbers, nv: int) -> tuple[Numbers, Numbers, Numbers]:
@@ -131,20 +145,6 @@ def _loop_rows(loops: Loops, poses: Poses, q: Numbers, nv: int) -> tuple[Numbers
     for row, coupling in loops.couplings.items():
         residual[row], rates[row] = _coupled_gap(coupling, q), coupling.gradient.astype(object)
     return residual, rates, objects(cosines)
-
-
-def _turned_rows(loops: Loops, poses: Poses) -> Iterator[tuple[slice, Numbers]]:
-    for pair in loops.pairs:
-        for rows, block in pair.blocks:
-            if block.vector and pair.base:
-                yield rows, _axes(poses, pair.base)
-
-
-def _axes(poses: Poses, body: int) -> Numbers:
-    """Return the axes of a body's frame in the world, as columns."""
-    pose, _ = poses.body(0, body)
-    *axes, _ = through(_PROGRAMS, pose, poses.tree.links[body].after)
-    return np.array([axis[:, 0, 0] for axis in axes], dtype=object).T
 
 
 def _coupled_gap(coupling: Coupling, q: Numbers) -> Any:
@@ -166,31 +166,17 @@ def _joint_value(coupling: Coupling, q: Numbers, column: int) -> Any:
     return q[start].recording.term("atan2", q[start + 1], q[start])
 
 
-def _frame_motion(model: pin.Model, poses: Poses, name: str) -> tuple[Numbers, Numbers, Numbers]:
-    """Return rotation, position and Jacobian (6, nv) of a frame."""
-    frame = find_frame(model, name)
-    seen, jacobian = poses.twisted(0, frame), zeros(6, model.nv)
-    origin = seen.origin()
-    _spread_rates(origin, jacobian[:3])
-    for one in poses.freedoms(0, frame.joint):
-        if one.origin is not None:
-            jacobian[3:, one.column] = one.axis[:, 0, 0]
-    rotation = seen.carried(np.eye(3)).value[..., 0, 0]
-    return rotation, origin.value[:, 0, 0], jacobian
-
-
-def _spanned(
-    points: list[tuple[Numbers, Numbers, Numbers]],
-) -> tuple[tuple[Numbers, Numbers, Numbers], Any]:
+def _spanned(points: Sequence[FrameMotion]) -> tuple[FrameMotion, Any]:
     """Return the same of the frame that three points span, as `PointsTool` does, and the sine."""
-    places = np.array([position for _, position, _ in points], dtype=object)
-    rates = np.array([jacobian[:3] for _, _, jacobian in points], dtype=object)
+    places = np.array([point.position[:, 0] for point in points], dtype=object)
+    rates = np.array([point.jacobian[:3, :, 0] for point in points], dtype=object)
     side, apex = places[1] - places[0], places[2] - places[0]
-    normal = _PROGRAMS.cross(side, apex)
+    normal = PROGRAMS.cross(side, apex)
     rotation = spanned_rotation(places, root)
     jacobian = spanned_jacobian(places, rates, rotation)
     sine = root(normal @ normal) / (root(side @ side) * root(apex @ apex))
-    return (rotation, places.sum(axis=0) / 3.0, jacobian), sine
+    found = (rotation, places.sum(axis=0) / 3.0, jacobian)
+    return FrameMotion(*(one[..., None] for one in found)), sine
 
 
 def _spread_rates(jet: Jet, rates: Numbers) -> None:

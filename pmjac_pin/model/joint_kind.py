@@ -11,7 +11,7 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import pinocchio as pin
@@ -236,48 +236,8 @@ class JointKind:
             turned = angles[:, None] if self.angle else _on_circle(angles)
         return np.hstack([slides, turned])
 
-    def moved(self, entries: Array, v: Array) -> Array:
-        """Return entries ⊕ v for each row, shapes (b, nq) and (b, nv): slides, then a turn."""
-        s = self.slides
-        slid = entries[:, :s] + self._turned_slides(entries[:, s:], v[:, :s])
-        return np.hstack([slid, self._turned(entries[:, s:], v[:, s:])])
 
-    def rates(self, entries: Array, v: Array) -> Array:
-        """Return the derivative of each row of entries, (b, nq), along its motion v, (b, nv)."""
-        s = self.slides
-        slid, turn, turning = (
-            self._turned_slides(entries[:, s:], v[:, :s]),
-            entries[:, s:],
-            v[:, s:],
-        )
-        if self.angle or not self.turns:
-            return np.hstack([slid, turning])
-        if self.turns == 1:
-            return np.hstack([slid, turning * turn[:, ::-1] * [-1.0, 1.0]])
-        axis, w = turn[:, :3], turn[:, 3:]
-        about = w * turning + np.cross(axis, turning)
-        shrunk = -(axis * turning).sum(axis=1, keepdims=True)
-        return np.hstack([slid, 0.5 * about, 0.5 * shrunk])
-
-    def _turned_slides(self, turn: Array, v: Array) -> Array:
-        """Return slides in the moved axes as slides in those before."""
-        if self.axial or not (self.slides and self.turns):
-            return v
-        if self.turns == 3:
-            return np.asarray(_rotation().from_quat(turn).apply(v))
-        (x, y), (c, s) = v.T, turn.T
-        return np.column_stack([c * x - s * y, s * x + c * y])
-
-    def _turned(self, turn: Array, v: Array) -> Array:
-        if self.angle or not self.turns:
-            return turn + v
-        if self.turns == 3:
-            rotation = _rotation()
-            return np.asarray((rotation.from_quat(turn) * rotation.from_rotvec(v)).as_quat())
-        return _on_circle(np.arctan2(turn[:, 1], turn[:, 0]) + v[:, 0])
-
-
-def rotation_of(algebra: Algebra, quaternion: Sequence[Number]) -> list[list[Number]]:
+def rotation_of(quaternion: Sequence[Number]) -> list[list[Number]]:
     """Return the entries of the rotation of a quaternion (x, y, z, w) of length 1, by rows."""
     x, y, z, w = quaternion
     xx, yy, zz, ww = (n * n for n in quaternion)
@@ -291,10 +251,3 @@ def rotation_of(algebra: Algebra, quaternion: Sequence[Number]) -> list[list[Num
 
 def _on_circle(angles: Array) -> Array:
     return np.column_stack([np.cos(angles), np.sin(angles)])
-
-
-def _rotation() -> Any:
-    """Return SciPy's rotations, which take half of the time of an import; few need them."""
-    from scipy.spatial.transform import Rotation  # noqa: PLC0415
-
-    return Rotation

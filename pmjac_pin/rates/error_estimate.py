@@ -4,7 +4,7 @@ A pose closes its loops to rounding only. Of a gap δ the pose is off by up to �
 smallest singular value of K*, and beside a singularity J_eq changes by 1/σ² of that again: its
 relative error grows with the square of the condition number.
 
-Linear algebra on arrays; what is asked of a pose is in `RoundedPose`.
+Linear algebra on arrays; what is asked of a pose is in `JacobianPose`.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ EPS = float(np.finfo(float).eps)
 _SUMS = 16.0  # units in the last place, for an entry that is a sum of a few products
 
 
-class RoundedPose(Protocol):
-    """A pose whose loops are closed but for rounding."""
+class JacobianPose(Protocol):
+    """What a Jacobian asks of the pose that it is of: closed but for rounding."""
 
     def loop_rates(self) -> LoopRates:
         """Return [K K*] there without dimension, and K* factorised."""
@@ -56,7 +56,7 @@ def error_estimate(
     tool_jacobian: Array,
     motion_map: Array,
     partition: Partition,
-    pose: RoundedPose,
+    pose: JacobianPose,
 ) -> Array:
     """Return a bound for |J_eq − that of the closed pose|, entry by entry, shape (6, n).
 
@@ -97,7 +97,7 @@ def error_estimate(
 
 
 def _by_the_pose(
-    factors: Factorisation, felt: Array, rates: Array, partition: Partition, pose: RoundedPose
+    factors: Factorisation, felt: Array, rates: Array, partition: Partition, pose: JacobianPose
 ) -> tuple[Array, float]:
     """Return Σᵣ |Σᵢ D uᵢ dJ_eq[vᵢ] / σᵢ|, shape (6, n), and κ."""
     opened, rank = pose.opened(), partition.passive_rank

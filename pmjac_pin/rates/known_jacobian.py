@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from pmjac_pin.model.twist_frame import FrameName
-from pmjac_pin.rates.error_estimate import RoundedPose
+from pmjac_pin.rates.error_estimate import JacobianPose
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array
@@ -26,7 +26,7 @@ class KnownJacobian(EquivalentJacobian):
         J_eq: Array,
         frame: FrameName,
         partition: Partition,
-        pose: RoundedPose,
+        pose: JacobianPose,
         find: Callable[[], EquivalentJacobian],
     ) -> KnownJacobian:
         """Return it with J_eq, read-only, and what returns all matrices."""

@@ -26,12 +26,22 @@ def rate_limits(given: Limits, partition: Partition) -> Array:
     ArgumentError
         Other numbers than one above 0 for each motor; a motor for which the model states none.
     """
-    return _limits_of(given, partition, partition.rate_limits, "rate")
+    return _limits_of(given, partition, stated_rate_limits(partition), "rate")
 
 
 def effort_limits(given: Limits, partition: Partition) -> Array:
     """Return limits of motor efforts, shape (n,), N or N m, as `rate_limits`."""
-    return _limits_of(given, partition, partition.effort_limits, "effort")
+    return _limits_of(given, partition, stated_effort_limits(partition), "effort")
+
+
+def stated_rate_limits(partition: Partition) -> Array:
+    """Return the model's own limits of motor rates, shape (n,), infinite where it states none."""
+    return _of_motors(partition.rate_limits, partition)
+
+
+def stated_effort_limits(partition: Partition) -> Array:
+    """Return the model's own limits of motor efforts, as `stated_rate_limits`."""
+    return _of_motors(partition.effort_limits, partition)
 
 
 def rates_unit(partition: Partition) -> str:
@@ -48,16 +58,20 @@ def _motor_units(partition: Partition) -> list[str]:
     return sorted(set(partition.units_of(partition.actuated)))
 
 
+def _of_motors(limits: Array, partition: Partition) -> Array:
+    found = limits[partition.actuated] if limits.size else np.full(partition.actuated.size, np.inf)
+    return np.array(found)
+
+
 def _limits_of(given: Limits, partition: Partition, stated: Array, what: str) -> Array:
     if not isinstance(given, str):
         return as_limits(given, partition.actuated.size)
     if given != "model":
         raise ArgumentError(f"motor limits are numbers or 'model', got {quoted(given)}")
-    found = stated[partition.actuated] if stated.size else np.full(partition.actuated.size, np.inf)
     names = partition.actuated_names
-    if missing := [names[k] for k in np.flatnonzero(np.isinf(found))]:
+    if missing := [names[k] for k in np.flatnonzero(np.isinf(stated))]:
         raise ArgumentError(
             f"the model states no {what} limit of {enumerated(missing)}: give limits, one number "
             f"for each motor ({enumerated(names)})"
         )
-    return np.array(found)
+    return stated

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.model.tool_rows import WHOLE_TWIST, ToolRows
 from pmjac_pin.rates.factorisation import RANK_TOLERANCE, Factorisation, factorise
+from pmjac_pin.rates.singularity_types import MotionDimensions
 from pmjac_pin.rates.tool_motion import CommandedMotion, ToolMotion
 from pmjac_pin.values.arrays import Array, Index, ReadOnlyArrays, norm, read_only
 from pmjac_pin.values.checks import SMALLEST, as_number, as_numbers
@@ -56,6 +57,9 @@ class Partition(ReadOnlyArrays):
         Of each loop, m: `length`, or its own where it is much smaller.
     passive_rank, constraint_rank, tool_rank : int
         Generic ranks of K*, of [K K*] and of the tool's motion: those of one regular pose.
+    unfelt, twist_rank : int
+        Generic dimensions as well: of the passive motions that move no motor and no judged row of
+        the tool, and of the tool's twists on all six rows.
     kept_rows : ndarray of int, shape (m,)
         Independent rows of η, chosen at the home pose, or at that one where home is singular.
     reach : float
@@ -92,6 +96,8 @@ class Partition(ReadOnlyArrays):
     passive_rank: int = 0
     constraint_rank: int = 0
     tool_rank: int = 0
+    unfelt: int = 0
+    twist_rank: int = 0
     kept_rows: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     rank_tolerance: float = RANK_TOLERANCE
     size: float = 0.0
@@ -129,6 +135,17 @@ class Partition(ReadOnlyArrays):
     def generic_ranks(self) -> tuple[int, int, int]:
         """The generic ranks of [K K*], of K* and of the tool's motion."""
         return self.constraint_rank, self.passive_rank, self.tool_rank
+
+    @property
+    def generic_dimensions(self) -> MotionDimensions:
+        """What the loops allow generically."""
+        return MotionDimensions(
+            allowed=self.column_scale.size - self.constraint_rank,
+            locked=self.passive.size - self.passive_rank,
+            tool=self.tool_rank,
+            unfelt=self.unfelt,
+            twist=self.twist_rank,
+        )
 
     @property
     def full(self) -> bool:
@@ -293,11 +310,14 @@ class Partition(ReadOnlyArrays):
         whole, passive, tool = ranks[regular]
         shown = 0 if ranks[0][0] == whole else regular
         alike = [k for k, own in enumerate(ranks) if own == ranks[regular]]
+        idle = self.passive.size - passive
         return replace(
             sized,
             passive_rank=passive,
             constraint_rank=whole,
             tool_rank=tool,
+            unfelt=min(sized.unfelt_at(*poses[k]) for k in alike) if idle else 0,
+            twist_rank=max(motions[k].twist_rank() for k in alike),
             kept_rows=independent_rows(self.scaled(poses[shown][0]), whole),
             tool_rates=min(
                 (motions[k].generic_rates() for k in alike),
@@ -313,6 +333,12 @@ class Partition(ReadOnlyArrays):
         """Factorise [K K*] at one pose, without dimension."""
         scaled = self.scaled(constraint_jacobian)
         return self.factorise(scaled, self.size_of(scaled))
+
+    def unfelt_at(self, constraint_jacobian: Array, tool_jacobian: Array) -> int:
+        """Return how many passive motions move no motor and no judged row of the tool."""
+        free = self.loop_rates(constraint_jacobian).passive.null_space
+        felt = self.tool_motion(tool_jacobian).felt_rank(free, self.passive)
+        return int(free.shape[1]) - felt
 
     def _commanded(self, constraint_jacobian: Array, tool_jacobian: Array) -> CommandedMotion:
         """Return what motors do to the tool at one pose."""

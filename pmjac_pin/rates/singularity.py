@@ -15,7 +15,11 @@ import numpy as np
 
 from pmjac_pin.model.tool_rows import ToolRows
 from pmjac_pin.rates.factorisation import Factorisation
+from pmjac_pin.rates.lost_wrenches import JacobianSlopes, lost_wrenches
 from pmjac_pin.rates.partition import LoopRates, Partition
+from pmjac_pin.rates.screw import Screw, principal_screws
+from pmjac_pin.rates.singularity_types import MotionDimensions, SingularityTypes
+from pmjac_pin.rates.tool_motion import ToolMotion
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays, norm
 from pmjac_pin.values.shown import Shown
 from pmjac_pin.values.ties import first_largest
@@ -61,6 +65,23 @@ class Singularity(ReadOnlyArrays, Shown):
     actuated_names, passive_names : tuple of str
     actuated_units, passive_units : tuple of str
         "m" or "rad"; empty for matrices from elsewhere.
+    types : SingularityTypes
+        Which of Zlatanov's six types, and of Gosselin and Angeles' three, the pose has.
+    free_twists : ndarray, shape (6, k)
+        Columns span the twists that the tool can have here with all motors locked, on all six rows:
+        of its origin, in m/s and rad/s, linear rows first, in the world's axes.
+    borne_wrenches : ndarray, shape (6, k)
+        Columns span the wrenches on the judged rows that the loops bear here without the motors:
+        N and N m about the tool's origin, in the world's axes. They are those of every pose, as
+        many as rows less `generic_tool_rank`, and `lost` more.
+    lost_wrenches : ndarray, shape (6, k)
+        Of these, columns span such as need motors beside this pose: the shortest, a rad counting as
+        `length`, modulo those of every pose. They do work on the `lost` twists. None for matrices
+        from elsewhere, and where the first order does not tell them.
+    tool_point : ndarray, shape (3,)
+        Where the tool's origin is in the world, m; 0 for matrices from elsewhere.
+    length : float
+        The machine's characteristic length, m.
     isolated : bool
         No pose near home closes, so that nothing is known of what is generic: the generic ranks
         are home's.
@@ -82,6 +103,12 @@ class Singularity(ReadOnlyArrays, Shown):
     forbidden_rates: Array
     actuated_names: tuple[str, ...]
     passive_names: tuple[str, ...]
+    types: SingularityTypes
+    free_twists: Array
+    borne_wrenches: Array
+    lost_wrenches: Array
+    tool_point: Array
+    length: float
     actuated_units: tuple[str, ...] = ()
     passive_units: tuple[str, ...] = ()
     isolated: bool = False
@@ -143,6 +170,31 @@ class Singularity(ReadOnlyArrays, Shown):
         """
         return self.gained > 0 or self.isolated
 
+    @property
+    def free_screws(self) -> tuple[Screw, ...]:
+        """The principal screws of what the tool can do here with all motors locked."""
+        linear, angular = self.free_twists[:3], self.free_twists[3:]
+        return principal_screws(angular, linear, self.tool_point, self.length)
+
+    @property
+    def borne_screws(self) -> tuple[Screw, ...]:
+        """The principal screws of `borne_wrenches`, those that have a force last."""
+        force, moment = self.borne_wrenches[:3], self.borne_wrenches[3:]
+        return principal_screws(force, moment, self.tool_point, self.length)
+
+    @property
+    def lost_screws(self) -> tuple[Screw, ...]:
+        """The principal screws of `lost_wrenches`."""
+        force, moment = self.lost_wrenches[:3], self.lost_wrenches[3:]
+        return principal_screws(force, moment, self.tool_point, self.length)
+
+    @property
+    def in_words(self) -> str:
+        """One sentence: what kind of singularity this is, in the field's names."""
+        if self.isolated:
+            return "not known: no pose near home closes, a structure or a singular home"
+        return self.types.in_words
+
     def free_motion(self) -> dict[str, float]:
         """Return one motion that comes free here, largest rate 1, by name; empty where none does.
 
@@ -170,6 +222,8 @@ def analyse_singularity(
     split: Split | None = None,
     *,
     loops: LoopRates | None = None,
+    tool_pose: tuple[Array, Array] | None = None,
+    slopes: JacobianSlopes | None = None,
 ) -> Singularity:
     """Read the ranks off the constraint and tool Jacobians of one closed pose.
 
@@ -184,6 +238,11 @@ def analyse_singularity(
         not.
     loops : LoopRates, optional
         Of the constraint Jacobian, where these are known.
+    tool_pose : tuple of ndarray, shapes (3, 3) and (3,), optional
+        From the axes of the tool Jacobian to the world's, and where the tool's origin is there;
+        as if they were the world's, with the tool at its origin, where it is not given.
+    slopes : callable, optional
+        How these Jacobians change, for `lost_wrenches`.
     """
     scaled, size, passive = loops or partition.loop_rates(constraint_jacobian)
     whole = partition.factorise(scaled, size)
@@ -191,6 +250,10 @@ def analyse_singularity(
     tool = tool_motion.ranks(whole.null_space)
     forbidden = forbidden_rates(passive.left_null_space, scaled, partition)
     gained, idle = _free(passive, partition, split)
+    free = passive.null_space
+    axes, point = (np.eye(3), np.zeros(3)) if tool_pose is None else tool_pose
+    here = _dimensions(whole, free, tool_motion, partition)
+    lost = lost_wrenches(whole, tool_motion, partition, slopes, partition.tool_rank - here.tool)
     scale = partition.column_scale[partition.passive, None]
     return Singularity(
         singular_values=passive.singular_values / (size or 1.0),
@@ -200,7 +263,7 @@ def analyse_singularity(
         constraint_rank=whole.rank,
         generic_constraint_rank=partition.constraint_rank,
         tool_rows=partition.tool_rows,
-        tool_rank=tool_motion.judged_rank(whole.null_space),
+        tool_rank=here.tool,
         generic_tool_rank=partition.tool_rank,
         linear_rank=tool.linear,
         angular_rank=tool.angular,
@@ -209,10 +272,31 @@ def analyse_singularity(
         forbidden_rates=forbidden,
         actuated_names=partition.actuated_names,
         passive_names=partition.passive_names,
+        types=SingularityTypes(here, partition.generic_dimensions, partition.actuated.size),
+        free_twists=_to_world_axes(axes, tool_motion.twists(free, partition.passive)),
+        borne_wrenches=_to_world_axes(axes, tool_motion.borne(whole.null_space)),
+        lost_wrenches=_to_world_axes(axes, lost),
+        tool_point=point,
+        length=partition.length,
         actuated_units=partition.units_of(partition.actuated),
         passive_units=partition.units_of(partition.passive),
         isolated=partition.isolated,
     )
+
+
+def _dimensions(
+    whole: Factorisation, free: Array, tool: ToolMotion, partition: Partition
+) -> MotionDimensions:
+    motions = whole.null_space
+    allowed, locked, judged = motions.shape[1], free.shape[1], tool.judged_rank(motions)
+    # Of the tool's twists, those that motors cannot make are felt of what is free.
+    least = max(0, judged - (allowed - locked))
+    felt = max(least, tool.felt_rank(free, partition.passive)) if locked else 0
+    return MotionDimensions(allowed, locked, judged, locked - felt, tool.ranks(motions).twist)
+
+
+def _to_world_axes(axes: Array, columns: Array) -> Array:
+    return np.vstack([axes @ columns[:3], axes @ columns[3:]])
 
 
 def _free(passive: Factorisation, partition: Partition, split: Split | None) -> tuple[Array, Array]:

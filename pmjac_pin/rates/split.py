@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.model.twist_frame import FrameName
-from pmjac_pin.rates.error_estimate import RoundedPose
+from pmjac_pin.rates.error_estimate import JacobianPose
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays, norm, read_only
 from pmjac_pin.values.found_once import found_once
@@ -35,16 +35,15 @@ class SplitJacobian(ReadOnlyArrays, Tabled):
         "LOCAL", "WORLD" or "LOCAL_WORLD_ALIGNED", as in Pinocchio.
     partition : Partition
         Which columns are actuated and which passive.
-    pose : Pose or None
-        What is known of the rounding of the pose that they belong to; None for matrices from
-        elsewhere.
+    pose : JacobianPose or None
+        The pose that they belong to; None for matrices from elsewhere.
     """
 
     constraint_jacobian: Array
     tool_jacobian: Array
     frame: FrameName
     partition: Partition
-    pose: RoundedPose | None = field(default=None, kw_only=True)
+    pose: JacobianPose | None = field(default=None, kw_only=True)
 
     @found_once
     def rows(self) -> NDArray[np.intp]:
@@ -94,6 +93,13 @@ class SplitJacobian(ReadOnlyArrays, Tabled):
         """Determinant of K*, None where K* is not square. It decides nothing."""
         rows, columns = self.K_star.shape
         return float(np.linalg.det(self.K_star)) if rows == columns else None
+
+    def _motions(self, motor_rates: Array, passive_rates: Array) -> Array:
+        """Return motions of all joints by columns, shape (nv, k), of motors' and passive ones'."""
+        motions = np.zeros((self.tool_jacobian.shape[1], motor_rates.shape[1]))
+        motions[self.partition.actuated] = motor_rates
+        motions[self.partition.passive] = passive_rates
+        return read_only(motions)
 
     def _sizes_of_motions(self, motion_map: Array) -> Array:
         """Return ‖J‖ ‖G‖, linear and angular, shape (2,), of the entries of J G."""

@@ -69,6 +69,11 @@ class ToolMotion:
         return norm(self.scaled[3:]) / self.length
 
     @property
+    def units(self) -> Array:
+        """What makes wrenches of such that have moments over `length`, shape (6, 1)."""
+        return np.repeat([1.0, self.length], 3)[:, None]
+
+    @property
     def _judged_size(self) -> float:
         return self.size if self.rows.linear else norm(self.scaled[3:])
 
@@ -89,15 +94,51 @@ class ToolMotion:
 
     def judged_rank(self, motions: Array) -> int:
         """Return how many independent velocities they give the rows that are judged."""
-        moved = self._moved(motions)[self.rows.linear + self.rows.angular]
-        return factorise(moved, self._judged_size, self.tolerance).rank
+        return factorise(self.judged(motions), self._judged_size, self.tolerance).rank
+
+    def judged(self, motions: Array) -> Array:
+        """Return the velocities that they give the judged rows, or such of them as move it alike.
+
+        Angular ones times `length`.
+        """
+        return self._moved(motions)[self.rows.linear + self.rows.angular]
+
+    def resting(self, motions: Array) -> Array:
+        """Return those of the motions, (nv, k), by which the judged rows rest."""
+        found = factorise(self.judged(motions), self._judged_size, self.tolerance)
+        return self._alike(motions) @ found.null_space
+
+    def felt_rank(self, free: Array, passive: Index) -> int:
+        """Return how many independent velocities passive motions (m_p, k) give the judged rows."""
+        motions = np.zeros((self.scaled.shape[1], free.shape[1]))
+        motions[passive] = free
+        return self.judged_rank(motions)
+
+    def twists(self, free: Array, passive: Index) -> Array:
+        """Return independent twists (6, k), m/s and rad/s, that passive motions (m_p, k) span."""
+        found = factorise(self.scaled[:, passive] @ free, self.size, self.tolerance)
+        return found.left[:, : found.rank] / self.units
+
+    def borne(self, motions: Array) -> Array:
+        """Return independent wrenches (6, k), N and N m, on the judged rows.
+
+        They span those that do no work on the tool by these motions.
+        """
+        found = factorise(self.judged(motions), self._judged_size, self.tolerance)
+        wrenches = np.zeros((6, len(found.matrix) - found.rank))
+        wrenches[self.rows.linear + self.rows.angular] = found.left_null_space
+        return wrenches * self.units
 
     def _moved(self, motions: Array) -> Array:
         """Return the tool's twists by these motions, or by such of them as move it alike."""
-        if not self.rates.size:
-            return self.scaled @ motions
-        moved: Array = self.scaled * self.rates @ np.linalg.qr(motions / self.rates[:, None])[0]
+        moved: Array = self.scaled @ self._alike(motions)
         return moved
+
+    def _alike(self, motions: Array) -> Array:
+        if not self.rates.size:
+            return motions
+        alike: Array = self.rates[:, None] * np.linalg.qr(motions / self.rates[:, None])[0]
+        return alike
 
     def commanded(self, whole: Factorisation, gap: float, motors: Index) -> CommandedMotion:
         """Return what motors do to the judged rows, told from rounding.
@@ -149,6 +190,10 @@ class CommandedMotion:
         if rank == min(len(self.twists.matrix), allowed.shape[1]):  # there are no more
             return rank
         return max(rank, self.tool.judged_rank(allowed))
+
+    def twist_rank(self) -> int:
+        """Return in how many independent ways the tool moves, on all six rows."""
+        return self.tool.ranks(self.whole.null_space).twist
 
     def generic_rates(self) -> Array:
         """Return `rates` by a regular pose: max |v| / σ over its motions v, of twists σ.

@@ -1,6 +1,11 @@
-"""Krawczyk's test over nested neighbourhoods of a point, in the largest norm of groups of unknowns.
+"""Krawczyk's test: where equations have exactly one solution, over boxes or over balls.
 
-With an approximate inverse A of the derivative, let
+With an approximate inverse A of the derivative J, of which nothing is asked, all solutions in X are
+
+    in K(X) = m − A F(m) + (I − A J(X)) (X − m),    m ∈ X,
+
+and where K(X) is in the interior of X, there is exactly one. For boxes that is asked of each
+unknown. For balls about m = 0 it is asked in the largest norm of groups of unknowns: let
 
     Y ≥ |A F(0)|,    Z(r) ≥ ‖I − A J(x)‖ for all |x| ≤ r,    N(r) ≥ ‖A J(x)‖ there,
 
@@ -8,6 +13,9 @@ and M(r) the mean of Z from 0 to r. Where Y + M(r) r ≤ r, x − A F(x) maps th
 itself, so that it holds a solution; where moreover Z(r) + N(r) r/2 < 1, only one. All solutions
 up to u away are within Y / (1 − M(u)).
 `docs/certificates.md` has the proof.
+
+Source: R. Krawczyk, Newton-Algorithmen zur Bestimmung von Nullstellen mit Fehlerschranken,
+Computing 4 (1969); R. E. Moore, A test for existence of solutions, SIAM J. Numer. Anal. 14 (1977).
 """
 
 from __future__ import annotations
@@ -19,13 +27,50 @@ import numpy as np
 
 from pmjac_pin.algebra.balls import OUTWARDS, BallArray, euclidean_norm, exactly, upper
 from pmjac_pin.algebra.intervals import Intervals
-from pmjac_pin.studies.contraction import contraction
 from pmjac_pin.values.arrays import Array, Index
 
 #: The point itself, and the radii that are tried, rad: a factor of 4 apart, then of √2.
 RADII = np.concatenate(
     [[0.0], 4.0 ** np.arange(-22.0, -5.0), 2.0 ** np.arange(-10.0, 2.0, 0.5), [np.inf]]
 )
+
+
+def contraction(inverse: Array, jacobian: Intervals) -> Intervals:
+    """Return I − A J(X), shape (..., n, n): its size bounds by how much x − A F(x) contracts.
+
+    Parameters
+    ----------
+    inverse : ndarray, shape (..., n, n)
+        A.
+    jacobian : Intervals, shape (..., n, n)
+        ∂F/∂x over X.
+    """
+    return Intervals.exact(np.eye(jacobian.shape[-1])) - jacobian.after(inverse)
+
+
+def image_of_boxes(
+    inverse: Array, residual: Intervals, jacobian: Intervals, at: Array, boxes: Intervals
+) -> Intervals:
+    """Return K(X) of each box (..., n) about a point m in it; infinite where the point is not.
+
+    Parameters
+    ----------
+    inverse : ndarray, shape (..., n, n)
+        A.
+    residual : Intervals, shape (..., n)
+        F(m).
+    jacobian : Intervals, shape (..., n, n)
+        ∂F/∂x over X.
+    at : ndarray, shape (..., n)
+        m.
+    boxes : Intervals, shape (..., n)
+        X.
+    """
+    middle = Intervals.exact(at)
+    spread = (contraction(inverse, jacobian) * (boxes - middle)[..., None, :]).sum(axis=-1)
+    image = middle - residual[..., None].after(inverse)[..., 0] + spread
+    inside = np.asarray(boxes.holds(at).all(axis=-1, keepdims=True))
+    return Intervals(np.where(inside, image.lower, -np.inf), np.where(inside, image.upper, np.inf))
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,14 +116,14 @@ def radii(
         return Radii(0.0, math.inf)
     own = jacobian[:, :, columns]
     try:
-        A = np.asarray(np.linalg.inv(own.middle[0]), dtype=np.float64)
+        inverse = np.asarray(np.linalg.inv(own.middle[0]), dtype=np.float64)
     except np.linalg.LinAlgError:
         return _nothing("K* has no inverse: its determinant is zero")
     some = groups[:, columns]
-    correction = exactly(A) @ residual
+    correction = exactly(inverse) @ residual
     Y = max(upper(euclidean_norm(correction[row > 0.0])) for row in some if row.any())
-    Z = _norms(contraction(A, own), some, some)
-    N = _norms(jacobian.after(A), some, groups)
+    Z = _norms(contraction(inverse, own), some, some)
+    N = _norms(jacobian.after(inverse), some, groups)
     return _tested(Y, Z, N, tried)
 
 

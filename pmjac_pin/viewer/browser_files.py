@@ -27,6 +27,8 @@ PAGE_FILES = (
     "picture.js",
     "play.js",
     "readout.js",
+    "replay.css",
+    "replay.js",
     "scene.html",
     "scene.js",
     "sections.js",

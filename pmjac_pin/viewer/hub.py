@@ -15,6 +15,7 @@ from tornado.websocket import WebSocketClosedError
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import PmjacError
+from pmjac_pin.studies.follow.trajectory import Trajectory
 from pmjac_pin.viewer.canvas import Canvas
 from pmjac_pin.viewer.design import redesigned
 from pmjac_pin.viewer.messages import (
@@ -162,6 +163,11 @@ class Hub:
         design = self.session.design
         self.session.show(configuration)
         self._publish(None, about=self.session.design is not design, jump=True)
+
+    def play(self, trajectory: Trajectory) -> None:
+        """Go to the beginning of a trajectory and tell all browsers that it can be played."""
+        self.session.play(trajectory)
+        self._publish(None, about=True, jump=True)
 
     async def _redesign(self, values: Sequence[float | None]) -> None:
         for _ in range(_MOST_TRIES):

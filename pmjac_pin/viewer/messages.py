@@ -45,6 +45,12 @@ class Home(_Command, frozen=True, tag="home"):
     """Go to the home pose."""
 
 
+class ShowMoment(_Command, frozen=True, tag="moment", kw_only=True):
+    """Go to a parameter of the trajectory, the one of these values."""
+
+    values: list[float]
+
+
 class NamedPose(_Command, frozen=True, tag="pose", kw_only=True):
     """Go to a named pose."""
 
@@ -92,7 +98,7 @@ class ShowMode(_Command, frozen=True, tag="mode", kw_only=True):
 
 
 ModesCommand: TypeAlias = FindModes | StopSearch | ShowMode
-PoseCommand: TypeAlias = MoveMotors | Home | NamedPose | Options | SetLoad
+PoseCommand: TypeAlias = MoveMotors | ShowMoment | Home | NamedPose | Options | SetLoad
 Command: TypeAlias = PoseCommand | SetParameters | Reframe | ModesCommand
 
 
@@ -114,6 +120,14 @@ class Passive(msgspec.Struct, frozen=True):
     unit: str
 
 
+class Happening(msgspec.Struct, frozen=True):
+    """What happens on a trajectory."""
+
+    t: float
+    kind: str
+    what: str
+
+
 class Key(msgspec.Struct, frozen=True):
     """An entry of the legend: what is drawn in these colours, such as "#d55e00"."""
 
@@ -128,6 +142,8 @@ class About(msgspec.Struct, frozen=True):
     ----------
     counted : str
         In what the ellipsoids count motor rates and efforts.
+    replay : Slider or None
+        Of the parameter of a trajectory, where there is one.
     """
 
     mechanism: str
@@ -140,6 +156,8 @@ class About(msgspec.Struct, frozen=True):
     home: Readout
     legend: tuple[Key, ...]
     load: tuple[Slider, ...]
+    replay: Slider | None = None
+    happenings: tuple[Happening, ...] = ()
 
 
 class Notice(msgspec.Struct, frozen=True):
@@ -186,6 +204,8 @@ class State(msgspec.Struct, frozen=True, kw_only=True, tag="state", tag_field="t
     notice : Notice
     drawn : Drawn
     load : LoadReadout
+    moment : float or None
+        The parameter of the trajectory, where the pose is one of it.
     about : About, optional
         Where it has changed, or the page does not know it yet.
     framing : Framing, optional
@@ -202,6 +222,7 @@ class State(msgspec.Struct, frozen=True, kw_only=True, tag="state", tag_field="t
     notice: Notice
     drawn: Drawn
     load: LoadReadout
+    moment: float | None = None
     about: About | None = None
     framing: Framing | None = None
     jump: Framing | None = None

@@ -177,10 +177,10 @@ def _rank_words(rows: ToolRows) -> tuple[str, str]:
 
 def _of_jacobian(jacobian: EquivalentJacobian, configuration: Configuration) -> dict[str, Any]:
     motors, tool = jacobian.partition.actuated.size, configuration.tool_pose()
-    J_eq = {}
+    J_eq, own_sizes = {}, jacobian.sizes
     for frame in get_args(FrameName):
         entries = change_frame(jacobian.J_eq, frame, tool.rotation, tool.translation)
-        sizes = jacobian.sizes.copy()
+        sizes = own_sizes.copy()
         sizes[0] += norm(tool.translation) * sizes[1] * (frame == "WORLD")
         rounding = SHOWN_AS_ZERO * sizes.repeat(3)[:, None]
         J_eq[frame] = tuple(map(tuple, np.where(np.abs(entries) > rounding, entries, 0.0).tolist()))
@@ -206,9 +206,8 @@ def _warning(
     ranks: ToolRanks | None,
 ) -> Nearness:
     if singularity.kind != "regular":
-        return Nearness(
-            "singular", f"At {_SINGULARITIES[singularity.kind]}{_consequence(singularity)}."
-        )
+        kind = f"{_SINGULARITIES[singularity.kind]}{_types(singularity)}"
+        return Nearness("singular", f"At {kind}{_consequence(singularity)}.")
     if singularity.smallest < ALMOST_SINGULAR:
         names = _moving_names(singularity.passive_names, easiest_motions(configuration)[:, 0])
         text = f"Near a gain singularity: with all motors locked, {names} almost come free."
@@ -220,6 +219,14 @@ def _warning(
         return Nearness("near", f"Near a loss singularity: {text}.")
     loss = (ranks or ToolRanks.of(configuration.mechanism)).loss(jacobian)
     return Nearness("loss" if loss else "regular", loss)
+
+
+def _types(singularity: Singularity) -> str:
+    """Return the field's names of it, in brackets."""
+    types = singularity.types
+    kind = types.gosselin_angeles
+    names = [*([] if kind is None else [f"type {kind}"]), *types.present]
+    return f" ({', '.join(names)})" if names and not singularity.isolated else ""
 
 
 def _consequence(singularity: Singularity) -> str:

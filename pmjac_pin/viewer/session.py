@@ -15,6 +15,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import Violation
 from pmjac_pin.rates.motor_limits import efforts_unit, rates_unit
 from pmjac_pin.rates.partition import Partition
+from pmjac_pin.studies.follow.trajectory import Trajectory
 from pmjac_pin.viewer.design import Design, is_sibling
 from pmjac_pin.viewer.framing import Framing, frame
 from pmjac_pin.viewer.layers import EllipsoidKind
@@ -33,10 +34,12 @@ from pmjac_pin.viewer.messages import (
     Passive,
     PoseCommand,
     SetLoad,
+    ShowMoment,
     State,
 )
 from pmjac_pin.viewer.motors import WIDEST_SLIDER
 from pmjac_pin.viewer.readout import Readout, make_readout
+from pmjac_pin.viewer.replay import Replay
 from pmjac_pin.viewer.scene import Scene, SceneOptions, solids_of
 from pmjac_pin.viewer.solids import solid_or_refusal
 
@@ -68,6 +71,10 @@ class Session:
         Why the last motion ended early, if it did.
     pose : str or None
         The name of the pose, if it is a named one.
+    replay : Replay or None
+        A trajectory that is played.
+    moment : float or None
+        Its parameter, where the pose is one of it.
     """
 
     def __init__(self, configuration: Configuration, options: SceneOptions) -> None:
@@ -77,6 +84,8 @@ class Session:
         self.load = Load()
         self.notice = _NO_NOTICE
         self.pose = self._name_of(configuration)
+        self.replay: Replay | None = None
+        self.moment: float | None = None
         self._start = configuration
         self._directions: Mapping[EllipsoidKind, NDArray[np.float64]] = {}
 
@@ -96,6 +105,8 @@ class Session:
         match command:
             case MoveMotors():
                 self.move(command.values)
+            case ShowMoment():
+                self.show_moment(command.values)
             case Home():
                 self._go_to(self.mechanism.home)
             case NamedPose():
@@ -197,18 +208,45 @@ class Session:
                 raise ArgumentError(
                     f"a configuration of {theirs.name!r}; this viewer shows {ours!r}"
                 )
-            self.design = Design.of(theirs)
+            self.design, self.replay = Design.of(theirs), None
         self._set(configuration, configuration, _NO_NOTICE)
+
+    def play(self, trajectory: Trajectory) -> None:
+        """Go to the beginning of a trajectory of this mechanism, to be played.
+
+        Raises
+        ------
+        ArgumentError
+            It is of another mechanism.
+        """
+        self.show(trajectory[0])
+        self.replay = Replay(trajectory)
+        self.moment = float(trajectory.t[0])
+
+    def show_moment(self, values: Sequence[float]) -> None:
+        """Go to a parameter of the trajectory, the one of these values.
+
+        Raises
+        ------
+        ArgumentError
+            No trajectory, another number of values, or one beyond its ends.
+        """
+        if self.replay is None or len(values) != 1:
+            raise ArgumentError("one parameter of a trajectory is wanted, where one is shown")
+        found = self.replay.at(values[0])
+        self._set(found, found, _NO_NOTICE)
+        self.moment = values[0]
 
     def adopt(self, design: Design, configuration: Configuration) -> None:
         """Go to a configuration of a design that is made already."""
-        self.design = design
+        self.design, self.replay = design, None
         self._set(configuration, configuration, _NO_NOTICE)
 
     def _set(self, configuration: Configuration, start: Configuration, notice: Notice) -> None:
         self.configuration = configuration
         self._start = start
         self.notice = notice
+        self.moment = None
         self.pose = self._name_of(configuration)
 
     def _go_to(self, configuration: Configuration) -> None:
@@ -263,6 +301,7 @@ class Session:
                 self._no_polytopes(),
             ),
             load=make_load_readout(self.configuration, self.load),
+            moment=self.moment,
             about=self._about() if about else None,
             framing=self.framing() if framing else None,
             jump=self.framing() if jump else None,
@@ -287,6 +326,8 @@ class Session:
             home=make_readout(self.mechanism.home, self.design.ranks),
             legend=legend(self.mechanism),
             load=self.design.loads,
+            replay=None if self.replay is None else self.replay.slider(),
+            happenings=() if self.replay is None else self.replay.happenings(),
         )
 
     def _stop(self, values: list[float], error: ClosureError) -> Notice:

@@ -13,6 +13,7 @@ from pmjac_pin.files.shapes import Text
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.pictures.anatomy import Anatomy
 from pmjac_pin.pictures.within_limits import Quantity, solid_within
+from pmjac_pin.rates.motor_limits import stated_effort_limits, stated_rate_limits
 from pmjac_pin.rates.solid import Solid
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.viewer.ellipsoids import LETTERS, LIMIT, radius_label
@@ -29,7 +30,6 @@ from pmjac_pin.viewer.layers import (
     words,
 )
 from pmjac_pin.viewer.palette import SOLID, SOLID_EDGE
-from pmjac_pin.words.motor_limits import motor_effort_limits, motor_rate_limits
 
 _QUANTITIES: dict[SolidKind, Quantity] = {"velocity": "linear", "force": "force"}
 _EDGE_RADIUS = 0.004  # of the mechanism's size, the radius of an edge
@@ -124,4 +124,5 @@ def _largest_limit(mechanism: Mechanism, kind: SolidKind) -> float:
 
 
 def _limits(mechanism: Mechanism, kind: SolidKind) -> Array:
-    return motor_rate_limits(mechanism) if kind == "velocity" else motor_effort_limits(mechanism)
+    stated = stated_rate_limits if kind == "velocity" else stated_effort_limits
+    return stated(mechanism.problem.partition)

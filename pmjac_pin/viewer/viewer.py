@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, PmjacError
-from pmjac_pin.values.checks import as_flag
+from pmjac_pin.studies.follow.trajectory import Trajectory
+from pmjac_pin.values.checks import as_flag, check_kind
 from pmjac_pin.viewer.canvas import Canvas
 from pmjac_pin.viewer.hub import Hub
 from pmjac_pin.viewer.scene import SceneOptions
@@ -85,6 +86,28 @@ class Viewer:
             raise ArgumentError(f"a viewer shows a Configuration, got a {kind}")
         self._server.call(lambda hub: hub.show(configuration))
 
+    def play(self, trajectory: Trajectory) -> None:
+        """Show a trajectory of the same mechanism: a slider of its parameter that plays.
+
+        Raises
+        ------
+        ArgumentError
+            It is of another mechanism, or no trajectory.
+        PmjacError
+            The viewer has been closed.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> bar = pj.load("four_bar")
+        >>> with pj.view(bar.home, open_browser=False, port=0) as viewer:
+        ...     viewer.play(pj.follow(bar, [[0.9], [2.0]]))
+        ...     viewer.configuration.actuated.tolist()
+        [0.9]
+        """
+        check_kind(trajectory, Trajectory)
+        self._server.call(lambda hub: hub.play(trajectory))
+
     def save_html(self, path: str | os.PathLike[str]) -> None:
         """Write what is shown now as one self-contained file that needs no server.
 
@@ -141,7 +164,7 @@ class Viewer:
 
 
 def view(
-    configuration: Configuration,
+    configuration: Configuration | Trajectory,
     *,
     open_browser: bool | None = None,
     port: int | None = None,
@@ -156,7 +179,8 @@ def view(
 
     Parameters
     ----------
-    configuration : Configuration
+    configuration : Configuration or Trajectory
+        Of a trajectory its beginning is shown, with a slider of its parameter that plays it.
     open_browser : bool, optional
         When None: in an interactive session with a display; elsewhere the address is logged,
         which shows it on stderr.
@@ -190,11 +214,14 @@ def view(
         velocity_polytope=velocity_polytope,
         force_polytope=force_polytope,
     )
-    viewer = Viewer(configuration, options, port)
+    shown = configuration[0] if isinstance(configuration, Trajectory) else configuration
+    viewer = Viewer(shown, options, port)
+    if isinstance(configuration, Trajectory):
+        viewer.play(configuration)
     if _is_interactive() if open_browser is None else open_browser:
         _open_browser(viewer.url)
     elif open_browser is None:
-        _logger.warning("%s: %s", configuration.mechanism.name, viewer.url)
+        _logger.warning("%s: %s", shown.mechanism.name, viewer.url)
     return viewer
 
 

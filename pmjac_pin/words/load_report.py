@@ -15,6 +15,7 @@ from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.model.inertias import massless
 from pmjac_pin.rates.dynamics import Dynamics
 from pmjac_pin.rates.motion import Motion
+from pmjac_pin.rates.motor_limits import stated_effort_limits
 from pmjac_pin.rates.statics import Statics
 from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.values.checks import as_flag, as_vector
@@ -22,7 +23,6 @@ from pmjac_pin.values.named_values import named_values
 from pmjac_pin.words.labelled import ANGULAR, LINEAR, Powers, force_unit, unit
 from pmjac_pin.words.labelled_matrix import LabelledMatrix, labelled
 from pmjac_pin.words.labelled_values import Labels, Quantity
-from pmjac_pin.words.motor_limits import motor_effort_limits
 
 WRENCH = ("fx", "fy", "fz", "mx", "my", "mz")
 """A force by the world's axes, N, and a moment about the tool's origin, N m."""
@@ -128,7 +128,7 @@ def motor_efforts(configuration: Configuration, efforts: Array) -> tuple[MotorEf
     mechanism = configuration.mechanism
     powers, limits = (
         Labels.of(mechanism.problem.partition).actuated_powers,
-        motor_effort_limits(mechanism).tolist(),
+        stated_effort_limits(mechanism.problem.partition).tolist(),
     )
     rows = zip(mechanism.actuated, efforts.tolist(), powers, limits, strict=True)
     return tuple(

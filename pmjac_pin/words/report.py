@@ -311,7 +311,12 @@ def singularity_told(found: Singularity, length: float) -> dict[str, object]:
     `length`, in m, is what makes radians and metres comparable in it.
     """
     return {
-        **told(found, "kind", "singular_values", "smallest", "condition", "tolerance"),
+        **told(found, "kind", "in_words"),
+        "types": found.types.present,
+        **told(
+            found.types, "gosselin_angeles", "constraint_singularity", "architecture_singularity"
+        ),
+        **told(found, "singular_values", "smallest", "condition", "tolerance"),
         "characteristic_length": length,
         **told(found, "rank", "generic_rank", "constraint_rank", "generic_constraint_rank"),
         "tool_rows": found.tool_rows.names,
@@ -320,6 +325,8 @@ def singularity_told(found: Singularity, length: float) -> dict[str, object]:
         "free_motions": by_name(found.passive_names, found.free_motions),
         "idle_motions": by_name(found.passive_names, found.idle_motions),
         "forbidden_rates": by_name(found.actuated_names, found.forbidden_rates),
+        "free_screws": [told(one, "direction", "point", "pitch") for one in found.free_screws],
+        "lost_screws": [told(one, "direction", "point", "pitch") for one in found.lost_screws],
     }
 
 

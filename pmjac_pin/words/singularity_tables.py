@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
+import numpy as np
+
+from pmjac_pin.rates.screw import Screw
 from pmjac_pin.rates.singularity import Singularity
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.brief import brief
 from pmjac_pin.words.blocks import Block, Table
 from pmjac_pin.words.numbers import matrix_numbers
@@ -30,12 +34,19 @@ def singularity_blocks(found: Singularity, *, length: float | None = None) -> It
     if idle := by_name(found.passive_names, found.idle_motions):
         heading = "Idle passive motions, free at every pose (largest rate 1)"
         yield _motions_table(heading, list(map(_largest_rate_one, idle)), found.passive_units)
+    yield from _screws_table(
+        "What the tool can do with all motors locked", found.free_screws, "m/rad"
+    )
+    yield from _screws_table(
+        "Wrenches on the tool that only here need no motor", found.lost_screws, "m"
+    )
     if forbidden := by_name(found.actuated_names, found.forbidden_rates):
         yield _motions_table("Motor rates that the loops forbid", forbidden, found.actuated_units)
 
 
 def _ranks(found: Singularity) -> Iterator[tuple[str, str]]:
     yield "kind", found.kind
+    yield "types", found.in_words
     yield "rank of K*", f"{found.rank} of {found.generic_rank}"
     yield "rank of [K K*]", f"{found.constraint_rank} of {found.generic_constraint_rank}"
     more = found.tool_rank > found.generic_tool_rank
@@ -48,6 +59,30 @@ def _ranks(found: Singularity) -> Iterator[tuple[str, str]]:
     if found.generic_rank:
         yield "smallest σ of K* relative to [K K*]", brief(found.smallest)
     yield "counts as zero up to", brief(found.tolerance)
+
+
+def _screws_table(heading: str, screws: Sequence[Screw], unit: str) -> Iterator[Table]:
+    """Show screws, one a row; a pitch that is infinite is a translation, or a moment alone."""
+    if screws:
+        rows = tuple(
+            (
+                str(number),
+                *_coordinates(screw.direction),
+                *_coordinates(screw.point),
+                _pitch_in_words(screw),
+            )
+            for number, screw in enumerate(screws, start=1)
+        )
+        columns = ("", "x", "y", "z", "px [m]", "py [m]", "pz [m]", f"pitch [{unit}]")
+        yield Table(heading + ": directions and points of axes", columns, rows, "<" + ">" * 7)
+
+
+def _coordinates(vector: Array) -> tuple[str, ...]:
+    return tuple(brief(x if abs(x) > _STILL else 0.0) for x in vector.tolist())
+
+
+def _pitch_in_words(screw: Screw) -> str:
+    return "infinite" if np.isinf(screw.pitch) else brief(screw.pitch)
 
 
 def _largest_rate_one(rates: Mapping[str, float]) -> dict[str, float]:

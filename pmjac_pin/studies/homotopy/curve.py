@@ -11,16 +11,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pmjac_pin.studies.homotopy.curve_kernel import StepRules
 from pmjac_pin.studies.homotopy.machines import Line
 from pmjac_pin.values.arrays import Array, Complex, Mask
 
 SAME = 1e-6  # relative distance of two points that are one
 _FAR_AWAY = 1e-12  # of h: no point is further away than its inverse
-_FIRST_STEP, _SMALLEST_STEP = 0.1, 1e-6  # of a path
-_MOST_STEPS = 3000
-_CORRECTIONS = 2  # of Newton, after each step
-_CLOSE = 1e-4  # first correction, relative to the point: further away the step was too long
-_EXACT = 1e-9
+_RULES = StepRules(
+    first=0.1,
+    smallest=1e-6,
+    arrived=1.0 - 1e-14,
+    close=1e-4,
+    exact=1e-9,
+    most=3000,
+    corrections=2,
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,6 +44,11 @@ class Planes:
     def at_machine(cls, t: float, unknowns: int, count: int) -> Planes:
         """Return the plane of one machine of the line, for `count` points."""
         return cls.all_at(np.eye(unknowns + 1, dtype=complex)[-1], t, count)
+
+    @property
+    def numbers(self) -> Complex:
+        """All of them: normals, then offsets."""
+        return np.column_stack([self.normals, self.offsets])
 
     def __getitem__(self, index: NDArray[np.intp] | Mask) -> Planes:
         return Planes(self.normals[index], self.offsets[index])
@@ -78,10 +88,18 @@ class Curve:
 
         Those that arrive at infinity come back with entries of 1e8 and more.
         """
-        count, points, pull = len(points), _rays(points), end - start
-        share, step = np.zeros(count), np.full(count, _FIRST_STEP)
-        going = np.ones(count, dtype=bool)
-        for _ in range(_MOST_STEPS):
+        points, pull, lanes = _rays(points), end - start, self.line.lanes()
+        if lanes is None:
+            points, share = self._followed(points, start, pull)
+        else:
+            points, share = lanes.follow(points, start.numbers, pull.numbers, _RULES)
+        return _affine(points), share >= _RULES.arrived
+
+    def _followed(self, points: Complex, start: Planes, pull: Planes) -> tuple[Complex, Array]:
+        """Return where points (X, h, t) are led, and the shares of the way that they went."""
+        share, step = np.zeros(len(points)), np.full(len(points), _RULES.first)
+        going = np.ones(len(points), dtype=bool)
+        for _ in range(_RULES.most):
             now = np.flatnonzero(going)
             if not now.size:
                 break
@@ -91,8 +109,8 @@ class Curve:
             points[now[good]] = _unit_points(trial[good])
             share[now[good]] += length[good]
             step[now] = np.where(good, step[now] * 2.0, step[now] * 0.5)
-            going &= (share < 1.0 - 1e-14) & (step >= _SMALLEST_STEP)
-        return _affine(points), share >= 1.0 - 1e-14
+            going &= (share < _RULES.arrived) & (step >= _RULES.smallest)
+        return points, share
 
     def corrected(self, points: Complex, planes: Planes, steps: int) -> tuple[Complex, Array]:
         """Return points (x, t) after some of Newton's steps, and the size of the last."""
@@ -107,8 +125,8 @@ class Curve:
         with np.errstate(all="ignore"):
             trial = self._predicted(points, across, stretch)
             trial, first = self._newton(trial, across, stretch.planes(1.0), 1)
-            trial, last = self._newton(trial, across, stretch.planes(1.0), _CORRECTIONS - 1)
-        return trial, (first < _CLOSE) & (last < _EXACT)
+            trial, last = self._newton(trial, across, stretch.planes(1.0), _RULES.corrections - 1)
+        return trial, (first < _RULES.close) & (last < _RULES.exact)
 
     def _predicted(self, points: Complex, across: Complex, stretch: _Stretch) -> Complex:
         """Return the points a step further, by Runge and Kutta's fourth-order rule."""

@@ -10,21 +10,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from flint import acb, arb
-from numpy.typing import NDArray
 
+from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.polynomials import Symbols
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.model.joint_kind import JointKind, JointMotion
 from pmjac_pin.model.linkage import Edge
 from pmjac_pin.values.arrays import Array, Complex
 
-#: Of complex numbers, or of python-flint's balls.
-Numbers = NDArray[Any]
+#: Of complex numbers, of a program's, or of python-flint's balls.
 _QUATERNION = ("x", "y", "z", "w")
 
 
@@ -142,7 +140,7 @@ class JointUnknowns:
         inverse = 1.0 / p
         return [(p + inverse) * 0.5, (p - inverse) * -0.5j]
 
-    def parameter_rates(self, p: Complex) -> list[Complex]:
+    def parameter_rates(self, p: Numbers) -> list[Numbers]:
         """Return the derivatives of a motor's numbers by its parameter."""
         if self.unit is None:
             return [np.ones_like(p)]

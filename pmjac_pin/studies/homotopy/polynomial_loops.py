@@ -9,19 +9,24 @@ rounding are zero.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cached_property
 
 import numpy as np
 from flint import Ordering, acb, fmpq_mpoly, fmpq_mpoly_ctx
 from numpy.typing import NDArray
 
+from pmjac_pin.algebra.arrays import Numbers
+from pmjac_pin.algebra.complex_terms import complex_terms, real_and_imaginary
 from pmjac_pin.algebra.polynomials import Symbols, symbols
+from pmjac_pin.algebra.programs import Recording
+from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.kinematics.loops import pair_of
 from pmjac_pin.model.linkage import edges_of
 from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.rates.partition import independent_rows
-from pmjac_pin.studies.homotopy.joint_unknowns import Numbers, joint_unknowns
+from pmjac_pin.studies.homotopy.joint_unknowns import joint_unknowns
 from pmjac_pin.studies.homotopy.polynomial_rows import PolynomialRows
 from pmjac_pin.studies.homotopy.polynomial_table import PolynomialTable
 from pmjac_pin.studies.modes.search_problem import SearchProblem
@@ -63,6 +68,7 @@ class PolynomialLoops:
         self._joints = joint_unknowns(problem.model, edges, passive, problem.length)
         self._motors = [joint for joint in self._joints if joint.motor]
         self._passive = [joint for joint in self._joints if not joint.motor]
+        self._parameters = len(self._motors) + len(rods)
         self._units = [joint.unit for joint in self._passive if joint.unit is not None]
         self._free = [joint.columns for joint in self._passive if joint.floating]
         self.count = max((joint.columns.stop for joint in self._passive), default=0)
@@ -97,10 +103,35 @@ class PolynomialLoops:
         machine, rate : ndarray, shape (b, k + rows)
             p and γ, and how they change.
         """
+        return self._along(X, machine, rate, self._table.evaluate)
+
+    @cached_property
+    def tape(self) -> Tape:
+        """The program of the equations over a line of machines, for all lines of a mechanism.
+
+        Inputs are (X, h, t), p and γ at t = 0, and how much these change until t = 1; outputs are
+        rows (∂F/∂(X, h, t), F). All are complex: a real and an imaginary part each.
+        """
+        size, machine = self.count + 2, self._parameters + self.rows
+        recording = Recording(2 * (size + 2 * machine))
+        numbers = complex_terms(recording.inputs)
+        point, start, rate = np.split(numbers, [size, size + machine])
+        there = start + rate * point[-1]
+        values, slopes = self._along(point[None, :-1], there[None], rate[None], self._table.record)
+        rows = np.concatenate([slopes, values[:, :, None]], axis=2)
+        return Tape.of(recording, real_and_imaginary(rows.ravel().tolist()))
+
+    def _along(
+        self,
+        X: Numbers,
+        machine: Numbers,
+        rate: Numbers,
+        table: Callable[[Numbers], tuple[Numbers, Numbers]],
+    ) -> tuple[Numbers, Numbers]:
         p, dp = machine[:, : -self.rows or None], rate[:, : -self.rows or None]
         gaps, opening = machine[:, p.shape[1] :], rate[:, p.shape[1] :]
         x, h = X[:, :-1], X[:, -1:]
-        values, slopes = self._table.evaluate(np.hstack([x, self._driven(p), gaps, h]))
+        values, slopes = table(np.hstack([x, self._driven(p), gaps, h]))
         rates = np.hstack([self._driven_rates(p, dp), opening])
         along = slopes[:, :, self.count : -1] @ rates[:, :, None]
         by_x = (slopes[:, :, : self.count], slopes[:, :, -1:])
@@ -196,7 +227,7 @@ class PolynomialLoops:
         ]
         return np.column_stack([*columns, p[:, len(self._motors) :]])
 
-    def _driven_rates(self, p: Complex, rate: Complex) -> Complex:
+    def _driven_rates(self, p: Numbers, rate: Numbers) -> Numbers:
         columns = [
             slope * rate[:, index]
             for index, joint in enumerate(self._motors)

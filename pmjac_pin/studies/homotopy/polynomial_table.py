@@ -14,6 +14,7 @@ from flint import acb, fmpq, fmpq_mpoly
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.values.arrays import Complex
 
 BallMatrix = NDArray[Any]
@@ -54,23 +55,30 @@ class PolynomialTable:
         shape = (len(points), self._rows, self._variables)
         return found[:, : self._rows], found[:, self._rows :].reshape(shape)
 
+    def record(self, points: Numbers) -> tuple[Numbers, Numbers]:
+        """Return what `evaluate` does, of numbers of a program."""
+        found = np.array([self._over(self._exact, point, float) for point in points])
+        shape = (len(points), self._rows, self._variables)
+        return found[:, : self._rows], found[:, self._rows :].reshape(shape)
+
     def values_in_balls(self, point: BallMatrix) -> BallMatrix:
         """Return enclosures of the values (rows,) over one point's balls."""
-        return self._in_balls(self._exact[: self._rows], point)
+        return self._over(self._exact[: self._rows], point, acb)
 
     def slopes_in_balls(self, point: BallMatrix) -> BallMatrix:
         """Return enclosures of the derivatives (rows, variables) over one point's balls."""
-        slopes = self._in_balls(self._exact[self._rows :], point)
+        slopes = self._over(self._exact[self._rows :], point, acb)
         return slopes.reshape(self._rows, self._variables)
 
-    def _in_balls(
-        self, rows: Sequence[Sequence[tuple[int, fmpq]]], point: BallMatrix
-    ) -> BallMatrix:
-        factors: BallMatrix = np.concatenate([point, [acb(1)]])
+    def _over(
+        self, rows: Sequence[Sequence[tuple[int, fmpq]]], point: Numbers, number: type
+    ) -> Numbers:
+        """Return sums of one point's monomials, whose coefficients become such numbers."""
+        factors = np.concatenate([point, [number(1)]])
         monomials = np.multiply.reduce(factors[self._factors], axis=0)
         found = np.empty(len(rows), dtype=object)
         for index, row in enumerate(rows):
-            found[index] = sum((monomials[number] * acb(c) for number, c in row), acb(0))
+            found[index] = sum((monomials[place] * number(c) for place, c in row), number(0))
         return found
 
 

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 _FIRST_STARTS = 512  # before a proof is tried; most modes are met among them
 
 _Found = tuple[Configuration, float]
+_Judged = tuple[list[_Found], Evidence | None, list[Array]]  # with what is known and not closed
 
 
 def assembly_modes(
@@ -126,25 +127,22 @@ def find_modes(
         _refuse_felt_idle_motion(mechanism)
     censuses = [one for one in _censuses(mechanism, values, limits, aim) if one.whole]
 
-    def rows() -> list[Array]:
-        return [with_legs(mechanism, legs, problem, base, q) for q, _ in search.modes()]
+    def judged() -> tuple[list[Array], _Judged]:
+        modes = search.modes()
+        rows = [with_legs(mechanism, legs, problem, base, q) for q, _ in modes]
+        closed = _closed_rows(mechanism, rows, [share for _, share in modes], limits)
+        return rows, _with_census(mechanism, closed, censuses, limits)
 
-    def judged() -> tuple[list[_Found], Evidence | None, list[Array]]:
-        shares = [share for _, share in search.modes()]
-        return _with_census(
-            mechanism, _closed_rows(mechanism, rows(), shares, limits), censuses, limits
-        )
-
-    found, evidence, lost = judged() if censuses else ([], None, [])
+    rows, (found, evidence, lost) = judged() if censuses else ([], ([], None, []))
     if evidence is None:
         search.until(aim)
-        found, evidence, lost = judged()
+        rows, (found, evidence, lost) = judged()
     near = (with_legs(mechanism, legs, problem, base, q) for q in search.near.q)
     told = evidence is not None and lost
-    gaps = [] if told else rounded_gaps(mechanism, chain(rows(), lost, near))
+    gaps = [] if told else rounded_gaps(mechanism, chain(rows, lost, near))
     if evidence is None:
         evidence = search.evidence(aim)
-        evidence = evidence if gaps else _without_open(mechanism, [*rows(), *lost], evidence)
+        evidence = evidence if gaps else _without_open(mechanism, [*rows, *lost], evidence)
     if gaps:
         evidence = with_rounded(mechanism, gaps, evidence)
     return _distinct_modes(mechanism, found, search.starts, evidence)
@@ -197,7 +195,7 @@ def _censuses(mechanism: Mechanism, values: Array, limits: bool, aim: Aim) -> It
 
 def _with_census(
     mechanism: Mechanism, found: list[_Found], censuses: list[Census], limits: bool
-) -> tuple[list[_Found], Evidence | None, list[Array]]:
+) -> _Judged:
     """Return the modes found with those that a census adds, and whether one says these are all.
 
     At last what a census has and cannot be closed: then it does not tell all, but how many.

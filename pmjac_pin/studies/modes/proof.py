@@ -20,7 +20,7 @@ from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.modes.box_domain import NoBoxesError
 from pmjac_pin.studies.modes.box_problem import BoxProblem, box_problem, given_values, start
 from pmjac_pin.studies.modes.branch_and_prune import Budget, branch_and_prune
-from pmjac_pin.studies.modes.krawczyk import Enclosure, enclose
+from pmjac_pin.studies.modes.enclosed_modes import Enclosure, enclose
 from pmjac_pin.studies.modes.touching import moved_near, together
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_flag, as_numbers, check_kind

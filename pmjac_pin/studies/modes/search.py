@@ -4,9 +4,6 @@ Damped Newton (Levenberg–Marquardt) runs from all starts of a batch at once. T
 start space that leads to poses not seen yet is bounded with a confidence 1 − δ: had n starts in
 a row, drawn after the last new pose, met none, then (1 − p)ⁿ ≥ δ, hence p ≤ −ln δ / n. The k-th
 such question gets δₖ = 6δ/(πk)², so that all of them together err with probability δ at most.
-
-That of one pose, `closing/damped_closure.py`, is another one: here a single pose would take several
-times as long, and there hundreds of starts a hundred times, each of them by itself.
 """
 
 from __future__ import annotations
@@ -18,13 +15,20 @@ from typing import NamedTuple
 import numpy as np
 
 from pmjac_pin.closing.held_motors import ROUNDED_SHARE
+from pmjac_pin.closing.levenberg_marquardt import (
+    Patience,
+    by_normal_equations,
+    damped_step,
+    descend,
+    norms,
+    points_at,
+)
 from pmjac_pin.studies.modes.search_problem import SearchProblem
 from pmjac_pin.values.arrays import Array
 
 _STEPS_OF_A_START = 60  # of one start
 _CLOSED = 1e-9  # of the characteristic length: two steps of Newton's do the rest
 _FORGOTTEN = 0.3  # of how a joint moved the loops, in one step
-_LAST_STEPS = 2
 _FALLING = 1e-8  # of itself: a gap within the tolerance that falls less is the least there is
 _IDLE_COLUMN = 1e-6  # of the largest column of K*: one that is smaller moves the loops by nothing
 _STUCK = 1e8  # damping at which a start is given up
@@ -32,6 +36,18 @@ _CREEPING = 1e-4  # of itself: an open gap that falls less in each of so many st
 _STEPS_PATIENCE = 3
 _STILL_OPEN = 1e-7  # of itself: an open gap that falls less stays open, however patient one is
 _AS_PROMISED = 0.25  # of the fall to first order
+_LAST_STEPS = Patience(
+    steps=2,
+    enough=0.0,
+    tolerance=0.0,
+    damping=0.0,
+    least=0.0,
+    most=np.inf,
+    shrinks=1.0,
+    grows=1.0,
+    grows_within=1.0,
+    creeping_steps=3,
+)
 
 
 class Ends(NamedTuple):
@@ -86,108 +102,106 @@ class ManyClosures:
         """Return the rows of q at which the gap is as small as rounded numbers leave it."""
         if not len(q):
             return q
-        gap = np.linalg.norm(self._scaled(q)[0], axis=1)
+        gap = norms(self._descent.evaluate(q)[0])
         return np.asarray(q[gap <= ROUNDED_SHARE * self.problem.length])
+
+    @property
+    def _descent(self) -> _ManyPoses:
+        return _ManyPoses(self.problem, self.strides)
 
     def _falling(self, q: Array) -> Array:
         """Return the rows whose gap falls along an undamped step, as its first order says."""
         if not len(q):
             return q
-        partition = self.problem.partition
-        error, rows = self._scaled(q)
-        step = self._step(error, rows, _column_norms(rows), np.zeros(len(q)))
-        rates = step[:, partition.passive] / partition.column_scale[partition.passive]
-        ahead = np.linalg.norm(error + np.einsum("bij,bj->bi", rows, rates), axis=1)
-        gap = np.linalg.norm(error, axis=1)
-        fall = gap - np.linalg.norm(self._scaled(self.problem.tree.moved(q, step))[0], axis=1)
+        descent = self._descent
+        points = points_at(descent, q)
+        step = damped_step(descent, points, np.zeros(len(q)))
+        ahead = norms(points.error + np.einsum("bij,bj->bi", points.rows, step))
+        gap = norms(points.error)
+        fall = gap - norms(descent.evaluate(descent.moved(q, step))[0])
         return np.asarray(q[(fall > _STILL_OPEN * gap) & (fall > _AS_PROMISED * (gap - ahead))])
 
     def _ends(self, starts: Array, creeps: float) -> Ends:
         if not len(starts):
             return Ends(starts, starts, starts)
-        problem, length = self.problem, self.problem.length
-        farthest = float(self.strides.max(initial=length))
-        redundant = problem.partition.row_scale.size > problem.partition.passive_rank
-        tolerance = problem.tolerance if redundant else 0.0
-        q, found, left = starts, [], []
-        damping = np.full(len(q), 1e-2)
-        error, rows = self._scaled(q)
-        sizes = _column_norms(rows)
-        gap = np.linalg.norm(error, axis=1)
-        least, creeping = np.zeros(len(q), dtype=bool), np.zeros(len(q), dtype=int)
-        for _ in range(_STEPS_OF_A_START):
-            done = (gap <= _CLOSED * length) | least
-            given_up = ~done & ((damping >= _STUCK) | (creeping >= _STEPS_PATIENCE))
-            found.append(q[done])
-            left.append(q[given_up])
-            going = ~done & ~given_up
-            q, error, rows, sizes = q[going], error[going], rows[going], sizes[going]
-            gap, damping, creeping = gap[going], damping[going], creeping[going]
-            if not len(q):
-                break
-            step = self._step(error, rows, sizes, damping * gap / farthest)
-            trial = self.problem.tree.moved(q, step)
-            trial_error, trial_rows = self._scaled(trial)
-            trial_gap = np.linalg.norm(trial_error, axis=1)
-            better = trial_gap < gap
-            least = (gap <= tolerance) & better & (trial_gap >= (1.0 - _FALLING) * gap)
-            falls = (trial_gap < (1.0 - creeps) * gap) | (gap <= tolerance)
-            creeping = np.where(falls, 0, creeping + better)
-            q = np.where(better[:, None], trial, q)
-            error = np.where(better[:, None], trial_error, error)
-            rows = np.where(better[:, None, None], trial_rows, rows)
-            sizes = np.maximum(_FORGOTTEN * sizes, _column_norms(rows))
-            gap = np.where(better, trial_gap, gap)
-            damping = np.where(better, np.maximum(damping / 5.0, 1e-9), damping * 5.0)
-        return Ends(self._polished(np.concatenate(found)), np.concatenate(left), q)
+        partition = self.problem.partition
+        redundant = partition.row_scale.size > partition.passive_rank
+        patience = Patience(
+            steps=_STEPS_OF_A_START,
+            enough=_CLOSED * self.problem.length,
+            tolerance=self.problem.tolerance if redundant else 0.0,
+            damping=1e-2,
+            least=1e-9,
+            most=_STUCK,
+            shrinks=5.0,
+            grows=5.0,
+            grows_within=5.0,
+            falling=_FALLING,
+            creeping=creeps,
+            creeping_steps=_STEPS_PATIENCE,
+        )
+        ends = descend(self._descent, starts, patience)
+        left = ~ends.closed & ~ends.spent
+        return Ends(self._polished(ends.q[ends.closed]), ends.q[left], ends.q[ends.spent])
 
     def _polished(self, q: Array) -> Array:
         """Return closed rows after Newton's last steps, where these close them further.
 
         Beside a singularity poses that are closed to little are far from each other, though one.
         """
-        for _ in range(_LAST_STEPS if len(q) else 0):
-            error, rows = self._scaled(q)
-            step = self._step(error, rows, _column_norms(rows), np.zeros(len(q)))
-            trial = self.problem.tree.moved(q, step)
-            better = np.linalg.norm(self._scaled(trial)[0], axis=1) < np.linalg.norm(error, axis=1)
-            q = np.where(better[:, None], trial, q)
-        return q
+        return descend(self._descent, q, _LAST_STEPS).q if len(q) else q
 
-    def _scaled(self, q: Array) -> tuple[Array, Array]:
+
+class _ManyPoses:
+    """The passive joints of many poses: what is to be closed.
+
+    Each unknown is eased by what it moves the loops by (Marquardt's scaling), so that damping
+    holds back no joint for moving the loops little: a platform's turn moves them by its own size
+    only, however long its legs are.
+    """
+
+    __slots__ = ("_problem", "_scale", "_strides")
+
+    solution = staticmethod(by_normal_equations)
+
+    def __init__(self, problem: SearchProblem, strides: Array) -> None:
+        self._problem, self._strides = problem, strides
+        self._scale = problem.partition.column_scale[problem.partition.passive]
+
+    def evaluate(self, q: Array) -> tuple[Array, Array]:
         """Return η in m and K* on the scaled columns."""
-        partition = self.problem.partition
-        residual, jacobian = self.problem.loops.evaluate(q)
-        K_star = jacobian[:, :, partition.passive] * partition.column_scale[partition.passive]
-        return residual * partition.row_scale, K_star * partition.row_scale[:, None]
+        partition = self._problem.partition
+        residual, jacobian = self._problem.loops.evaluate(q)
+        K_star = jacobian.take(partition.passive, axis=2)
+        K_star *= partition.row_scale[:, None] * self._scale
+        return residual * partition.row_scale, K_star
 
-    def _step(self, error: Array, rows: Array, sizes: Array, damping: Array) -> Array:
-        """Return v (b, nv): −D⁻¹(JᵀJ + λ)⁻¹ Jᵀη on the passive columns, J = K D⁻¹, not too long.
+    def ease(self, q: Array, error: Array, rows: Array, before: Array | None) -> Array:
+        """Return one by the sizes of K*'s columns.
 
-        D are the sizes of K's columns (Marquardt's scaling), so that λ holds back no joint for
-        moving the loops little: a platform's turn moves them by its own size only, however long
-        its legs are. They shrink slowly on the way: a column that vanishes where the loops close
-        would have its joint thrown about there.
+        They shrink slowly on the way: a column that vanishes where the loops close would have its
+        joint thrown about there.
         """
-        partition = self.problem.partition
+        sizes = np.sqrt(np.einsum("bij,bij->bj", rows, rows))
+        if before is not None:
+            sizes = np.maximum(_FORGOTTEN / before, sizes)
         sizes = np.maximum(sizes, _IDLE_COLUMN * sizes.max(axis=1, initial=0.0, keepdims=True))
-        sizes = np.where(sizes > 0.0, sizes, 1.0)  # no passive joint moves the loops at all
-        rows = rows / sizes[:, None, :]
-        across = rows.transpose(0, 2, 1)
-        square = across @ rows
-        diagonal = np.einsum("bii->bi", square)
-        diagonal += (damping + 1e-12)[:, None]
-        step = -np.linalg.solve(square, across @ error[:, :, None])[:, :, 0] / sizes
-        stride = np.linalg.norm(step / self.strides, axis=1)
-        step /= np.maximum(stride, 1.0)[:, None]
-        velocity = np.zeros((len(error), partition.column_scale.size))
-        velocity[:, partition.passive] = step * partition.column_scale[partition.passive]
-        return velocity
+        return np.asarray(1.0 / np.where(sizes > 0.0, sizes, 1.0))  # no joint may move the loops
 
+    def fading(self, gap: Array) -> Array:
+        """Return the gap, in strides."""
+        return gap / float(self._strides.max(initial=self._problem.length))
 
-def _column_norms(rows: Array) -> Array:
-    """Return the norms of the columns of each matrix, shape (b, m_p)."""
-    return np.asarray(np.sqrt(np.einsum("bij,bij->bj", rows, rows)))
+    def bounded(self, q: Array, step: Array) -> Array:
+        """Return steps of the scaled columns, each no longer than a stride."""
+        return np.asarray(step / np.maximum(norms(step / self._strides), 1.0)[:, None])
+
+    def moved(self, q: Array, step: Array) -> Array:
+        """Return q ⊕ v."""
+        partition = self._problem.partition
+        velocity = np.zeros((len(q), partition.column_scale.size))
+        velocity[:, partition.passive] = step * self._scale
+        return self._problem.tree.moved(q, velocity)
 
 
 def unseen_share(starts: int, question: int, confidence: float) -> float:

@@ -1,39 +1,26 @@
 """Enclosure: a proof of how far a sheet is from the closed poses that it interpolates.
 
-At joint values x, let F(v) = η(x, φ̃(x) ⊕ v), with φ̃ the sheet's polynomials and v dimensionless,
-and A an approximate inverse of K* in a piece of a cell. With
-
-    Y ≥ |A F(0)|,    E ≥ |I − A K*| up to r from the sheet,    all over the piece,
-
-and Y + E r ≤ r, Krawczyk's test holds at every x of the piece: there is a closed pose within
-Y + E r of the sheet, component by component, and, where moreover ‖E‖ + (1 + ‖E‖) r < 1, no other
-one within r. Y is of the order of the interpolation's own error, since F(0) is enclosed by its
-Taylor polynomial along the sheet (`SheetEquations`); E is small where pieces are. Rates follow:
-−K*⁻¹K is within ‖E‖ / (1 − ‖E‖) ‖A K‖ of −A K, by columns.
+By Krawczyk's test along the sheet's polynomials (`SeriesProof`), in pieces of its cells that are
+halved until it holds. Rates follow: −K*⁻¹K is within ‖E‖ / (1 − ‖E‖) ‖A K‖ of −A K, by columns.
 """
 
 from __future__ import annotations
 
-import contextlib
 from dataclasses import dataclass
 
 import numpy as np
 
-from pmjac_pin.algebra.balls import OUTWARDS
 from pmjac_pin.algebra.intervals import Intervals
-from pmjac_pin.algebra.series import largest_sizes
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.rates.partition import Partition, independent_rows
-from pmjac_pin.studies.contraction import contraction
+from pmjac_pin.studies.series_proof import ProvenPieces, SeriesProof, upwards
 from pmjac_pin.studies.transmissions.newton_program import NewtonProgram
 from pmjac_pin.studies.transmissions.sheet import Sheet
-from pmjac_pin.studies.transmissions.sheet_equations import EquationsAlong, Pieces, SheetEquations
+from pmjac_pin.studies.transmissions.sheet_equations import Pieces, SheetEquations
 from pmjac_pin.values.arrays import Array, Index, Mask
 
 _AT_ONCE = 512  # pieces
 _MOST_PIECES, _MOST_HALVED = 20_000, 8  # in all, or for each cell
-_ROUNDS = 12
-_WIDER = 20.0  # than a sheet's error: where no other pose is looked for
 _ENTRIES = 8.0  # a motion of 1 changes an entry of q by more than 1 / 8: slides turn, too
 _ALONE = 1e-4  # rad: how far at least no other pose is wanted
 _NARROW = 0.25  # ‖E‖ beyond which bounds on rates are wide: pieces are halved for it
@@ -105,7 +92,7 @@ def bounds_of(program: NewtonProgram, sheet: Sheet) -> SheetBounds:
         widest = max(float(one.radius[one.good].max(initial=0.0)) for one in found)
         if min(float(one.radius[one.good].min(initial=np.inf)) for one in found) < widest:
             # Where one piece needs it, no other pose is wanted in any.
-            proof.least_radius = widest
+            proof.krawczyk.least_radius = widest
             found = _all_over(sheet, proof)
     except _TooLargeError as error:
         return SheetBounds(*nothing, failed=f"cells are too large for a proof, at {error}")
@@ -152,32 +139,23 @@ class _Proof:
         passive = partition.passive.tolist()
         self._followers = np.array([passive.index(k) for k in followers.tolist()], dtype=np.intp)
         self._kept = np.zeros(0, dtype=np.intp)
-        self.least_radius = _ALONE / self._turns()
+        turns = float(partition.column_scale[partition.passive].max(initial=0.0))
+        self.krawczyk = SeriesProof(equations, partition, _ALONE / turns)
 
     def of(self, pieces: Pieces) -> _Proven:
         """Return what holds in some pieces."""
         along, count = self._equations.along(pieces), pieces.at.shape[1]
-        K, _ = self._equations.around(along, np.zeros(count))
-        A = self._inverse(K)
-        Y = largest_sizes(self._after(A, term) for term in along.residual.values())
-        with np.errstate(divide="ignore", invalid="ignore"):
-            radius = _WIDER * Y.max(axis=1) / (1.0 - self._sizes(A, K).sum(axis=2).max(axis=1))
-        good = np.isfinite(radius) & (radius >= 0.0)
-        radius = np.where(good, np.maximum(radius, self.least_radius), 0.0)
-        K, cosine = self._equations.around(along, radius)
-        E = _up(self._sizes(A, K).sum(axis=2))
-        Z = E.max(axis=1)
-        good &= _up(Y + E * radius[:, None]).max(axis=1) <= radius
-        good &= (_up(Z + (1.0 + Z) * radius * self._turns()) < 1.0) & (cosine > 0.0)
-        reach, Z = np.where(good, radius, 1.0), np.where(good, Z, 1.0)
-        for _ in range(_ROUNDS):  # what is within r is within Y + E r
-            reach = np.minimum(reach, _up(Y + E * reach[:, None]).max(axis=1))
-        ratio = self._ratio(A, K, Z)
-        narrow = (Z < _NARROW) | (pieces.half.max(axis=0) <= _SMALLEST)
-        good &= narrow & _regular(ratio)
-        every = _up(Y + E * reach[:, None]) * self._partition.column_scale[self._partition.passive]
-        error = _up(every[:, self._followers])
-        return _Proven(good, error, radius, ratio, self._gap(along, K, reach))
+        passive = self._partition.passive
+        if self._kept.size < self._partition.passive_rank:
+            K, _ = self._equations.around(along, np.zeros(count))
+            self._kept = self._independent(K.middle[0])
+        found = self.krawczyk.of(along, count, self._kept, passive)
+        ratio = self._ratio(found)
+        narrow = (found.norm < _NARROW) | (pieces.half.max(axis=0) <= _SMALLEST)
+        good = found.good & narrow & _regular(ratio)
+        error = upwards((found.reach * self._partition.column_scale[passive])[:, self._followers])
+        gap = self.krawczyk.gap(along, found, self._kept, passive)
+        return _Proven(good, error, found.radius, ratio, gap)
 
     def together(self, found: list[_Proven]) -> SheetBounds:
         """Return what holds in all of them."""
@@ -193,68 +171,21 @@ class _Proof:
             error, alone, lower, upper, bool(_regular(whole)[0]), pieces, others, gap
         )
 
-    def _turns(self) -> float:
-        """Return the largest turn of an unknown of 1."""
-        return float(self._partition.column_scale[self._partition.passive].max(initial=0.0))
-
-    def _inverse(self, K: Intervals) -> Array:
-        """Return approximate inverses of the dimensionless K* (b, m, m), 0 where there is none."""
-        passive = self._partition.passive
-        if self._kept.size < self._partition.passive_rank:
-            self._kept = self._independent(K.middle[0])
-        square: Array = (
-            K.middle[:, self._kept][:, :, passive] * self._partition.column_scale[passive]
-        )
-        found = np.zeros(square.shape)
-        for inverse, matrix in zip(found, square, strict=True):
-            with contextlib.suppress(np.linalg.LinAlgError):
-                inverse[:] = np.linalg.inv(matrix)
-        return found
-
     def _independent(self, K: Array) -> Index:
         """Return rows of K* that are independent at a pose."""
         bare: Array = K * np.outer(self._partition.row_scale, self._partition.column_scale)
         return independent_rows(bare[:, self._partition.passive], self._partition.passive_rank)
 
-    def _after(self, A: Array, term: Intervals) -> Intervals:
-        return term[:, self._kept][..., None].after(A)[..., 0]
-
-    def _bare(self, K: Intervals, columns: Index) -> Intervals:
-        scale = Intervals.exact(self._partition.column_scale[columns])
-        return K[:, self._kept][:, :, columns] * scale
-
-    def _sizes(self, A: Array, K: Intervals) -> Array:
-        """Return |I − A K*| (b, m, m)."""
-        return contraction(A, self._bare(K, self._partition.passive)).magnitude
-
-    def _ratio(self, A: Array, K: Intervals, Z: Array) -> Intervals:
+    def _ratio(self, found: ProvenPieces) -> Intervals:
         """Return the followers' rates (b, k, n) by those of the joints that drive."""
-        driven, scale = self._partition.actuated, self._partition.column_scale
-        rates = -self._bare(K, driven).after(A)
+        driven, scale, Z = self._partition.actuated, self._partition.column_scale, found.norm
+        rates = -self.krawczyk.square(found.jacobian, self._kept, driven).after(found.inverse)
         with np.errstate(divide="ignore", invalid="ignore"):
-            more = _up(np.where(Z < 1.0, Z / (1.0 - Z), np.inf))
-        off = _up(more[:, None] * rates.magnitude.max(axis=1))
+            more = upwards(np.where(Z < 1.0, Z / (1.0 - Z), np.inf))
+        off = upwards(more[:, None] * rates.magnitude.max(axis=1))
         own = rates[:, self._followers].widened(off[:, None, :])
         columns = self._partition.passive[self._followers]
         return own * Intervals.exact(scale[columns][:, None]) / Intervals.exact(scale[driven])
-
-    def _gap(self, along: EquationsAlong, K: Intervals, reach: Array) -> Array:
-        """Return how far the rows that are left out are from 0, (b,)."""
-        others = np.setdiff1d(np.arange(self._equations.rows), self._kept)
-        if not others.size:
-            return np.zeros(reach.size)
-        passive = self._partition.passive
-        own = largest_sizes(term[:, others] for term in along.residual.values())
-        slopes: Array = (
-            K[:, others][:, :, passive].magnitude * self._partition.column_scale[passive]
-        )
-        sizes = _up(own + _up(slopes.sum(axis=2)) * reach[:, None])
-        return np.asarray(sizes.max(axis=1))
-
-
-def _up(sizes: Array) -> Array:
-    """Return more than exact sums and products of numbers ≥ 0 that came out so."""
-    return np.asarray(OUTWARDS * sizes)
 
 
 def _regular(ratio: Intervals) -> Mask:

@@ -16,14 +16,14 @@ from functools import cached_property
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import Recording, Term, objects, zeros
+from pmjac_pin.algebra.programs import PROGRAMS, Recording, Term, objects, zeros
 from pmjac_pin.algebra.tangents import tangents
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import run
 from pmjac_pin.closing.recorded_rates import RecordedRates
 from pmjac_pin.errors import ArgumentError
+from pmjac_pin.kinematics.joint_steps import entry_rates, moved_by
 from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
-from pmjac_pin.kinematics.recorded_motions import moved_by, recorded_entry_rates
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.sparse_qr import Triangle, norm
 from pmjac_pin.values.arrays import Array, Index, Mask
@@ -132,7 +132,7 @@ class NewtonProgram:
             ("forbidden", norm(triangle.matrix[np.ix_(triangle.left_over, driven)]) / whole),
         )
         return {
-            "next": moved_by(rates.recorder.tree, self._entries, step),
+            "next": moved_by(PROGRAMS, rates.recorder.tree, self._entries, step),
             **{name: objects([number]) for name, number in numbers},
             "ratio": self._motions[self.followers],
         }
@@ -145,7 +145,7 @@ class NewtonProgram:
         `condition`, `motion`, `forbidden` and `ratio` as of `step`.
         """
         tree, motions = self.rates.recorder.tree, self._motions
-        columns = [recorded_entry_rates(tree, self._entries, motion) for motion in motions.T]
+        columns = [entry_rates(tree, self._entries, motion) for motion in motions.T]
         known = {name: self.step[name] for name in _OF_RATES}
         twist = self._twist(*columns) if len(columns) == _PAIR else zeros(0)
         return {"slopes": np.column_stack(columns), "twist": twist, **known}

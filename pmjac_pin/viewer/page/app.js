@@ -10,6 +10,7 @@ import { listenToOptions, showOptions } from "./options.js";
 import { adoptPicture, capture, frameOn, keepInView, resetView } from "./picture.js";
 import { buildJacobian, copyJacobian, decimalsAt, showReadout } from "./readout.js";
 import { buildSections, showSections } from "./sections.js";
+import { buildReplay, restReplay, showReplay } from "./replay.js";
 import { Sliders } from "./sliders.js";
 import { snapshot } from "./snapshot.js";
 import { say } from "./status.js";
@@ -41,12 +42,18 @@ function build(news) {
   decimals = decimalsAt(about.home);
   motors = new Sliders("motor", about.motors, {
     target: (index) => connection.heading?.[index] ?? state.values[index],
-    go: (values) => connection.send({ command: "move", values }),
+    go: (values) => { restReplay(); connection.send({ command: "move", values }); },
     free: () => connection.moving === null,
     restore: showMotors,
     complain,
   });
   buildParameters(about.parameters);
+  buildReplay(about, {
+    go: (values) => { motors.rest(); connection.send({ command: "moment", values }); },
+    free: () => connection.replaying === null,
+    restore: showMoment,
+    complain,
+  });
   buildLegend(about.legend);
   buildTool(about.passive);
   buildLoad(about.load, complain);
@@ -72,6 +79,7 @@ function show() {
   const { readout, notice } = state;
   showMotors();
   showParameters();
+  showMoment();
   showTool(readout);
   showLoad(state.load);
   showReadout(readout, decimals);
@@ -83,6 +91,10 @@ function show() {
 
 function showMotors() {
   motors.show(state.values, connection.moving, state.notice.stops);
+}
+
+function showMoment() {
+  showReplay(state.moment, connection.replaying);
 }
 
 function showParameters() {
@@ -97,6 +109,7 @@ let focused = null;  // what had the focus when the connection was lost
 function lost() {
   if (document.activeElement.id) focused = document.activeElement.id;
   motors?.rest();
+  restReplay();
   complain(LOST);
   disable(true);
 }
@@ -115,6 +128,7 @@ function found(about) {
 
 function goTo(command) {
   motors.rest();
+  restReplay();
   connection.send(command);
 }
 
@@ -131,6 +145,7 @@ connection = new Connection({
   modes: showModes,
   refused(text) {
     motors.rest();
+    restReplay();
     complain(text);
     if (!connection.moving) showMotors();
     showParameters();

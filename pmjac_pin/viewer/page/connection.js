@@ -37,6 +37,11 @@ export class Connection {
     return this.#sent("set");
   }
 
+  // The parameter of the trajectory that waits, in a list.
+  get replaying() {
+    return this.#waiting.get("moment")?.values ?? null;
+  }
+
   // Those that wait, newer than any answer.
   get moving() {
     return this.#waiting.get("move")?.values ?? null;

@@ -1,4 +1,4 @@
-"""What rounding leaves open at a configuration, and how its Jacobians change around it."""
+"""A configuration as its Jacobians see it: loop rates, rounding, and how they change around it."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ _DIFFERENCE = 1e-7  # of the length: for differences, between what is curved and
 
 
 @dataclass(frozen=True, slots=True)
-class PoseRounding:
-    """A configuration as `EquivalentJacobian.error_estimate` sees it, its twists in a frame."""
+class PoseOfConfiguration:
+    """The `JacobianPose` that a configuration is, its twists in a frame."""
 
     configuration: Configuration
     frame: FrameName

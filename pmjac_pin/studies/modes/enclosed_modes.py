@@ -1,11 +1,8 @@
-"""Krawczyk's test: exactly one root of as many rows as unknowns in a neighbourhood of a box.
+"""Enclosed modes: exactly one root of as many rows as unknowns in a neighbourhood of a small box.
 
-K(X) = m − C η(m) + (I − C J(X)) (X − m), with C about J(m)⁻¹: where K(X) is in the interior of X,
-η has exactly one root in X, and that is in K(X). It is not that of `studies/krawczyk.py`, for balls
-about a point: boxes that hold all poses near a root are longer in some unknowns than in others.
-
-Source: R. Krawczyk, Newton-Algorithmen zur Bestimmung von Nullstellen mit Fehlerschranken,
-Computing 4 (1969); R. E. Moore, A test for existence of solutions, SIAM J. Numer. Anal. 14 (1977).
+By Krawczyk's test over the box widened, more and more: where it holds in one neighbourhood, all of
+the box's solutions are the one in the smallest. Boxes that hold all poses near a root are longer
+in some unknowns than in others, which no ball about a point is.
 """
 
 from __future__ import annotations
@@ -16,13 +13,12 @@ import numpy as np
 
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.rates.partition import independent_rows
-from pmjac_pin.studies.contraction import contraction
+from pmjac_pin.studies.krawczyk import image_of_boxes
 from pmjac_pin.studies.modes.interval_loops import IntervalLoops
 from pmjac_pin.values.arrays import Array, Index, Mask
 
-_NESTED_RADII = 10.0 ** -np.arange(
-    1.0, 9.5, 0.5
-)  # scaled: nested neighbourhoods that are tried at once
+#: Scaled: nested neighbourhoods that are tried at once.
+_NESTED_RADII = 10.0 ** -np.arange(1.0, 9.5, 0.5)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,14 +59,14 @@ def enclose(loops: IntervalLoops, boxes: Intervals, scale: Array) -> list[Enclos
     kept, middle = _kept_rows_and_root(loops, boxes)
     around = Intervals.join([boxes.widened(radius * scale) for radius in _NESTED_RADII])
     times = len(_NESTED_RADII)
-    image = _krawczyk(loops, np.tile(kept, (times, 1)), np.tile(middle, (times, 1)), around)
+    image = _image(loops, np.tile(kept, (times, 1)), np.tile(middle, (times, 1)), around)
     proven = image.inside(around).all(axis=1).reshape(times, count)
     # The neighbourhoods are nested, so the root in the smallest is that of the largest.
     largest = proven.argmax(axis=0)
     smallest = times - 1 - proven[::-1].argmax(axis=0)
     each = np.arange(count)
     mode = image.meet(around)[smallest * count + each]  # a box where nothing is proven
-    mode = _krawczyk(loops, kept, mode.middle, mode).meet(mode)
+    mode = _image(loops, kept, mode.middle, mode).meet(mode)
     possible, sizes = _at_root(loops, kept, mode)
     return [
         Enclosure(
@@ -85,16 +81,13 @@ def enclose(loops: IntervalLoops, boxes: Intervals, scale: Array) -> list[Enclos
     ]
 
 
-def _krawczyk(loops: IntervalLoops, kept: Index, at: Array, boxes: Intervals) -> Intervals:
-    """Return K(X) of each box (n, k) about a point in it; infinite where the point is not."""
-    each, middle = np.arange(len(kept))[:, None], Intervals.exact(at)
+def _image(loops: IntervalLoops, kept: Index, at: Array, boxes: Intervals) -> Intervals:
+    """Return K(X) of each box (n, k) about a point in it, for its kept rows."""
+    each = np.arange(len(kept))[:, None]
     jacobian = loops.evaluate(boxes).jacobian[each, kept]
-    residual = loops.residual(middle)[each, kept]
+    residual = loops.residual(Intervals.exact(at))[each, kept]
     inverse = np.asarray(np.linalg.pinv(jacobian.middle), dtype=np.float64)
-    spread = (contraction(inverse, jacobian) * (boxes - middle)[:, None]).sum(axis=2)
-    image = middle - residual[:, :, None].after(inverse)[:, :, 0] + spread
-    inside = np.asarray(boxes.holds(at).all(axis=1, keepdims=True))
-    return Intervals(np.where(inside, image.lower, -np.inf), np.where(inside, image.upper, np.inf))
+    return image_of_boxes(inverse, residual, jacobian, at, boxes)
 
 
 def _at_root(loops: IntervalLoops, kept: Index, mode: Intervals) -> tuple[Mask, Array]:

@@ -1,0 +1,34 @@
+"""Kernels in C, as they are built with the package: loaded where they are of the sources beside."""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import NDArray
+
+_PACKAGE = Path(__file__).parents[1]
+
+
+def loaded(built: str | Path, *sources: str | Path) -> ctypes.CDLL | None:
+    """Return a kernel that was built from some sources, None where there is none.
+
+    Parameters
+    ----------
+    built, *sources : str or Path
+        Where they are, seen from the package's folder.
+    """
+    try:
+        text = b"".join((_PACKAGE / source).read_bytes() for source in sources)
+        library, digest = ctypes.CDLL(str(_PACKAGE / built)), hashlib.sha256(text).hexdigest()
+        library.pmjac_source.restype = ctypes.c_char_p
+        return library if library.pmjac_source() == digest.encode() else None
+    except (OSError, AttributeError):
+        return None
+
+
+def address(array: NDArray[Any]) -> ctypes.c_void_p:
+    """Return where an array's numbers are."""
+    return ctypes.c_void_p(array.ctypes.data)

@@ -1,0 +1,109 @@
+"""``pmjac follow``."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+from rich.console import Console
+from rich.progress import Progress
+
+from pmjac_pin.cli.exit_status import INTERRUPTED
+from pmjac_pin.cli.options import Choice, NameOption
+from pmjac_pin.cli.output import Json, Verdict
+from pmjac_pin.errors import Interrupted, OutputError
+from pmjac_pin.files.output_file import check_new, write_files
+from pmjac_pin.files.user_path import shown_path, user_path
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.studies.follow.follow import follow
+from pmjac_pin.studies.follow.trajectory import Trajectory
+from pmjac_pin.studies.follow.waypoints_file import read_waypoints
+from pmjac_pin.words.blocks import Verbatim
+from pmjac_pin.words.plain import to_json
+from pmjac_pin.words.trajectory_report import trajectory_blocks, trajectory_csv, trajectory_told
+
+_WRITTEN = (".csv", ".json")
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Way:
+    """Which way to go, and how."""
+
+    waypoints: Annotated[
+        str,
+        Parameter(help="A file with a column a motor, by its name, and t for times: CSV or TOML."),
+    ]
+    from_: Annotated[
+        str,
+        Parameter(name="--from", help="The pose from which the first point is closed (home)."),
+    ] = "home"
+    samples: Annotated[
+        int | None, Parameter(help="How many poses to tell of, evenly in t; by default all.")
+    ] = None
+    pass_: Annotated[
+        bool, Parameter(name="--pass", help="Go on through poses where branches cross.")
+    ] = False
+    certified: Annotated[bool, Parameter(help="Prove each step by interval arithmetic.")] = False
+
+    def followed(self, mechanism: Mechanism) -> Trajectory:
+        """Follow it, with a bar where somebody watches."""
+        given = read_waypoints(user_path(self.waypoints))
+        with Progress(console=Console(stderr=True), disable=not sys.stderr.isatty()) as bar:
+            task = bar.add_task("t", total=None)
+            return follow(
+                mechanism,
+                given.columns,
+                start=self.from_,
+                times=given.times,
+                samples=self.samples,
+                enforce_limits=mechanism.spec.enforce_limits,
+                singularity="pass" if self.pass_ else "stop",
+                certified=self.certified,
+                progress=lambda t, end: bar.update(task, completed=t, total=end),
+            )
+
+
+def follow_command(
+    mechanism: NameOption,
+    /,
+    *,
+    way: Way,
+    output: Annotated[
+        str | None,
+        Parameter(name=["--output", "-o"], help="Write the poses, too: a .csv or .json."),
+    ] = None,
+    force: Annotated[bool, Parameter(help="Replace a file that exists.")] = False,
+    json: Json = False,
+    choice: Choice = Choice(),
+) -> Verdict:
+    """Follow a path of the motors on one assembly mode, and tell what happens on it."""
+    if output is not None:
+        _check_output_path(output, force)
+    try:
+        found, status = way.followed(choice.load(mechanism)), 0
+    except Interrupted as interrupt:
+        found, status = interrupt.done, INTERRUPTED
+    if not (found.reached or status):
+        status = 1
+    if output is not None:
+        data = trajectory_csv(found) if output.endswith(".csv") else _json(found)
+        write_files({Path(output): data.encode()}, replace=force)
+    if json:
+        return Verdict(_json(found), status)
+    written = [] if output is None else [Verbatim(output)]
+    return Verdict([*trajectory_blocks(found), *written], status)
+
+
+def _json(found: Trajectory) -> str:
+    return f"{to_json(trajectory_told(found))}\n"
+
+
+def _check_output_path(path: str, force: bool) -> None:
+    """Refuse, before anything is computed, what cannot be written."""
+    if Path(path).suffix not in _WRITTEN:
+        raise OutputError(f"{shown_path(path)}: what is written ends in .csv or .json")
+    check_new(path, force)

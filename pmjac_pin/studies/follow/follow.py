@@ -1,0 +1,137 @@
+"""follow: a machine along a path of its motors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Literal
+
+import numpy as np
+
+from pmjac_pin.closing.closure import is_singular
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.direct_kinematics import Guess
+from pmjac_pin.errors import ArgumentError, Interrupted, quoted
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.model.limits import enforced
+from pmjac_pin.studies.follow.course import Course
+from pmjac_pin.studies.follow.given_path import motor_path
+from pmjac_pin.studies.follow.journey import Journey
+from pmjac_pin.studies.follow.step import PathPose
+from pmjac_pin.studies.follow.trajectory import Trajectory, sample_times
+from pmjac_pin.studies.follow.user_events import UserEvents
+from pmjac_pin.values.checks import as_flag, check_callable, check_kind
+
+
+def follow(
+    mechanism: Mechanism,
+    path: Any,
+    *,
+    start: Guess = "home",
+    times: Any = None,
+    samples: Any = None,
+    events: Mapping[str, Callable[[Configuration], float]] | None = None,
+    enforce_limits: bool | Literal["all"] = True,
+    singularity: Literal["stop", "pass"] = "stop",
+    certified: bool = False,
+    progress: Callable[[float, float], object] | None = None,
+) -> Trajectory:
+    """Follow a path of the motors on one assembly mode, and tell what happens on it.
+
+    Each step is covered as those of `Mechanism.close` are: about it there is a tube in which each
+    t has exactly one closed pose. So nothing jumps to another mode; where no step is covered, it
+    stops and says what is there. Events are located to 1e-10 of the parameter.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    path : array_like (N, n), table by the motors' names, scipy spline, or callable t ↦ (n,)
+        Motor values, m or rad: waypoints, between which the motors move straight; a `PPoly`,
+        `CubicSpline` or `BSpline`; or a smooth function, for which polynomials of degree 7 stand
+        that agree with it to 1e-12.
+    start : str, Configuration or mapping of str to float
+        The guess from which the path's first point is closed, as of `Mechanism.close`.
+    times : array_like, optional
+        Of the waypoints, 0, 1, 2, ... where not given; where a spline or a function begins and
+        ends, with what is between where a function has kinks.
+    samples : int or array_like, optional
+        The parameters to tell poses at, or how many; by default where the steps meet. What is
+        beyond a stop is left out, and where it stopped is added.
+    events : mapping of str to callable, optional
+        Functions of a `Configuration` by their names: where one changes its sign is an event.
+        Looked at four times a step.
+    enforce_limits : bool or "all"
+        Whether to stop where a motor leaves its limits; with "all" also where a passive joint does.
+        They are events anyway.
+    singularity : {"stop", "pass"}
+        Where two branches of closed poses cross on the path, stop, or go on along the tangent that
+        goes on. Beyond a fold there is nothing that could be passed to.
+    certified : bool
+        Prove each step by interval arithmetic, and stop where that fails.
+    progress : callable, optional
+        (t, last t) ↦ anything, after each step.
+
+    Returns
+    -------
+    Trajectory
+
+    Raises
+    ------
+    ArgumentError, UnknownNameError
+        A path, times or options that are none.
+    ClosureError, LimitError
+        The path's first point is not reached from the guess, or beyond limits.
+    Interrupted
+        By Ctrl-C; its `done` is the trajectory as far as it is known.
+
+    References
+    ----------
+    Govaerts, *Numerical Methods for Bifurcations of Dynamical Equilibria*, SIAM 2000; Krawczyk,
+    *Newton-Algorithmen zur Bestimmung von Nullstellen mit Fehlerschranken*, Computing 4, 1969.
+
+    Examples
+    --------
+    A four-bar whose crank cannot turn fully, to where its mode ends:
+
+    >>> import math, pmjac_pin as pj
+    >>> bar = pj.load("four_bar", {"l0": 4.0, "l1": 3.0, "l2": 2.5, "l3": 2.0})
+    >>> trajectory = pj.follow(bar, [[0.9], [2.0]])
+    >>> trajectory.status, [event.kind for event in trajectory.events]
+    ('fold', ['fold'])
+    >>> angle = trajectory.events[0].configuration.actuated[0]
+    >>> bool(abs(angle - math.acos((4.0**2 + 3.0**2 - 4.5**2) / 24.0)) < 1e-10)
+    True
+    """
+    check_kind(mechanism, Mechanism)
+    check_callable(progress, "progress")
+    if singularity not in ("stop", "pass"):
+        raise ArgumentError(f"singularity is 'stop' or 'pass', got {quoted(singularity)}")
+    whose = enforced(enforce_limits)
+    asked = motor_path(mechanism, path, times)
+    wanted = sample_times(samples, asked.start, asked.end)
+    first = asked.pieces[0]
+    begin = mechanism.close(first.values(asked.start), start, enforce_limits=enforce_limits)
+    course = Course.beginning_at(begin, asked)
+    watched = UserEvents.given(course, events)
+    point = course.pose_at(begin.q)
+    regular = not is_singular(point, course.problem.partition)
+    still = np.full(mechanism.nv, np.nan)  # no rates are known at a singular pose
+    velocity = course.velocity(point, first, asked.start) if regular else still
+    pose = PathPose(asked.start, point, velocity)
+    journey = Journey(
+        course,
+        pose,
+        begin,
+        watched,
+        whose=whose,
+        passing=singularity == "pass",
+        certified=as_flag(certified, "certified"),
+    )
+    try:
+        for t in journey.go():
+            if progress is not None:
+                progress(t, asked.end)
+    except KeyboardInterrupt:
+        done = journey.interrupted().trajectory(wanted)
+        message = f"followed to t = {done.t[-1]:g} of {asked.end:g}, kept in `done`"
+        raise Interrupted(message, done) from None
+    return journey.trajectory(wanted)

@@ -1,0 +1,163 @@
+"""From waypoints, splines and functions, as a caller gives them, to a `MotorPath`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+from math import factorial
+from typing import Any
+
+import numpy as np
+
+from pmjac_pin.closing.motor_values import motor_table
+from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.studies.follow.motor_path import MotorPath, PathPiece
+from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.checks import as_numbers
+
+_DEGREE = 7  # of the polynomials that stand for a function
+_AGREES = 1e-12  # m or rad, or of its largest value: those with the function, in between
+_FINEST = 24  # of the range, until a function is not smooth enough
+_JUMP = 1e-9  # m or rad: rounding makes smaller ones
+_LARGEST_TIME = 1e9
+
+
+def motor_path(mechanism: Mechanism, path: Any, times: Any = None) -> MotorPath:
+    """Return the polynomials of a path of the motors.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    path : array_like (N, n), table by the motors' names, scipy spline or callable t ↦ (n,)
+    times : array_like, optional
+        Of the waypoints, ascending; or where a spline or a function begins and ends, with what is
+        between where the function has kinks.
+
+    Raises
+    ------
+    ArgumentError, UnknownNameError
+    """
+    coordinates, motors = mechanism.coordinates, mechanism.problem.partition.actuated
+    if coordinates.curved[motors].any():
+        message = "a motor of several degrees of freedom turns along no path of its values"
+        raise ArgumentError(f"{mechanism.name}: {message}; give it as joints of one each")
+    ascending = None if times is None else _ascending(times)
+    if callable(path):
+        pieces = _spline_pieces(path, ascending) or _fitted(path, ascending, len(motors))
+    else:
+        values = motor_table(mechanism.spec, coordinates, path)
+        wraps = coordinates.wraps[motors]
+        values[:, wraps] = np.unwrap(values[:, wraps], axis=0)
+        pieces = _straight(values, ascending)
+    _check_pieces(pieces, mechanism.actuated)
+    return MotorPath(tuple(pieces))
+
+
+def _ascending(times: Any) -> Array:
+    found = np.atleast_1d(as_numbers(times, "times", _LARGEST_TIME))
+    if found.ndim != 1 or found.size < 2 or not (np.diff(found) > 0.0).all():
+        raise ArgumentError(f"times are two or more numbers that ascend, got {quoted(times)}")
+    return found
+
+
+def _straight(values: Array, times: Array | None) -> list[PathPiece]:
+    """Return straight pieces between waypoints."""
+    if len(values) < 2:
+        raise ArgumentError(f"a path has two waypoints or more, got {len(values)}")
+    if times is None:
+        times = np.arange(float(len(values)))
+    if len(times) != len(values):
+        raise ArgumentError(f"{len(values)} waypoints and {len(times)} times do not fit")
+    slopes = np.diff(values, axis=0) / np.diff(times)[:, None]
+    return [
+        PathPiece(start, end, start, np.array([slope, value]))
+        for start, end, slope, value in zip(
+            times[:-1].tolist(), times[1:].tolist(), slopes, values[:-1], strict=True
+        )
+    ]
+
+
+def _spline_pieces(path: Any, times: Array | None) -> list[PathPiece] | None:
+    """Return the pieces of scipy's splines; None for other functions."""
+    if hasattr(path, "tck") and hasattr(path, "k"):
+        knots = np.unique(path.t[path.k : len(path.t) - path.k])
+        powers = [path(knots[:-1], nu) / factorial(nu) for nu in range(path.k, -1, -1)]
+        return _of_powers(np.array(powers), knots, times)
+    if hasattr(path, "c") and hasattr(path, "x") and np.ndim(path.c) > 1:
+        if len(path.c) and type(path).__name__ == "BPoly":
+            return None
+        return _of_powers(path.c, path.x, times)
+    return None
+
+
+def _of_powers(c: Any, x: Any, times: Array | None) -> list[PathPiece]:
+    """Return the pieces of local powers, highest first, within the times that are given."""
+    knots, powers = np.asarray(x, dtype=float), as_numbers(c, "coefficients of a spline", np.inf)
+    powers = powers.reshape(*powers.shape[:2], -1)
+    first, last = (knots[0], knots[-1]) if times is None else (times[0], times[-1])
+    if first < knots[0] or last > knots[-1]:
+        reach = f"[{knots[0]:g}, {knots[-1]:g}]"
+        raise ArgumentError(f"times [{first:g}, {last:g}] are not within the spline's {reach}")
+    return [
+        PathPiece(max(start, first), min(end, last), start, powers[:, k])
+        for k, (start, end) in enumerate(zip(knots[:-1].tolist(), knots[1:].tolist(), strict=True))
+        if start < last and end > first and start < end
+    ]
+
+
+def _fitted(path: Callable[[float], Any], times: Array | None, count: int) -> list[PathPiece]:
+    """Return polynomials that agree with a function, halved until they do."""
+    if times is None:
+        raise ArgumentError("a path that is a function needs `times`, where it begins and ends")
+
+    def at(t: float) -> Array:
+        values = np.atleast_1d(as_numbers(path(t), f"the path at t = {t:g}"))
+        if values.shape != (count,):
+            raise ArgumentError(
+                f"the path at t = {t:g} is {count} motor values, got {values.shape}"
+            )
+        return values
+
+    least = (times[-1] - times[0]) * 2.0**-_FINEST
+    waiting = list(zip(times[:-1].tolist(), times[1:].tolist(), strict=True))[::-1]
+    pieces: list[PathPiece] = []
+    while waiting:
+        start, end = waiting.pop()
+        piece = _fitted_piece(at, start, end)
+        if piece is not None:
+            pieces.append(piece)
+            continue
+        middle = 0.5 * (start + end)
+        if end - start < least:
+            message = f"the path is not smooth near t = {middle:.9g}"
+            raise ArgumentError(f"{message}: name where it has kinks in `times`")
+        waiting += [(middle, end), (start, middle)]
+    return pieces
+
+
+def _fitted_piece(at: Callable[[float], Array], start: float, end: float) -> PathPiece | None:
+    middle, half = 0.5 * (start + end), 0.5 * (end - start)
+    angles = np.pi * np.arange(_DEGREE + 1) / _DEGREE
+    nodes, between = -np.cos(angles), -np.cos(0.5 * (angles[1:] + angles[:-1]))
+    values = np.array([at(middle + half * s) for s in nodes.tolist()])
+    powers = np.linalg.solve(np.vander(nodes), values)
+    there = np.array([at(middle + half * s) for s in between.tolist()])
+    off = np.abs(np.vander(between, _DEGREE + 1) @ powers - there).max()
+    if off > _AGREES * max(1.0, float(np.abs(values).max())):
+        return None
+    scale = half ** -np.arange(_DEGREE, -1.0, -1.0)
+    return PathPiece(start, end, middle, powers * scale[:, None])
+
+
+def _check_pieces(pieces: list[PathPiece], motors: tuple[str, ...]) -> None:
+    """Raise ArgumentError where pieces are of another number of motors, or do not meet."""
+    for piece in pieces:
+        if piece.coefficients.shape[1] != len(motors):
+            got = piece.coefficients.shape[1]
+            wanted = f"{len(motors)} motors ({', '.join(motors)})"
+            raise ArgumentError(f"a path of {wanted} is wanted, got one of {got} values")
+    for before, after in pairwise(pieces):
+        jump = np.abs(after.values(after.start) - before.values(before.end)).max(initial=0.0)
+        if not jump <= _JUMP:
+            raise ArgumentError(f"the path jumps by {jump:.3g} at t = {after.start:g}")

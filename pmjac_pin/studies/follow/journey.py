@@ -1,0 +1,235 @@
+"""Journey: walking a course with all that is watched on it, to its end or where it stops."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.studies.evidence import Evidence
+from pmjac_pin.studies.follow.bordered import SingularSpot
+from pmjac_pin.studies.follow.branch_crossing import crossed
+from pmjac_pin.studies.follow.course import Course
+from pmjac_pin.studies.follow.event import Event
+from pmjac_pin.studies.follow.homecoming import homecoming
+from pmjac_pin.studies.follow.joint_limits import JointLimits
+from pmjac_pin.studies.follow.passage import Passage, Stretch
+from pmjac_pin.studies.follow.path_end import path_end
+from pmjac_pin.studies.follow.step import CoveredStep, PathPose
+from pmjac_pin.studies.follow.tool_losses import ToolLosses
+from pmjac_pin.studies.follow.trajectory import PathStatus, Trajectory
+from pmjac_pin.studies.follow.tubes import ProvenTubes, proven_tubes
+from pmjac_pin.studies.follow.user_events import UserEvents
+from pmjac_pin.studies.follow.walker import CourseWalker
+from pmjac_pin.values.arrays import Array
+
+_SAME_T = 1e-10  # of the parameter
+_STOPS_AT = {"motors": ("motor limit",), "all": ("motor limit", "passive limit"), "none": ()}
+
+
+class Journey:
+    """A path, followed.
+
+    Parameters
+    ----------
+    course : Course
+    pose : PathPose
+        Where it begins, regular or not.
+    begin : Configuration
+    watched : UserEvents
+    whose : {"motors", "all", "none"}
+        At which limits to stop.
+    passing, certified : bool
+        As of `follow`.
+    """
+
+    def __init__(
+        self,
+        course: Course,
+        pose: PathPose,
+        begin: Configuration,
+        watched: UserEvents,
+        *,
+        whose: str,
+        passing: bool,
+        certified: bool,
+    ) -> None:
+        self._course, self._pose, self._begin = course, pose, begin
+        self._limits, self._losses = JointLimits(course), ToolLosses.of(course, begin)
+        self._watched, self._stopping = watched, _STOPS_AT[whose]
+        self._passing, self._certified = passing, certified
+        self._stretches: list[Stretch] = []
+        self._events: list[Event] = []
+        self._last = pose
+        self._status: PathStatus = "end"
+        self._tubes: ProvenTubes | None = None
+        self._reason = "all of the path was followed"
+
+    def go(self) -> Iterator[float]:
+        """Walk, and prove what was walked; yield the parameter after each step."""
+        yield from self._walk()
+        if self._certified:
+            self._prove()
+
+    def _walk(self) -> Iterator[float]:
+        pose: PathPose | None = self._pose
+        while pose is not None:
+            walker = CourseWalker(self._course, pose)
+            for step in walker.steps():
+                self._stretches.append(step)
+                self._last = step.end
+                if self._stops(step):
+                    return
+                yield step.end.t
+            pose = self._after(walker)
+
+    def interrupted(self) -> Journey:
+        """Return this, as somebody has interrupted it."""
+        self._status, self._reason = "interrupted", "somebody interrupted it"
+        return self
+
+    def _stops(self, stretch: Stretch) -> bool:
+        """Note what happens on a part; tell whether it stops there, at a limit."""
+        watchers = (self._limits, self._losses, self._watched)
+        found = [event for one in watchers if one for event in one.events(stretch)]
+        for event in sorted(found, key=lambda event: event.t):
+            known = [one for one in self._events if one.kind == event.kind == "loss"]
+            if any(abs(one.t - event.t) <= _SAME_T * max(1.0, abs(event.t)) for one in known):
+                continue  # where two steps meet
+            self._events.append(event)
+            if event.leaves and event.kind in self._stopping:
+                self._stop("limit", f"{event.name!r} {event.what}", stretch.at(event.t))
+                return True
+        return False
+
+    def _stop(self, status: PathStatus, reason: str, pose: PathPose) -> None:
+        self._status, self._reason, self._last = status, reason, pose
+
+    def _after(self, walker: CourseWalker) -> PathPose | None:
+        """Return from where to walk on after a walk has ended, None where it does not go on."""
+        if walker.halt == "end":
+            return None
+        if walker.halt == "strayed":
+            far = self._course.strayed(walker.pose.q, walker.piece, walker.pose.t)
+            self._stop(
+                "forbidden",
+                f"the loops lead motors elsewhere than the path wants them, by {far:.2g}",
+                self._last,
+            )
+            return None
+        end = path_end(walker, [one for one in self._stretches if isinstance(one, CoveredStep)])
+        return self._at_spot(walker, end.spot, end.event)
+
+    def _at_spot(
+        self, walker: CourseWalker, spot: SingularSpot | None, event: Event
+    ) -> PathPose | None:
+        self._events.append(event)
+        if spot is None:
+            where = "begins" if not self._stretches else "stops"
+            halted: PathStatus = "singular" if walker.halt == "singular" else "not covered"
+            self._stop(halted, f"the path {where} at t = {event.t:.9g}: {event.what}", walker.pose)
+            return None
+        there = PathPose(
+            spot.t, self._course.pose_at(spot.q), np.full_like(walker.pose.velocity, np.nan)
+        )
+        if spot.t >= self._course.path.end - _SAME_T * max(1.0, abs(self._course.path.end)):
+            self._stop("end", f"all of the path was followed; at its end {event.what}", there)
+            return None
+        meet = event.kind == "branch point" and self._passing and not self._certified
+        passage = crossed(walker, spot) if meet else None
+        if passage is None:
+            what: PathStatus = "fold" if event.kind == "fold" else "branch point"
+            self._stop(what, f"at t = {event.t:.9g} {event.what}", there)
+            return None
+        self._stretches.append(passage)
+        self._last = passage.end
+        return None if self._stops(passage) else passage.end
+
+    def trajectory(self, wanted: Array | None) -> Trajectory:
+        """Return what was found, at the parameters that are wanted."""
+        poses = [self._pose] if not self._stretches else self._sampled(wanted)
+        pieces = [self._course.path.piece_at(pose.t) for pose in poses]
+        events = tuple(sorted(self._events, key=lambda event: event.t))
+        end = self._course.configuration(self._last.q)
+        return Trajectory(
+            mechanism=self._course.mechanism,
+            t=np.array([pose.t for pose in poses]),
+            q=np.array([pose.q for pose in poses]),
+            rates=np.array([x.rates(p.t) for x, p in zip(pieces, poses, strict=True)]),
+            accelerations=np.array(
+                [x.accelerations(p.t) for x, p in zip(pieces, poses, strict=True)]
+            ),
+            v=np.array([pose.velocity for pose in poses]),
+            events=events,
+            status=self._status,
+            reason=self._reason,
+            evidence=self._evidence(),
+            homecoming=homecoming(self._begin, end, events) if self._status == "end" else None,
+            steps=np.array([one.start.t for one in self._stretches] + [self._last.t]),
+            radii=np.zeros(0) if self._tubes is None else self._tubes.radii,
+        )
+
+    def _sampled(self, wanted: Array | None) -> list[PathPose]:
+        """Return the poses at the parameters that are wanted, and the last one."""
+        last = self._last
+        if wanted is None:
+            found = [pose for one in self._stretches for pose in _kept(one)]
+            return [*(pose for pose in found if pose.t < last.t), last]
+        starts = [one.start.t for one in self._stretches]
+        found = []
+        for t in wanted.tolist():
+            if t < last.t:
+                number = int(np.searchsorted(starts, t, "right")) - 1
+                found.append(self._stretches[number].at(t))
+        return [*found, last]
+
+    def _prove(self) -> None:
+        """Prove the steps; leave out those after the first for which nothing is proven."""
+        steps = [one for one in self._stretches if isinstance(one, CoveredStep)]
+        self._tubes = proven_tubes(self._course, steps)
+        if not self._tubes.failed:
+            return
+        done = len(self._tubes.radii)
+        last = steps[done].start if steps else self._last
+        self._stretches = self._stretches[:done]
+        self._events = [event for event in self._events if event.t <= last.t]
+        self._stop("not proven", f"{self._tubes.failed}; without proof, {self._reason}", last)
+
+    def _evidence(self) -> Evidence:
+        if self._tubes is not None:
+            last = self._stretches[-1].end.t if self._stretches else self._last.t
+            return _tube_evidence(self._tubes, last)
+        told = "each step is covered: in a tube about it each t has exactly one closed pose"
+        passed = sum(isinstance(one, Passage) for one in self._stretches)
+        if passed:
+            told += (
+                f"; {passed} branch point{'s' * (passed > 1)} passed along the tangent that goes on"
+            )
+        if self._losses is None:
+            told += "; what the tool loses was not watched"
+        return Evidence("tolerance", told)
+
+
+def _tube_evidence(tubes: ProvenTubes, end: float) -> Evidence:
+    """Say what is proven of a path up to a parameter."""
+    if not tubes.radii.size:
+        return Evidence("nothing", tubes.failed or "there is no step to be proven")
+    if np.isinf(tubes.radii).all():
+        return Evidence("proof", "nothing is passive: motors alone say where all is")
+    wide = f"{tubes.radii.min():.2g} to {tubes.radii.max():.2g} rad or lengths"
+    parts = [
+        f"up to t = {end:.9g} each t has exactly one closed pose in a tube of {wide}, and they "
+        "hang together"
+    ]
+    if tubes.held:
+        parts.append(f"with {', '.join(tubes.held)} held")
+    if tubes.left_out:
+        rows = f"{len(tubes.left_out)} dependent row" + "s" * (len(tubes.left_out) > 1)
+        parts.append(f"of all rows but {rows}, which it solves to {tubes.gap:.2g}")
+    return Evidence("proof", "; ".join(parts))
+
+
+def _kept(stretch: Stretch) -> list[PathPose]:
+    """Return the poses to tell of a part: where it begins, and a branch point on it."""
+    return [stretch.start, *([stretch.spot] if isinstance(stretch, Passage) else [])]

@@ -1,0 +1,73 @@
+"""CoveredStep: a covered part of a path, and the closed poses along it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pmjac_pin.closing.closed import Closed
+from pmjac_pin.errors import ClosureError
+from pmjac_pin.studies.follow.course import Course
+from pmjac_pin.studies.follow.motor_path import PathPiece
+from pmjac_pin.values.arrays import Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PathPose:
+    """A closed pose at t, and dq/dt (nv,) there."""
+
+    t: float
+    point: Closed
+    velocity: Array
+
+    @property
+    def q(self) -> Array:
+        """Pinocchio's configuration vector."""
+        return self.point.q
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CoveredStep:
+    """From one closed pose to another, with one closed pose in the tube between for each t."""
+
+    course: Course
+    piece: PathPiece
+    start: PathPose
+    end: PathPose
+    _known: dict[float, PathPose] = field(default_factory=dict)
+
+    @property
+    def width(self) -> float:
+        """How long it is."""
+        return self.end.t - self.start.t
+
+    def at(self, t: float) -> PathPose:
+        """Return the pose at a parameter of the step."""
+        if t <= self.start.t:
+            return self.start
+        if t >= self.end.t:
+            return self.end
+        if (known := self._known.get(t)) is None:
+            known = self._known[t] = self._closed_at(t)
+        return known
+
+    def _closed_at(self, t: float) -> PathPose:
+        course, problem = self.course, self.course.problem
+        way = problem.difference(self.start.q, self.end.q)
+        motion = hermite((t - self.start.t) / self.width, way, *self.rates())
+        point = course.close(problem.integrate(self.start.q, motion), self.piece, t, way)
+        if point is None:
+            message = f"no closed pose is found at t = {t!r}, in a step that is covered"
+            raise ClosureError(message, residual_norm=np.inf, q=self.start.q)
+        return PathPose(t, point, course.velocity(point, self.piece, t))
+
+    def rates(self) -> tuple[Array, Array]:
+        """Return how all joints leave and arrive, for s from 0 to 1."""
+        return self.width * self.start.velocity, self.width * self.end.velocity
+
+
+def hermite(s: float, way: Array, leaving: Array, arriving: Array) -> Array:
+    """Return the cubic x(s) from 0 to `way` with these rates at 0 and 1."""
+    third = leaving + arriving - 2.0 * way
+    return np.asarray(s * (leaving + s * (3.0 * way - 2.0 * leaving - arriving + s * third)))

@@ -1,0 +1,1 @@
+"""Reach: which motor values put a tool at a target, and all of them."""

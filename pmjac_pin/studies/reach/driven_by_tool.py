@@ -1,0 +1,220 @@
+"""DrivenByTool: the machine driven by its tools, a mechanism like any other.
+
+A chain of virtual joints leads from the world to where each tool is to be (`tool_chain`), a loop
+joins the chain's end to the tool, the chain's joints are the motors and the old motors passive.
+Then its direct kinematics is the inverse kinematics of the machine: `close` stays on the working
+mode as it stays on the assembly mode elsewhere, `assembly_modes` are the working modes, and it is
+singular where the machine loses freedoms of its tools.
+
+Of a configuration of the one, `lifted` makes that of the other, and `original` takes it back; q of
+the machine comes first in q, the chains' joints behind it. `values` are the motor values that put
+the tools where they are to be.
+
+    driven = driven_by_tool(mechanism, goals)          # None where no rows tell the tools' poses
+    start = driven.lifted(mechanism.home)
+    there = driven.mechanism.close(driven.values(goals, mechanism.home), guess=start)
+    driven.original(there)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from msgspec.structs import replace
+
+from pmjac_pin.closing.assembly import build_parts
+from pmjac_pin.closing.nearby_poses import nearby
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import ClosureError
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.model.coordinates import JointCoordinates
+from pmjac_pin.model.frames import find_frame
+from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop, resolved_loop
+from pmjac_pin.studies.reach.chosen_chains import chosen_chains, single_chains, whole_chains
+from pmjac_pin.studies.reach.goal import Goal, ToolGoal, tool_at
+from pmjac_pin.studies.reach.tool_chain import ToolChain
+from pmjac_pin.values.arrays import Array
+
+_RIGID = 1e-9  # of the characteristic length
+
+
+@dataclass(frozen=True, eq=False)
+class DrivenByTool:
+    """A machine driven by its tools.
+
+    Attributes
+    ----------
+    whole : Mechanism
+        The machine itself.
+    mechanism : Mechanism
+        Driven by its tools.
+    chains : tuple of ToolChain
+        Of each tool.
+    """
+
+    whole: Mechanism
+    mechanism: Mechanism
+    chains: tuple[ToolChain, ...]
+
+    def lifted(self, configuration: Configuration) -> Configuration:
+        """Return the machine's pose as one of the machine driven by its tools."""
+        entries = [configuration.q, *_chain_entries(self.whole, configuration.q, self.chains)]
+        return self.mechanism.configuration(np.concatenate(entries))
+
+    def original(self, configuration: Configuration) -> Configuration:
+        """Return the pose of the machine itself."""
+        return self.whole.configuration(configuration.q[: self.whole.nq])
+
+    def values(self, goals: Sequence[Goal], start: Configuration) -> Array:
+        """Return the motor values that put the tools at their targets, from a pose of the machine.
+
+        Where an axis is to point somewhere, the tool is turned there the shortest way from there.
+        """
+        coordinates = self.mechanism.coordinates
+        entries = {
+            joint.name: joint.entries(*moved).tolist()
+            for chain, moved in self._moved(goals, start)
+            for joint in chain.joints
+            if joint.driven
+        }
+        q = coordinates.q(entries, self.mechanism.home.q)
+        return coordinates.values(q)[self.mechanism.problem.partition.actuated]
+
+    def _moved(
+        self, goals: Sequence[Goal], start: Configuration
+    ) -> Iterator[tuple[ToolChain, tuple[Array, Array]]]:
+        """Yield each chain, and how its tool is to slide and turn since home."""
+        tools = [goal for goal in goals if isinstance(goal, ToolGoal)]
+        for chain, goal in zip(self.chains, tools, strict=True):
+            _, here = tool_at(self.whole, chain.tool, start.q)
+            yield chain, chain.moved(goal.pose_from(here))
+
+
+def driven_by_tool(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> DrivenByTool | None:
+    """Return the machine driven by the tools of these goals; made once for their tasks.
+
+    Returns
+    -------
+    DrivenByTool or None
+        None where no rows of the tasks tell the tools' poses: those of a four-bar's coupler, say,
+        none of whose coordinates determines the others.
+    """
+    return _once(mechanism, goals, chosen_chains)
+
+
+def welded_to_tool(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> DrivenByTool | None:
+    """Return the machine driven in all rows of the tasks, though its tools may not move in all.
+
+    Nothing can be followed by it, but it closes where the tools are at their targets.
+    """
+    return _once(mechanism, goals, whole_chains)
+
+
+def searched_by_tool(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> DrivenByTool | None:
+    """Return the machine with motors of one freedom each, as proofs and homotopies want them."""
+    return _once(mechanism, goals, single_chains)
+
+
+def _once(
+    mechanism: Mechanism,
+    goals: Sequence[ToolGoal],
+    chains: Callable[[Mechanism, Sequence[ToolGoal]], tuple[ToolChain, ...] | None],
+) -> DrivenByTool | None:
+    key = (chains.__name__, *((goal.tool, goal.task) for goal in goals))
+    if key not in mechanism._siblings:
+        chosen = chains(mechanism, goals)
+        rigid = all(_is_rigid(mechanism, goal) for goal in goals)
+        mechanism._siblings[key] = (
+            _if_it_closes(mechanism, chosen, goals) if chosen and rigid else None
+        )
+    found: DrivenByTool | None = mechanism._siblings[key]
+    return found
+
+
+def _is_rigid(mechanism: Mechanism, goal: ToolGoal) -> bool:
+    """Tell whether the points that span a tool stay at their distances."""
+    if goal.tool.frame:
+        return True
+    home, problem = mechanism.home.q, mechanism.problem
+    corners = [_spanning_points(mechanism, goal, q) for q in (home, *nearby(problem, home))]
+    sides = [np.linalg.norm(one - np.roll(one, 1, axis=0), axis=1) for one in corners]
+    return bool(np.ptp(sides, axis=0).max() <= _RIGID * problem.partition.length)
+
+
+def _if_it_closes(
+    mechanism: Mechanism, chains: tuple[ToolChain, ...], goals: Sequence[ToolGoal]
+) -> DrivenByTool | None:
+    try:
+        return DrivenByTool(mechanism, _mechanism(mechanism, chains, goals), chains)
+    except ClosureError:  # its home is singular
+        return None
+
+
+def _mechanism(
+    mechanism: Mechanism, chains: Sequence[ToolChain], goals: Sequence[ToolGoal]
+) -> Mechanism:
+    model, spec, home = mechanism.model, mechanism.spec, mechanism.home.q
+    welds: list[Loop] = []
+    loops = [resolved_loop(loop, mechanism.parameters) for loop in spec.loops]
+    motors: list[str] = []
+    for chain, goal in zip(chains, goals, strict=True):
+        carrier = 0
+        for joint in chain.joints:
+            carrier = model.addJoint(carrier, joint.joint, joint.place, joint.name)
+            motors += [joint.name] * joint.driven
+        end = chain.end if chain.joints else chain.base * chain.end
+        for frame, place in _held(mechanism, goal, home):
+            target = target_of(frame)
+            model.addFrame(pin.Frame(target, carrier, end * place, pin.FrameType.OP_FRAME), False)
+            point = bool(goal.tool.points) or chain.turning == "free"
+            welds.append((PointLoop if point else FrameLoop)(frames=(frame, target)))
+    q = np.concatenate([home, *_chain_entries(mechanism, home, chains)])
+    driven = replace(
+        spec,
+        actuated=tuple(motors),
+        passive=None,
+        loops=(*welds, *loops),
+        poses={"home": JointCoordinates(model).pose(q)},
+        spherical=(),
+        helical={},
+        armature={},
+        parameters={},
+        enforce_limits=False,
+    )
+    return Mechanism(build_parts(model, driven, {}, mechanism.urdf, q))
+
+
+def target_of(frame: str) -> str:
+    """Return the name of the frame where a frame of the tool is to be."""
+    return f"{frame} target"
+
+
+def _chain_entries(mechanism: Mechanism, q: Array, chains: Sequence[ToolChain]) -> list[Array]:
+    """Return what the chains' joints are where the machine is at q."""
+    found = []
+    for chain in chains:
+        moved = chain.moved(tool_at(mechanism, chain.tool, q)[1])
+        found += [joint.entries(*moved) for joint in chain.joints]
+    return found
+
+
+def _held(mechanism: Mechanism, goal: ToolGoal, q: Array) -> list[tuple[str, pin.SE3]]:
+    """Return the frames by which a tool is held, and where they are in it at q."""
+    if goal.tool.frame:
+        return [(goal.tool.frame, pin.SE3.Identity())]
+    _, pose = tool_at(mechanism, goal.tool, q)
+    corners = _spanning_points(mechanism, goal, q)
+    return [
+        (name, pin.SE3(np.eye(3), pose.actInv(corner)))
+        for name, corner in zip(goal.tool.names, corners, strict=True)
+    ]
+
+
+def _spanning_points(mechanism: Mechanism, goal: ToolGoal, q: Array) -> Array:
+    """Return the points that span a tool, by rows, in the world."""
+    model, data = mechanism.kinematics.model, mechanism.kinematics.placed(q)
+    places = [data.oMf[find_frame(model, name).index].translation for name in goal.tool.names]
+    return np.array(places) + mechanism.place

@@ -1,0 +1,62 @@
+"""Least motion: of all poses that meet a target, the one whose motors are nearest to given values.
+
+θ moves by J⁺ e towards the target and by (I − J⁺J)(θ₀ − θ) along the self-motion, until neither is
+left: there θ₀ − θ is in the range of Jᵀ, which is the condition for the least distance |θ₀ − θ|.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.studies.reach.motor_space import NO_MOTION, MotorSpace
+from pmjac_pin.studies.reach.nearest import LONGEST_STEP
+from pmjac_pin.values.arrays import Array, norm
+
+_NOTHING_LEFT = 1e-12
+_MOST_MOVES = 300
+_SLOWER = 0.5  # where a step overshoots
+
+
+def least_motion(space: MotorSpace, point: Configuration, wanted: Array) -> Configuration:
+    """Move along the self-motion at a target, as near to wanted motor values as it leads.
+
+    Parameters
+    ----------
+    space : MotorSpace
+    point : Configuration
+        At the target.
+    wanted : ndarray, shape (n,)
+        Motor values, m or rad.
+    """
+    pace, before = 1.0, np.inf
+    towards, along = _ways_on(space, point, wanted)
+    for _ in range(_MOST_MOVES):
+        left = norm(along) / space.length
+        if left <= _NOTHING_LEFT and norm(towards) <= _NOTHING_LEFT * space.length:
+            break
+        if left > before:
+            pace *= _SLOWER
+        before = left
+        step = towards + pace * along
+        step *= min(1.0, LONGEST_STEP * space.length / norm(step))
+        trial = space.moved(point, step)
+        if trial is None:
+            if pace < _NOTHING_LEFT:
+                break
+            pace *= _SLOWER
+            continue
+        point = trial
+        towards, along = _ways_on(space, point, wanted)
+    return point
+
+
+def _ways_on(space: MotorSpace, point: Configuration, wanted: Array) -> tuple[Array, Array]:
+    """Return the step towards the target, and the one along the self-motion, in m."""
+    gap, rates = space.system(point)
+    away = (wanted - point.actuated) / space.scale
+    held = np.logical_not(space.free(point, away))
+    rates = np.where(held, 0.0, rates)
+    inverse = np.linalg.pinv(rates, rcond=NO_MOTION)
+    along = np.where(held, 0.0, away)
+    return inverse @ gap, along - inverse @ (rates @ along)

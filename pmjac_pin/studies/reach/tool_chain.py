@@ -1,0 +1,209 @@
+"""ToolChain: virtual joints from the world to where a tool is to be, the first of them motors.
+
+    tool = base · slide(d) · turn · end
+
+At home d is 0 and the turn none. What a task leaves free slides and turns along as passive joints;
+what the machine never does has no joint at all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from pmjac_pin.model.linkage import turned_to
+from pmjac_pin.model.rows import across
+from pmjac_pin.model.tool_spec import Tool
+from pmjac_pin.studies.reach.task import Turning, plane_axes
+from pmjac_pin.values.arrays import Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ChainJoint:
+    """A virtual joint.
+
+    Attributes
+    ----------
+    name : str
+    joint : pin.JointModel
+    place : pin.SE3
+        In the joint before.
+    driven : bool
+        Whether it is a motor: what the task tells.
+    entries : callable
+        (d (3,), Q (3, 3)) ↦ its entries in q, where the tool has slid and turned so since home, in
+        the axes of the base.
+    """
+
+    name: str
+    joint: pin.JointModel
+    place: pin.SE3
+    driven: bool
+    entries: Callable[[Array, Array], Array]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ToolChain:
+    """What may be commanded of a tool, as a chain of joints.
+
+    Attributes
+    ----------
+    tool : Tool
+    home : pin.SE3
+        The tool's pose at home, in the world.
+    axes : ndarray, shape (3, 3)
+        Columns: the axes along which it slides, those that are commanded first.
+    slides : int
+        How many are commanded.
+    floats : bool
+        Whether it slides along the others as it likes; elsewhere, never.
+    turning : {"free", "heading", "pointing", "orientation", "hinge", "none", "swivel"}
+        What of its turn is commanded; with "hinge" all of it, about one axis, with "none" it never
+        turns; with "swivel" it turns as it likes; "free" is left open by the loop at its end.
+    axis : ndarray, shape (3,)
+        Of a heading or a hinge, in the world, or of the tool, for pointing.
+    singly : bool
+        Whether each joint has one freedom, as proofs and homotopies want their motors: nothing to
+        follow paths by, as turns about three axes lock where two of these meet.
+    """
+
+    tool: Tool
+    home: pin.SE3
+    axes: Array
+    slides: int
+    floats: bool
+    turning: Turning | str
+    axis: Array
+    singly: bool = False
+
+    @property
+    def name(self) -> str:
+        """That of the tool."""
+        return "-".join(self.tool.names)
+
+    @property
+    def base(self) -> pin.SE3:
+        """Where the chain begins."""
+        return pin.SE3(self.axes, self.home.translation)
+
+    @property
+    def end(self) -> pin.SE3:
+        """The tool in the last joint."""
+        if self.turning == "heading":
+            return pin.SE3.Identity()
+        return self._about.inverse() * self._turned_at_home
+
+    @property
+    def _turned_at_home(self) -> pin.SE3:
+        return pin.SE3(self.axes.T @ self.home.rotation, np.zeros(3))
+
+    @property
+    def _about(self) -> pin.SE3:
+        """What takes z to the axis of the last joint, where that is a hinge."""
+        if self.turning == "pointing":
+            return turned_to(self._turned_at_home.rotation @ self.axis)
+        return turned_to(self.axes.T @ self.axis) if self.turning == "hinge" else pin.SE3.Identity()
+
+    def moved(self, pose: pin.SE3) -> tuple[Array, Array]:
+        """Return how the tool has slid (3,) and turned (3, 3) since home, in the base's axes."""
+        slid = self.axes.T @ (pose.translation - self.home.translation)
+        turned = self.axes.T @ pose.rotation @ self.home.rotation.T @ self.axes
+        return slid, turned
+
+    @property
+    def joints(self) -> tuple[ChainJoint, ...]:
+        """The virtual joints, the first one's place being in the world."""
+        chain = [*self._sliding(), *self._turning()]
+        if chain:
+            first = chain[0]
+            chain[0] = ChainJoint(
+                first.name, first.joint, self.base * first.place, first.driven, first.entries
+            )
+        return tuple(chain)
+
+    def _sliding(self) -> Iterator[ChainJoint]:
+        still = pin.SE3.Identity()
+        if not self.singly and (self.slides == 3 or (self.floats and not self.slides)):
+            joint = pin.JointModelTranslation()
+            yield ChainJoint(
+                f"{self.name} position", joint, still, self.slides > 0, lambda slid, _: slid
+            )
+            return
+        for k in range(3 if self.floats else self.slides):
+            joint = (pin.JointModelPX, pin.JointModelPY, pin.JointModelPZ)[k]()
+            yield ChainJoint(
+                f"{self.name} slide {k + 1}",
+                joint,
+                still,
+                k < self.slides,
+                _part(k),
+            )
+
+    def _turning(self) -> Iterator[ChainJoint]:
+        name = self.name
+        match self.turning:
+            case "free" | "none":
+                return
+            case "orientation" | "pointing" | "swivel":
+                yield from self._ball(self.turning != "swivel")
+                if self.turning == "pointing":
+                    still_spin = np.array([1.0, 0.0])
+                    spin = pin.JointModelRUBZ()
+                    yield ChainJoint(
+                        f"{name} spin", spin, self._about, False, lambda *_: still_spin
+                    )
+            case "hinge":
+                axis = self.axes.T @ self.axis
+                hinge = pin.JointModelRUBZ()
+                yield ChainJoint(
+                    f"{name} angle", hinge, self._about, True, lambda _, turned: _turn(axis, turned)
+                )
+            case "heading":
+                yield from self._heading()
+            case _:
+                raise AssertionError(self.turning)
+
+    def _ball(self, driven: bool) -> Iterator[ChainJoint]:
+        if self.singly:
+            yield from self._in_turn(np.eye(3), np.eye(3), 3 * driven)
+            return
+        ball, still = pin.JointModelSpherical(), pin.SE3.Identity()
+        yield ChainJoint(f"{self.name} orientation", ball, still, driven, _quaternion)
+
+    def _heading(self) -> Iterator[ChainJoint]:
+        """Yield turns about the axis, then about y and x: of these the first is the heading."""
+        level = self.axes.T @ plane_axes(self.axis)
+        return self._in_turn(level, self.axes.T @ self.home.rotation, 1)
+
+    def _in_turn(self, before: Array, after: Array, driven: int) -> Iterator[ChainJoint]:
+        """Yield turns about z, y and x, the first so many driven, between what is turned before."""
+        still, kinds = (
+            pin.SE3.Identity(),
+            (pin.JointModelRUBZ, pin.JointModelRUBY, pin.JointModelRUBX),
+        )
+        for k, (kind, what) in enumerate(zip(kinds, ("yaw", "pitch", "roll"), strict=True)):
+
+            def entries(_: Array, turned: Array, k: int = k) -> Array:
+                angle = pin.rpy.matrixToRpy(before.T @ turned @ after)[2 - k]
+                return np.array([np.cos(angle), np.sin(angle)])
+
+            place = still if k else pin.SE3(before, np.zeros(3))
+            yield ChainJoint(f"{self.name} {what}", kind(), place, k < driven, entries)
+
+
+def _part(k: int) -> Callable[[Array, Array], Array]:
+    return lambda slid, _: slid[k : k + 1]
+
+
+def _quaternion(_: Array, turned: Array) -> Array:
+    return np.asarray(pin.Quaternion(turned).coeffs())
+
+
+def _turn(axis: Array, turned: Array) -> Array:
+    """Return cosine and sine of the angle by which a rotation turns about an axis."""
+    side = across(axis)[0]
+    x, y = side @ turned @ side, np.cross(axis, side) @ turned @ side
+    return np.asarray(np.array([x, y]) / np.hypot(x, y))

@@ -1,0 +1,197 @@
+"""ToolPath: the straight way of a tool, the machine driven by it, and what ends that way.
+
+It is followed by the guarded continuation of `close` on the machine driven by its tool, so it stays
+on the working mode. At poses along it the machine's own motors are looked at: joints beyond their
+limits end the way where they reach these, and so does a pose at which the motors lose the tool.
+That no such pose lies between is seen by driving the machine itself by its motors from the start
+to the end, or from each pose looked at to the next: that has to lead to the same poses.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+import pinocchio as pin
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import ClosureError
+from pmjac_pin.studies.modes.recognition import Recognition
+from pmjac_pin.studies.reach.driven import Driven
+from pmjac_pin.studies.reach.goal import Goal
+from pmjac_pin.values.arrays import Array, norm
+
+#: What ended the way: its target, a joint's limit, a pose where motors lose the tool, or one where
+#: the tool loses a freedom.
+End = Literal["target", "limit", "lost by its motors", "end of the mode"]
+
+_BETWEEN_LOOKS = 0.25  # lengths or rad, of all joints: between poses that are looked at
+_FEWEST, _MOST = 4, 64
+_ONE_POSE = 1e-6  # lengths or rad
+_LEAST_OF_A_WAY = 1e-12  # of the way
+_HALVINGS = 60
+
+
+@dataclass(frozen=True, eq=False)
+class Stop:
+    """Where a way ended.
+
+    Attributes
+    ----------
+    configuration : Configuration
+        Of the machine itself.
+    share : float
+        Of the way.
+    end : str
+    joints : tuple of str
+        At their limits.
+    """
+
+    configuration: Configuration
+    share: float
+    end: End
+    joints: tuple[str, ...] = ()
+
+
+@dataclass(eq=False)
+class ToolPath:
+    """The straight way of a machine driven by its tool, from a closed pose towards goals."""
+
+    driven: Driven
+    goals: Sequence[Goal]
+    start: Configuration
+    _known: dict[float, Configuration] = field(default_factory=dict)
+    _displacement: Array = field(init=False)
+
+    def __post_init__(self) -> None:
+        lifted = self.driven.lifted(self.start)
+        mechanism = self.driven.mechanism
+        motors = mechanism.problem.partition.actuated
+        values = self.driven.values(self.goals, self.start)
+        self._known[0.0] = lifted
+        motion = np.zeros(mechanism.nv)
+        motion[motors] = mechanism.coordinates.motion_to(lifted.q, motors, values)
+        self._displacement, self._values = motion, values
+
+    def values(self, share: float) -> Array:
+        """Return the motor values of the machine driven by its tool, part of the way."""
+        mechanism = self.driven.mechanism
+        if share == 1.0:
+            return self._values
+        q = pin.integrate(
+            mechanism.kinematics.model, self._known[0.0].q, share * self._displacement
+        )
+        return mechanism.coordinates.values(q)[mechanism.problem.partition.actuated]
+
+    def at(self, share: float) -> Configuration:
+        """Return the machine's pose part of the way."""
+        if share not in self._known:
+            before = self._known[max(one for one in self._known if one < share)]
+            close, values = self.driven.mechanism.close, self.values(share)
+            self._known[share] = close(values, guess=before, enforce_limits=False)
+        return self.driven.original(self._known[share])
+
+    def walked(self, limits: bool) -> Stop:
+        """Return where the way ends."""
+        whole = self._followed()
+        samples = self._samples(whole.share)
+        stop = self._limited(samples, whole) if limits else whole
+        lost = self._lost([one for one in samples if one < stop.share], stop)
+        return lost or stop
+
+    def _followed(self) -> Stop:
+        """Return where the continuation ends."""
+        try:
+            return Stop(self.at(1.0), 1.0, "target")
+        except ClosureError as error:
+            reached, share = error.reached, float(error.share or 0.0)
+            if reached is None:
+                return Stop(self.start, 0.0, "end of the mode")
+            self._known[share] = reached
+            return Stop(self.driven.original(reached), share, "end of the mode")
+
+    def _samples(self, share: float) -> list[float]:
+        """Return shares of poses to look at, up to one."""
+        mechanism = self.driven.mechanism
+        apart = mechanism.problem.difference(self._known[0.0].q, self._known[share].q)
+        partition = mechanism.problem.partition
+        lengths = norm(apart / partition.column_scale) / partition.length
+        count = int(min(max(math.ceil(lengths / _BETWEEN_LOOKS), _FEWEST), _MOST))
+        shares = [share * k / count for k in range(1, count)] if share > 0.0 else []
+        return [0.0, *shares, share]
+
+    def _limited(self, samples: Sequence[float], whole: Stop) -> Stop:
+        """Return where the first joint reaches its limit, or the end of the whole way."""
+        before = 0.0
+        for share in samples:
+            beyond = self.at(share).limits_violated
+            if beyond and share == 0.0:
+                return Stop(self.start, 0.0, "limit", tuple(beyond))
+            if beyond:
+                return self._at_limit(before, share)
+            before = share
+        return whole
+
+    def _at_limit(self, inside: float, outside: float) -> Stop:
+        """Return the last pose within limits, by halving."""
+        names: tuple[str, ...] = ()
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (inside + outside)
+            if outside - inside <= _LEAST_OF_A_WAY or not inside < middle < outside:
+                break
+            inside, outside = (inside, middle) if self._beyond(middle) else (middle, outside)
+        names = tuple(self.at(outside).limits_violated)
+        return Stop(self.at(inside), inside, "limit", names)
+
+    def _beyond(self, share: float) -> bool:
+        return bool(self.at(share).limits_violated)
+
+    def _lost(self, samples: Sequence[float], stop: Stop) -> Stop | None:
+        """Return where the motors lose the tool on the way to a stop; None where they never do."""
+        if leads(self.start, stop.configuration):
+            return None
+        shares = [*samples, stop.share]
+        for one, other in pairwise(shares):
+            if not leads(self.at(one), self.at(other)):
+                found = self._last_driven(one, other)
+                if found is not None:
+                    return Stop(self.at(found), found, "lost by its motors")
+        return None
+
+    def _last_driven(self, one: float, other: float) -> float | None:
+        """Return up to where motors lead the machine along; None where they do all the way."""
+        begin, end = one, other
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (one + other)
+            if other - one <= _LEAST_OF_A_WAY or not one < middle < other:
+                break
+            if leads(self.at(one), self.at(middle)):
+                one = middle
+                if leads(self.at(one), self.at(end)):
+                    return None
+            else:
+                other = middle
+        return one if one < end else begin
+
+
+def leads(one: Configuration, other: Configuration) -> bool:
+    """Tell whether its motors lead a machine from one closed pose to another, limits aside."""
+    try:
+        found = one.mechanism.close(other.actuated, guess=one, enforce_limits=False)
+    except ClosureError:
+        return False
+    return same_pose(found, other)
+
+
+def same_pose(one: Configuration, other: Configuration) -> bool:
+    """Tell whether two closed poses of a machine are the same, but for what idles."""
+    mechanism = one.mechanism
+    partition = mechanism.problem.partition
+    apart = mechanism.problem.difference(one.q, other.q) / partition.column_scale
+    if norm(apart) <= _ONE_POSE * partition.length:
+        return True
+    return Recognition([one]).index(other) is not None
