@@ -56,7 +56,7 @@ def as_built(mechanism: Mechanism, machine: PlainMachine, path: Path) -> tuple[M
         armature={step.name: step.armature for step in machine.steps if step.armature},
         locked={},
         parameters={},
-        poses={pose: _values(machine, values) for pose, values in machine.poses.items()},
+        poses={pose: _pose_values(machine, values) for pose, values in machine.poses.items()},
     )
     return spec, Urdf.of(tree.urdf.robot, str(path))
 
@@ -65,7 +65,7 @@ def _in_one_joint(joint: PlainJoint) -> bool:
     return joint.kind in ("planar", "helical")
 
 
-def _values(
+def _pose_values(
     machine: PlainMachine, values: Mapping[str, tuple[float, ...]]
 ) -> dict[str, JointValue]:
     """Return joint values as a model file has them: of a screw the turn alone."""

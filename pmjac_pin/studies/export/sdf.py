@@ -139,7 +139,7 @@ class _SdfWriter:
         for body in machine.bodies:
             for name, place in body.frames.items():
                 frame = SubElement(model, "frame", {"name": name, "attached_to": body.name})
-                frame.append(_pose(place))
+                frame.append(_sdf_pose(place))
         base = machine.bodies[0].name
         held = self._joint(unused_name(f"{base}_to_world", self._taken), "fixed", "world", base)
         model.append(held)
@@ -168,7 +168,7 @@ class _SdfWriter:
 
     def _link(self, number: int, body: PlainBody) -> Element:
         link = Element("link", name=body.name)
-        link.append(_pose(self._placed[number]))
+        link.append(_sdf_pose(self._placed[number]))
         if number:
             link.append(_sdf_inertial(self._masses.of(body)))
         for count, drawn in enumerate(body.shapes, start=1):
@@ -177,7 +177,7 @@ class _SdfWriter:
 
     def _visual(self, drawn: PlainShape, name: str) -> Element:
         visual = Element("visual", name=name)
-        visual.append(_pose(drawn.place))
+        visual.append(_sdf_pose(drawn.place))
         shape = SubElement(SubElement(visual, "geometry"), drawn.shape.tag)
         for key, value in drawn.shape.attrib.items():
             mesh = key == "filename"
@@ -232,7 +232,7 @@ class _SdfWriter:
         names = (self._machine.bodies[one].name, self._machine.bodies[other].name)
         label = unused_name("-".join(loop.frames), self._taken)
         joint = self._joint(label, kind, *names)
-        joint.append(_pose(second))
+        joint.append(_sdf_pose(second))
         if isinstance(loop, LoopAlongAxis):
             joint.append(_sdf_axis("axis", np.array(loop.axis)))
         elif isinstance(loop, UniversalLoop):
@@ -249,7 +249,7 @@ def _sdf_axis(tag: str, direction: Array) -> Element:
     return axis
 
 
-def _pose(place: pin.SE3) -> Element:
+def _sdf_pose(place: pin.SE3) -> Element:
     pose = Element("pose")
     pose.text = written([*place.translation, *pin.rpy.matrixToRpy(place.rotation)])
     return pose
@@ -257,7 +257,7 @@ def _pose(place: pin.SE3) -> Element:
 
 def _sdf_inertial(inertia: pin.Inertia) -> Element:
     element = Element("inertial")
-    element.append(_pose(pin.SE3(np.eye(3), inertia.lever)))
+    element.append(_sdf_pose(pin.SE3(np.eye(3), inertia.lever)))
     SubElement(element, "mass").text = written([inertia.mass])
     moments = SubElement(element, "inertia")
     for k in range(3):

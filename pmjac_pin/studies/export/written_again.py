@@ -16,7 +16,7 @@ from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.export.plain_machine import PlainMachine
 from pmjac_pin.values.arrays import Array
 
-_SAME = 1e-9  # relative, between the file and the mechanism
+_ONE_MACHINE = 1e-9  # relative, between the file and the mechanism
 
 
 def read_again(mechanism: Mechanism, machine: PlainMachine, files: dict[str, bytes]) -> Evidence:
@@ -67,7 +67,7 @@ def compared(mechanism: Mechanism, again: Mechanism) -> Evidence:
         got = f"its mobility is {again.mobility} in the file and {mechanism.mobility} here"
         raise ArgumentError(f"{mechanism.name} cannot be written so: {got}")
     length = mechanism.characteristic_length
-    allowed = max(_SAME, 10.0 * mechanism.tolerance / length)
+    allowed = max(_ONE_MACHINE, 10.0 * mechanism.tolerance / length)
     apart = _links_apart(mechanism, again) / length
     differences = {"links": apart}
     with contextlib.suppress(NoJacobianError):
