@@ -19,15 +19,11 @@ REFUSED = {
     ("planar base that is driven", "sdf"): "no planar motor, as 'root' is; extended-urdf or toml",
     ("planar base that is driven", "urdf-plus"): "no planar motor, as 'root' is; extended-urdf",
 }
-QUICK = (
-    *("PrismaticLoop from wall", "UniversalLoop from wall", "DistanceLoop from hand"),
-    *("ball base that is driven", "translation base that is driven", "screws", "recut", "limits"),
-    *("names of SDFormat's", "gears from the other side", "masses", "planar off the origin"),
-)
+QUICK = ("UniversalLoop from wall", "screws", "names of SDFormat's")
 
 
 @pytest.mark.parametrize("to", FORMATS)
-@pytest.mark.parametrize("name", mostly_slow(CATALOGUE, ("ankle", "slider_crank", "three_rps_ss")))
+@pytest.mark.parametrize("name", mostly_slow(CATALOGUE, ("three_rps_ss",)))
 def test_the_catalogue_comes_back(name, to, tmp_path):
     exported, again = round_trip(loaded(name), to, tmp_path)
     assert exported.evidence.kind == "tolerance"

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from exported import FORMATS, geared, heavy, limited, path_of, round_trip, same, screwed
-from mechanisms import Z, loaded, tree
+from mechanisms import Z, loaded, mostly_slow, tree
 from test_own_kind import known, lever, registered  # noqa: F401
 
 import pmjac_pin as pj
@@ -35,7 +35,7 @@ def equivalent_masses(mechanism):
     return motions.T @ (np.triu(mass) + np.triu(mass, 1).T) @ motions
 
 
-@pytest.mark.parametrize("to", FORMATS)
+@pytest.mark.parametrize("to", mostly_slow(FORMATS, ("sdf",)))
 def test_masses_and_rotors_come_back(to, tmp_path):
     mechanism = heavy()
     _, again = round_trip(mechanism, to, tmp_path)
@@ -45,7 +45,7 @@ def test_masses_and_rotors_come_back(to, tmp_path):
     np.testing.assert_allclose(found, expected, rtol=1e-9)
 
 
-@pytest.mark.parametrize("to", FORMATS)
+@pytest.mark.parametrize("to", mostly_slow(FORMATS, ("toml",)))
 def test_limits_come_back(to, tmp_path):
     mechanism = limited()
     exported, again = round_trip(mechanism, to, tmp_path)
@@ -118,7 +118,7 @@ def drawn(tmp_path):
     return pj.load(path, tool="arm")
 
 
-@pytest.mark.parametrize("to", FORMATS)
+@pytest.mark.parametrize("to", mostly_slow(FORMATS, ("mjcf", "sdf")))
 def test_shapes_and_colours(drawn, to, tmp_path):
     exported = pj.export(drawn, to=to, file=path_of(tmp_path, to))
     root = parse(exported.paths[1 if to == "toml" else 0]).getroot()
@@ -141,7 +141,7 @@ def test_shapes_and_colours(drawn, to, tmp_path):
 # --- what cannot be said ---------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("to", ["sdf", "extended-urdf", "urdf-plus"])
+@pytest.mark.parametrize("to", mostly_slow(["sdf", "extended-urdf", "urdf-plus"], ("sdf",)))
 def test_gears_in_which_no_order_is_are_refused(to, tmp_path):
     for ties, motors, why in (
         ([(("a", "b"), 2.0, 0.0)], ("a", "b"), "'a' and 'b', two motors, are geared"),
@@ -160,14 +160,14 @@ def test_gears_in_which_no_order_is_are_refused(to, tmp_path):
         exported.paths[0].unlink()
 
 
-@pytest.mark.parametrize("to", XML)
+@pytest.mark.parametrize("to", mostly_slow(XML, ("mjcf",)))
 def test_a_kind_of_loop_of_ones_own_has_a_hub(lever, to, tmp_path):  # noqa: F811
     exported, again = round_trip(lever, to, tmp_path)
     assert any("is a link that moves so, welded" in note for note in exported.notes)
     same(lever, again, exported)
 
 
-@pytest.mark.parametrize("to", FORMATS)
+@pytest.mark.parametrize("to", mostly_slow(FORMATS, ("mjcf",)))
 @pytest.mark.parametrize("name", ["bell\x07", "\ufffe"])
 def test_names_that_no_file_holds_are_refused(name, to, tmp_path):
     model = pin.buildModelFromXML(tree(("q", "revolute", "ground", "arm", (0, 0, 0), Z)))
@@ -200,7 +200,7 @@ def test_without_mujoco_the_evidence_is_nothing(monkeypatch, tmp_path):
 # --- files -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("to", FORMATS)
+@pytest.mark.parametrize("to", mostly_slow(FORMATS, ("extended-urdf",)))
 def test_what_exists_is_replaced_by_force_only(to, tmp_path):
     paths = pj.export(loaded("four_bar"), to=to, file=path_of(tmp_path, to)).paths
     assert sorted(tmp_path.iterdir()) == sorted(paths)

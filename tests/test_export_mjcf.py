@@ -105,7 +105,9 @@ def mujoco_agrees(mechanism, path):
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * (1 + np.abs(expected).max()))
 
 
-@pytest.mark.parametrize("name", CATALOGUE)
+@pytest.mark.parametrize(
+    "name", mostly_slow(CATALOGUE, ("agile_eye", "delta_rods", "watt_six_bar"))
+)
 def test_mujoco_has_the_same_machine(name, tmp_path):
     mujoco_agrees(loaded(name), tmp_path / "machine.xml")
 
@@ -116,6 +118,7 @@ def test_mujoco_has_odd_machines(name, tmp_path):
         mujoco_agrees(MACHINES[name](), tmp_path / "machine.xml")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("path", "given"), PEERS.items())
 def test_mujoco_has_published_models(path, given, tmp_path):
     mujoco_agrees(pj.load(peer_model(path), **given), tmp_path / "machine.xml")

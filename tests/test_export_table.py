@@ -12,6 +12,7 @@ import pinocchio as pin
 import pytest
 import yaml
 from exported import FORMATS, hinged, path_of
+from mechanisms import mostly_slow
 from test_recut import KINDS
 
 import pmjac_pin as pj
@@ -75,7 +76,7 @@ def loops_in(exported, to):
             )
 
 
-@pytest.mark.parametrize("kind", LOOPS)
+@pytest.mark.parametrize("kind", mostly_slow(LOOPS, ("universal",)))
 def test_loops(kind, tmp_path):
     mechanism = hinged(LOOPS[kind], ("hand", "wall"))
     row = table("loop")[kind]
@@ -121,7 +122,7 @@ def joints_in(exported, to):
     return times(kinds) + ", geared" * (root.find(geared) is not None)
 
 
-@pytest.mark.parametrize("kind", JOINTS)
+@pytest.mark.parametrize("kind", mostly_slow(JOINTS, ("helical",)))
 def test_joints(kind, tmp_path):
     row = table("joint")[kind]
     for driven in (False, True):
