@@ -9,6 +9,7 @@ from xml.etree.ElementTree import parse
 import numpy as np
 import pinocchio as pin
 import pytest
+import transformed
 from exported import FORMATS, geared, heavy, limited, path_of, round_trip, same, screwed
 from mechanisms import Z, loaded, mostly_slow, tree
 from test_own_kind import known, lever, registered  # noqa: F401
@@ -80,6 +81,23 @@ def test_motors_keep_their_order_and_efforts(tmp_path):
     motors = parse(tmp_path / "strong.xml").getroot().findall("actuator/motor")
     assert [motor.get("joint") for motor in motors] == list(mechanism.actuated)
     assert {motor.get("ctrlrange") for motor in motors} == {"-7.0 7.0"}
+
+
+@pytest.mark.parametrize("to", ["extended-urdf", "urdf-plus", "toml"])
+def test_what_motors_can_do_comes_back(to, tmp_path):
+    model = loaded("five_bar").model
+    rng = np.random.default_rng(3)
+    model.upperEffortLimit, model.upperVelocityLimit = rng.uniform(1, 2, (2, model.nv))
+    model.lowerEffortLimit, model.lowerVelocityLimit = (
+        -model.upperEffortLimit,
+        -model.upperVelocityLimit,
+    )
+    mechanism = transformed.rebuilt(loaded("five_bar"), model)
+    _, again = round_trip(mechanism, to, tmp_path)
+    mine, theirs = mechanism.problem.partition, again.problem.partition
+    np.testing.assert_array_equal(theirs.effort_limits, mine.effort_limits)
+    np.testing.assert_array_equal(theirs.rate_limits, mine.rate_limits)
+    assert np.isfinite([mine.effort_limits, mine.rate_limits]).all()
 
 
 def test_order_of_motors_is_told_where_a_format_has_none(tmp_path):

@@ -66,6 +66,24 @@ class InMujoco:
         solved = np.linalg.lstsq(allowed[driven], np.eye(len(driven)), rcond=1e-9)[0]
         return self.tool_jacobian(tool) @ allowed @ solved
 
+    def our_rates(self, model):
+        """S of v = S qvel, Pinocchio's rates from MuJoCo's; those of hubs have no part in it."""
+        S = np.zeros((model.nv, self.model.nv))
+        known = {self.model.joint(k).name for k in range(self.model.njnt)}
+        for name, joint in list(zip(model.names, model.joints, strict=True))[1:]:
+            own = slice(joint.idx_v, joint.idx_v + joint.nv)
+            steps = [name] if name in known else [n for n in known if n.startswith(f"{name}.")]
+            dofs = sorted(self.columns(steps))
+            turn = np.eye(joint.nv)
+            if joint.shortname() == "JointModelFreeFlyer":  # its linear rates are the world's
+                w, x, y, z = self.data.qpos[self.model.joint(name).qposadr[0] + 3 :][:4]
+                turn[:3, :3] = pin.Quaternion(w, x, y, z).toRotationMatrix().T
+            elif joint.shortname() == "JointModelPlanar":  # its slides do not turn
+                angle = self.data.qpos[self.model.joint(f"{name}.rz").qposadr[0]]
+                turn = pin.AngleAxis(-angle, np.array([0.0, 0.0, 1.0])).matrix()
+            S[own, dofs] = turn
+        return S
+
     def as_ours(self, mechanism):
         """Rates of MuJoCo's motors for unit rates of ours: a free body's linear ones differ."""
         blocks = []
@@ -96,6 +114,12 @@ def mujoco_agrees(mechanism, path):
     split = mechanism.home.split_jacobian()
     rank = np.linalg.matrix_rank(split.constraint_jacobian, tol=1e-8) if mechanism.rows else 0
     assert there.allowed().shape[1] == mechanism.nv - rank
+    rates = there.our_rates(mechanism.model) @ there.allowed()
+    assert np.linalg.matrix_rank(rates, tol=1e-8) == mechanism.nv - rank
+    # So these span the null space of ours: one row space.
+    equations = mechanism.loop_equations(mechanism.home.q)[1]
+    size = 1.0 + np.abs(equations).max(initial=0.0)
+    np.testing.assert_allclose(equations @ rates, 0.0, rtol=0, atol=1e-9 * size)
     try:
         expected = ours(mechanism)
     except pj.NoJacobianError:

@@ -33,7 +33,7 @@ def extended_urdf(machine: PlainMachine, folder: Path) -> Written:
     values = FromHome(machine)
     tree = UrdfTree(machine, folder, "floating", values)
     with_mimics(tree, values, "extended-urdf")
-    notes = [*renames, *notes, *values.notes()]
+    notes = [*renames, *notes, *values.notes(), *tree.notes()]
     return Written(tree.urdf.robot, machine, tuple(notes), _yaml(machine))
 
 

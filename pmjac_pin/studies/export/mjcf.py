@@ -93,6 +93,8 @@ class _MjcfWriter:
         """Yield what is to be said of what was written."""
         yield from self._masses.notes()
         yield from self.shapes.notes()
+        if any(np.isfinite(step.rate) for step in self._machine.steps if step.driven):
+            yield "mjcf has no limits of rates: those of the motors are left out"
         for joint in self._machine.joints:
             if joint.kind == "free" and joint.driven:
                 count = sum(_MOTORS_OF.get(step.kind, 1) for step in joint.steps)

@@ -163,6 +163,9 @@ class _SdfWriter:
         """Yield what is to be said of what was written."""
         yield from self._masses.notes()
         yield from self._from_home.notes()
+        for step in self._machine.steps:
+            if step.armature and not step.single:
+                yield f"the armature of joint {step.name!r}, which turns any way, is left out"
         motors = ",".join(self._machine.motors)
         yield f"sdf does not say which joints are motors: read it with --actuated {motors}"
 
@@ -214,12 +217,13 @@ class _SdfWriter:
         kind = "continuous" if kind == "revolute" and free else kind
         joint = self._joint(step.name, kind, parent, child)
         axis = _sdf_axis("axis", step.axis)
-        if not free:
+        known = {} if free else dict(zip(("lower", "upper"), limits, strict=True))
+        most = {"effort": step.effort, "velocity": step.rate}
+        known |= {tag: number for tag, number in most.items() if np.isfinite(number)}
+        if known:
             limit = SubElement(axis, "limit")
-            for tag, number in zip(("lower", "upper"), limits, strict=True):
+            for tag, number in known.items():
                 SubElement(limit, tag).text = written([number])
-            if np.isfinite(step.effort):
-                SubElement(limit, "effort").text = written([step.effort])
         joint.append(axis)
         if step.armature:
             SubElement(joint, "drake:rotor_inertia").text = written([step.armature])

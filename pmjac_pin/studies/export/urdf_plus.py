@@ -59,7 +59,7 @@ def urdf_plus(machine: PlainMachine, folder: Path) -> Written:
         if step.single and step.name in written:  # those of a planar joint are not
             written[step.name].set("independent", "true" if step.driven else "false")
     robot.extend(_loop_elements(machine.loops))
-    return Written(robot, machine, (*notes, *values.notes(), *_order(machine)))
+    return Written(robot, machine, (*notes, *values.notes(), *tree.notes(), *_order(machine)))
 
 
 def _order(machine: PlainMachine) -> Iterable[str]:

@@ -6,10 +6,10 @@ is where home has it.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from xml.etree.ElementTree import Element
+from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 import pinocchio as pin
@@ -65,6 +65,12 @@ class UrdfTree:
                     body.name, placed[number] * drawn.place, self._shape(drawn), colour
                 )
 
+    def notes(self) -> Iterator[str]:
+        """Yield what a URDF cannot say of joints."""
+        for joint in self.machine.joints:
+            if joint.kind == "planar" and any(step.armature for step in joint.steps):
+                yield f"the armature of planar joint {joint.name!r} is left out"
+
     @property
     def joints(self) -> Mapping[str, Element]:
         """The joints that were written, by name."""
@@ -86,6 +92,7 @@ class UrdfTree:
     def _step(self, step: PlainStep, ends: tuple[str, str], counted: bool) -> None:
         if not step.single:
             self.urdf.joint(step.name, _STEP_TYPES.get(step.kind, self.ball), ends, STILL)
+            self._motor(step)
             return
         lower, upper = self.values.limits(step)
         if step.kind == "hinge" and not counted and not np.isfinite([lower, upper]).any():
@@ -96,9 +103,14 @@ class UrdfTree:
         self._motor(step)
 
     def _motor(self, step: PlainStep) -> None:
+        """Write what a motor can do, and its rotor."""
         joint = self.joints[step.name]
-        if np.isfinite(step.effort) and (limit := joint.find("limit")) is not None:
-            limit.set("effort", written([step.effort]))
+        most = {"effort": step.effort, "velocity": step.rate}
+        if step.single and np.isfinite([*most.values()]).any():
+            if (limit := joint.find("limit")) is None:
+                limit = SubElement(joint, "limit")
+            for key, number in most.items():
+                limit.set(key, written([min(number, WITHOUT_LIMIT)]))
         if step.armature:
             joint.append(Element("dynamics", armature=written([step.armature])))
 
