@@ -28,6 +28,7 @@ COMMANDS = (
     "sweep",
     "transmission",
     "follow",
+    "reach",
     "workspace",
     "locus",
 )

@@ -155,7 +155,7 @@ class SingularityLocus(ReadOnlyArrays):
         MissingDependencyError
             xarray is not installed.
         """
-        return _dataset(self)
+        return _locus_dataset(self)
 
     def __repr__(self) -> str:
         name, (first, second) = self.at.mechanism.name, self.plane
@@ -167,7 +167,7 @@ class SingularityLocus(ReadOnlyArrays):
         )
 
 
-def _dataset(locus: SingularityLocus) -> Dataset:
+def _locus_dataset(locus: SingularityLocus) -> Dataset:
     """Return curves and special points as a dataset; see `SingularityLocus.to_xarray`."""
     from pmjac_pin.studies.sweep.store import packages  # noqa: PLC0415 - with xarray
 
@@ -176,14 +176,14 @@ def _dataset(locus: SingularityLocus) -> Dataset:
     nq = locus.at.mechanism.nq
     numbers = [np.full(len(curve.places), k) for k, curve in enumerate(curves)]
     variables: dict[str, Any] = {
-        "place": (("vertex", "axis"), _stacked([c.places for c in curves], 2)),
-        "q": (("vertex", "entry"), _stacked([c.q for c in curves], nq)),
+        "place": (("vertex", "axis"), _rows_of_all([c.places for c in curves], 2)),
+        "q": (("vertex", "entry"), _rows_of_all([c.q for c in curves], nq)),
         "curve": ("vertex", np.concatenate([np.zeros(0, dtype=int), *numbers])),
         "kind": ("curve_number", [curve.kind for curve in curves]),
         "closed": ("curve_number", [curve.is_closed for curve in curves]),
         "on_modes": ("curve_number", [" ".join(map(str, curve.modes)) for curve in curves]),
-        "special_place": (("special", "axis"), _stacked([p.place[None] for p in points], 2)),
-        "special_q": (("special", "entry"), _stacked([p.q[None] for p in points], nq)),
+        "special_place": (("special", "axis"), _rows_of_all([p.place[None] for p in points], 2)),
+        "special_q": (("special", "entry"), _rows_of_all([p.q[None] for p in points], nq)),
         "mark": ("special", [point.mark for point in points]),
     }
     coordinates = {
@@ -196,5 +196,5 @@ def _dataset(locus: SingularityLocus) -> Dataset:
     return found
 
 
-def _stacked(parts: list[Any], width: int) -> Any:
+def _rows_of_all(parts: list[Any], width: int) -> Any:
     return np.concatenate([np.zeros((0, width)), *parts])
