@@ -30,6 +30,12 @@ STUDIES = {
     pj.ParameterHomotopy: lambda machine, theta: homotopy_of(machine.name),
     pj.Proof: pj.prove,
     pj.NearestSingularity: lambda machine, theta: pj.nearest_singularity(machine.home, starts=1),
+    pj.SingularityLocus: lambda machine, theta: pj.singularity_locus(
+        loaded("five_bar"), ("theta1", "theta2"), kinds=["gain"], cells=9
+    ),
+    pj.Workspace: lambda machine, theta: pj.workspace(
+        loaded("five_bar"), ("x", "y"), cells=9, trace=False
+    ),
     pj.SingularityFree: lambda machine, theta: pj.singularity_free(machine.home),
     pj.TransmissionTable: lambda machine, theta: table_around(machine, theta + 0.6),
 }
@@ -40,6 +46,7 @@ def test_every_answer_that_is_exported_is_tried():
     own = {one for one in map(partial(getattr, pj), pj.__all__) if isinstance(one, type)}
     found = {one for one in own if one.__module__.startswith("pmjac_pin.studies.")}
     silent = {pj.Budget, pj.Program, pj.Transmission, pj.Geared, pj.TransmissionMap}
+    silent |= {pj.LocusCurve, pj.LocusPoint}  # parts of an answer
     assert found - {pj.Evidence} - silent == set(STUDIES)
 
 
