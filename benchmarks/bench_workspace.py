@@ -86,7 +86,8 @@ def one_curve(mechanism: pj.Mechanism) -> Callable[[], int]:
     equations = SingularEquations(mechanism, "gain")
     area = PlaneSlice.of(mechanism.actuated[:2], mechanism.home, None)
     tracer = Tracer(equations, area)
-    seed = tracer.corrected(equations.begin(mechanism.home.q), 1.0)
+    beside = mechanism.close([2.3, 0.37])
+    seed = tracer.corrected(equations.begin(beside.q), 1.0)
     return lambda: len(tracer.trace(seed).points)
 
 
