@@ -61,6 +61,11 @@ def test_five_bar_reaches_what_two_annuli_share(bar_in_tool_space):
     assert bar_in_tool_space.area == pytest.approx(shared_area(annuli), rel=1e-7)
 
 
+def test_an_arm_of_two_links_reaches_an_annulus():
+    found = pj.workspace(loaded("serial_2r"), ("x", "y"), cells=15)
+    assert found.area == pytest.approx(np.pi * (1.8**2 - 0.2**2), rel=1e-6)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("cells", [25, 33, 52, 90, 121])
 def test_areas_do_not_depend_on_the_grid(cells):
