@@ -29,7 +29,11 @@ STUDIES = {
     pj.OperationModes: lambda machine, theta: homotopy_of(machine.name).operation_modes(),
     pj.ParameterHomotopy: lambda machine, theta: homotopy_of(machine.name),
     pj.Proof: pj.prove,
+    pj.Reached: lambda machine, theta: pj.reach(machine, machine.close(theta).tool_pose()),
     pj.TransmissionTable: lambda machine, theta: table_around(machine, theta + 0.6),
+    pj.WorkingModes: lambda machine, theta: pj.working_modes(
+        machine, machine.close(theta).tool_pose(), rng=0
+    ),
 }
 
 
@@ -37,7 +41,7 @@ def test_every_answer_that_is_exported_is_tried():
     """Those whose class is defined in a study; a budget asks, programs and maps say nothing."""
     own = {one for one in map(partial(getattr, pj), pj.__all__) if isinstance(one, type)}
     found = {one for one in own if one.__module__.startswith("pmjac_pin.studies.")}
-    silent = {pj.Budget, pj.Program, pj.Transmission, pj.Geared, pj.TransmissionMap}
+    silent = {pj.Budget, pj.Program, pj.Task, pj.Transmission, pj.Geared, pj.TransmissionMap}
     assert found - {pj.Evidence} - silent == set(STUDIES)
 
 

@@ -33,6 +33,7 @@ OTHERWISE = {
     "studies/modes/marks.py": {"qr"},  # the space of a joint's own motions, for many poses
     "studies/singularities/singular_equations.py": {"svd"},  # steps of a rank that is known
     "studies/modes/enclosed_modes.py": {"lstsq", "pinv"},  # guesses: what they are worth is proven
+    "studies/reach/nearest.py": {"eigh"},  # which ways lead downhill from where a distance is flat
     "studies/homotopy/curve.py": {"pinv"},  # a step where there is no other
     "words/report.py": {"svd"},  # the singular values that are shown
     "pictures/stick_drawing.py": {"svd"},  # planes of points
