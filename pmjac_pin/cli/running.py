@@ -25,6 +25,8 @@ _COMMANDS = {
     "convert": "robot.urdf -o robot.toml",
     "export": "three_rps --to mjcf -o three_rps.xml",
     "sweep": "map.toml --resume",
+    "workspace": "five_bar --plane x,y --measure dexterity -o map.pdf",
+    "locus": "five_bar --plane theta1,theta2 -o locus.pdf",
     "follow": "four_bar --waypoints way.csv --certified -o way_followed.csv",
     "reach": "five_bar --target x=0.2,y=0.4 --modes",
     "transmission": "humanoid_ankle --joints pitch,roll -o ankle.h -o ankle.png",
