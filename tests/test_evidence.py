@@ -29,12 +29,9 @@ STUDIES = {
     pj.OperationModes: lambda machine, theta: homotopy_of(machine.name).operation_modes(),
     pj.ParameterHomotopy: lambda machine, theta: homotopy_of(machine.name),
     pj.Proof: pj.prove,
-<<<<<<< HEAD
-    pj.Reached: lambda machine, theta: pj.reach(machine, machine.close(theta).tool_pose()),
-=======
     pj.NearestSingularity: lambda machine, theta: pj.nearest_singularity(machine.home, starts=1),
     pj.SingularityFree: lambda machine, theta: pj.singularity_free(machine.home),
->>>>>>> main
+    pj.Reached: lambda machine, theta: pj.reach(machine, machine.close(theta).tool_pose()),
     pj.TransmissionTable: lambda machine, theta: table_around(machine, theta + 0.6),
     pj.WorkingModes: lambda machine, theta: pj.working_modes(
         machine, machine.close(theta).tool_pose(), rng=0
