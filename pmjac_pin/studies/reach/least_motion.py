@@ -14,8 +14,10 @@ from pmjac_pin.studies.reach.motor_space import NO_MOTION, MotorSpace
 from pmjac_pin.studies.reach.nearest import LONGEST_STEP
 from pmjac_pin.values.arrays import Array, norm
 
+_LEAST = 1e-8  # of the characteristic length: what may be left of a self-motion
 _NOTHING_LEFT = 1e-12
 _MOST_MOVES = 300
+_NO_FARTHER = 1.0 + 1e-12  # of the distance before
 _SLOWER = 0.5  # where a step overshoots
 
 
@@ -36,9 +38,9 @@ def least_motion(space: MotorSpace, point: Configuration, wanted: Array) -> Conf
         left = norm(along) / space.length
         if left <= _NOTHING_LEFT and norm(towards) <= _NOTHING_LEFT * space.length:
             break
-        if left > before:
-            pace *= _SLOWER
-        before = left
+        away = norm((wanted - point.actuated) / space.scale)
+        pace = pace * _SLOWER if away > before * _NO_FARTHER else min(1.0, pace / _SLOWER)
+        before = away
         step = towards + pace * along
         step *= min(1.0, LONGEST_STEP * space.length / norm(step))
         trial = space.moved(point, step)
@@ -50,6 +52,11 @@ def least_motion(space: MotorSpace, point: Configuration, wanted: Array) -> Conf
         point = trial
         towards, along = _ways_on(space, point, wanted)
     return point
+
+
+def is_least_motion(space: MotorSpace, point: Configuration, wanted: Array) -> bool:
+    """Tell whether no self-motion at a target brings the motors nearer to wanted values."""
+    return norm(_ways_on(space, point, wanted)[1]) <= _LEAST * space.length
 
 
 def _ways_on(space: MotorSpace, point: Configuration, wanted: Array) -> tuple[Array, Array]:
