@@ -103,6 +103,8 @@ from .model.loop_spec import (
 )
 from .model.spec import MechanismSpec as MechanismSpec
 from .pictures.plot import plot as plot
+from .pictures.slice_figure import plot_locus as plot_locus
+from .pictures.slice_figure import plot_workspace as plot_workspace
 from .pictures.transmission_figure import plot_transmission as plot_transmission
 from .rates.allowed import AllowedJacobian as AllowedJacobian
 from .rates.allowed import allowed_jacobian as allowed_jacobian
@@ -129,6 +131,8 @@ from .studies.check.diagnosis import Diagnosis as Diagnosis
 from .studies.check.diagnosis_maker import check as check
 from .studies.convert import convert as convert
 from .studies.evidence import Evidence as Evidence
+from .studies.export.export import export as export
+from .studies.export.exported import Exported as Exported
 from .studies.follow.event import Event as Event
 from .studies.follow.event import PathBranch as PathBranch
 from .studies.follow.follow import follow as follow
@@ -155,11 +159,15 @@ from .studies.reach.task import Task as Task
 from .studies.reach.working_modes import WorkingModes as WorkingModes
 from .studies.reach.working_modes import working_modes as working_modes
 from .studies.recut import recut as recut
+from .studies.singularities.free_ball import SingularityFree as SingularityFree
+from .studies.singularities.free_ball import singularity_free as singularity_free
 from .studies.singularities.locus import LocusCurve as LocusCurve
 from .studies.singularities.locus import LocusPoint as LocusPoint
 from .studies.singularities.locus import SingularityLocus as SingularityLocus
-from .studies.singularities.nearest import NearestSingularity as NearestSingularity
 from .studies.singularities.nearest import nearest_singularity as nearest_singularity
+from .studies.singularities.nearest_singularity import (
+    NearestSingularity as NearestSingularity,
+)
 from .studies.singularities.singularity_locus import singularity_locus as singularity_locus
 from .studies.sweep.sweep import sweep as sweep
 from .studies.transmissions.map_maker import transmission_map as transmission_map

@@ -21,7 +21,8 @@ from pmjac_pin.batches.results import ManyEllipsoids, ManyJacobians, ManyMeasure
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.reference_frame import frame_name
 
-_POSES = 0.1  # for each entry of the Jacobians of loops and tool: closed while programs are made
+# Closed while programs are made: so many, and more for each entry of loops' and tool's Jacobians.
+_POSES, _POSES_PER_ENTRY = 10.0, 0.07
 
 
 class FewPoses(Batch):
@@ -79,4 +80,5 @@ def batch_of(mechanism: Mechanism, poses: int) -> Batch:
     """Return what computes so many poses soonest."""
     partition = mechanism.problem.partition
     entries = (partition.row_scale.size + 6) * partition.column_scale.size
-    return FewPoses(mechanism) if poses < _POSES * entries else Batch(mechanism)
+    few = poses < _POSES + _POSES_PER_ENTRY * entries
+    return FewPoses(mechanism) if few else Batch(mechanism)

@@ -32,11 +32,10 @@ from pmjac_pin.errors import ClosureError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.frames import find_frame
-from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop
+from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop, resolved_loop
 from pmjac_pin.studies.reach.chosen_chains import chosen_chains, single_chains, whole_chains
 from pmjac_pin.studies.reach.goal import Goal, ToolGoal, tool_at
 from pmjac_pin.studies.reach.tool_chain import ToolChain
-from pmjac_pin.studies.recut import resolved_loop
 from pmjac_pin.values.arrays import Array
 
 _RIGID = 1e-9  # of the characteristic length
