@@ -17,7 +17,7 @@ from pmjac_pin.batches.batch import Batch
 from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.one_by_one import jacobian_of_one, measures_of_one
 from pmjac_pin.batches.pieces import Progress
-from pmjac_pin.batches.results import ManyJacobians, ManyMeasures
+from pmjac_pin.batches.results import ManyEllipsoids, ManyJacobians, ManyMeasures
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.reference_frame import frame_name
 
@@ -48,6 +48,13 @@ class FewPoses(Batch):
         for k, pose in enumerate(poses):
             J_eq[k], status[k] = jacobian_of_one(self.mechanism, pose, name)
         return ManyJacobians(J_eq, status)
+
+    def ellipsoids(
+        self, q: ArrayLike, *, threads: int | None = None, progress: Progress | None = None
+    ) -> ManyEllipsoids:
+        """Return what `Batch.ellipsoids` does."""
+        found = self.measures(q)
+        return ManyEllipsoids(found.J_eq, found.status, found.velocity_radii, found.angular_radii)
 
     def measures(
         self, q: ArrayLike, *, threads: int | None = None, progress: Progress | None = None
