@@ -128,6 +128,8 @@ from .studies.check.diagnosis import Diagnosis as Diagnosis
 from .studies.check.diagnosis_maker import check as check
 from .studies.convert import convert as convert
 from .studies.evidence import Evidence as Evidence
+from .studies.export.export import export as export
+from .studies.export.exported import Exported as Exported
 from .studies.follow.event import Event as Event
 from .studies.follow.event import PathBranch as PathBranch
 from .studies.follow.follow import follow as follow
@@ -154,6 +156,12 @@ from .studies.reach.task import Task as Task
 from .studies.reach.working_modes import WorkingModes as WorkingModes
 from .studies.reach.working_modes import working_modes as working_modes
 from .studies.recut import recut as recut
+from .studies.singularities.locus import LocusCurve as LocusCurve
+from .studies.singularities.locus import LocusPoint as LocusPoint
+from .studies.singularities.locus import SingularityLocus as SingularityLocus
+from .studies.singularities.nearest import NearestSingularity as NearestSingularity
+from .studies.singularities.nearest import nearest_singularity as nearest_singularity
+from .studies.singularities.singularity_locus import singularity_locus as singularity_locus
 from .studies.sweep.sweep import sweep as sweep
 from .studies.transmissions.map_maker import transmission_map as transmission_map
 from .studies.transmissions.table_maker import transmission_table as transmission_table
@@ -164,6 +172,8 @@ from .studies.transmissions.transmission_map import TransmissionMap as Transmiss
 from .studies.transmissions.transmission_table import (
     TransmissionTable as TransmissionTable,
 )
+from .studies.workspaces.find_workspace import workspace as workspace
+from .studies.workspaces.workspace import Workspace as Workspace
 from .viewer.viewer import Viewer as Viewer
 from .viewer.viewer import view as view
 from .words.labelled_matrix import LabelledMatrix as LabelledMatrix

@@ -328,6 +328,10 @@ class Configuration(LoadedPose, Shown):
         >>> pj.load("four_bar").home.singularity().kind
         'regular'
         """
+        return self._singularity
+
+    @found_once
+    def _singularity(self) -> Singularity:
         problem, snapshot = self._problem, self._snapshot
         rows = problem.partition.tool_rows
         return analyse_singularity(

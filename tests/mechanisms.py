@@ -22,6 +22,7 @@ CATALOGUE = (
     "delta_rods",
     "five_bar",
     "four_bar",
+    "head_6rss",
     "humanoid_ankle",
     "planar_3rpr",
     "planar_3rrr",

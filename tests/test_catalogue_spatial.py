@@ -30,6 +30,7 @@ def pose_of(configuration):
         ("bricard", 1, 0, 1),
         ("delta", 3, -9, 12),
         ("delta_rods", 3, 3, 0),
+        ("head_6rss", 6, 6, 0),
         ("humanoid_ankle", 2, 2, 0),
         ("sarrus", 1, 0, 1),
         ("stewart_gough", 6, 6, 0),

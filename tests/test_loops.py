@@ -16,7 +16,7 @@ from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.pinocchio import Kinematics
 from pmjac_pin.kinematics.tool import tool_kinematics
 from pmjac_pin.model.coordinates import JointCoordinates
-from pmjac_pin.model.spec import Tool
+from pmjac_pin.model.tool_spec import Tool
 
 LOOPS = [
     pj.PointLoop(frames=("S1", "leg1_rod")),

@@ -10,7 +10,7 @@ from mechanisms import loaded
 from test_linkage import BALL
 from test_loops import LOOPS
 
-from pmjac_pin.algebra.tape_runner import kernel
+from pmjac_pin.algebra.tape_runner import tape_kernel
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.many import ManyLoops, ManyPoses
 from pmjac_pin.studies.modes.search_problem import search_problem
@@ -92,7 +92,7 @@ def test_tilts_and_turns_are_measured_as_ever_not_by_their_polynomials():
         name: search_problem(loaded(name), loaded(name).home.q)[0].loops
         for name in ("stewart_gough", "agile_eye")
     }
-    if kernel() is None:
+    if tape_kernel() is None:
         assert all(one._tape is None for one in loops.values())
     else:
         assert loops["stewart_gough"]._tape is not None

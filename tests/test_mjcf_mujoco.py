@@ -19,7 +19,7 @@ from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.pinocchio import Kinematics
 from pmjac_pin.kinematics.tool import tool_kinematics
 from pmjac_pin.model.loop_spec import FrameLoop, JointLoop
-from pmjac_pin.model.spec import Tool
+from pmjac_pin.model.tool_spec import Tool
 
 CASSIE = "mjcf/cassie_closed_chain.xml"
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
+import transformed
 from mechanisms import CATALOGUE, loaded, random_closed
 
 import pmjac_pin as pj
@@ -46,3 +47,229 @@ def test_a_position_is_met_whatever_freedom_it_leaves(name, rng):
     there = found.configuration.tool_pose().translation
     length = wanted.mechanism.characteristic_length
     np.testing.assert_allclose(there, wanted.tool_pose().translation, atol=1e-9 * length)
+
+
+WAYS = {
+    "far": lambda mechanism: transformed.moved(mechanism, FAR),
+    "turned": lambda mechanism: transformed.moved(mechanism, TURN),
+    "in mm": lambda mechanism: transformed.scaled(mechanism, 1e3),
+    "in km": lambda mechanism: transformed.scaled(mechanism, 1e-3),
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("name", ["five_bar", "head_6rss", "planar_3rrr", "three_rps", "ur5"])
+def test_wherever_a_machine_stands_and_however_large_it_is(name, way, rng):
+    mechanism = WAYS[way](loaded(name))
+    [wanted] = random_closed(mechanism, rng, 1, 0.1)
+    found = pj.reach(mechanism, wanted.tool_pose(), limits=False)
+    assert found.status == "reached"
+    length = mechanism.characteristic_length
+    slides = [mechanism.units[one] == "m" for one in mechanism.actuated]
+    apart = np.abs(found.actuated - wanted.actuated) / np.where(slides, length, 1.0)
+    assert apart.max() < (1e-9 if way != "far" else 1e3 * mechanism.tolerance / length)
+
+
+@pytest.mark.parametrize("name", ["five_bar", "planar_3rpr", "serial_2r"])
+def test_near_a_singular_pose(name, rng):
+    """Beside where a leg is straight, the tool's last millionth still tells the motors."""
+    mechanism = loaded(name)
+    [wanted] = random_closed(mechanism, rng, 1, 0.3)
+    if name == "serial_2r":
+        wanted = mechanism.close([0.3, 1e-3])
+    found = pj.reach(mechanism, wanted.tool_pose(), limits=False)
+    assert found.status == "reached"
+    np.testing.assert_allclose(found.actuated, wanted.actuated, atol=1e-9)
+
+
+# --- Out of reach ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("radius", [0.05, 1.9, 4.0])
+def test_an_arm_of_two_links_reaches_an_annulus(radius):
+    arm = loaded("serial_2r")
+    l1, l2 = arm.parameters.values()
+    target = radius * np.array([np.cos(0.7), np.sin(0.7), 0.0])
+    found = pj.reach(arm, target)
+    assert found.status == "out of reach"
+    assert found.error.linear == pytest.approx(max(radius - l1 - l2, l1 - l2 - radius), abs=1e-12)
+    assert found.error.angular == 0.0
+    straight = 0.0 if radius > l1 else np.pi
+    assert abs(abs(found.actuated[1]) - straight) < 1e-6
+    assert not found
+
+
+def test_at_its_end_the_arm_is_straight():
+    arm = loaded("serial_2r")
+    found = pj.reach(arm, [sum(arm.parameters.values()), 0.0, 0.0])
+    assert found.status == "reached"
+    np.testing.assert_allclose(found.actuated, 0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("tip", [(0.15, 0.9), (-0.6, 0.5)])
+def test_a_five_bar_reaches_where_two_annuli_meet(tip):
+    """Beyond both, the nearest point is where their outer circles meet, or on one of them."""
+    bar = loaded("five_bar")
+    l0, l1, l2, l3, l4 = bar.parameters.values()
+    found = pj.reach(bar, {"x": tip[0], "y": tip[1]})
+    corner = np.array([l0 / 2, np.sqrt((l1 + l2) ** 2 - l0**2 / 4)])
+    first, second = np.zeros(2), np.array([l0, 0.0])
+    on_second = second + (l3 + l4) * (tip - second) / np.linalg.norm(tip - second)
+    on_first = first + (l1 + l2) * (tip - first) / np.linalg.norm(tip - first)
+    candidates = [corner]
+    candidates += [on_second] if np.linalg.norm(on_second - first) <= l1 + l2 else []
+    candidates += [on_first] if np.linalg.norm(on_first - second) <= l3 + l4 else []
+    nearest = min(np.linalg.norm(tip - one) for one in candidates)
+    assert found.status == "out of reach"
+    assert found.error.linear == pytest.approx(nearest, abs=1e-9)
+
+
+def test_what_the_tool_never_does_must_fit():
+    found = pj.reach(loaded("serial_2r"), [1.0, 1.0, 0.1])
+    assert found.status == "out of reach"
+    assert found.error.linear == pytest.approx(0.1, abs=1e-12)
+    delta = loaded("delta_rods")
+    tilted = delta.home.tool_pose() * pin.SE3(pin.exp3(np.array([0.2, 0.0, 0.0])), np.zeros(3))
+    found = pj.reach(delta, tilted)
+    assert found.status == "out of reach"
+    assert found.error == pytest.approx((0.0, 0.2), abs=1e-9)
+
+
+# --- Limits, singular poses, other branches -------------------------------------------------------
+
+
+def test_a_leg_ends_where_its_limit_is():
+    platform = loaded("stewart_gough")
+    start = platform.home.tool_pose()
+    found = pj.reach(platform, pin.SE3(start.rotation, start.translation + 3.0 * np.eye(3)[2]))
+    assert found.status == "at a limit"
+    [joint] = found.joints
+    longest = platform.limits(joint)[1]
+    assert found.actuated.max() == pytest.approx(longest, abs=2e-9)
+    assert found.configuration.joint_values[joint] == found.actuated.max()
+    # It has gone straight up until there, and its legs are as long as the pose says.
+    there = found.configuration.tool_pose()
+    np.testing.assert_allclose(there.rotation, start.rotation, atol=1e-12)
+    np.testing.assert_allclose(there.translation[:2], start.translation[:2], atol=1e-12)
+    assert (there.translation - start.translation)[2] == pytest.approx(3.0 * found.share, abs=1e-9)
+    beyond = pj.reach(platform, there * pin.SE3(np.eye(3), np.array([0, 0, 0.1])), limits=False)
+    assert beyond.status == "reached"
+
+
+def test_a_passive_joint_has_limits_too():
+    ankle = loaded("humanoid_ankle")
+    lower = ankle.limits("pitch")[0]
+    found = pj.reach(ankle, {"pitch": lower - 0.5, "roll": 0.0})
+    assert found.status in ("at a limit", "out of reach", "singular")
+    assert not found.configuration.limits_violated
+
+
+def test_motors_lose_the_tip_of_a_five_bar_where_its_elbows_meet():
+    """Straight down from home both elbows come to one point, about which the tip turns freely."""
+    bar = loaded("five_bar")
+    l0, l1, l2, _, _ = bar.parameters.values()
+    found = pj.reach(bar, {"x": l0 / 2, "y": -0.35})
+    lost = np.sqrt(l1**2 - l0**2 / 4) - l2
+    assert found.status == "singular"
+    assert found.configuration.tool_pose().translation[1] == pytest.approx(lost, abs=1e-6)
+
+
+def test_another_branch_is_told_with_a_pose_on_it():
+    bar = loaded("five_bar")
+    target = np.array([0.355, -0.322, 0.0])
+    found = pj.reach(bar, target)
+    assert found.status == "on another branch"
+    np.testing.assert_allclose(found.elsewhere.tool_pose().translation, target, atol=1e-9)
+    assert found.configuration.residual_norm <= bar.tolerance
+    modes = pj.working_modes(bar, target, rng=0)
+    turned = np.exp(1j * (modes.actuated - found.elsewhere.actuated))
+    assert np.abs(turned - 1.0).max(axis=1).min() < 1e-6
+
+
+# --- Tasks ----------------------------------------------------------------------------------------
+
+
+def test_a_self_motion_is_the_least(rng):
+    """θ₀ − θ is a combination of the rows of J: no self-motion brings it nearer."""
+    arm = loaded("ur5")
+    start = arm.close(arm.home.actuated + rng.uniform(-0.2, 0.2, 6))
+    target = start.tool_pose().translation + np.array([0.05, -0.1, 0.07])
+    for posture in (None, arm.home.actuated):
+        found = pj.reach(arm, target, guess=start, posture=posture)
+        assert found.status == "reached"
+        assert found.error.linear < 1e-9
+        wanted = start.actuated if posture is None else posture
+        away, rows = wanted - found.actuated, found.configuration.jacobian().Jv_eq
+        along = away - np.linalg.pinv(rows) @ rows @ away
+        np.testing.assert_allclose(along, 0.0, atol=1e-9)
+
+
+def test_pointing_and_headings():
+    arm = loaded("ur5")
+    towards = np.array([0.3, -0.2, -0.9])
+    found = pj.reach(arm, towards, task=pj.Task.pointing())
+    pointing = found.configuration.tool_pose().rotation[:, 2]
+    np.testing.assert_allclose(pointing, towards / np.linalg.norm(towards), atol=1e-9)
+    at = arm.home.tool_pose().translation
+    found = pj.reach(arm, {"x": at[0], "y": at[1] + 0.05, "angle": 0.4})
+    there = found.configuration.tool_pose()
+    assert np.arctan2(there.rotation[1, 0], there.rotation[0, 0]) == pytest.approx(0.4, abs=1e-9)
+    np.testing.assert_allclose(there.translation[:2], at[:2] + np.array([0.0, 0.05]), atol=1e-9)
+
+
+def two_arms():
+    """Two arms of two links each, on one motor that moves both: five motors, two tools."""
+    model = pin.Model()
+    base = model.addJoint(0, pin.JointModelPX(), pin.SE3.Identity(), "base")
+    for side, y in (("left", 0.3), ("right", -0.3)):
+        place = pin.SE3(np.eye(3), np.array([0.0, y, 0.0]))
+        upper = model.addJoint(base, pin.JointModelRZ(), place, f"{side} 1")
+        link = pin.SE3(np.eye(3), np.array([1.0, 0.0, 0.0]))
+        lower = model.addJoint(upper, pin.JointModelRZ(), link, f"{side} 2")
+        model.addFrame(pin.Frame(f"{side}_hand", lower, link, pin.FrameType.OP_FRAME))
+    motors = ["base", "left 1", "left 2", "right 1", "right 2"]
+    home = {"left 1": 0.5, "left 2": 0.7, "right 1": -0.5, "right 2": -0.7}
+    return pj.Mechanism.from_pinocchio(model, [], motors, "left_hand", home=home, name="two arms")
+
+
+@pytest.mark.parametrize("named", [False, True])
+def test_several_tools_at_once(named):
+    arms, tools = two_arms(), ["left_hand", "right_hand"]
+    targets = [[1.0, 1.2, 0.0], [1.1, -1.1, 0.0]]
+    if named:
+        found = pj.reach(arms, dict(zip(tools, targets, strict=True)))
+    else:
+        found = pj.reach(arms, targets, tool=tools)
+    assert found.status == "reached"
+    for tool, target in zip(tools, targets, strict=True):
+        there = found.configuration.tool_pose(tool).translation
+        np.testing.assert_allclose(there, target, atol=1e-9)
+
+
+def test_an_ankles_joints_are_its_transmissions(rng):
+    ankle = loaded("humanoid_ankle")
+    transmission = pj.transmission(ankle, ["pitch", "roll"])
+    for joints in rng.uniform([-0.4, -0.15], [0.25, 0.15], (4, 2)):
+        found = pj.reach(ankle, dict(zip(["pitch", "roll"], joints.tolist(), strict=True)))
+        np.testing.assert_allclose(found.actuated, transmission.at_joints(joints).motors, atol=1e-9)
+        assert found.error.angular < 1e-12
+
+
+BAD = {
+    "shape": (lambda m: pj.reach(m, [1.0, 2.0]), "shape"),
+    "no rotation": (lambda m: pj.reach(m, np.ones((4, 4))), "rotation"),
+    "no coordinate": (lambda m: pj.reach(m, {"tip": {"u": 1.0}}), "coordinates"),
+    "empty": (lambda m: pj.reach(m, {}), "names nothing"),
+    "tools": (lambda m: pj.reach(m, [[0, 0, 0]], tool=["tip", "tip2"]), "2 tools"),
+    "task": (lambda m: pj.reach(m, [0, 0, 0], task=pj.Task.pose()), "give a pose"),
+    "text": (lambda m: pj.reach(m, "far"), "shape|numbers"),
+    "machine": (lambda m: pj.reach("five_bar", [0, 0, 0]), "Mechanism"),
+    "posture": (lambda m: pj.reach(m, [0, 0.4, 0], posture=[1.0]), "expected"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_input_is_told(case):
+    asked, told = BAD[case]
+    with pytest.raises(pj.ArgumentError, match=told):
+        asked(loaded("five_bar"))

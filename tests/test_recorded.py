@@ -118,7 +118,7 @@ def test_motions(name, size, rng):
         q, v, rates = np.split(numbers, [nq, nq + nv])
         end = moved_by(algebra, tree, q, v)
         on = between(algebra, tree, q, moved_by(algebra, tree, end, rates))
-        back, along = between(algebra, tree, q, end), entry_rates(algebra, tree, q, rates)
+        back, along = between(algebra, tree, q, end), entry_rates(tree, q, rates)
         return [*end, *back, *on, *arriving(algebra, tree, v, rates), *along]
 
     sliding = np.arange(nv) < kind.slides

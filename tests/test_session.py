@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections import Counter
 
 import mechanisms
 import numpy as np
@@ -13,7 +14,9 @@ import scipy.optimize
 from mechanisms import loaded
 
 import pmjac_pin as pj
+from pmjac_pin import configuration
 from pmjac_pin.model.tool_rows import TWIST_ROWS
+from pmjac_pin.rates import tool_reach
 from pmjac_pin.rates.ellipsoid import velocity_ellipsoid
 from pmjac_pin.viewer.messages import (
     MAXIMAL_MESSAGE,
@@ -33,6 +36,40 @@ from pmjac_pin.viewer.session import Session
 
 def session_of(name="three_rps", **options):
     return Session(loaded(name).home, SceneOptions(**options))
+
+
+@pytest.mark.parametrize("name", ["four_bar", "three_rps", "five_bar"])
+def test_an_update_finds_each_thing_once(name, monkeypatch):
+    """What a move is judged by, the picture and the numbers are of one computation."""
+    counted = Counter()
+
+    def counting(module, name, what=lambda *_: ""):
+        find = getattr(module, name)
+
+        def found(*given, **named):
+            counted[f"{name} {what(*given)}".strip()] += 1
+            return find(*given, **named)
+
+        monkeypatch.setattr(module, name, found)
+
+    counting(tool_reach, "velocity_ellipsoid", lambda _, unit, *__: unit)
+    counting(tool_reach, "force_ellipsoid")
+    counting(configuration, "analyse_singularity")
+    counting(pj.Configuration, "jacobian")
+    session = session_of(name, linear=True, angular=True, force=True)
+    home = session.configuration.actuated
+    for step in range(1, 4):
+        counted.clear()
+        session.obey(MoveMotors(values=(home + 0.01 * step).tolist()))
+        session.scene()
+        session.state()
+        assert counted == {
+            "velocity_ellipsoid m/s": 1,
+            "velocity_ellipsoid rad/s": 1,
+            "force_ellipsoid": 1,
+            "analyse_singularity": 1,
+            "jacobian": 1,
+        }
 
 
 def test_a_move_goes_to_the_values():

@@ -5,7 +5,8 @@ import pytest
 from mechanisms import loaded, rssr, with_motors
 
 import pmjac_pin as pj
-from pmjac_pin.studies.singularities.singular_equations import EXACT, SingularEquations
+from pmjac_pin.studies.singularities.curve_equations import EXACT
+from pmjac_pin.studies.singularities.singular_equations import SingularEquations
 
 NONE_HELD = np.zeros(0, dtype=np.intp)
 GAINS = ("five_bar", "planar_3rpr", "planar_3rrr", "three_rps", "three_rps_ss", "ankle")

@@ -13,7 +13,7 @@ import pmjac_pin as pj
 from pmjac_pin.files.catalog import SUFFIXES
 from pmjac_pin.files.source import READERS, read_source
 from pmjac_pin.files.urdf.looped_urdf import read_looped_urdf
-from pmjac_pin.model.spec import Tool
+from pmjac_pin.model.tool_spec import Tool
 
 
 @pytest.fixture

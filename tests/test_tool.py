@@ -9,7 +9,7 @@ from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.kinematics.tool import tool_kinematics
-from pmjac_pin.model.spec import Tool
+from pmjac_pin.model.tool_spec import Tool
 
 
 def at(model, tool, q):

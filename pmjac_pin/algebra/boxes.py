@@ -94,3 +94,6 @@ class Boxes:
     def unit(self, x: Intervals) -> Intervals:
         """Return x: of the members of a box around what q holds of a turn, those of length 1."""
         return x
+
+
+BOXES = Boxes()

@@ -65,6 +65,6 @@ def complex_terms(parts: Sequence[Term]) -> Numbers:
     return objects(ComplexTerm(real, imag) for real, imag in pairs)
 
 
-def parts_of(numbers: Iterable[Any]) -> list[Term | float]:
+def real_and_imaginary(numbers: Iterable[Any]) -> list[Term | float]:
     """Return the real and the imaginary parts of numbers, one after the other."""
     return [part for number in numbers for part in (number.real, number.imag)]

@@ -194,11 +194,11 @@ class Programs(Arrays):
 
     def atan2(self, sine: Any, cosine: Any) -> Any:
         """Return the angle of a sine and a cosine, of a number, or of each."""
-        return _ANGLES(sine, cosine)
+        return _ARCTANGENTS(sine, cosine)
 
     def largest(self, x: Any, y: Any) -> Any:
         """Return the larger of two numbers, or of each two."""
-        return _LARGEST(x, y)
+        return _MAXIMA(x, y)
 
     def with_sign(self, x: Any, of: Any) -> Any:
         """Return |x| with the sign of another number, or of each."""
@@ -239,11 +239,11 @@ def with_sign(x: Any, of: Any) -> Any:
 
 
 _ROOTS = np.frompyfunc(root, 1, 1)
-_LARGEST = np.frompyfunc(largest, 2, 1)
+_MAXIMA = np.frompyfunc(largest, 2, 1)
 _SIGNED = np.frompyfunc(with_sign, 2, 1)
 _COSINES = np.frompyfunc(lambda angle: angle.recording.term("cos", angle), 1, 1)
 _SINES = np.frompyfunc(lambda angle: angle.recording.term("sin", angle), 1, 1)
-_ANGLES = np.frompyfunc(lambda sine, cosine: sine.recording.term("atan2", sine, cosine), 2, 1)
+_ARCTANGENTS = np.frompyfunc(lambda sine, cosine: sine.recording.term("atan2", sine, cosine), 2, 1)
 
 
 def objects(entries: Iterable[Any]) -> Numbers:

@@ -16,14 +16,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pmjac_pin.algebra.boxes import Boxes
+from pmjac_pin.algebra.boxes import BOXES
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.values.arrays import Array
 
 #: Of each variable.
 Exponents = tuple[int, ...]
 
-_BOXES = Boxes()
 _ROOT = (1.0, -0.5, 0.375, -0.3125, 0.2734375)  # of (1 + x)^(−1/2), exact in binary
 
 
@@ -116,7 +115,7 @@ class SeriesAlgebra:
 
     def constant(self, values: ArrayLike) -> Series:
         """Return doubles that depend on no variable."""
-        return self.boxes(_BOXES.constant(values))
+        return self.boxes(BOXES.constant(values))
 
     def measured(self, values: ArrayLike) -> Series:
         """Return a model's numbers as they are stored."""
@@ -124,15 +123,15 @@ class SeriesAlgebra:
 
     def stack(self, parts: Sequence[Series]) -> Series:
         """Return series side by side along a new first axis."""
-        return self._together(parts, _BOXES.stack)
+        return self._together(parts, BOXES.stack)
 
     def join(self, parts: Sequence[Series]) -> Series:
         """Return series one after another along the rates."""
-        return self._together(parts, _BOXES.join)
+        return self._together(parts, BOXES.join)
 
     def times(self, matrix: Array, x: Series) -> Series:
         """Return matrix @ x."""
-        return x.each(lambda term: _BOXES.times(matrix, term))
+        return x.each(lambda term: BOXES.times(matrix, term))
 
     def directed(self, directions: Array, x: Series) -> Series:
         """Return directions @ x."""
@@ -153,7 +152,7 @@ class SeriesAlgebra:
 
     def swapped(self, x: Series) -> Series:
         """Return x with its two first components exchanged."""
-        return x.each(_BOXES.swapped)
+        return x.each(BOXES.swapped)
 
     def cos(self, x: Series) -> Series:
         """Return cos x."""

@@ -175,14 +175,25 @@ class Batch:
         def close(which: Index, start: Array | None, most_steps: int | None) -> ManyClosed:
             targets = grid.cells[which]
             begin = np.broadcast_to(home, (which.size, home.size)) if start is None else start
-
-            def work(piece: Piece) -> tuple[Array, Array, Statuses]:
-                at = piece.at
-                return self._closing.close(piece, begin[at], targets[at], whose, most_steps)
-
-            return self._closed(begin, work, threads)
+            return self._toward(targets, begin, whose, most_steps, threads)
 
         return grid.walk(self.mechanism.nq, close)
+
+    def _toward(
+        self,
+        targets: Array,
+        start: Array,
+        whose: str,
+        most_steps: int | None,
+        threads: int | None,
+    ) -> ManyClosed:
+        """Close from closed q (N, nq), NOT_DONE where it takes more steps."""
+
+        def work(piece: Piece) -> tuple[Array, Array, Statuses]:
+            at = piece.at
+            return self._closing.close(piece, start[at], targets[at], whose, most_steps)
+
+        return self._closed(start, work, threads)
 
     def _closed(
         self, start: Array, work: PieceWork, threads: int | None, progress: Progress | None = None

@@ -82,14 +82,12 @@ def delta(
     _add_point_frame(model, "tool", top, np.array([0.0, 0.0, -as_number(tool, "tool")]))
     loops: list[DistanceLoop] = []
     motors = [f"theta{number}" for number in range(1, _DELTA_LEGS + 1)]
-    for motor, rotation, arm_length, rod_length in zip(motors, ways, arms, rods, strict=True):
+    for motor, rotation, of_arm, of_rod in zip(motors, ways, arms, rods, strict=True):
         foot = pin.SE3(rotation, rotation[:, 0] * lengths[0])
         shoulder = model.addJoint(0, pin.JointModelRY(), foot, motor)
-        for ends, side in _rod_ends(motor):
-            at_wrist = rotation @ np.array([lengths[1], side * apart, 0.0])
-            _add_point_frame(model, ends[0], shoulder, np.array([arm_length, side * apart, 0.0]))
-            _add_point_frame(model, ends[1], top, at_wrist)
-            loops.append(DistanceLoop(frames=ends, length=rod_length))
+        elbow = shoulder, pin.SE3(np.eye(3), np.array([of_arm, 0.0, 0.0]))
+        wrist = top, pin.SE3(rotation, rotation[:, 0] * lengths[1])
+        loops += _rods_of_leg(model, motor, (elbow, wrist), apart, of_rod)
     pose = (0.0, 0.0, -height, 0.0, 0.0, 0.0, 1.0)
     return Mechanism.from_pinocchio(
         model,
@@ -102,11 +100,20 @@ def delta(
     )
 
 
-def _rod_ends(motor: str) -> Iterator[tuple[tuple[str, str], float]]:
-    """Yield the names of the ends of a leg's rods, and on which side each is."""
+def _rods_of_leg(
+    model: pin.Model,
+    motor: str,
+    axles: tuple[tuple[int, pin.SE3], tuple[int, pin.SE3]],
+    apart: float,
+    length: float,
+) -> Iterator[DistanceLoop]:
+    """Add the ends of a leg's two rods, on both sides along y of its axles, and yield the rods."""
     number = motor.removeprefix("theta")
     for letter, side in _RODS.items():
-        yield (f"elbow{number}{letter}", f"wrist{number}{letter}"), side
+        ends = (f"elbow{number}{letter}", f"wrist{number}{letter}")
+        for name, (body, axle) in zip(ends, axles, strict=True):
+            _add_point_frame(model, name, body, axle.act(np.array([0.0, side * apart, 0.0])))
+        yield DistanceLoop(frames=ends, length=length)
 
 
 def _add_point_frame(model: pin.Model, name: str, joint: int, place: Array) -> None:

@@ -104,7 +104,7 @@ def follow_command(
         status = 1
     if output is not None:
         data = trajectory_csv(found) if output.endswith(".csv") else _json(found)
-        write_files({output: data.encode()}, replace=force)
+        write_files({Path(output): data.encode()}, replace=force)
     if json:
         return Verdict(_json(found), status)
     written = [] if output is None else [Verbatim(output)]

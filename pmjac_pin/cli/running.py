@@ -23,6 +23,7 @@ _COMMANDS = {
     "demo": "-o figure.png",
     "view": "three_rps --from lecture_b",
     "convert": "robot.urdf -o robot.toml",
+    "export": "three_rps --to mjcf -o three_rps.xml",
     "sweep": "map.toml --resume",
     "follow": "four_bar --waypoints way.csv --certified -o way_followed.csv",
     "transmission": "humanoid_ankle --joints pitch,roll -o ankle.h -o ankle.png",

@@ -105,8 +105,7 @@ def follow(
             break
         step = 2.0 * stride
     ended = Followed(point, share, iterations, spent=tries == MOST_STEPS)
-    near = (1.0 - share) * distance <= HARDLY_ANYTHING * partition.length
-    return (_arrived(problem, ended, target) if near and share < 1.0 else None) or ended
+    return _arrived(problem, ended, (1.0 - share) * distance, target)
 
 
 def sinks_away(before: Closed, point: Closed, partition: Partition) -> bool:
@@ -120,12 +119,14 @@ def sinks_away(before: Closed, point: Closed, partition: Partition) -> bool:
 
 
 def _arrived(
-    problem: ClosureProblem, ended: Followed, target: Callable[[Array], Array]
-) -> Followed | None:
+    problem: ClosureProblem, ended: Followed, left: float, target: Callable[[Array], Array]
+) -> Followed:
     """Return the target itself, when it is singular and the path ended right beside it."""
+    if ended.share == 1.0 or left > HARDLY_ANYTHING * problem.partition.length:
+        return ended
     point = beside(problem, ended.point.q, target(ended.point.q))
     if point is None or not is_singular(point, problem.partition):
-        return None
+        return ended
     return Followed(point, 1.0, ended.iterations + point.iterations)
 
 

@@ -21,7 +21,7 @@ import numpy as np
 from pmjac_pin.values.arrays import Array, Index, Mask
 
 _TINY_VALUE = 1e-9  # of the largest singular value: idle and redundant directions stay alone
-_NOT_ZERO = float(np.finfo(float).tiny)
+_LEAST_DIVISOR = float(np.finfo(float).tiny)
 _TINY_SQUARE = 1e-12  # of the diagonal of JᵀJ with columns of length one: it has an inverse
 
 
@@ -108,7 +108,7 @@ class Descended(NamedTuple):
     spent: Mask
 
 
-class Points(NamedTuple):
+class Linearised(NamedTuple):
     """Poses q (..., nq) with their e and J, and how easily each unknown moves there."""
 
     q: Array
@@ -120,7 +120,7 @@ class Points(NamedTuple):
 class _Starts(NamedTuple):
     """Where starts are that go on, and how they have fared."""
 
-    points: Points
+    points: Linearised
     gap: Array
     damping: Array
     creeping: Index
@@ -129,7 +129,7 @@ class _Starts(NamedTuple):
 
     def only(self, which: Mask) -> _Starts:
         points, *rest = self
-        some = Points._make(each[which] for each in points)
+        some = Linearised._make(each[which] for each in points)
         return _Starts._make([some, *(each[which] for each in rest)])
 
 
@@ -143,21 +143,21 @@ def descend(descent: Descent, q: Array, patience: Patience) -> Descended:
         over |= here.creeping >= patience.creeping_steps
         if over.any():
             if over.all():
-                return _joined([*ended, _ended(here, closed, ~over)])
+                return _all_ended([*ended, _ended(here, closed, ~over)])
             ended.append(_ended(here.only(over), closed[over], ~over[over]))
             here = here.only(~over)
         here = _after_a_step(descent, here, patience, tries)
     nowhere = here.gap < 0.0
-    return _joined([*ended, _ended(here, nowhere, ~nowhere)])
+    return _all_ended([*ended, _ended(here, nowhere, ~nowhere)])
 
 
-def points_at(descent: Descent, q: Array) -> Points:
+def points_at(descent: Descent, q: Array) -> Linearised:
     """Return poses (..., nq) of which no step before is known."""
     error, rows = descent.evaluate(q)
-    return Points(q, error, rows, descent.ease(q, error, rows, None))
+    return Linearised(q, error, rows, descent.ease(q, error, rows, None))
 
 
-def damped_step(descent: Descent, points: Points, damping: Array) -> Array:
+def damped_step(descent: Descent, points: Linearised, damping: Array) -> Array:
     """Return steps x (..., k), not too long."""
     q, error, rows, ease = points
     return descent.bounded(q, -ease * descent.solution(rows * ease[..., None, :], error, damping))
@@ -181,7 +181,9 @@ def by_singular_values(rows: Array, error: Array, damping: Array) -> Array:
     # No rank is said here: what vanishes is held back by damping.
     left, values, right = np.linalg.svd(rows, full_matrices=False)
     squares = values * values
-    held = (damping[..., None] + _TINY_VALUE**2) * squares[..., :1] + _NOT_ZERO  # J may be zero
+    held = (damping[..., None] + _TINY_VALUE**2) * squares[
+        ..., :1
+    ] + _LEAST_DIVISOR  # J may be zero
     along = (values / (squares + held))[..., None, :] * (error[..., None, :] @ left)
     return np.asarray((along @ right)[..., 0, :])
 
@@ -217,7 +219,7 @@ def _ended(here: _Starts, closed: Mask, spent: Mask) -> Descended:
     return Descended(here.points.q, here.gap, here.iterations, closed, spent)
 
 
-def _joined(ended: list[Descended]) -> Descended:
+def _all_ended(ended: list[Descended]) -> Descended:
     return (
         ended[0] if len(ended) == 1 else Descended(*map(np.concatenate, zip(*ended, strict=True)))
     )
@@ -246,7 +248,7 @@ def _after_a_step(descent: Descent, here: _Starts, patience: Patience, tries: in
         reached = np.where(better, reached, gap)
         iterations = np.where(better, iterations, here.iterations)
     return _Starts(
-        points=Points(q, error, rows, descent.ease(q, error, rows, points.ease)),
+        points=Linearised(q, error, rows, descent.ease(q, error, rows, points.ease)),
         gap=reached,
         damping=eased,
         creeping=~falls * (here.creeping + better),

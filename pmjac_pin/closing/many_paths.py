@@ -158,7 +158,6 @@ class Walker:
         most_steps : int
             Tried in each path; what runs out of them is not settled.
         """
-        motors = self.problem.partition.actuated
         displacement = displacement.T.copy()
         here = self.at(q.T, displacement)
         share, step = np.zeros(len(q)), np.ones(len(q))
@@ -171,10 +170,7 @@ class Walker:
             last = stride >= 1.0 - share[going]
             start = here[going]
             tangent = start.velocity * stride
-            ahead = run(self.move, np.vstack([start.q, tangent]))
-            ahead[:, last] = self.coordinates.with_values(
-                ahead[:, last].T, motors, target[going[last]]
-            ).T
+            ahead = self._ahead(start.q, tangent, last, target[going])
             step[going] = 0.5 * stride
             allowed = closure.LARGEST_CORRECTION * stride * start.pace
             found, good = self._correct(ahead, allowed, displacement[:, going], last)
@@ -213,6 +209,12 @@ class Walker:
         stride = np.minimum(np.minimum(step[going], most), left[going])
         on = (stride == left[going]) | (stride * pace >= closure.SMALLEST_STEP * length)
         return going[on], stride[on]
+
+    def _ahead(self, q: Array, tangent: Array, last: Mask, target: Array) -> Array:
+        """Return q ⊕ v (nq, b), the motors at their targets (b, n) where the step is the last."""
+        ahead, motors = run(self.move, np.vstack([q, tangent])), self.problem.partition.actuated
+        ahead[:, last] = self.coordinates.with_values(ahead[:, last].T, motors, target[last]).T
+        return ahead
 
     def _correct(
         self, q: Array, allowed: Array, displacement: Array, last: Mask

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from pmjac_pin.algebra.programs import PROGRAMS, Term, objects, zeros
+from pmjac_pin.algebra.programs import Term, objects, zeros
 from pmjac_pin.algebra.tangents import tangents
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.path_kernel import ThreadMemory
@@ -41,7 +41,7 @@ def motion_tape(loops: RecordedRates) -> Tape:
         G[motors] = np.eye(motors.size)
         G[kept] = following(matrix[:, motors]) / scale[motors]
         v = G @ rates
-        along = entry_rates(PROGRAMS, recorder.tree, q, v)
+        along = entry_rates(recorder.tree, q, v)
         of = [*kinematics.rates.ravel(), *kinematics.tool.ravel()]
         changes = objects(tangents(of, q.tolist(), along.tolist())).reshape(-1, scale.size) @ v
         opening, tool = changes[:-6] * partition.row_scale, changes[-6:]

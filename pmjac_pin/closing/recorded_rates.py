@@ -221,9 +221,7 @@ class RecordedRates:
             kinematics = self.recorder.at(inputs[:nq])
             tool = [*kinematics.tool.ravel(), *kinematics.rotation.ravel(), *kinematics.position]
             of = [*kinematics.in_world()[1].ravel(), *tool]
-            along = entry_rates(
-                PROGRAMS, self.recorder.tree, objects(inputs[:nq]), objects(inputs[nq:])
-            )
+            along = entry_rates(self.recorder.tree, objects(inputs[:nq]), objects(inputs[nq:]))
             return [*tangents(of, inputs[:nq], along.tolist()), *tool]
 
         return self.recordings.tape("slopes", nq + self.recorder.nv, make)

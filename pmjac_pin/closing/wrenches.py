@@ -11,7 +11,7 @@ from pmjac_pin.closing.parts import Parts
 from pmjac_pin.errors import quoted
 from pmjac_pin.kinematics.tool import tool_kinematics
 from pmjac_pin.model.pinocchio_model import checked_tool
-from pmjac_pin.model.spec import Tool
+from pmjac_pin.model.tool_spec import Tool
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_vector

@@ -18,10 +18,11 @@ from pmjac_pin.files.urdf.checks import VELOCITIES
 from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.files.user_path import readable
 from pmjac_pin.model.loop_spec import MAXIMAL_LOOPS, JointLoop, Loop
-from pmjac_pin.model.spec import NO_TOOL, JointValue, MechanismSpec, Tool
+from pmjac_pin.model.spec import JointValue, MechanismSpec
+from pmjac_pin.model.tool_spec import NO_TOOL, Tool
 
 _NO_VALUES: Mapping[str, JointValue] = MappingProxyType({})
-_NO_PITCHES: Mapping[str, float] = MappingProxyType({})
+_UNSTATED: Mapping[str, float] = MappingProxyType({})
 _MOST_CANDIDATES = 40
 
 
@@ -59,8 +60,8 @@ class ForeignModel:
     urdf: Urdf
     loops: tuple[Loop, ...] = ()
     spherical: tuple[str, ...] = ()
-    helical: Mapping[str, float] = field(default_factory=lambda: _NO_PITCHES)
-    armature: Mapping[str, float] = field(default_factory=lambda: _NO_PITCHES)
+    helical: Mapping[str, float] = field(default_factory=lambda: _UNSTATED)
+    armature: Mapping[str, float] = field(default_factory=lambda: _UNSTATED)
     home: Mapping[str, JointValue] = field(default_factory=lambda: _NO_VALUES)
     actuated: tuple[str, ...] = ()
     tool: str = ""

@@ -16,7 +16,8 @@ from pmjac_pin.files.text_file import at_file, read_text
 from pmjac_pin.files.user_path import readable
 from pmjac_pin.model.loop_spec import LOOP_KINDS
 from pmjac_pin.model.parameter import Move, Parameter
-from pmjac_pin.model.spec import MechanismSpec, Tool, converted
+from pmjac_pin.model.spec import MechanismSpec, converted
+from pmjac_pin.model.tool_spec import Tool
 
 MAXIMAL_MODEL_FILE = 1 << 20  # bytes; the largest of our own model files has a few thousand
 

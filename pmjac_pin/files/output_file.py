@@ -14,6 +14,7 @@ import signal
 import stat
 import threading
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 
 from pmjac_pin.errors import OutputError
 from pmjac_pin.files.user_path import is_file, is_open_file, output_path, real, shown_path
@@ -54,7 +55,11 @@ def write_file(path: str | os.PathLike[str], contents: bytes) -> None:
     write_files({path: contents})
 
 
-def write_files(contents: Mapping[str | os.PathLike[str], bytes], *, replace: bool = True) -> None:
+def write_files(
+    contents: Mapping[Path, bytes] | Mapping[str | os.PathLike[str], bytes],
+    *,
+    replace: bool = True,
+) -> None:
     """Write files: all of them, or none.
 
     Parameters

@@ -20,7 +20,8 @@ from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.files.urdf.rotors import rotors
 from pmjac_pin.files.urdf.ties import closing_frames
 from pmjac_pin.files.user_path import shown_path, user_path
-from pmjac_pin.model.spec import MechanismSpec, Tool
+from pmjac_pin.model.spec import MechanismSpec
+from pmjac_pin.model.tool_spec import Tool
 from pmjac_pin.values.checks import as_names
 
 

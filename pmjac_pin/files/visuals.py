@@ -44,6 +44,43 @@ class Visual:
     colour: Colour | None
 
 
+@dataclass(frozen=True, eq=False)
+class DrawnElement:
+    """A shape of a URDF as the file has it, a mesh too.
+
+    Attributes
+    ----------
+    link : str
+    shape : Element
+        <box>, <cylinder>, <sphere>, <capsule> or <mesh>.
+    place : pin.SE3
+        In the link's frame.
+    colour : Colour or None
+    """
+
+    link: str
+    shape: Element
+    place: pin.SE3
+    colour: Colour | None
+
+
+def drawn_elements(urdf: Urdf) -> Iterator[DrawnElement]:
+    """Yield the shapes of all links in file order, but for those that are broken."""
+    robot = urdf.robot()
+    colours = _named_colours(robot)
+    for link in robot.iterfind("link"):
+        for visual in link.iterfind("visual"):
+            shape = visual.find("geometry/*")
+            if shape is None or not (shape.tag == "mesh" or _pieces(link, visual)):
+                continue
+            try:
+                place = pin.SE3(_origin(f"{label(link)}, <visual>", visual))
+            except ModelFileError as error:
+                _logger.warning("not drawn: %s", error)
+                continue
+            yield DrawnElement(link.get("name", ""), shape, place, _colour(visual, colours))
+
+
 def read_visuals(urdf: Urdf) -> list[Visual]:
     """Return the visuals of all links in file order."""
     robot = urdf.robot()

@@ -17,7 +17,7 @@ from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.pinocchio import Kinematics
 from pmjac_pin.kinematics.tool import tool_kinematics
 from pmjac_pin.model.rows import Rows
-from pmjac_pin.model.spec import NO_TOOL
+from pmjac_pin.model.tool_spec import NO_TOOL
 
 #: Share of the way ↦ the rows of each loop between frames there.
 RowsOnTheWay: TypeAlias = Callable[[float], Sequence[Sequence[Rows]]]

@@ -37,17 +37,17 @@ def moved_by(algebra: Angles, tree: Tree, q: Numbers, v: Numbers) -> Numbers:
     found = q.copy()
     for link in tree.links.values():
         slides, turn, way = _slides(link), q[_turn_part(link)], v[_turning(link)]
-        found[slides] = q[slides] + _turned_slides(algebra, link, turn, v[_sliding(link)])
+        found[slides] = q[slides] + _turned_slides(link, turn, v[_sliding(link)])
         found[_turn_part(link)] = _turned_on(algebra, link, turn, way)
     return found
 
 
-def entry_rates(algebra: Angles, tree: Tree, q: Numbers, v: Numbers) -> Numbers:
+def entry_rates(tree: Tree, q: Numbers, v: Numbers) -> Numbers:
     """Return how the entries of q change along a motion v, shape (nq, ...)."""
     found = np.empty((len(q), *v.shape[1:]), dtype=np.result_type(q, v))
     for link in tree.links.values():
         turn, way = q[_turn_part(link)], v[_turning(link)]
-        found[_slides(link)] = _turned_slides(algebra, link, turn, v[_sliding(link)])
+        found[_slides(link)] = _turned_slides(link, turn, v[_sliding(link)])
         found[_turn_part(link)] = _turn_rates(link, turn, way)
     return found
 
@@ -58,7 +58,7 @@ def between(algebra: Angles, tree: Tree, q: Numbers, other: Numbers) -> Numbers:
     for link in tree.links.values():
         slides, turn = _slides(link), q[_turn_part(link)]
         slid = other[slides] - q[slides]
-        found[_sliding(link)] = _turned_slides(algebra, link, _back(turn), slid)
+        found[_sliding(link)] = _turned_slides(link, _back(turn), slid)
         found[_turning(link)] = _turn_between(algebra, link, turn, other[_turn_part(link)])
     return found
 
@@ -70,7 +70,7 @@ def arriving(algebra: Angles, tree: Tree, way: Numbers, v: Numbers) -> Numbers:
         if link.kind.curved:
             turn, rates = way[_turning(link)], v[_turning(link)]
             on = _exponential(algebra, turn) if link.kind.turns == 3 else _wave(algebra, turn[0])
-            found[_sliding(link)] = _turned_slides(algebra, link, on, v[_sliding(link)])
+            found[_sliding(link)] = _turned_slides(link, on, v[_sliding(link)])
             if link.kind.turns == 3:
                 found[_turning(link)] = _log_rates(algebra, turn, rates)
     return found
@@ -103,13 +103,13 @@ def _back(turn: Numbers) -> Numbers:
     return _side_by_side(*-turn[:3], turn[3]) if len(turn) == 4 else turn
 
 
-def _turned_slides(algebra: Angles, link: Link, turn: Numbers, slid: Numbers) -> Numbers:
+def _turned_slides(link: Link, turn: Numbers, slid: Numbers) -> Numbers:
     """Return slides in the axes before as slides in those that a turn leads to."""
     if link.kind.axial or not (link.kind.slides and link.kind.turns):
         return slid
     if link.kind.turns == 3:
         x, y, z = slid
-        rows = rotation_of(algebra, tuple(turn))
+        rows = rotation_of(tuple(turn))
         return _side_by_side(*(a * x + b * y + c * z for a, b, c in rows))
     (x, y), (c, s) = slid, turn
     return _side_by_side(c * x - s * y, s * x + c * y)

@@ -1,7 +1,7 @@
 """LoopSystem: all loop closures of a mechanism as one residual and one Jacobian.
 
 Pinocchio's anchor constraints give the pose of one anchor seen from the other, and its rates;
-`loop_rows` makes a kind's equations of it. `LoopSystem.evaluate` stays in the anchors' own axes,
+the rows of each kind are functions of it. `LoopSystem.evaluate` stays in the anchors' own axes,
 where no rotation is needed and Newton converges just as well; `LoopSystem.in_world` has the rows
 as the lecture does: world axes, first minus second.
 """
@@ -10,48 +10,29 @@ from __future__ import annotations
 
 import copy
 import itertools
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, TypeAlias
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.kinematics.anchored_loop import (
+    AnchoredLoop,
+    Axes,
+    Relative,
+    anchored,
+    from_base,
+    in_anchors,
+    in_world,
+)
 from pmjac_pin.model.coupling import Coupling, couple
-from pmjac_pin.model.frames import Frame, find_frame, moving_columns
+from pmjac_pin.model.frames import find_frame, moving_columns
 from pmjac_pin.model.loop_between_frames import LoopBetweenFrames
 from pmjac_pin.model.loop_spec import JointLoop, Loop
-from pmjac_pin.model.rows import Distance, Gap, Rows
+from pmjac_pin.model.rows import Distance, Rows
 from pmjac_pin.values.arrays import Array
-
-
-class Relative(NamedTuple):
-    """The first frame seen from the second, (R, p), with ṗ = P v and Ṙ = [W v]ₓ R.
-
-    Attributes
-    ----------
-    gap, gap_rates : ndarray, shapes (3,) and (3, nv)
-        p and P, m.
-    rotation, turning : ndarray, shapes (3, 3) and (3, nv)
-        R and W, rad; for frames only.
-    """
-
-    gap: Array
-    gap_rates: Array
-    rotation: Array | None = None
-    turning: Array | None = None
-
-    def axis(self, given: Array) -> tuple[Array, Array]:
-        """Return R·given (3,), and its derivative (3, nv)."""
-        axis = np.asarray(self.rotation).dot(given)
-        return axis, -pin.skew(axis).dot(np.asarray(self.turning))
-
-    def turn(self) -> tuple[Array, Array]:
-        """Return log R and J_log(R) Rᵀ W: Pinocchio's J_log takes the rate in R's own axes."""
-        rotation = np.asarray(self.rotation)
-        return pin.log3(rotation), pin.Jlog3(rotation) @ rotation.T @ self.turning
 
 
 class LoopEnd(NamedTuple):
@@ -67,42 +48,6 @@ class LoopEnd(NamedTuple):
 
     frame: int
     columns: NDArray[np.intp]
-
-
-@dataclass(frozen=True, slots=True)
-class _Closure:
-    """One loop between two frames: its anchors, its blocks, and the row where each starts."""
-
-    constraint: Any  # pin.PointAnchorConstraintModel or pin.FrameAnchorConstraintModel
-    blocks: tuple[tuple[slice, Rows], ...]
-    body: int  # Pinocchio's index of the joint that carries the second frame
-    base: int  # ... of the last joint that carries both frames, 0 for the world
-    vectors: tuple[slice, ...]  # the rows of blocks that turn with the axes
-    frames: tuple[int, int]  # Pinocchio's indices of the first frame and the second
-
-    def placed(
-        self, model: pin.Model, places: Mapping[int, pin.SE3], rows: Sequence[Rows]
-    ) -> _Closure:
-        """Return the loop with these rows, its frames at these places where they have one."""
-        here, (first, second) = self.constraint, self.frames
-        ends = (
-            (here.joint1_id, places.get(second, here.joint1_placement)),
-            (here.joint2_id, places.get(first, here.joint2_placement)),
-        )
-        there = type(here)(model, *ends[0], *ends[1])
-        slices = (own for own, _ in self.blocks)
-        return replace(self, constraint=there, blocks=tuple(zip(slices, rows, strict=True)))
-
-    def relative(self, model: pin.Model, data: pin.Data, scratch: Any) -> Relative:
-        # Without `calc` the constraint's Jacobian is silently the one of another q.
-        self.constraint.calc(model, data, scratch)
-        rates = self.constraint.jacobian(model, data, scratch)
-        rates = rates.reshape(rates.shape[0], -1)  # a vector where there is one degree of freedom
-        if rates.shape[0] == 3:
-            return Relative(scratch.constraint_position_error, rates)
-        gap, turning = scratch.c1Mc2.translation, rates[3:]
-        gap_rates = rates[:3] - pin.skew(gap).dot(turning)  # ṗ = v + ω × p
-        return Relative(gap, gap_rates, scratch.c1Mc2.rotation, turning)
 
 
 class _LoopRows(NamedTuple):
@@ -161,7 +106,7 @@ class LoopSystem:
         self, model: pin.Model, loops: Sequence[Loop], values: Mapping[str, float]
     ) -> None:
         self._nv = model.nv
-        self._closures: list[_Closure] = []
+        self._closures: list[AnchoredLoop] = []
         self.couplings: dict[int, Coupling] = {}
         self.rods: dict[int, float] = {}
         found: list[_LoopRows] = []
@@ -201,7 +146,7 @@ class LoopSystem:
                 self.rods[slot.start] = block.length
             else:
                 _check_unit(block)
-        self._closures.append(_closure(model, loop, frames, blocks))
+        self._closures.append(anchored(model, loop, frames, blocks))
         columns = moving_columns(model, frames)
         return _LoopRows(
             tuple(name for block in rows for name in block.names),
@@ -247,7 +192,7 @@ class LoopSystem:
         After ``pin.computeJointJacobians`` filled `data` at `q`; ``forwardKinematics`` would
         leave the joint Jacobians stale.
         """
-        return self._filled(model, data, scratch, q, _in_anchors)
+        return self._filled(model, data, scratch, q, in_anchors)
 
     def in_world(
         self, model: pin.Model, data: pin.Data, scratch: list[Any], q: Array
@@ -256,7 +201,7 @@ class LoopSystem:
 
         On closure the derivative is exact; off it, `add_turning` adds what is missing.
         """
-        return self._filled(model, data, scratch, q, _in_world)
+        return self._filled(model, data, scratch, q, in_world)
 
     def from_base(
         self, model: pin.Model, data: pin.Data, scratch: list[Any], q: Array
@@ -265,10 +210,10 @@ class LoopSystem:
 
         What happens above a loop does not turn its rows, and neither do its own joints.
         """
-        return self._filled(model, data, scratch, q, _from_base)
+        return self._filled(model, data, scratch, q, from_base)
 
     def _filled(
-        self, model: pin.Model, data: pin.Data, scratch: list[Any], q: Array, axes: _Axes
+        self, model: pin.Model, data: pin.Data, scratch: list[Any], q: Array, axes: Axes
     ) -> tuple[Array, Array]:
         residual = np.empty(len(self.row_names))
         jacobian = np.empty((len(self.row_names), self._nv))
@@ -315,49 +260,6 @@ class LoopSystem:
             turning = turning.reshape(6, -1)[3:]
             for rows in closure.vectors:
                 jacobian[rows] -= pin.skew(residual[rows]) @ turning
-
-
-_Axes: TypeAlias = Callable[[_Closure, pin.Data, Any], Array | None]
-
-
-def _in_anchors(closure: _Closure, data: pin.Data, loop_data: Any) -> Array | None:
-    """Return None: the rows stay as they are."""
-    return None
-
-
-def _in_world(closure: _Closure, data: pin.Data, loop_data: Any) -> Array | None:
-    rotation: Array = loop_data.oMc1.rotation
-    return rotation
-
-
-def _from_base(closure: _Closure, data: pin.Data, loop_data: Any) -> Array | None:
-    if closure.base == closure.body:
-        return None
-    rotation: Array = loop_data.oMc1.rotation
-    return data.oMi[closure.base].rotation.T.dot(rotation) if closure.base else rotation
-
-
-def _closure(
-    model: pin.Model,
-    loop: LoopBetweenFrames,
-    frames: Sequence[Frame],
-    blocks: tuple[tuple[slice, Rows], ...],
-) -> _Closure:
-    """Build the anchors. Pinocchio's gap is its second minus its first, ours opposite."""
-    first, second = frames
-    if first.joint == second.joint:
-        names = " and ".join(map(repr, loop.frames))
-        raise ArgumentError(
-            f"the frames {names} of a loop are on one body: nothing moves them apart"
-        )
-    points_only = all(isinstance(block, Gap | Distance) for _, block in blocks)
-    anchors = pin.PointAnchorConstraintModel if points_only else pin.FrameAnchorConstraintModel
-    constraint = anchors(model, second.joint, second.placement, first.joint, first.placement)
-    one, other = (list(model.supports[frame.joint]) for frame in (first, second))
-    base = [a for a, b in zip(one, other, strict=False) if a == b][-1]
-    vectors = tuple(rows for rows, block in blocks if block.vector)
-    indices = first.index, second.index
-    return _Closure(constraint, blocks, second.joint, base, vectors, indices)
 
 
 def _check_unit(block: Rows) -> None:

@@ -98,7 +98,7 @@ class SlopesAlongMotions:
         """Return how Jacobians change at a q (nq,) along the columns of motions (nv, k)."""
         if not motions.shape[1]:
             return Slopes(np.empty((0, self._loops.count, self._nv)), ())
-        along = entry_rates(_COMPLEX, self._tree, q[:, None], motions)
+        along = entry_rates(self._tree, q[:, None], motions)
         entries = (q[:, None] + 1j * _COMPLEX_STEP * along)[:, None]
 
         def motion(link: Link) -> JointMotion:

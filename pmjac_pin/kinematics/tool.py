@@ -11,7 +11,7 @@ import pinocchio as pin
 from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.errors import SingularError
 from pmjac_pin.model.frames import find_frame
-from pmjac_pin.model.spec import Tool
+from pmjac_pin.model.tool_spec import Tool
 from pmjac_pin.values.arrays import Array, norm
 
 _SMALLEST_AREA = 1e-9  # of three points, relative to the product of two of their distances

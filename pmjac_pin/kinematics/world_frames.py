@@ -52,11 +52,11 @@ def vectors_in_bodies(loops: Loops, poses: Poses) -> Iterator[tuple[slice, Numbe
     """
     for pair in loops.pairs:
         if pair.base and any(block.vector for _, block in pair.blocks):
-            axes = _body_axes(poses, pair.base)
+            axes = _axes_of(poses, pair.base)
             yield from ((rows, axes) for rows, block in pair.blocks if block.vector)
 
 
-def _body_axes(poses: Poses, body: int) -> Numbers:
+def _axes_of(poses: Poses, body: int) -> Numbers:
     pose, _ = poses.body(0, body)
     *axes, _ = through(poses.algebra, pose, poses.tree.links[body].after)
     return np.stack(np.broadcast_arrays(*(axis[:, 0] for axis in axes)), axis=1)

@@ -237,7 +237,7 @@ class JointKind:
         return np.hstack([slides, turned])
 
 
-def rotation_of(algebra: Algebra, quaternion: Sequence[Number]) -> list[list[Number]]:
+def rotation_of(quaternion: Sequence[Number]) -> list[list[Number]]:
     """Return the entries of the rotation of a quaternion (x, y, z, w) of length 1, by rows."""
     x, y, z, w = quaternion
     xx, yy, zz, ww = (n * n for n in quaternion)

@@ -284,6 +284,11 @@ def register(kind: type[Loop]) -> None:
     LOOP_KINDS[str(kind.__struct_config__.tag)] = kind
 
 
+def resolved_loop(loop: Loop, values: Mapping[str, float]) -> Loop:
+    """Return a loop with numbers in the place of its parameters."""
+    return loop if isinstance(loop, JointLoop) else loop.resolved(values)
+
+
 for _kind in (
     PointLoop,
     SphericalLoop,

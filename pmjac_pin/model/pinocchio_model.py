@@ -14,15 +14,8 @@ from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.joint_kinds import pitch_of
 from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop
-from pmjac_pin.model.spec import (
-    NO_TOOL,
-    JointValue,
-    MechanismSpec,
-    Tool,
-    checked_pitch,
-    decode_spec,
-    encode_spec,
-)
+from pmjac_pin.model.spec import JointValue, MechanismSpec, checked_pitch, decode_spec, encode_spec
+from pmjac_pin.model.tool_spec import NO_TOOL, Tool
 from pmjac_pin.values.checks import as_names, as_numbers
 from pmjac_pin.values.named_values import named_values
 

@@ -11,7 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import ArgumentError, ForbiddenRatesError, quoted
@@ -59,10 +58,7 @@ class AllowedJacobian(SplitJacobian):
     @cached_property
     def motion_map(self) -> Array:
         """G with q̇ = G u, shape (nv, a): J_eq = J G and the constraint Jacobian times G is 0."""
-        motion = np.zeros((self.tool_jacobian.shape[1], len(self.leading)))
-        motion[self.partition.actuated] = self.motor_rates
-        motion[self.partition.passive] = self.passive_rates
-        return read_only(motion)
+        return self._motions(self.motor_rates, self.passive_rates)
 
     @property
     def sizes(self) -> Array:

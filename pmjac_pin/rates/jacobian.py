@@ -53,10 +53,7 @@ class EquivalentJacobian(SplitJacobian, ToolReach):
     @found_once
     def motion_map(self) -> Array:
         """G with q̇ = G θ̇, shape (nv, n): J_eq = J G and the constraint Jacobian times G is 0."""
-        motion = np.zeros((self.tool_jacobian.shape[1], self.partition.actuated.size))
-        motion[self.partition.actuated] = np.eye(self.partition.actuated.size)
-        motion[self.partition.passive] = self.passive_rates
-        return read_only(motion)
+        return self._motions(np.eye(self.partition.actuated.size), self.passive_rates)
 
     @found_once
     def _loops(self) -> LoopRates:

@@ -94,6 +94,13 @@ class SplitJacobian(ReadOnlyArrays, Tabled):
         rows, columns = self.K_star.shape
         return float(np.linalg.det(self.K_star)) if rows == columns else None
 
+    def _motions(self, motor_rates: Array, passive_rates: Array) -> Array:
+        """Return motions of all joints by columns, shape (nv, k), of motors' and passive ones'."""
+        motions = np.zeros((self.tool_jacobian.shape[1], motor_rates.shape[1]))
+        motions[self.partition.actuated] = motor_rates
+        motions[self.partition.passive] = passive_rates
+        return read_only(motions)
+
     def _sizes_of_motions(self, motion_map: Array) -> Array:
         """Return ‖J‖ ‖G‖, linear and angular, shape (2,), of the entries of J G."""
         tool = self.partition.tool_motion(self.tool_jacobian)

@@ -77,8 +77,12 @@ class ToolReach:
         `limits` and errors as of `velocity_ellipsoid`.
         """
         if limits is None:
-            return self._of_rates(1, self._equal, rates_unit(self.partition))
+            return self._angular_ellipsoid
         return self._of_rates(1, rate_limits(limits, self.partition), SHARES)
+
+    @found_once
+    def _angular_ellipsoid(self) -> Ellipsoid:
+        return self._of_rates(1, self._equal, rates_unit(self.partition))
 
     def force_ellipsoid(self, limits: Limits | None = None) -> Ellipsoid:
         """Return the tool forces, without moment, that motor efforts |τ| = 1 balance, in N.

@@ -81,27 +81,66 @@ def convert(
     Mechanism(mine, actuated=(theta1), 2 passive, 1 loop, mobility 1)
     """
     force = as_flag(force, "force")
-    path, given = find_model_file(name_or_path), output_path(output)
-    _check_name(given)
-    check_place(given)
-    target = followed_link(given)  # the URDF goes beside the file that a link leads to
-    _check_name(target)
+    path = find_model_file(name_or_path)
+    given = checked_model_file(output)
     source = read_source(path, actuated, tool, include_root)
     source = adjusted(
         source, locked, tool_rows, tool_axes, tolerance=tolerance, enforce_limits=enforce_limits
     )
     read = {real(path), real(Path(source.urdf.path))}
+    places = model_file_places(given, read, force)
+    spec = msgspec.structs.replace(source.spec, poses=closed_poses(mechanism_of(source)))
+    write_model_file(places, spec, source.urdf, _comments(path, source), force=force)
+    return places
+
+
+def checked_model_file(output: str | Path) -> Path:
+    """Return the path of a model file that may be written, as far as its name tells.
+
+    Raises
+    ------
+    ArgumentError, OutputError
+    """
+    given = output_path(output)
+    _check_name(given)
+    check_place(given)
+    _check_name(followed_link(given))
+    return given
+
+
+def model_file_places(given: Path, read: Set[Path], force: bool) -> tuple[Path, Path]:
+    """Return where a model file and its URDF go: nowhere where a file is that was read.
+
+    Raises
+    ------
+    OutputError
+    """
+    target = followed_link(given)  # the URDF goes beside the file that a link leads to
     tree = _urdf_beside(target, read)
     _check_places(target, tree, read, force)
     _check_beside(given, tree)
-    mechanism = mechanism_of(source)
-    spec = msgspec.structs.replace(
-        source.spec, name="", urdf=tree.name, poses=_closed_poses(mechanism)
-    )
-    urdf, model_file = _indented(source.urdf), _toml(spec, _comments(path, source))
-    mechanism_of(Source(target, parse_model_file(model_file, target), parse_urdf(urdf, str(tree))))
-    write_files({tree: urdf.encode(), target: model_file.encode()}, replace=force)
     return target, tree
+
+
+def write_model_file(
+    places: tuple[Path, Path],
+    spec: MechanismSpec,
+    urdf: Urdf,
+    comments: Iterable[str],
+    *,
+    force: bool,
+) -> None:
+    """Write a model file and its URDF, once they are certain to load; both, or none.
+
+    Raises
+    ------
+    ModelFileError, ClosureError, OutputError
+    """
+    target, tree = places
+    text = _indented(urdf)
+    contents = _toml(msgspec.structs.replace(spec, name="", urdf=tree.name), comments)
+    mechanism_of(Source(target, parse_model_file(contents, target), parse_urdf(text, str(tree))))
+    write_files({tree: text.encode(), target: contents.encode()}, replace=force)
 
 
 def _comments(path: Path, source: Source) -> Iterable[str]:
@@ -141,7 +180,8 @@ def _not_written(place: Path, why: str) -> OutputError:
     return OutputError(f"{shown_path(place)}: {why}")
 
 
-def _closed_poses(mechanism: Mechanism) -> dict[str, Mapping[str, JointValue]]:
+def closed_poses(mechanism: Mechanism) -> dict[str, Mapping[str, JointValue]]:
+    """Return the joint values of each pose as it closes."""
     return {name: mechanism.pose(name).joint_values for name in mechanism.poses}
 
 

@@ -22,7 +22,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.linkage import Edge, build, edges_of
 from pmjac_pin.model.loop_joint import Anchor, LoopJoint, loop_joint
-from pmjac_pin.model.loop_spec import FrameLoop, JointLoop, Loop
+from pmjac_pin.model.loop_spec import FrameLoop, JointLoop, Loop, resolved_loop
 from pmjac_pin.model.spec import JointValue, MechanismSpec
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import check_kind
@@ -218,8 +218,3 @@ def _new_values(
     for name, edge in turned.items():
         changed[name] = edge.entries(poses[edge.parent], poses[edge.child])
     return changed
-
-
-def resolved_loop(loop: Loop, values: Mapping[str, float]) -> Loop:
-    """Return a loop with numbers in the place of parameters."""
-    return loop if isinstance(loop, JointLoop) else loop.resolved(values)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pmjac_pin.algebra.boxes import Boxes
+from pmjac_pin.algebra.boxes import BOXES
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.algebra.series import Exponents, Series, SeriesAlgebra
 from pmjac_pin.errors import ArgumentError
@@ -24,7 +24,6 @@ from pmjac_pin.model.joint_kind import JointMotion
 from pmjac_pin.values.arrays import Array
 
 ORDER = 4  #: of the series
-_BOXES = Boxes()
 _SLID = 2.0  # more than √3: of three slides, and of axes that turn
 
 
@@ -153,7 +152,7 @@ class SeriesEquations:
             slides = tuple(x.widened(slide) for x in known.slides)
             return JointMotion(slides, tuple(x.widened(turn) for x in known.turn))
 
-        poses = Poses(self._tree, _BOXES, motion, range(self._nv))
+        poses = Poses(self._tree, BOXES, motion, range(self._nv))
         shape = (self.rows, self._nv, radius.size)
         lower, upper, cosine = np.zeros(shape), np.zeros(shape), np.ones(radius.size)
         for pair in self._loops.pairs:

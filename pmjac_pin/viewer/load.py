@@ -14,8 +14,8 @@ from pmjac_pin.values.arrays import Array
 
 LoadKind = Literal["weight", "force"]
 
-_LARGEST = 1e6  # kg, N
-_DOWN = -0.5 * math.pi
+LARGEST_LOAD = 1e6  # kg, N
+DOWN = -0.5 * math.pi
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,14 +38,14 @@ class Load:
     mass: float = 0.0
     size: float = 0.0
     azimuth: float = 0.0
-    elevation: float = _DOWN
+    elevation: float = DOWN
 
     def __post_init__(self) -> None:
         for name, unit in (("mass", "kg"), ("size", "N")):
             given = getattr(self, name)
-            if not 0.0 <= given <= _LARGEST:
+            if not 0.0 <= given <= LARGEST_LOAD:
                 raise ArgumentError(
-                    f"{name} is 0 to {_LARGEST:g} {unit}, got {quoted(float(given))}"
+                    f"{name} is 0 to {LARGEST_LOAD:g} {unit}, got {quoted(float(given))}"
                 )
         for name in ("azimuth", "elevation"):
             given = getattr(self, name)

@@ -10,15 +10,13 @@ from pmjac_pin.errors import PmjacError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.motor_limits import stated_effort_limits
 from pmjac_pin.values.arrays import Array
-from pmjac_pin.viewer.load import gravity_of
+from pmjac_pin.viewer.load import DOWN, LARGEST_LOAD, gravity_of
 from pmjac_pin.viewer.messages import Slider
 
-_DOWN = -0.5 * math.pi
 _SLIDERS_BEYOND = (
     1.5  # times what brings the first motor to its limit at home: as far as sliders go
 )
 _USUAL = 100.0  # kg or N, where no motor has a limit
-_LARGEST = 1e6  # N
 
 
 def load_sliders(mechanism: Mechanism) -> tuple[Slider, ...]:
@@ -40,7 +38,7 @@ def load_sliders(mechanism: Mechanism) -> tuple[Slider, ...]:
         Slider("mass", "kg", 0.0, _end(heaviest), False, "hung at the tool"),
         Slider("size", "N", 0.0, _end(strongest), False, "of the force"),
         Slider("azimuth", "rad", -math.pi, math.pi, True, "from the world's x towards its y"),
-        Slider("elevation", "rad", _DOWN, -_DOWN, True, "from the world's x-y plane towards its z"),
+        Slider("elevation", "rad", DOWN, -DOWN, True, "from the world's x-y plane towards its z"),
     )
 
 
@@ -56,11 +54,11 @@ def _strongest(mechanism: Mechanism, way: Array) -> float:
     share = float(
         np.abs(found / stated_effort_limits(mechanism.problem.partition)).max(initial=0.0)
     )
-    return _SLIDERS_BEYOND / share if share > 1.0 / _LARGEST else math.inf
+    return _SLIDERS_BEYOND / share if share > 1.0 / LARGEST_LOAD else math.inf
 
 
 def _end(load: float) -> float:
-    return _next_round(load if load < _LARGEST else _USUAL)
+    return _next_round(load if load < LARGEST_LOAD else _USUAL)
 
 
 def _next_round(value: float) -> float:

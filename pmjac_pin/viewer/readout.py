@@ -177,10 +177,10 @@ def _rank_words(rows: ToolRows) -> tuple[str, str]:
 
 def _of_jacobian(jacobian: EquivalentJacobian, configuration: Configuration) -> dict[str, Any]:
     motors, tool = jacobian.partition.actuated.size, configuration.tool_pose()
-    J_eq = {}
+    J_eq, own_sizes = {}, jacobian.sizes
     for frame in get_args(FrameName):
         entries = change_frame(jacobian.J_eq, frame, tool.rotation, tool.translation)
-        sizes = jacobian.sizes.copy()
+        sizes = own_sizes.copy()
         sizes[0] += norm(tool.translation) * sizes[1] * (frame == "WORLD")
         rounding = SHOWN_AS_ZERO * sizes.repeat(3)[:, None]
         J_eq[frame] = tuple(map(tuple, np.where(np.abs(entries) > rounding, entries, 0.0).tolist()))

@@ -1,7 +1,9 @@
-"""The loop closures of MJCF: <connect> and <weld> of <equality>.
+"""The loop closures of MJCF: <connect> and <weld> of <equality>, and <tendon> that are rods.
 
 MuJoCo holds two bodies as they are to each other at qpos0: the file gives a point of one of them,
-and the other's is where that is then (MuJoCo, XML reference, equality/connect and /weld).
+and the other's is where that is then (MuJoCo, XML reference, equality/connect and /weld). A
+tendon from one site straight to another is held at its length at qpos0 plus the first coefficient
+(equality/tendon).
 """
 
 from __future__ import annotations
@@ -11,16 +13,18 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
-from pmjac_pin.errors import ModelFileError, quoted
+from pmjac_pin.errors import ArgumentError, ModelFileError, quoted
 from pmjac_pin.files.mjcf.bodies import place
 from pmjac_pin.files.mjcf.mujoco import Compiled
 from pmjac_pin.files.mjcf.names import Names
 from pmjac_pin.files.mjcf.tree import MjcfTree
 from pmjac_pin.files.urdf.checks import MAXIMAL_LINKS
-from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop
+from pmjac_pin.model.loop_spec import DistanceLoop, FrameLoop, Loop, PointLoop
 
 _EQUALITIES = ("connect", "weld", "joint", "tendon")  # in the order of mujoco.mjtEq
 _SITE = 6  # of mujoco.mjtObj
+_WRAPPED_SITE = 3  # of mujoco.mjtWrap
+_TERMS = 5
 
 
 def active_equalities(compiled: Compiled) -> tuple[dict[str, list[int]], list[str]]:
@@ -45,17 +49,58 @@ def active_equalities(compiled: Compiled) -> tuple[dict[str, list[int]], list[st
     return active, notes
 
 
+def straight_tendons(compiled: Compiled, numbers: Sequence[int]) -> list[int]:
+    """Return which of these <tendon> constraints hold one tendon from a site to another."""
+    model = compiled.model
+    return [
+        number
+        for number in numbers
+        if not (model.eq_obj2id[number] >= 0 and model.eq_data[number, 1:_TERMS].any())
+        and len(_sites(compiled, int(model.eq_obj1id[number]))) == 2
+    ]
+
+
 def read_closures(
     compiled: Compiled, numbers: Sequence[int], names: Names, tree: MjcfTree
 ) -> list[Loop]:
-    """Return the loops of <connect> and <weld>, whose frames are added to the tree.
+    """Return the loops of <connect>, <weld> and straight tendons; frames are added to the tree.
 
     Raises
     ------
     ModelFileError
         A body or site joined to itself.
     """
-    return [_loop_of_equality(compiled, number, names, tree) for number in numbers]
+    return [
+        _rod(compiled, number, names)
+        if _EQUALITIES[compiled.model.eq_type[number]] == "tendon"
+        else _loop_of_equality(compiled, number, names, tree)
+        for number in numbers
+    ]
+
+
+def _sites(compiled: Compiled, tendon: int) -> list[int]:
+    """Return the sites that a tendon joins; none of one that goes over anything else."""
+    model = compiled.model
+    own = slice(
+        int(model.tendon_adr[tendon]), int(model.tendon_adr[tendon] + model.tendon_num[tendon])
+    )
+    straight = bool((model.wrap_type[own] == _WRAPPED_SITE).all())
+    return model.wrap_objid[own].tolist() if straight else []
+
+
+def _rod(compiled: Compiled, number: int, names: Names) -> DistanceLoop:
+    model, where = compiled.model, compiled.equalities[number]
+    tendon = int(model.eq_obj1id[number])
+    first, second = (names.sites[site] for site in _sites(compiled, tendon))
+    if first == second:
+        raise ModelFileError(f"{where} joins site {quoted(first)} to itself")
+    length = float(model.tendon_length0[tendon] + model.eq_data[number, 0])
+    try:
+        loop = DistanceLoop(frames=(first, second), length=length)
+        loop.resolved({})
+    except ArgumentError as error:
+        raise ModelFileError(f"{where}: {error}") from None
+    return loop
 
 
 def _loop_of_equality(compiled: Compiled, number: int, names: Names, tree: MjcfTree) -> Loop:

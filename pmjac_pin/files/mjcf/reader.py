@@ -16,7 +16,7 @@ from pmjac_pin.files.foreign_model import ForeignModel
 from pmjac_pin.files.mjcf.actuators import read_motors
 from pmjac_pin.files.mjcf.bodies import body_notes, read_bodies
 from pmjac_pin.files.mjcf.couplings import equations, read_couplings
-from pmjac_pin.files.mjcf.equality import active_equalities, read_closures
+from pmjac_pin.files.mjcf.equality import active_equalities, read_closures, straight_tendons
 from pmjac_pin.files.mjcf.file import read_mujoco
 from pmjac_pin.files.mjcf.guards import check_mjcf
 from pmjac_pin.files.mjcf.home import read_home
@@ -37,9 +37,11 @@ def read_mjcf(path: Path, root: Path | None = None) -> ForeignModel:
     The world, bodies and sites become links, and joints keep their names; what has none is
     called after its body: "arm_body", "arm_hinge", "arm_site". The points at which a <connect>
     or <weld> holds are links "arm_at_rod" and "rod_at_arm". <connect> becomes a point loop,
-    <weld> a frame loop, and a linear <joint> or <tendon> of two joints a joint loop; one of a
-    single joint fixes that. Motors are the hinges and slides that actuators move. The home pose
-    is the keyframe "home", or else qpos0; values outside their joint's range start at its end.
+    <weld> a frame loop, a <tendon> from a site straight to another a distance loop, and a linear
+    <joint> or <tendon> of two joints a joint loop; one of a single joint fixes that. Motors are
+    the joints that actuators move, balls and free ones only where several move them any way. The
+    home pose is the keyframe "home", or else qpos0; values outside their joint's range start at
+    its end.
 
     Parameters
     ----------
@@ -66,10 +68,12 @@ def _model_of_kept(kept: Kept, path: Path) -> ForeignModel:
     bodies = read_bodies(found, names)
     joints = {joint.name: joint for body in bodies for joint in body.joints}
     active, left_out = active_equalities(found)
-    couplings, held = read_couplings(equations(found, active, names.joints), joints)
+    straight = straight_tendons(found, active["tendon"])
+    geared = {**active, "tendon": sorted(set(active["tendon"]) - set(straight))}
+    couplings, held = read_couplings(equations(found, geared, names.joints), joints)
     counted = {joint for loop in couplings for joint in loop.joints} | set(held)
     tree = MjcfTree(name, bodies, names, counted)
-    closing = sorted([*active["connect"], *active["weld"]])
+    closing = sorted([*active["connect"], *active["weld"], *straight])
     closures = read_closures(found, closing, names, tree)
     moving = {body.name for body in bodies if body.joints}
     masses, mass_notes = inertias(found, names, moving, kept.total_mass)

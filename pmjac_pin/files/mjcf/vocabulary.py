@@ -12,7 +12,7 @@ _ACTUATOR = """
 name joint jointinparent class* actdim* actearly* actlimited* actrange* area* armature* bias*
   biasprm* biastype* body* cogging* controller* cranklength* cranksite* ctrllimited* ctrlrange*
   damping* dampratio* delay* diameter* dynprm* dyntype* ffrange* force* forcelimited* forcerange*
-  fpmax* fvmax* gain* gainprm* gaintype* gear* group* imax* inductance* inheritrange* input*
+  fpmax* fvmax* gain* gainprm* gaintype* gear group* imax* inductance* inheritrange* input*
   instance* interp* ki* kp* kv* lengthrange* lmax* lmin* lugre* motorconst* nominal* nsample*
   plugin* posrange* range* refsite* resistance* saturation* scale* site* slewmax* slidersite*
   tausmooth* tendon* thermal* timeconst* user* velrange* vmax*

@@ -7,7 +7,7 @@ write it: see `pmjac_pin.files.urdf.ties`.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -37,7 +37,7 @@ from pmjac_pin.files.urdf.loop_elements import (
     read_gears,
 )
 from pmjac_pin.files.urdf.robot import MAXIMAL_URDF, Urdf
-from pmjac_pin.files.urdf.rotors import lost_rotors, rotors
+from pmjac_pin.files.urdf.rotors import kept_rotors
 from pmjac_pin.files.urdf.ties import (
     closing_frames,
     joints_of_gazebo,
@@ -109,19 +109,16 @@ def read_robot(
     limit_notes += idle_mimics(elements)
     independent = independence(elements)
     gears, led = _gears(robot, elements, independent)
-    geared = {name for gear in gears for name in gear.joints}
-    wanted = {name for name, given in independent.items() if given}
-    cut = CutJoints.of(elements, names, balls, {*motors, *wanted, *geared})
+    cut = CutJoints.of(elements, names, balls, _uncut(motors, independent, gears))
     declared, tie_notes = _declared(robot, names, cut, joined)
     springs = spring_notes(sprung_joints(robot))
-    armature, kept = rotors(robot), [joint.name for joint in cut.kept]
+    armature, lost = kept_rotors(robot, [joint.name for joint in cut.kept])
     cut.remove_from(robot)
     anchors = Anchors(robot)
     cut.turn(anchors)
     cut_loops, closings = cut.loops(anchors), read_closings(declared, names, anchors)
     loops = (*cut_loops, *(closing.loop for closing in closings), *gears)
     home, home_notes = home_within_limits(cut.checked, cut.kept)
-    closing_notes = _closing_notes(closings, cut.kept)
     urdf = Urdf.of(robot, str(path))
     massless = mass_notes(urdf, set(names) - set(added))
     return ForeignModel(
@@ -129,15 +126,23 @@ def read_robot(
         urdf=urdf,
         loops=tuple(loop for loop in loops if loop is not None),
         spherical=tuple(joint.name for joint in cut.kept if joint.name in balls),
-        armature={name: inertia for name, inertia in armature.items() if name in kept},
+        armature=armature,
         home=home,
         actuated=_actuated(cut.kept, independent, led),
         notes=(
-            *(*limit_notes, *home_notes, *cut.notes(), *lost_rotors(armature, kept)),
-            *(*tie_notes, *closing_notes, *springs, *massless),
+            *(*limit_notes, *home_notes, *cut.notes(), *lost, *tie_notes),
+            *(*_closing_notes(closings, cut.kept), *springs, *massless),
         ),
         unread=(*unread, *doubtful(robot, followers)),
     )
+
+
+def _uncut(
+    motors: Collection[str], independent: Mapping[str, bool], gears: Iterable[JointLoop]
+) -> set[str]:
+    """Return the joints that loops are not to be cut at: motors, and such as are geared."""
+    geared = {name for gear in gears for name in gear.joints}
+    return {*motors, *(name for name, given in independent.items() if given), *geared}
 
 
 def _checked(robot: Element) -> tuple[list[Element], Collection[str], tuple[str, ...]]:

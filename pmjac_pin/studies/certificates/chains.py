@@ -21,8 +21,9 @@ from pmjac_pin.algebra.balls import (
 from pmjac_pin.algebra.boxes import Boxes
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.algebra.jets import Columns
+from pmjac_pin.kinematics.frame_jets import Riding, Twisted
 from pmjac_pin.kinematics.places import Pose, through
-from pmjac_pin.kinematics.tree import Poses, Riding, Tree, Twisted
+from pmjac_pin.kinematics.tree import Poses, Tree
 from pmjac_pin.model.frames import Frame
 from pmjac_pin.studies.certificates.neighbourhoods import Neighbourhoods
 from pmjac_pin.studies.certificates.unknowns import Unknowns
@@ -41,7 +42,7 @@ class WideBoxes(Boxes):
         return self.times(directions, x).widened(rotation_width(directions))
 
 
-BOXES = WideBoxes()
+WIDE_BOXES = WideBoxes()
 
 
 class Width(NamedTuple):
@@ -112,7 +113,7 @@ class Chain:
         known = self._known(poses.at, poses.slides, poses.turns)
         x, y, z = (column.widened(known.tilt) for column in pose[:3])
         widths = np.stack([known.shift, *self._rate_widths(columns, known)])
-        return Riding(BOXES, Pose(x, y, z, pose.p.widened(widths)), columns)
+        return Riding(WIDE_BOXES, Pose(x, y, z, pose.p.widened(widths)), columns)
 
     def _pose(self, poses: Poses) -> tuple[Pose, Columns]:
         pose, columns = poses.body(self._base, self._frame.joint)

@@ -18,7 +18,7 @@ from pmjac_pin.kinematics.tree import Link, Poses, Tree
 from pmjac_pin.model.coupling import Coupling
 from pmjac_pin.model.joint_kind import JointMotion
 from pmjac_pin.model.loop_spec import Loop
-from pmjac_pin.studies.certificates.chains import BALLS, BOXES, Chain
+from pmjac_pin.studies.certificates.chains import BALLS, WIDE_BOXES, Chain
 from pmjac_pin.studies.certificates.neighbourhoods import Neighbourhoods
 from pmjac_pin.studies.certificates.unknowns import Unknowns
 from pmjac_pin.values.arrays import Array
@@ -115,10 +115,10 @@ class LoopEquations:
             How far one unit slides, m.
         """
         places = self.unknowns.places
-        poses = Neighbourhoods(BOXES, at, places, radii, np.nextafter(radii * length, np.inf))
+        poses = Neighbourhoods(WIDE_BOXES, at, places, radii, np.nextafter(radii * length, np.inf))
         shape = (len(radii), self._loops.count, len(places))
         lower, upper = np.zeros(shape), np.zeros(shape)
-        cosine, jets = np.ones(len(radii)), Jets(BOXES)
+        cosine, jets = np.ones(len(radii)), Jets(WIDE_BOXES)
         for pair, chains in zip(self._loops.pairs, self._chains, strict=True):
             one, other = (chain.around(poses) for chain in chains)
             for rows, block in pair.blocks:

@@ -7,7 +7,6 @@ from functools import cached_property
 
 import numpy as np
 
-from pmjac_pin.algebra.floats import Floats
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.algebra.series import Series
 from pmjac_pin.kinematics.joint_steps import entry_rates
@@ -18,8 +17,6 @@ from pmjac_pin.studies.follow.step import PathPose
 from pmjac_pin.studies.series_equations import EquationsAlong, SeriesEquations
 from pmjac_pin.studies.transmissions.sheet import Sheet
 from pmjac_pin.studies.transmissions.sheet_equations import Pieces, series_over
-
-_DOUBLES = Floats()
 
 
 class TubeEquations(SeriesEquations):
@@ -41,7 +38,7 @@ class TubeEquations(SeriesEquations):
     def sheet(self, poses: Sequence[PathPose]) -> Sheet:
         """Return the cubics between closed poses of one piece of the path."""
         q = np.array([pose.q for pose in poses])
-        slopes = [entry_rates(_DOUBLES, self._whole_tree, one.q, one.velocity) for one in poses]
+        slopes = [entry_rates(self._whole_tree, one.q, one.velocity) for one in poses]
         times = np.array([pose.t for pose in poses])
         return Sheet.of((times,), q, np.array(slopes)[:, :, None], q[:, :0])
 

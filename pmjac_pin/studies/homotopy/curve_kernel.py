@@ -13,7 +13,7 @@ from pmjac_pin.algebra.c_kernels import address, loaded
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.values.arrays import Array, Complex, aligned
 
-_STEPS_AT_ONCE = 256  # of each lane in one call: milliseconds, in which nothing can interrupt
+_STEPS_IN_A_CALL = 256  # of each lane in one call: milliseconds, in which nothing can interrupt
 _POINTS_OF_MEMORY = 9
 _LANE = 5  # numbers of 8 bytes of a lane, the path first
 
@@ -87,7 +87,7 @@ class CurveInLanes:
         walk.most_steps, walk.corrections = rules.most, rules.corrections
         walk.first_step, walk.smallest_step = rules.first, rules.smallest
         walk.arrived, walk.close, walk.exact = rules.arrived, rules.close, rules.exact
-        while self._library.pmjac_follow(ctypes.byref(walk), ctypes.c_int64(_STEPS_AT_ONCE)):
+        while self._library.pmjac_follow(ctypes.byref(walk), ctypes.c_int64(_STEPS_IN_A_CALL)):
             pass
         return points, share
 

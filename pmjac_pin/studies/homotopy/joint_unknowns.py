@@ -10,13 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from flint import acb, arb
-from numpy.typing import NDArray
 
+from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.polynomials import Symbols
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.model.joint_kind import JointKind, JointMotion
@@ -24,7 +23,6 @@ from pmjac_pin.model.linkage import Edge
 from pmjac_pin.values.arrays import Array, Complex
 
 #: Of complex numbers, of a program's, or of python-flint's balls.
-Numbers = NDArray[Any]
 _QUATERNION = ("x", "y", "z", "w")
 
 

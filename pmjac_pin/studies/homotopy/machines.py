@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from flint import acb
 
+from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.closing.motor_values import MotorValues, motor_values
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.homotopy.curve_kernel import CurveInLanes, curve_kernel
-from pmjac_pin.studies.homotopy.joint_unknowns import Numbers
 from pmjac_pin.studies.homotopy.polynomial_loops import PolynomialLoops
 from pmjac_pin.studies.modes.legs import Leg, names_of
 from pmjac_pin.studies.modes.search_problem import SearchProblem, search_problem, with_legs

@@ -16,7 +16,8 @@ import numpy as np
 from flint import Ordering, acb, fmpq_mpoly, fmpq_mpoly_ctx
 from numpy.typing import NDArray
 
-from pmjac_pin.algebra.complex_terms import complex_terms, parts_of
+from pmjac_pin.algebra.arrays import Numbers
+from pmjac_pin.algebra.complex_terms import complex_terms, real_and_imaginary
 from pmjac_pin.algebra.polynomials import Symbols, symbols
 from pmjac_pin.algebra.programs import Recording
 from pmjac_pin.algebra.tape import Tape
@@ -25,7 +26,7 @@ from pmjac_pin.kinematics.loops import pair_of
 from pmjac_pin.model.linkage import edges_of
 from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.rates.partition import independent_rows
-from pmjac_pin.studies.homotopy.joint_unknowns import Numbers, joint_unknowns
+from pmjac_pin.studies.homotopy.joint_unknowns import joint_unknowns
 from pmjac_pin.studies.homotopy.polynomial_rows import PolynomialRows
 from pmjac_pin.studies.homotopy.polynomial_table import PolynomialTable
 from pmjac_pin.studies.modes.search_problem import SearchProblem
@@ -118,7 +119,7 @@ class PolynomialLoops:
         there = start + rate * point[-1]
         values, slopes = self._along(point[None, :-1], there[None], rate[None], self._table.record)
         rows = np.concatenate([slopes, values[:, :, None]], axis=2)
-        return Tape.of(recording, parts_of(rows.ravel().tolist()))
+        return Tape.of(recording, real_and_imaginary(rows.ravel().tolist()))
 
     def _along(
         self,

@@ -20,7 +20,7 @@ import numpy as np
 import pinocchio as pin
 from scipy.spatial.transform import Rotation
 
-from pmjac_pin.algebra.boxes import Boxes
+from pmjac_pin.algebra.boxes import BOXES
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.algebra.jets import Jet, Jets
 from pmjac_pin.kinematics.tree import Poses
@@ -32,8 +32,7 @@ from pmjac_pin.values.arrays import Array, Mask
 
 _IN_LINE = 1e-6  # of the longest side: three points less apart than this are in line
 _TOLERANCE_SLACK = 1.01  # for the rounding of tolerances
-_BOXES = Boxes()
-_JETS = Jets(_BOXES)
+_JETS = Jets(BOXES)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -228,7 +227,7 @@ class FloatingInPlane:
 
 def _still_jet(number: Intervals) -> Jet:
     """Return an interval as a scalar that does not change."""
-    return Jet(_BOXES, number[..., None, None], None, ())
+    return Jet(BOXES, number[..., None, None], None, ())
 
 
 def placed(edge: Edge, holds: Sequence[Held], frames: Sequence[pin.SE3]) -> pin.SE3:

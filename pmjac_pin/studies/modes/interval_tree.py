@@ -9,12 +9,10 @@ from collections.abc import Mapping, Sequence
 
 import pinocchio as pin
 
-from pmjac_pin.algebra.boxes import Boxes
+from pmjac_pin.algebra.boxes import BOXES
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.kinematics.tree import Link, Poses, Tree
 from pmjac_pin.model.joint_kind import JointMotion
-
-_BOXES = Boxes()
 
 
 class IntervalTree:
@@ -53,6 +51,6 @@ class IntervalTree:
             name = link.edge.name
             place = self._unknowns.get(name)
             value = self._given[name] if place is None else box[None, :, place]
-            return link.kind.at(_BOXES, value, link.edge.pitch)
+            return link.kind.at(BOXES, value, link.edge.pitch)
 
-        return Poses(self.tree, _BOXES, motion, self.columns if rates else ())
+        return Poses(self.tree, BOXES, motion, self.columns if rates else ())

@@ -18,7 +18,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.linkage import Edge, build, edges_of
 from pmjac_pin.model.loop_spec import DistanceLoop, JointLoop, Loop
-from pmjac_pin.model.spec import Tool
+from pmjac_pin.model.tool_spec import Tool
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.studies.modes.leg_reach import reached
 from pmjac_pin.studies.modes.legs import Leg, find_legs, names_of
@@ -120,9 +120,8 @@ def _without(mechanism: Mechanism, legs: list[Leg], base: Array) -> SearchProble
     sizes = dict(zip(map(id, everything), mechanism.problem.partition.loop_sizes, strict=True))
     loops, kept = [*stay, *rods], [sizes[id(loop)] for loop in (*stay, *ended)]
     q = _copied(whole, base, model, pin.neutral(model))
-    return _bounded_problem(
-        mechanism, model, loops, _with_rods(mechanism, model, loops, kept, q), q
-    )
+    partition = _with_rods(mechanism, model, loops, kept)
+    return _bounded_problem(mechanism, model, loops, partition, q)
 
 
 def _with_rods(
@@ -130,7 +129,6 @@ def _with_rods(
     model: pin.Model,
     loops: Sequence[Loop],
     sizes: Sequence[float],
-    q: Array,
 ) -> Partition:
     """Return the partition of a model that has rods, of these sizes, in place of legs."""
     partition, coordinates = mechanism.problem.partition, JointCoordinates(model)

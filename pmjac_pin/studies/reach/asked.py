@@ -16,7 +16,7 @@ from pmjac_pin.studies.reach.elsewhere import poses_at_target
 from pmjac_pin.studies.reach.goal import Goal, Miss, gaps_of, is_met
 from pmjac_pin.studies.reach.least_motion import least_motion
 from pmjac_pin.studies.reach.motor_space import NO_MOTION, MotorSpace, with_leading_motors
-from pmjac_pin.studies.reach.nearest import trail_to_nearest
+from pmjac_pin.studies.reach.nearest import is_nearest, trail_to_nearest
 from pmjac_pin.studies.reach.reached import Reached, ReachStatus
 from pmjac_pin.studies.reach.tool_path import leads
 from pmjac_pin.values.arrays import Array
@@ -63,6 +63,10 @@ class Asked:
         """Return the poses on the way, by the motors, to where a target is nearest."""
         trail = trail_to_nearest(self._space, self._by_leading_motors(start))
         return [self._by_all_motors(one) for one in trail]
+
+    def is_nearest(self, configuration: Configuration) -> bool:
+        """Tell whether the target is nearest here, of all poses around."""
+        return is_nearest(self._space, self._by_leading_motors(configuration))
 
     def with_least_motion(self, configuration: Configuration) -> Configuration:
         """Return the pose at the target nearest to what is wanted of the motors."""

@@ -53,7 +53,16 @@ def whole_chains(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> tuple[ToolC
 def single_chains(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> tuple[ToolChain, ...]:
     """Return the chosen chains, or those of all rows, of joints with one freedom each."""
     chains = chosen_chains(mechanism, goals) or whole_chains(mechanism, goals)
-    return tuple(replace(chain, singly=True) for chain in chains)
+    return tuple(
+        replace(chain, singly=True, turning=_held_turning(chain, goal))
+        for chain, goal in zip(chains, goals, strict=True)
+    )
+
+
+def _held_turning(chain: ToolChain, goal: ToolGoal) -> str:
+    """Return what of a tool's turn is commanded: that it has none, where it never turns."""
+    never = chain.turning == "free" and goal.task.turning == "orientation"
+    return "none" if never and chain.slides == 3 else chain.turning
 
 
 def _homes(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> list[pin.SE3]:

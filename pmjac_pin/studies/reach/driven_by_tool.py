@@ -32,11 +32,10 @@ from pmjac_pin.errors import ClosureError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.frames import find_frame
-from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop
+from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop, resolved_loop
 from pmjac_pin.studies.reach.chosen_chains import chosen_chains, single_chains, whole_chains
 from pmjac_pin.studies.reach.goal import Goal, ToolGoal, tool_at
 from pmjac_pin.studies.reach.tool_chain import ToolChain
-from pmjac_pin.studies.recut import resolved_loop
 from pmjac_pin.values.arrays import Array
 
 _RIGID = 1e-9  # of the characteristic length
@@ -158,7 +157,8 @@ def _mechanism(
     mechanism: Mechanism, chains: Sequence[ToolChain], goals: Sequence[ToolGoal]
 ) -> Mechanism:
     model, spec, home = mechanism.model, mechanism.spec, mechanism.home.q
-    loops: list[Loop] = [resolved_loop(loop, mechanism.parameters) for loop in spec.loops]
+    welds: list[Loop] = []
+    loops = [resolved_loop(loop, mechanism.parameters) for loop in spec.loops]
     motors: list[str] = []
     for chain, goal in zip(chains, goals, strict=True):
         carrier = 0
@@ -167,16 +167,16 @@ def _mechanism(
             motors += [joint.name] * joint.driven
         end = chain.end if chain.joints else chain.base * chain.end
         for frame, place in _held(mechanism, goal, home):
-            target = f"{frame} target"
+            target = target_of(frame)
             model.addFrame(pin.Frame(target, carrier, end * place, pin.FrameType.OP_FRAME), False)
             point = bool(goal.tool.points) or chain.turning == "free"
-            loops.append((PointLoop if point else FrameLoop)(frames=(frame, target)))
+            welds.append((PointLoop if point else FrameLoop)(frames=(frame, target)))
     q = np.concatenate([home, *_chain_entries(mechanism, home, chains)])
     driven = replace(
         spec,
         actuated=tuple(motors),
         passive=None,
-        loops=tuple(loops),
+        loops=(*welds, *loops),
         poses={"home": JointCoordinates(model).pose(q)},
         spherical=(),
         helical={},
@@ -185,6 +185,11 @@ def _mechanism(
         enforce_limits=False,
     )
     return Mechanism(build_parts(model, driven, {}, mechanism.urdf, q))
+
+
+def target_of(frame: str) -> str:
+    """Return the name of the frame where a frame of the tool is to be."""
+    return f"{frame} target"
 
 
 def _chain_entries(mechanism: Mechanism, q: Array, chains: Sequence[ToolChain]) -> list[Array]:

@@ -14,7 +14,7 @@ from pmjac_pin.errors import ClosureError
 from pmjac_pin.studies.reach.driven import Driven
 from pmjac_pin.studies.reach.goal import Goal
 
-_ITERATIONS = 100  # of least squares, from each start
+_ITERATIONS = 50  # of least squares, from each start
 
 
 def poses_at_target(

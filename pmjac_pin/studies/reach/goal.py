@@ -11,7 +11,7 @@ import pinocchio as pin
 
 from pmjac_pin.kinematics.tool import tool_kinematics
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.model.spec import Tool
+from pmjac_pin.model.tool_spec import Tool
 from pmjac_pin.studies.reach.task import Task, heading
 from pmjac_pin.values.arrays import Array, norm
 from pmjac_pin.values.ties import first_smallest

@@ -20,6 +20,7 @@ LONGEST_STEP = 0.25  # step
 _NOTHING = 1e-13  # gap that no step improves
 _OF_DIFFERENCES = 1e-5  # of differences: what is lost is its square
 _SHORTEST_STEP = 1e-11  # step of Newton's method
+_LEVEL = 1e-6  # gradient of the distance, m for each m of the motors
 _MOST_DOWNHILL = 200
 _MOST_NEWTON_STEPS = 40
 _LITTLE_GAINED = 1e-6  # of the squared gap: less leaves the rest to Newton's method
@@ -112,6 +113,13 @@ def _newton(space: MotorSpace, point: Configuration) -> Array | None:
     return _capped(space, step)
 
 
+def is_nearest(space: MotorSpace, point: Configuration) -> bool:
+    """Tell whether no motor that limits do not hold brings the target nearer, to first order."""
+    gap, _ = space.system(point)
+    uphill = _gradient(space, point)
+    return norm(uphill[space.free(point, -uphill)]) <= _LEVEL * norm(gap)
+
+
 def _gradient(space: MotorSpace, point: Configuration) -> Array:
     gap, rates = space.system(point)
     return -(rates.T @ gap)
@@ -124,6 +132,8 @@ def _hessian(space: MotorSpace, point: Configuration, motors: Index) -> Array | 
     for motor in motors.tolist():
         ends = [(space.moved(point, way * size * np.eye(n)[motor]), way) for way in (1.0, -1.0)]
         seen = [(_gradient(space, end), end.actuated[motor]) for end, _ in ends if end is not None]
+        if not seen:
+            return None
         if len(seen) < 2:
             seen.append((_gradient(space, point), point.actuated[motor]))
         apart = (seen[0][1] - seen[1][1]) / space.scale[motor]

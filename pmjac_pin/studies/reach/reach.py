@@ -142,16 +142,20 @@ def _off_the_way(asked: Asked, stop: Stop) -> Reached:
         if ambiguous or _on_one_mode(asked, trail):
             return _met(asked, nearest, "by a way around")
         return _on_another_branch(asked, stop, nearest)
-    found = list(asked.poses_elsewhere())
-    led = [one for one in found if ambiguous and asked.is_led_to(one)]
-    if led:
-        return _met(asked, led[0], "where the motors lead")
-    if found:
-        return _on_another_branch(asked, stop, found[0])
+    elsewhere: Configuration | None = None
+    for found in asked.poses_elsewhere():
+        if ambiguous and asked.is_led_to(found):
+            return _met(asked, found, "where the motors lead")
+        elsewhere = elsewhere or found
+        if not ambiguous:
+            break
+    if elsewhere is not None:
+        return _on_another_branch(asked, stop, elsewhere)
     miss = asked.miss(nearest)
     parts = [f"{miss.linear:.6g} m"] * (miss.linear > 0.0)
     parts += [f"{miss.angular:.6g} rad"] * (miss.angular > 0.0)
-    message = f"around there the nearest pose is {' and '.join(parts)} from the target"
+    which = "of all around it" if asked.is_nearest(nearest) else "that the motors lead to"
+    message = f"the nearest pose {which} is {' and '.join(parts)} from the target"
     return asked.told("out of reach", nearest, stop.share, message)
 
 
@@ -171,6 +175,7 @@ def _on_one_mode(asked: Asked, trail: Sequence[Configuration]) -> bool:
 
 
 def _on_another_branch(asked: Asked, stop: Stop, found: Configuration) -> Reached:
-    message = f"{_way(stop)} this branch ends; the machine meets the target on another"
+    where = "the machine meets the target, but by no way that was found from here"
+    message = f"{_way(stop)} this branch ends; {where}"
     last = stop.configuration
     return asked.told("on another branch", last, stop.share, message, elsewhere=found)

@@ -13,7 +13,7 @@ from pmjac_pin.errors import ArgumentError, did_you_mean, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.pinocchio_model import checked_tool
-from pmjac_pin.model.spec import Tool
+from pmjac_pin.model.tool_spec import Tool
 from pmjac_pin.studies.reach.goal import Goal, JointGoal, ToolGoal, turn_between
 from pmjac_pin.studies.reach.task import Task, plane_axes
 from pmjac_pin.values.arrays import Array

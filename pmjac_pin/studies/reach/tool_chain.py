@@ -16,7 +16,7 @@ import pinocchio as pin
 
 from pmjac_pin.model.linkage import turned_to
 from pmjac_pin.model.rows import across
-from pmjac_pin.model.spec import Tool
+from pmjac_pin.model.tool_spec import Tool
 from pmjac_pin.studies.reach.task import Turning, plane_axes
 from pmjac_pin.values.arrays import Array
 

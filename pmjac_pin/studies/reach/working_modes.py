@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import overload
@@ -13,17 +14,17 @@ from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.modes.aim import Aim
-from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
 from pmjac_pin.studies.modes.closed_pose import generator
 from pmjac_pin.studies.modes.find import find_modes
 from pmjac_pin.studies.reach.driven import searched_by
+from pmjac_pin.studies.reach.driven_by_tool import DrivenByTool
 from pmjac_pin.studies.reach.goal import Goal, is_met
+from pmjac_pin.studies.reach.motor_values_alike import of_other_values
+from pmjac_pin.studies.reach.separate_legs import modes_by_legs
 from pmjac_pin.studies.reach.targets import Target, ToolName, read_goals
 from pmjac_pin.studies.reach.task import Task
-from pmjac_pin.values.arrays import Array, norm
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_flag, check_kind
-
-_SAME_MOTORS = 1e-6  # rad or characteristic lengths: motor values that count as one
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,38 +126,28 @@ def working_modes(
         raise ArgumentError("the target leaves the machine freedom: there are no separate modes")
     aim = Aim(unseen, confidence, most_starts, as_flag(proof, "proof"), None)
     values = driven.values(goals, mechanism.home)
-    modes = find_modes(driven.mechanism, values, generator(rng), as_flag(limits, "limits"), aim)
-    poses = [driven.original(one) for one in _by_motors(mechanism, modes)]
-    return _by_order(mechanism, goals, poses, modes)
-
-
-def _by_motors(mechanism: Mechanism, modes: AssemblyModes) -> Iterator[Configuration]:
-    """Yield each pose that has other motor values than those before it in its mode."""
-    for ways in modes.poses:
-        known: list[Configuration] = []
-        for one in ways:
-            if not any(_same_motors(mechanism, one, other) for other in known):
-                known.append(one)
-                yield one
-
-
-def _same_motors(mechanism: Mechanism, one: Configuration, other: Configuration) -> bool:
-    partition, columns = mechanism.problem.partition, mechanism.problem.partition.actuated
-    there = mechanism.coordinates.values_of(other.q[: mechanism.nq], columns)
-    apart = mechanism.coordinates.motion_to(one.q[: mechanism.nq], columns, there)
-    turns = mechanism.coordinates.rotational[columns]
-    apart = np.where(turns, np.remainder(apart + np.pi, 2.0 * np.pi) - np.pi, apart)
-    return norm(apart / partition.motor_scale) <= _SAME_MOTORS * partition.length
+    generated, within = generator(rng), as_flag(limits, "limits")
+    if isinstance(driven, DrivenByTool):
+        by_legs = modes_by_legs(driven, values, generated, within, aim)
+        if by_legs is not None:
+            poses = [driven.original(one) for one in by_legs.poses]
+            return _by_order(goals, poses, by_legs.starts, by_legs.evidence)
+    modes = find_modes(driven.mechanism, values, generated, within, aim)
+    every = (driven.original(one) for one in itertools.chain.from_iterable(modes.poses))
+    distinct = of_other_values(every, mechanism.spec.actuated)
+    return _by_order(goals, distinct, modes.starts, modes.evidence)
 
 
 def _by_order(
-    mechanism: Mechanism, goals: Sequence[Goal], poses: list[Configuration], modes: AssemblyModes
+    goals: Sequence[Goal],
+    poses: list[Configuration],
+    starts: int,
+    evidence: Evidence,
 ) -> WorkingModes:
     """Return the poses that meet all rows of the target, by their motor values."""
-    met = [one for one in poses if is_met(goals, mechanism, one.q)]
+    met = [one for one in poses if is_met(goals, one.mechanism, one.q)]
     met.sort(key=lambda one: tuple((np.round(one.actuated, 6) + 0.0).tolist()))
-    evidence = modes.evidence
     if len(met) < len(poses):
         statement = f"{evidence.statement}; of {len(poses)} poses {len(met)} meet all of the target"
         evidence = replace(evidence, statement=statement)
-    return WorkingModes(tuple(met), modes.starts, evidence)
+    return WorkingModes(tuple(met), starts, evidence)

@@ -26,35 +26,16 @@ import numpy as np
 
 from pmjac_pin.closing.idle_motions import gained_and_idle
 from pmjac_pin.errors import ArgumentError
+from pmjac_pin.kinematics.pinocchio import Snapshot
 from pmjac_pin.kinematics.slopes import Slopes
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.factorisation import Factorisation
+from pmjac_pin.studies.singularities.curve_equations import CurveEquations, SingularPoint
 from pmjac_pin.values.arrays import Array, Index, norm
 
 Freed = Literal["gain", "loss"]
 
-EXACT = 1e-13  # of all equations, without dimension: the next step would be rounding
-_MOST_STEPS = 30
-_LARGEST_STEP = 0.5  # lengths or rad: Newton's first steps may be wild
 _REDUNDANT = 1e-7  # of the matrix: what redundant rows and columns have at a pose near closure
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SingularPoint:
-    """A pose and the motion that M does not hold there, singular where the equations vanish.
-
-    Attributes
-    ----------
-    q : ndarray, shape (nq,)
-    u : ndarray, shape (k,)
-        On the scaled rates, of unit length.
-    idle : ndarray, shape (k, d)
-        N, orthonormal columns: to which u is orthogonal.
-    """
-
-    q: Array
-    u: Array
-    idle: Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,7 +57,25 @@ class Fold:
     left: Array
 
 
-class SingularEquations:
+@dataclass(frozen=True, slots=True, eq=False)
+class RateBlock:
+    """A block of [K K*] that loses rank: K* of a machine within one that has more loops.
+
+    Attributes
+    ----------
+    rows : int
+        The first so many rows.
+    columns : ndarray of int, shape (k,)
+    rank : int
+        Generic.
+    """
+
+    rows: int
+    columns: Index
+    rank: int
+
+
+class SingularEquations(CurveEquations):
     """The equations of the singular poses of one kind.
 
     Parameters
@@ -84,6 +83,8 @@ class SingularEquations:
     mechanism : Mechanism
     freed : {"gain", "loss"}
         Whether passive joints come free with the motors locked, or the tool loses a motion.
+    block : RateBlock, optional
+        What loses rank instead, for a gain.
 
     Raises
     ------
@@ -104,27 +105,36 @@ class SingularEquations:
     'gain'
     """
 
-    def __init__(self, mechanism: Mechanism, freed: Freed = "gain") -> None:
-        self.mechanism, self.freed, self.problem = mechanism, freed, mechanism.problem
-        partition = self.partition = mechanism.problem.partition
+    def __init__(
+        self, mechanism: Mechanism, freed: Freed = "gain", *, block: RateBlock | None = None
+    ) -> None:
+        super().__init__(mechanism)
+        partition, self.freed, self._block = self.partition, freed, block
         if partition.isolated:
             raise ArgumentError(f"of {mechanism.name} no generic rank is known, nothing drops")
         if (slopes := mechanism._slopes) is None:
             raise ArgumentError(f"{mechanism.name} has a joint that is not in the table of joints")
         self._by_complex_steps = slopes
         self._tool = partition.tool_rows.linear + partition.tool_rows.angular
-        self.rank = partition.passive_rank
-        self.columns: Index = partition.passive
-        if freed == "loss":
+        self.rank, self.columns = partition.passive_rank, partition.passive
+        self._rows = slice(None)
+        if block is not None:
+            self.rank, self.columns, self._rows = block.rank, block.columns, slice(block.rows)
+        elif freed == "loss":
             mechanism.need_tool()
             self.rank = partition.constraint_rank + partition.tool_rank
             self.columns = np.arange(partition.column_scale.size)
         if not self.rank:
             raise ArgumentError(f"{mechanism.name} has nothing that could lose rank by {freed}")
 
+    @property
+    def folds(self) -> bool:
+        """Whether the mechanism's motors turn back where these hold: M is its K*."""
+        return self.freed == "gain" and self._block is None
+
     def matrix(self, q: Array) -> Array:
         """Return M at a q, dimensionless, shape (rows, k)."""
-        return self._of(q)[1]
+        return self._of(self.mechanism.kinematics.snapshot(q))[1]
 
     def begin(self, q: Array) -> SingularPoint:
         """Return the first guess from a closed q: the motion that M holds least."""
@@ -148,9 +158,7 @@ class SingularEquations:
 
     def residual(self, point: SingularPoint) -> Array:
         """Return what vanishes at a singular pose, dimensionless, all equations."""
-        gap, matrix = self._of(point.q)
-        u = point.u
-        return np.concatenate([gap, matrix @ u, point.idle.T @ u, [0.5 * (u @ u - 1.0)]])
+        return self._vanishing(point, *self._of(self.mechanism.kinematics.snapshot(point.q)))
 
     def evaluate(self, point: SingularPoint) -> tuple[Array, Array]:
         """Return the residual and its derivative by q, in lengths or rad, and by u.
@@ -161,87 +169,18 @@ class SingularEquations:
         jacobian : ndarray, shape (r, nv + k)
             Unknowns are those of `moved`.
         """
-        residual, u, idle = self.residual(point), point.u, point.idle
-        constraint, slopes = self.slopes(point.q)
-        nv, k = constraint.shape[1], u.size
+        snapshot, u, idle = self.mechanism.kinematics.snapshot(point.q), point.u, point.idle
+        constraint, slopes = self._slopes_at(point.q, snapshot)
+        gap, matrix = self._of(snapshot)
+        residual = self._vanishing(point, gap, matrix)
+        nv, k, p, rows = constraint.shape[1], u.size, gap.size, len(matrix)
         jacobian = np.zeros((residual.size, nv + k))
-        p, rows = len(constraint), slopes.shape[1]
         jacobian[:p, :nv] = constraint
         jacobian[p : p + rows, :nv] = (slopes @ u).T
-        jacobian[p : p + rows, nv:] = self.matrix(point.q)
+        jacobian[p : p + rows, nv:] = matrix
         jacobian[p + rows : -1, nv:] = idle.T
         jacobian[-1, nv:] = u
         return residual, jacobian
-
-    def moved(self, point: SingularPoint, step: Array) -> SingularPoint:
-        """Return the point moved by a step (nv + k,): of q in lengths or rad, then of u."""
-        nv = self.partition.column_scale.size
-        return replace(
-            point,
-            q=self.problem.integrate(point.q, self._stride * step[:nv]),
-            u=point.u + step[nv:],
-        )
-
-    def dimension(self, held: Index) -> int:
-        """Return how many ways lead along the locus, with some columns of q held: 1 for a curve.
-
-        Ways on which joints idle alone are none: N borders them.
-        """
-        partition = self.partition
-        idle = partition.passive.size - partition.passive_rank
-        return partition.column_scale.size - partition.constraint_rank - idle - held.size - 1
-
-    def bordered(self, point: SingularPoint, held: Index) -> tuple[Array, Array]:
-        """Return residual and derivative with columns of q held, and what idles at rest.
-
-        Below those of `evaluate` stand rows that are zero but for the derivative.
-        """
-        residual, jacobian = self.evaluate(point)
-        resting = self._resting(point)
-        rows = np.zeros((held.size + resting.shape[1], jacobian.shape[1]))
-        rows[np.arange(held.size), held] = 1.0
-        rows[held.size :, : resting.shape[0]] = resting.T
-        return np.append(residual, np.zeros(len(rows))), np.vstack([jacobian, rows])
-
-    def corrected(
-        self, point: SingularPoint, held: Index | None = None, most: float = np.inf
-    ) -> SingularPoint | None:
-        """Return the singular point near a guess by Newton's method, None where there is none.
-
-        Parameters
-        ----------
-        point : SingularPoint
-        held : ndarray of int, optional
-            Columns of q that stay: motors of a slice.
-        most : float
-            How far all steps may lead together, lengths or rad.
-        """
-        held = np.zeros(0, dtype=np.intp) if held is None else held
-        rank = self.partition.column_scale.size + self.columns.size - self.dimension(held)
-        spent, before = 0.0, np.inf
-        for _ in range(_MOST_STEPS):
-            residual, jacobian = self.bordered(point, held)
-            size = norm(residual)
-            if not np.isfinite(size) or spent > most:
-                return None
-            if size <= EXACT or (size <= 1e2 * EXACT and size > 0.5 * before):
-                return point
-            left, values, right = np.linalg.svd(jacobian, full_matrices=False)
-            if values.size < rank or not values[rank - 1]:
-                return None
-            step = -right[:rank].T @ ((left[:, :rank].T @ residual) / values[:rank])
-            length = norm(step)
-            if length > _LARGEST_STEP:
-                step *= _LARGEST_STEP / length
-            spent, before = spent + min(length, _LARGEST_STEP), size
-            point = self.moved(point, step)
-        return None
-
-    def tangent(self, point: SingularPoint, held: Index) -> Array:
-        """Return the ways that lead along the locus from a singular point, (d, nv + k), rows."""
-        _, jacobian = self.bordered(point, held)
-        right = np.linalg.svd(jacobian)[2]
-        return np.asarray(right[right.shape[0] - self.dimension(held) :])
 
     def fold(self, point: SingularPoint) -> Fold:
         """Return how the mechanism folds at a singular point of the second kind.
@@ -251,7 +190,7 @@ class SingularEquations:
         ArgumentError
             Of a loss there is none: ask the machine that is driven by its tool.
         """
-        if self.freed == "loss":
+        if not self.folds:
             raise ArgumentError("what folds is a gain: ask the machine driven by its tool")
         partition = self.partition
         constraint, slopes = self.slopes(point.q)
@@ -263,31 +202,32 @@ class SingularEquations:
 
     def slopes(self, q: Array) -> tuple[Array, Array]:
         """Return [K K*] (p, nv), and how M changes, (nv, rows, k), by lengths or rad of q."""
+        return self._slopes_at(q, self.mechanism.kinematics.snapshot(q))
+
+    def _slopes_at(self, q: Array, snapshot: Snapshot) -> tuple[Array, Array]:
         partition, nv = self.partition, self.partition.column_scale.size
-        snapshot = self.mechanism.kinematics.snapshot(q)
         by = self.mechanism._recorded.slopes() or self._by_complex_steps
-        changed = by.at(q, np.diag(self._stride))
+        changed = by.at(q, self._strides)
         constraint = partition.scaled(snapshot.constraint_jacobian)
-        slopes = partition.scaled(changed.constraint)[:, :, self.columns]
+        slopes = partition.scaled(changed.constraint)[:, self._rows, self.columns]
         if self.freed == "gain":
             return constraint, slopes
         return constraint, np.concatenate([slopes, self._tool_slopes(changed, nv)], axis=1)
 
-    @property
-    def _stride(self) -> Array:
-        """What an unknown of 1 is of each column, m or rad."""
-        return np.asarray(self.partition.length * self.partition.column_scale)
-
-    def _of(self, q: Array) -> tuple[Array, Array]:
+    def _of(self, snapshot: Snapshot) -> tuple[Array, Array]:
         """Return η without dimension, and M."""
         partition = self.partition
-        snapshot = self.mechanism.kinematics.snapshot(q)
         gap = snapshot.residual * partition.row_scale / partition.length
         constraint = partition.scaled(snapshot.constraint_jacobian)
         if self.freed == "gain":
-            return gap, constraint[:, self.columns]
+            return gap, constraint[self._rows, self.columns]
         tool = snapshot.judged_jacobian(partition.tool_rows)
         return gap, np.vstack([constraint, partition.scaled_tool(tool)[self._tool]])
+
+    @staticmethod
+    def _vanishing(point: SingularPoint, gap: Array, matrix: Array) -> Array:
+        u = point.u
+        return np.concatenate([gap, matrix @ u, point.idle.T @ u, [0.5 * (u @ u - 1.0)]])
 
     def _tool_slopes(self, changed: Slopes, nv: int) -> Array:
         axes = self.partition.tool_rows.axes
@@ -295,18 +235,10 @@ class SingularEquations:
         return rows.reshape(-1, 6, nv)[:, self._tool]
 
     def _resting(self, point: SingularPoint) -> Array:
-        """Return the idle motions of the joints on all columns, (nv, d)."""
-        partition = self.partition
-        idle = partition.passive.size - partition.passive_rank
-        found = np.zeros((partition.column_scale.size, idle))
-        if not idle:
-            return found
-        if self.freed == "gain":
-            found[self.columns] = point.idle
-        else:
-            snapshot = self.mechanism.kinematics.snapshot(point.q)
-            passive = partition.scaled(snapshot.constraint_jacobian)[:, partition.passive]
-            found[partition.passive] = np.linalg.svd(passive)[2][partition.passive_rank :].T
+        if self.freed == "loss" or self._block is not None:
+            return super()._resting(point)
+        found = np.zeros((self.partition.column_scale.size, point.idle.shape[1]))
+        found[self.columns] = point.idle
         return found
 
     def _factorised(self, q: Array) -> Factorisation:

@@ -145,7 +145,7 @@ class NewtonProgram:
         `condition`, `motion`, `forbidden` and `ratio` as of `step`.
         """
         tree, motions = self.rates.recorder.tree, self._motions
-        columns = [entry_rates(PROGRAMS, tree, self._entries, motion) for motion in motions.T]
+        columns = [entry_rates(tree, self._entries, motion) for motion in motions.T]
         known = {name: self.step[name] for name in _OF_RATES}
         twist = self._twist(*columns) if len(columns) == _PAIR else zeros(0)
         return {"slopes": np.column_stack(columns), "twist": twist, **known}

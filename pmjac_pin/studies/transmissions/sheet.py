@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import product
-from typing import NamedTuple
 
 import numpy as np
 
@@ -19,21 +18,6 @@ from pmjac_pin.values.arrays import Array, Index, ReadOnlyArrays
 _TO_POWERS = 0.25 * np.array(
     [[2.0, 1.0, 2.0, -1.0], [-3.0, -1.0, 3.0, -1.0], [0.0, -1.0, 0.0, 1.0], [1.0, 1.0, -1.0, 1.0]]
 )
-
-
-class Basis(NamedTuple):
-    """Values and derivatives by u of the cubic basis (4, N): f₀, f′₀, f₁, f′₁ at 0 and 1."""
-
-    values: Array
-    slopes: Array
-
-    @classmethod
-    def at(cls, u: Array) -> Basis:
-        """Return the basis at numbers in [0, 1]."""
-        v = 1.0 - u
-        values = [(1.0 + 2.0 * u) * v * v, u * v * v, u * u * (3.0 - 2.0 * u), -u * u * v]
-        slopes = [-6.0 * u * v, v * (v - 2.0 * u), 6.0 * u * v, u * (u - 2.0 * v)]
-        return cls(np.array(values), np.array(slopes))
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,23 +65,9 @@ class Sheet(ReadOnlyArrays):
     def at(self, x: Array) -> Array:
         """Return q (N, nq) at joint values (N, n)."""
         cells, shares, widths = self.cells(x)
-        bases = [Basis.at(u).values for u in shares]
-        return self._summed(cells, widths, bases)
-
-    def slopes_at(self, x: Array) -> Array:
-        """Return ∂q/∂x (N, nq, n)."""
-        cells, shares, widths = self.cells(x)
-        bases = [Basis.at(u) for u in shares]
-        found = []
-        for along in range(len(bases)):
-            chosen = [b.slopes if k == along else b.values for k, b in enumerate(bases)]
-            found.append(self._summed(cells, widths, chosen) / widths[along][:, None])
-        return np.stack(found, axis=-1)
-
-    def _summed(self, cells: Index, widths: Array, bases: list[Array]) -> Array:
+        bases = [_basis(u) for u in shares]
         total = np.zeros((cells.shape[1], self.data.shape[-1]))
-        places = product((0, 1), repeat=2 * len(bases))
-        for place in places:
+        for place in product((0, 1), repeat=2 * len(bases)):
             corner, order = place[::2], place[1::2]
             weight = np.ones(cells.shape[1])
             for basis, width, c, o in zip(bases, widths, corner, order, strict=True):
@@ -137,3 +107,9 @@ def middle(axis: Array, cell: Index) -> Intervals:
     """Return the middles of cells."""
     both = Intervals.exact(axis[cell + 1]) + Intervals.exact(axis[cell])
     return both * Intervals.exact(0.5)
+
+
+def _basis(u: Array) -> Array:
+    """Return the cubic basis (4, N) at numbers in [0, 1]: of f₀, f′₀, f₁, f′₁ at 0 and 1."""
+    v = 1.0 - u
+    return np.array([(1.0 + 2.0 * u) * v * v, u * v * v, u * u * (3.0 - 2.0 * u), -u * u * v])

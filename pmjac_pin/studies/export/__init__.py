@@ -1,0 +1,1 @@
+"""Export: a closed machine as a file for the programs that people simulate and control with."""

@@ -1,0 +1,73 @@
+"""Gears as formats have them in which a joint follows one other: which follows which.
+
+A joint loop ties two values either way round. Where a joint may follow only one, and a motor
+none, the ties of joints that hang together are turned so that all follow one of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+
+from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.model.loop_spec import JointLoop
+
+
+def followers(gears: Sequence[JointLoop], motors: Collection[str], to: str) -> list[JointLoop]:
+    """Return the gears, turned so that no joint follows two, and no motor any.
+
+    Raises
+    ------
+    ArgumentError
+        They cannot be turned so.
+    """
+    found: list[JointLoop] = []
+    for group in _groups(gears):
+        joints = list(dict.fromkeys(name for gear in group for name in gear.joints))
+        driven = [name for name in joints if name in motors]
+        chains = [chain for root in driven or joints if (chain := _led_by(root, group))]
+        if len(driven) > 1 or not chains:
+            tied = " and ".join(map(quoted, driven[:2] if len(driven) > 1 else joints[:2]))
+            why = "two motors" if len(driven) > 1 else "joints that follow more than one"
+            todo = "mjcf or toml would do"
+            raise ArgumentError(f"{to} cannot say that {tied}, {why}, are geared; {todo}")
+        found += min(chains, key=lambda chain: sum(gear not in group for gear in chain))
+    return found
+
+
+def _groups(gears: Iterable[JointLoop]) -> list[list[JointLoop]]:
+    """Return gears in groups that share joints, in order."""
+    groups: list[list[JointLoop]] = []
+    for gear in gears:
+        mine, others = [gear], []
+        for group in groups:
+            shared = {name for one in group for name in one.joints} & set(gear.joints)
+            (mine := [*group, *mine]) if shared else others.append(group)
+        groups = [*others, mine]
+    return groups
+
+
+def _led_by(root: str, group: Sequence[JointLoop]) -> list[JointLoop]:
+    """Return the gears as they lead away from a joint; none where they do not."""
+    reached, left, chain = {root}, list(group), []
+    while left:
+        for gear in left:
+            first, second = gear.joints
+            if (first in reached) != (second in reached):
+                break
+        else:
+            return []
+        left.remove(gear)
+        if second in reached:
+            if gear.ratio == 0.0:
+                return []
+            gear = _reversed(gear)
+        reached |= {first, second}
+        chain.append(gear)
+    return chain
+
+
+def _reversed(gear: JointLoop) -> JointLoop:
+    first, second = gear.joints
+    return JointLoop(
+        joints=(second, first), ratio=1.0 / gear.ratio, offset=-gear.offset / gear.ratio
+    )

@@ -1,0 +1,186 @@
+"""Charts: a slice of motor space or of the tool's, with the machine whose motors span it.
+
+In motor space the machine itself folds along what it gains, and loses within. In the tool's plane
+the machine is driven by its tool, which two slides lead: that one folds along what the machine
+loses, where its motors turn back, and within lies what it gains. K* of the machine is then a block
+of [K K*].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from msgspec.structs import replace
+
+from pmjac_pin.closing.assembly import build_parts
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import ArgumentError, ClosureError, quoted
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.model.coordinates import JointCoordinates
+from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop, resolved_loop
+from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
+from pmjac_pin.studies.singularities.singular_equations import (
+    Freed,
+    RateBlock,
+    SingularEquations,
+)
+from pmjac_pin.values.arrays import Array
+
+TOOL_AXES = ("x", "y", "z")
+_TARGET = "where the tool is to be"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chart:
+    """A slice, and what may be singular on it.
+
+    Attributes
+    ----------
+    at : Configuration
+        Of the machine itself.
+    area : PlaneSlice
+        Of the machine that the plane drives.
+    folds, inner : SingularEquations
+        Of the borders of sheets, and of what lies within them.
+    fold_kind, inner_kind : {"gain", "loss"}
+        What these are of the machine itself.
+    """
+
+    at: Configuration
+    area: PlaneSlice
+    folds: SingularEquations
+    fold_kind: Freed
+    inner: SingularEquations | None
+    inner_kind: Freed
+
+    def original(self, q: Array) -> Array:
+        """Return q (..., nq) of the machine itself."""
+        return q[..., : self.at.mechanism.nq]
+
+    @property
+    def in_tool_space(self) -> bool:
+        """Whether the tool spans the plane."""
+        return self.fold_kind == "loss"
+
+    @property
+    def held(self) -> dict[str, float]:
+        """What stays, by name: motors, or the tool's other coordinate."""
+        if not self.in_tool_space:
+            return self.area.held_values
+        place = self.at.tool_pose().translation
+        return {
+            name: float(value)
+            for name, value in zip(TOOL_AXES, place, strict=True)
+            if name not in self.area.names
+        }
+
+    def lifted(self, pose: Configuration) -> Configuration:
+        """Return a pose of the machine in the slice as one of the machine that the plane drives."""
+        if not self.in_tool_space:
+            return pose
+        place = pose.tool_pose().translation
+        values = [place[TOOL_AXES.index(name)] for name in self.area.names]
+        return self.area.mechanism.configuration(np.concatenate([pose.q, values]))
+
+
+def chart(
+    plane: Sequence[str], at: Configuration, window: Mapping[str, tuple[float, float]] | None
+) -> Chart:
+    """Return the slice through a pose that two names span.
+
+    Parameters
+    ----------
+    plane : two str
+        Motors, or two of "x", "y" and "z" where no motor is named so: the tool's, in the world.
+    at : Configuration
+    window : mapping of str to (float, float), optional
+
+    Raises
+    ------
+    ArgumentError, UnknownNameError, NoToolError
+    """
+    names = () if isinstance(plane, str) else tuple(plane)
+    mechanism = at.mechanism
+    tool = names and all(name in TOOL_AXES and name not in mechanism.actuated for name in names)
+    if tool and len(set(names)) == len(names) == 2:
+        return _tool_chart((names[0], names[1]), at, window)
+    area = PlaneSlice.of(plane, at, window)
+    inner = None if mechanism.spec.tool.is_none else SingularEquations(mechanism, "loss")
+    return Chart(at, area, SingularEquations(mechanism, "gain"), "gain", inner, "loss")
+
+
+def _tool_chart(
+    names: tuple[str, str],
+    at: Configuration,
+    window: Mapping[str, tuple[float, float]] | None,
+) -> Chart:
+    mechanism, driven = at.mechanism, _driven(names, at)
+    place = at.tool_pose().translation
+    values = [place[TOOL_AXES.index(name)] for name in names]
+    start = driven.configuration(np.concatenate([at.q, values]))
+    reach = 2.0 * mechanism.characteristic_length
+    ranges = {
+        name: (value - reach, value + reach) for name, value in zip(names, values, strict=True)
+    }
+    area = PlaneSlice.of(names, start, {**ranges, **(window or {})})
+    partition = mechanism.problem.partition
+    block = RateBlock(partition.row_scale.size, partition.passive, partition.passive_rank)
+    inner = SingularEquations(driven, "gain", block=block) if block.rank else None
+    return Chart(at, area, SingularEquations(driven, "gain"), "loss", inner, "gain")
+
+
+def _driven(names: tuple[str, str], at: Configuration) -> Mechanism:
+    """Return the machine whose tool two slides lead from where it is, turning as `at` has it."""
+    mechanism, pose = at.mechanism, at.tool_pose()
+    key = ("tool plane", names, at.q.tobytes())
+    known: dict[Hashable, Mechanism] = mechanism._siblings
+    if key not in known:
+        known[key] = _led(names, at, pose)
+    return known[key]
+
+
+def _led(names: tuple[str, str], at: Configuration, pose: pin.SE3) -> Mechanism:
+    mechanism = at.mechanism
+    frame, spec, model = mechanism.spec.tool.frame, mechanism.spec, mechanism.model
+    if not frame:
+        raise ArgumentError("the tool's plane is of a tool that is one frame, not three points")
+    values = [pose.translation[TOOL_AXES.index(name)] for name in names]
+    home = pose.translation.copy()
+    carrier = 0
+    slides = {"x": pin.JointModelPX, "y": pin.JointModelPY, "z": pin.JointModelPZ}
+    for name in names:
+        if name in mechanism.coordinates.names:
+            raise ArgumentError(f"a joint of {mechanism.name} is named {quoted(name)} already")
+        home[TOOL_AXES.index(name)] = 0.0
+        carrier = model.addJoint(carrier, slides[name](), pin.SE3.Identity(), name)
+    target = pin.SE3(pose.rotation, home)
+    model.addFrame(pin.Frame(_TARGET, carrier, target, pin.FrameType.OP_FRAME), False)
+    held = FrameLoop if mechanism.problem.partition.tool_rows.angular else PointLoop
+    loops: list[Loop] = [resolved_loop(loop, mechanism.parameters) for loop in spec.loops]
+    q = np.concatenate([at.q, values])
+    driven = replace(
+        spec,
+        actuated=names,
+        passive=None,
+        loops=(*loops, held(frames=(frame, _TARGET))),
+        poses={"home": JointCoordinates(model).pose(q)},
+        spherical=(),
+        helical={},
+        armature={},
+        parameters={},
+        enforce_limits=False,
+    )
+    try:
+        found = Mechanism(build_parts(model, driven, {}, mechanism.urdf, q))
+    except ClosureError as error:
+        raise ArgumentError(f"the tool cannot be led from there: {error}") from None
+    if found.problem.partition.isolated or found.mobility != len(names):
+        turns = "as it is turned" if held is FrameLoop else "turning as it likes"
+        raise ArgumentError(
+            f"the tool of {mechanism.name} cannot be led along {names[0]} and {names[1]} {turns}: "
+            "name the rows of its twist that count, as with_tool(..., rows=...) takes them"
+        )
+    return found

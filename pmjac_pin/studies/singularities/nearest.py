@@ -1,0 +1,265 @@
+"""NearestSingularity: the singular pose that is nearest to a pose, by motors or by all joints."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Literal, TypeAlias
+
+import numpy as np
+import pinocchio as pin
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import ArgumentError, ClosureError, PmjacError, quoted
+from pmjac_pin.studies.evidence import Evidence
+from pmjac_pin.studies.modes.closed_pose import generator
+from pmjac_pin.studies.singularities.closest import ClosestPoint
+from pmjac_pin.studies.singularities.singular_equations import Freed, SingularEquations
+from pmjac_pin.values.arrays import Array, norm
+from pmjac_pin.values.checks import check_kind
+
+Space: TypeAlias = Literal["motors", "joints"]
+_SPACES = ("motors", "joints")
+_KINDS: tuple[Freed, ...] = ("gain", "loss")
+_REACHES = (0.3, 1.0, 2.5)  # rad or lengths: how far starts lead from the pose
+_SHY = 1e-6  # of the way: where a straight way ends that is to lead to the singular pose
+_ARRIVED = 2e-2  # rad or lengths between there and the singular pose
+
+
+@dataclass(frozen=True, slots=True)
+class NearestSingularity:
+    """The nearest singular pose that was found.
+
+    Attributes
+    ----------
+    configuration : Configuration or None
+        There; None where none was found.
+    freed : "gain" or "loss"
+        Whether K* drops there, or the tool loses a motion.
+    space : "motors" or "joints"
+    distance : float
+        Euclidean, in `unit`, from the pose to there; infinite where none was found.
+    unit : "m" or "rad"
+        Of `distance`: m where all that counts slides, else rad, a slide by `characteristic_length`
+        counting as 1 rad.
+    motor_change : mapping of str to float
+        The motors' values there less those here, m or rad.
+    straight : bool
+        Whether the motors' straight way from the pose leads there on its assembly mode and meets no
+        other singularity of K*. Else another way may lead there, or none.
+    starts, found : int
+        How many starts there were, and how many of them led to a singular pose.
+    """
+
+    configuration: Configuration | None
+    freed: Freed
+    space: Space
+    distance: float
+    unit: Literal["m", "rad"]
+    motor_change: Mapping[str, float]
+    straight: bool
+    starts: int
+    found: int
+
+    @property
+    def evidence(self) -> Evidence:
+        """What it rests on: it is an upper bound, as any singular pose is."""
+        if self.configuration is None:
+            return Evidence("nothing", f"none of {self.starts} starts led to a singular pose")
+        return Evidence(
+            "tolerance",
+            f"a local estimate: {self.found} of {self.starts} starts led to a singular pose, of "
+            f"which this is the nearest{' that a straight way leads to' * self.straight}; it is "
+            "closed, and singular to 1e-10; a nearer one may not have been met",
+        )
+
+    def __bool__(self) -> bool:
+        return self.configuration is not None
+
+
+def nearest_singularity(
+    configuration: Configuration,
+    *,
+    kind: Freed | None = None,
+    space: Space = "motors",
+    starts: int = 6,
+    rng: np.random.Generator | int = 0,
+) -> NearestSingularity:
+    """Return the singular pose that is nearest to a pose: an estimate, no proof.
+
+    The least |W (θ − θ₀)| of the poses with η(q) = 0 where K*, or what the tool feels, has less
+    than its generic rank, by Newton's method along the locus of such poses (`SingularEquations`),
+    from the pose itself and from where motors in random directions lead.
+
+    Parameters
+    ----------
+    configuration : Configuration
+    kind : {"gain", "loss"}, optional
+        A gain: K* drops, and passive joints come free with the motors locked. A loss: the tool
+        loses a motion, on the judged rows. The nearer one when None.
+    space : {"motors", "joints"}
+        Whether motors count or all joints of the cut tree.
+    starts : int
+        Random directions, 0 or more.
+    rng : Generator or int
+        For these.
+
+    Raises
+    ------
+    ArgumentError
+        Another kind or space; a mechanism that cannot be singular so, or whose generic ranks are
+        not known; a joint that is not in the table of joints.
+    NoToolError
+        A loss, and no frame is named as the tool.
+
+    Examples
+    --------
+    A 2R arm loses a motion where its elbow is stretched:
+
+    >>> import pmjac_pin as pj
+    >>> arm = pj.load("serial_2r").close([0.3, 0.9])
+    >>> nearest = pj.nearest_singularity(arm)
+    >>> nearest.freed, round(nearest.distance, 9), nearest.unit
+    ('loss', 0.9, 'rad')
+    >>> nearest.motor_change["theta2"]
+    -0.9...
+    """
+    check_kind(configuration, Configuration)
+    if space not in _SPACES:
+        raise ArgumentError(f"space is motors or joints, got {quoted(space)}")
+    if kind is not None and kind not in _KINDS:
+        raise ArgumentError(f"kind is gain or loss, got {quoted(kind)}")
+    if not (isinstance(starts, int) and starts >= 0):
+        raise ArgumentError(f"starts is a whole number ≥ 0, got {quoted(starts)}")
+    equations = _equations(configuration, kind)
+    measure = Measure(configuration, space)
+    begun = [configuration.q, *_starts(configuration, starts, generator(rng))]
+    found = [_nearest(configuration, one, measure, begun) for one in equations]
+    return min(found, key=lambda one: one.distance)
+
+
+class Measure:
+    """How far a pose is from a given one: what changes, and its derivative.
+
+    Parameters
+    ----------
+    configuration : Configuration
+    space : "motors" or "joints"
+    """
+
+    def __init__(self, configuration: Configuration, space: Space) -> None:
+        parts = configuration.mechanism._parts
+        partition = parts.problem.partition
+        self._q, self._model, self.space = configuration.q, parts.model, space
+        self._columns = partition.actuated if space == "motors" else np.arange(parts.model.nv)
+        slides = np.array([partition.units[k] == "m" for k in range(parts.model.nv)])
+        self._stride = np.where(slides, partition.length, 1.0)
+        self.unit: Literal["m", "rad"] = "m" if slides[self._columns].all() else "rad"
+        self._scale = np.ones(slides.size) if self.unit == "m" else 1.0 / self._stride
+
+    def __call__(self, q: Array) -> tuple[Array, Array]:
+        """Return F (k,), in `unit`, and ∂F by q in lengths or rad (k, nv)."""
+        change = pin.difference(self._model, self._q, q)
+        by_q = pin.dDifference(self._model, self._q, q, pin.ARG1)
+        scaled = self._scale[:, None] * by_q * self._stride
+        return (self._scale * change)[self._columns], scaled[self._columns]
+
+
+def _equations(configuration: Configuration, kind: Freed | None) -> list[SingularEquations]:
+    """Return the equations of the kind that is asked for, of all that there are for None."""
+    mechanism = configuration.mechanism
+    if configuration._problem is not mechanism._parts.problem:
+        told = "the pose is on a branch of more motions than home has"
+        raise ArgumentError(f"{told}: ask a mechanism whose home is on this branch")
+    if kind is not None:
+        return [SingularEquations(mechanism, kind)]
+    found, refused = [], None
+    for one in _KINDS:
+        try:
+            found.append(SingularEquations(mechanism, one))
+        except PmjacError as error:
+            refused = error
+    if not found and refused is not None:
+        raise refused
+    return found
+
+
+def _starts(configuration: Configuration, count: int, rng: np.random.Generator) -> Iterator[Array]:
+    """Yield closed q where the motors lead in random directions, or where they cannot go on."""
+    mechanism = configuration.mechanism
+    partition = mechanism._parts.problem.partition
+    stride = partition.length * partition.motor_scale
+    for number in range(count):
+        way = rng.normal(size=stride.size)
+        far = _REACHES[number % len(_REACHES)] * stride * way / norm(way)
+        try:
+            target = configuration.actuated + far
+            yield mechanism.close(target, configuration, enforce_limits=False).q
+        except ClosureError as error:
+            if error.reached is not None:
+                yield error.reached.q
+
+
+def _nearest(
+    configuration: Configuration,
+    equations: SingularEquations,
+    measure: Measure,
+    begun: Sequence[Array],
+) -> NearestSingularity:
+    found = _singular_poses(configuration, ClosestPoint(equations, measure), begun)
+    straight = next((one for one in found if _leads_straight(configuration, one[1])), None)
+    distance, there = straight or next(iter(found), (math.inf, None))
+    return NearestSingularity(
+        configuration=there,
+        freed=equations.freed,
+        space=measure.space,
+        distance=distance,
+        unit=measure.unit,
+        motor_change=MappingProxyType(_motor_change(configuration, there)),
+        straight=straight is not None,
+        starts=len(begun),
+        found=len(found),
+    )
+
+
+def _singular_poses(
+    configuration: Configuration, search: ClosestPoint, begun: Sequence[Array]
+) -> list[tuple[float, Configuration]]:
+    """Return what the starts lead to, nearest first."""
+    found = []
+    for q in begun:
+        if (closest := search.from_start(q)) is not None:
+            with suppress(ClosureError):
+                there = configuration.mechanism.configuration(closest.point.q)
+                found.append((closest.distance, there))
+    return sorted(found, key=lambda one: one[0])
+
+
+def _change(configuration: Configuration, there: Configuration) -> Array:
+    return np.asarray(
+        pin.difference(configuration.mechanism._parts.model, configuration.q, there.q)
+    )
+
+
+def _motor_change(configuration: Configuration, there: Configuration | None) -> dict[str, float]:
+    if there is None:
+        return {}
+    partition = configuration.mechanism._parts.problem.partition
+    change = _change(configuration, there)[partition.actuated]
+    return dict(zip(partition.actuated_names, change.tolist(), strict=True))
+
+
+def _leads_straight(configuration: Configuration, there: Configuration) -> bool:
+    """Tell whether motors that move straight lead there, up to a millionth of their way."""
+    partition = configuration.mechanism._parts.problem.partition
+    way = _change(configuration, there)[partition.actuated]
+    target = configuration.actuated + (1.0 - _SHY) * way
+    try:
+        reached = configuration.mechanism.close(target, configuration, enforce_limits=False)
+    except ClosureError:
+        return False
+    left = _change(reached, there) / (partition.length * partition.column_scale)
+    return norm(left) <= _ARRIVED

@@ -1,0 +1,162 @@
+"""PlaneSlice: two motors that vary within a window, and all others where a pose has them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import ArgumentError, quoted, unknown_name
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.values.arrays import Array, Index, Mask, norm
+from pmjac_pin.values.checks import as_numbers
+
+_TURN = 2.0 * np.pi
+_SLACK = 1e-12  # of a window: rounding on its border is no leaving
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlaneSlice:
+    """A plane of motor values.
+
+    Attributes
+    ----------
+    mechanism : Mechanism
+        Whose motors these are.
+    at : Configuration
+        Has the values of the motors that stay.
+    names : tuple of two str
+    columns, held : ndarray of int, shapes (2,) and (n − 2,)
+        Columns of the two motors, and of those that stay.
+    lower, upper : ndarray, shape (2,)
+        The window, m or rad.
+    """
+
+    mechanism: Mechanism
+    at: Configuration
+    names: tuple[str, str]
+    columns: Index
+    held: Index
+    lower: Array
+    upper: Array
+
+    @classmethod
+    def of(
+        cls, plane: Sequence[str], at: Configuration, window: Mapping[str, object] | None
+    ) -> PlaneSlice:
+        """Return the slice through a pose.
+
+        Parameters
+        ----------
+        plane : two str
+            Motors.
+        at : Configuration
+        window : mapping of str to (float, float), optional
+            The range of each; by default its limits, of an angle one turn at most.
+
+        Raises
+        ------
+        ArgumentError, UnknownNameError
+        """
+        mechanism = at.mechanism
+        names = _two_motors(plane, mechanism)
+        partition = mechanism.problem.partition
+        columns = np.array([partition.columns[name] for name in names])
+        if mechanism.coordinates.curved[columns].any():
+            raise ArgumentError(f"{names[0]!r} or {names[1]!r} turns about more than one axis")
+        held = np.array([c for c in partition.actuated.tolist() if c not in columns], dtype=np.intp)
+        ranges = _window(names, mechanism, window)
+        return cls(mechanism, at, names, columns, held, ranges[:, 0], ranges[:, 1])
+
+    @property
+    def size(self) -> Array:
+        """Width and height of the window, m or rad."""
+        return np.asarray(self.upper - self.lower)
+
+    @property
+    def units(self) -> tuple[str, str]:
+        """Of the two motors, "m" or "rad"."""
+        first, second = (self.mechanism.units[name] for name in self.names)
+        return first, second
+
+    @property
+    def held_values(self) -> dict[str, float]:
+        """The values of the motors that stay, by name."""
+        values = dict(zip(self.mechanism.actuated, self.at.actuated.tolist(), strict=True))
+        return {name: value for name, value in values.items() if name not in self.names}
+
+    def axes(self, cells: tuple[int, int]) -> dict[str, Array]:
+        """Return so many values of each motor, over the whole window."""
+        ends = zip(self.names, self.lower, self.upper, cells, strict=True)
+        return {name: np.linspace(low, high, count) for name, low, high, count in ends}
+
+    def places(self, q: Array) -> Array:
+        """Return where poses (..., nq) are in the plane, (..., 2)."""
+        return self.mechanism.coordinates.values_of(q, self.columns)
+
+    def inside(self, places: Array) -> Mask:
+        """Tell which places (..., 2) are in the window."""
+        slack = _SLACK * self.size
+        within = (places >= self.lower - slack) & (places <= self.upper + slack)
+        return np.asarray(within.all(axis=-1))
+
+    def apart(self, q: Array, other: Array) -> float:
+        """Return how far two poses are from each other, lengths or rad, full turns aside."""
+        problem, coordinates = self.mechanism.problem, self.mechanism.coordinates
+        away = problem.difference(q, other)
+        turning = coordinates.angles | coordinates.wraps
+        away[turning] = np.remainder(away[turning] + np.pi, _TURN) - np.pi
+        return norm(away / (problem.partition.length * problem.partition.column_scale))
+
+    def turned_back(self, q: Array) -> list[Array]:
+        """Return the same pose at the other side of the window, where that is a full turn."""
+        found, coordinates = [], self.mechanism.coordinates
+        place = self.places(q)
+        for k, column in enumerate(self.columns.tolist()):
+            if not coordinates.angles[column] or abs(self.size[k] - _TURN) > 1e-9:
+                continue
+            for side, way in ((self.lower[k], _TURN), (self.upper[k], -_TURN)):
+                if abs(place[k] - side) <= 1e-9:
+                    values = np.array([place[k] + way])
+                    found.append(coordinates.with_values(q, self.columns[[k]], values))
+        return found
+
+
+def _two_motors(plane: Sequence[str], mechanism: Mechanism) -> tuple[str, str]:
+    given = () if isinstance(plane, str) else tuple(plane)
+    if len(given) != 2 or given[0] == given[1]:
+        raise ArgumentError(f"a plane is two motors by name, got {quoted(plane)}")
+    for name in given:
+        if name not in mechanism.actuated:
+            raise unknown_name("motor", name, mechanism.actuated)
+    return given[0], given[1]
+
+
+def _window(
+    names: tuple[str, str], mechanism: Mechanism, window: Mapping[str, object] | None
+) -> Array:
+    given = {} if window is None else window
+    if not isinstance(given, Mapping):
+        raise ArgumentError(f"`window` has a range for each motor by name, got {quoted(window)}")
+    for name in given:
+        if name not in names:
+            raise unknown_name("motor of the plane", str(name), names)
+    return np.array([_range(name, mechanism, given.get(name)) for name in names])
+
+
+def _range(name: str, mechanism: Mechanism, given: object) -> Array:
+    lower, upper = mechanism.limits(name)
+    column = mechanism.problem.partition.columns[name]
+    coordinates = mechanism.coordinates
+    if given is None:
+        if coordinates.angles[column] or coordinates.wraps[column]:
+            lower, upper = max(lower, -np.pi), min(upper, np.pi)
+        if not np.isfinite(upper - lower):
+            raise ArgumentError(f"{name!r} has no limits: give its range in `window`")
+        return np.array([lower, upper])
+    ends = as_numbers(given, f"the range of {name!r}")
+    if ends.shape != (2,) or not ends[0] < ends[1]:
+        raise ArgumentError(f"the range of {name!r} is (lower, upper), got {quoted(given)}")
+    return ends

@@ -1,0 +1,227 @@
+"""singularity_locus: the curves of singular poses in a slice, traced from seeds of a grid."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.studies.evidence import Evidence
+from pmjac_pin.studies.modes.find import assembly_modes
+from pmjac_pin.studies.singularities.charts import Chart, chart
+from pmjac_pin.studies.singularities.curve_tracing import Traced, Tracer
+from pmjac_pin.studies.singularities.locus import (
+    LocusCurve,
+    LocusMark,
+    LocusPoint,
+    SingularityLocus,
+)
+from pmjac_pin.studies.singularities.locus_finding import LocusFinding
+from pmjac_pin.studies.singularities.locus_marks import crossings, cusps
+from pmjac_pin.studies.singularities.sheets import Sheets
+from pmjac_pin.studies.singularities.singular_equations import Freed, SingularEquations
+from pmjac_pin.values.arrays import Array, norm
+from pmjac_pin.values.checks import check_kind
+
+_KINDS: tuple[Freed, ...] = ("gain", "loss")
+_MOST_SHEETS = 64
+
+
+def singularity_locus(
+    mechanism: Mechanism,
+    plane: Sequence[str],
+    *,
+    at: str | Configuration = "home",
+    window: Mapping[str, tuple[float, float]] | None = None,
+    kinds: Iterable[Freed] = _KINDS,
+    cells: int = 81,
+    modes: Iterable[Configuration] | None = None,
+) -> SingularityLocus:
+    """Trace the curves of singular poses in a two-dimensional slice of motor or tool space.
+
+    The closed poses at which η(q) = 0, M(q) u = 0 and uᵀ u = 1 are a curve in the slice, M being K*
+    for what is gained and [K K*] above the tool's rows for what is lost. It is followed along its
+    tangent, Newton leading back to it after each step: each point is closed and singular to 1e-12.
+    Seeds are cells of a grid on the border of what an assembly mode reaches, or in a valley of what
+    vanishes; from each curve of gain lead the two modes that meet there, whose grids give further
+    seeds, until there is no new one.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    plane : two str
+        The motors that vary; or two of "x", "y" and "z", the tool's place in the world, the third
+        staying where it is and the tool turned as it is, where the rows of its twist that count
+        have angular ones.
+    at : str or Configuration
+        Where the others stay.
+    window : mapping of str to (float, float), optional
+        The range of each, m or rad; by default their limits, of an angle [−π, π] at most, and of
+        the tool two characteristic lengths to each side.
+    kinds : iterable of {"gain", "loss"}
+        Which singularities: type II, type I.
+    cells : int
+        Of the grid, along each axis.
+    modes : iterable of Configuration, optional
+        Where to begin, in the slice; by default all assembly modes at `at`, and for the tool's
+        plane, `at` alone, from which other working modes are met.
+
+    Returns
+    -------
+    SingularityLocus
+
+    Raises
+    ------
+    ArgumentError, UnknownNameError, NoToolError
+        No such motors or range; a loss without a tool.
+
+    References
+    ----------
+    C. Gosselin and J. Angeles, *Singularity analysis of closed-loop kinematic chains*, IEEE
+    Transactions on Robotics and Automation 6 (1990), equations (2) to (4).
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> bar = pj.load("five_bar")
+    >>> locus = pj.singularity_locus(bar, ("theta1", "theta2"), kinds=["gain"], cells=41)
+    >>> locus.residual < 1e-10, len(locus.modes)
+    (True, 2)
+    """
+    check_kind(mechanism, Mechanism)
+    start = mechanism.pose(at) if isinstance(at, str) else at
+    if not isinstance(start, Configuration) or start.mechanism != mechanism:
+        raise ArgumentError(f"`at` is a pose of the mechanism or its name, got {quoted(at)}")
+    asked = _kinds(kinds)
+    drawn = chart(plane, start, window)
+    sheets = Sheets(drawn.area, _cells(cells))
+    for mode in _begin(drawn) if modes is None else modes:
+        sheets.add(drawn.lifted(mode))
+    folds = LocusFinding(drawn.area, drawn.folds, sheets, drawn.fold_kind)
+    _over_the_folds(folds, drawn.folds)
+    found = [folds] if drawn.fold_kind in asked else []
+    if drawn.inner_kind in asked:
+        if drawn.inner is None:
+            mechanism.need_tool()
+            raise ArgumentError(f"{mechanism.name} has no loops: it gains nothing")
+        within = LocusFinding(drawn.area, drawn.inner, sheets, drawn.inner_kind)
+        for sheet in sheets.known:
+            within.seek(sheets.inner_seeds(sheet, drawn.inner))
+        found.append(within)
+    return _locus(drawn, sheets, found, cells)
+
+
+def _cells(cells: int) -> tuple[int, int]:
+    if not isinstance(cells, int) or isinstance(cells, bool) or cells < 2:
+        raise ArgumentError(f"`cells` is a number, 2 or more, got {quoted(cells)}")
+    return cells, cells
+
+
+def _begin(drawn: Chart) -> Iterable[Configuration]:
+    """Return all assembly modes at the slice's pose; of the tool's plane, that pose alone."""
+    if drawn.in_tool_space:
+        return [drawn.at]
+    return assembly_modes(drawn.at.mechanism, drawn.at.actuated, rng=0, limits=False)
+
+
+def _kinds(kinds: Iterable[Freed]) -> tuple[Freed, ...]:
+    given = () if isinstance(kinds, str) else tuple(kinds)
+    if not given or any(kind not in _KINDS for kind in given):
+        raise ArgumentError(f"`kinds` are some of 'gain' and 'loss', got {quoted(kinds)}")
+    return given
+
+
+def _over_the_folds(folds: LocusFinding, equations: SingularEquations) -> None:
+    """Seek curves of gain on all sheets, those too that are met over a fold."""
+    done = 0
+    while done < min(len(folds.sheets.known), _MOST_SHEETS):
+        sheet = folds.sheets.known[done]
+        for curve in folds.seek(folds.sheets.border_seeds(sheet, equations)):
+            for mode in folds.beside(curve):
+                folds.sheets.add(mode)
+        done += 1
+
+
+def _locus(
+    drawn: Chart, sheets: Sheets, found: Sequence[LocusFinding], cells: int
+) -> SingularityLocus:
+    curves: list[Traced] = []
+    tracers: list[Tracer] = []
+    told: list[LocusCurve] = []
+    points: list[LocusPoint] = []
+    for finding in found:
+        for curve in finding.curves:
+            if finding.stays(curve):
+                points.append(_special("isolated point", drawn, curve.q[0], (), finding.kind))
+                continue
+            number = (len(curves),)
+            curves.append(curve)
+            tracers.append(finding.tracer)
+            told.append(_told(drawn, finding, curve))
+            if finding.equations is drawn.folds:
+                turning = cusps(finding.tracer, finding.equations, curve)
+                points += [_special("cusp", drawn, one.q, number, finding.kind) for one in turning]
+        points += [
+            _special("isolated point", drawn, one.q, (), finding.kind) for one in finding.isolated
+        ]
+    for one in crossings(tracers, curves):
+        mark: LocusMark = "branch point" if one.meets else "crossing"
+        kind = told[one.curves[0]].kind
+        points.append(_special(mark, drawn, one.first.q, one.curves, kind))
+    area = drawn.area
+    return SingularityLocus(
+        at=drawn.at,
+        plane=area.names,
+        units=area.units,
+        held=drawn.held,
+        lower=area.lower,
+        upper=area.upper,
+        curves=tuple(told),
+        points=tuple(points),
+        modes=tuple(
+            drawn.at.mechanism.configuration(drawn.original(sheet.start.q))
+            for sheet in sheets.known
+        ),
+        evidence=_evidence(told, sheets, cells, drawn.in_tool_space),
+    )
+
+
+def _special(
+    mark: LocusMark, drawn: Chart, q: Array, curves: tuple[int, ...], kind: Freed
+) -> LocusPoint:
+    return LocusPoint(mark, drawn.area.places(q), drawn.original(q), curves, kind)
+
+
+def _told(drawn: Chart, finding: LocusFinding, curve: Traced) -> LocusCurve:
+    area, equations = finding.area, finding.equations
+    partition = equations.partition
+    stride = partition.length * partition.column_scale[area.columns]
+    tangents = np.array([one.tangent[area.columns] for one in curve.points])
+    return LocusCurve(
+        kind=finding.kind,
+        places=area.places(curve.q),
+        q=drawn.original(curve.q),
+        directions=tangents * stride,
+        is_closed=curve.is_closed,
+        modes=finding.modes_of(curve),
+        residual=max(norm(equations.residual(one.point)) for one in curve.points),
+        complete=not {"lost", "long"} & set(curve.ends),
+    )
+
+
+def _evidence(
+    curves: Sequence[LocusCurve], sheets: Sheets, cells: int, in_tool_space: bool
+) -> Evidence:
+    worst = max((curve.residual for curve in curves), default=0.0)
+    cut = sum(not curve.complete for curve in curves)
+    unfinished = f"; {cut} could not be followed to their ends" if cut else ""
+    modes = "working" if in_tool_space else "assembly"
+    return Evidence(
+        "tolerance",
+        f"each point of {len(curves)} curves is closed and singular to {worst:.1g}{unfinished}; "
+        f"their seeds are from a grid of {cells} x {cells} cells on {len(sheets.known)} "
+        f"{modes} modes: a curve smaller than a cell may be missed, and what is on other modes",
+    )

@@ -1,0 +1,1 @@
+"""Where the tool gets: regions of a slice, their borders and areas."""

@@ -1,0 +1,245 @@
+"""Pieces of curves between their corners and crossings, and the area that they enclose."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
+from pmjac_pin.studies.singularities.locus_marks import crossings
+from pmjac_pin.values.arrays import Array
+
+_HALVINGS = 80
+_SAME = 1e-6  # of the window: places that are one
+_ALIKE = 2e-2  # of a piece's length: middles of pieces that lie on each other
+_ASIDE = 2e-3  # of the window: to both sides of a piece
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Piece:
+    """A smooth piece of a curve in the plane.
+
+    Attributes
+    ----------
+    places, directions : ndarray, shape (N, 2)
+        Directions of unit length; at corners those of the piece's other end of the same chord.
+    what : str
+        What keeps the tool within.
+    """
+
+    places: Array
+    directions: Array
+    what: str
+
+    @property
+    def backwards(self) -> Piece:
+        """The same, from its end to its beginning."""
+        return replace(self, places=self.places[::-1], directions=-self.directions[::-1])
+
+    @property
+    def middle(self) -> tuple[Array, Array]:
+        """A place within and the direction there."""
+        k = (len(self.places) - 1) // 2
+        place, direction = _hermite(*self.places[k : k + 2], *self.directions[k : k + 2])
+        return place, direction
+
+    def area(self) -> float:
+        """Return ½ ∮ (x dy − y dx) along it, by a cubic over each chord."""
+        total = 0.0
+        for k in range(len(self.places) - 1):
+            total += _swept(*self.places[k : k + 2], *self.directions[k : k + 2])
+        return total
+
+
+def pieces(
+    tracers: Sequence[Tracer], curves: Sequence[Traced], names: Sequence[str]
+) -> Iterator[Piece]:
+    """Yield the curves cut at their corners and where they cross.
+
+    A corner is where the place turns back: two reasons to stop meet there.
+
+    Parameters
+    ----------
+    tracers, curves : sequences
+        Of each curve.
+    names : sequence of str
+        What each is.
+    """
+    cuts = [list(_corners(*pair)) for pair in zip(tracers, curves, strict=True)]
+    for one in crossings(tracers, curves):
+        for number, point in zip(one.curves, (one.first, one.second), strict=True):
+            found = _placed(tracers[number], curves[number], point.q)
+            if found is not None:
+                cuts[number].append(found)
+    for tracer, curve, where, name in zip(tracers, curves, cuts, names, strict=True):
+        yield from _cut(tracer, curve, where, name)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Cut:
+    """Where a curve is cut: after a point, at a share of the way to the next."""
+
+    after: int
+    share: float
+    place: Array
+
+
+def _corners(tracer: Tracer, curve: Traced) -> Iterator[_Cut]:
+    """Yield where the place turns back."""
+    ways = [_way(tracer, one) for one in curve.points]
+    for k, (first, second) in enumerate(zip(curve.points, curve.points[1:], strict=False)):
+        if ways[k] @ ways[k + 1] < 0.0:
+            found = _turning(tracer, first, second, ways[k])
+            if found is not None:
+                yield _Cut(k, *found)
+
+
+def _way(tracer: Tracer, one: OnCurve) -> Array:
+    """Return how the place changes along a curve, m or rad."""
+    area, partition = tracer.area, tracer.equations.partition
+    scale = partition.length * partition.column_scale[area.columns]
+    return np.asarray(scale * one.tangent[area.columns])
+
+
+def _turning(
+    tracer: Tracer, first: OnCurve, second: OnCurve, way: Array
+) -> tuple[float, Array] | None:
+    """Return the share of the chord at which the place turns back, and the place there."""
+    low, high, found = 0.0, 1.0, None
+    for _ in range(_HALVINGS):
+        share = 0.5 * (low + high)
+        point = tracer.between(first, second, share)
+        here = None if point is None else tracer.on_curve(point, first.tangent)
+        if here is None or point is None:
+            return found
+        found = share, tracer.area.places(point.q)
+        low, high = (share, high) if _way(tracer, here) @ way > 0.0 else (low, share)
+        if high - low < 1e-9:
+            break
+    return found
+
+
+def _placed(tracer: Tracer, curve: Traced, q: Array) -> _Cut | None:
+    """Return where on a curve a pose of it is."""
+    apart = [tracer.area.apart(other, q) for other in curve.q]
+    nearest = int(np.argmin(apart))
+    place = tracer.area.places(q)
+    best: _Cut | None = None
+    for k in (nearest - 1, nearest):
+        if 0 <= k < len(curve.points) - 1:
+            ends = tracer.area.places(curve.q[k : k + 2])
+            chord = ends[1] - ends[0]
+            share = float((place - ends[0]) @ chord / max(chord @ chord, 1e-300))
+            if -1e-6 <= share <= 1.0 + 1e-6:
+                best = _Cut(k, min(max(share, 0.0), 1.0), place)
+    return best
+
+
+def _cut(tracer: Tracer, curve: Traced, cuts: list[_Cut], name: str) -> Iterator[Piece]:
+    """Yield the pieces of a curve; those of a closed one begin at its first cut."""
+    places = tracer.area.places(curve.q)
+    ways = np.array([_way(tracer, one) for one in curve.points])
+    sizes = np.linalg.norm(ways, axis=1, keepdims=True)
+    ways = ways / np.where(sizes > 0.0, sizes, 1.0)
+    order = sorted(cuts, key=lambda one: (one.after, one.share))
+    ends = [_Cut(0, 0.0, places[0]), *order, _Cut(len(places) - 2, 1.0, places[-1])]
+    found = []
+    for begin, end in itertools.pairwise(ends):
+        within = slice(begin.after + 1, end.after + 1)
+        inner, along = places[within], ways[within]
+        if not len(inner):
+            continue
+        row = np.vstack([begin.place, inner, end.place])
+        first = _first_way(row[1] - row[0], along[0])
+        last = _first_way(row[-1] - row[-2], along[-1])
+        found.append(Piece(row, np.vstack([first, along, last]), name))
+    if curve.is_closed and len(found) > 1 and order:
+        found[0] = _joined(found.pop(), found[0])
+    yield from found
+
+
+def _first_way(chord: Array, way: Array) -> Array:
+    """Return the direction at the other end of a chord: that of a circle with the way at this."""
+    length = np.linalg.norm(chord)
+    if not length > 0.0:
+        return way
+    chord = chord / length
+    return np.asarray(2.0 * (way @ chord) * chord - way)
+
+
+def _joined(first: Piece, second: Piece) -> Piece:
+    places = np.vstack([first.places[:-1], second.places[1:]])
+    ways = np.vstack([first.directions[:-1], second.directions[1:]])
+    return Piece(places, ways, first.what)
+
+
+def border(
+    found: Sequence[Piece], size: Array, reached: Callable[[Array], bool]
+) -> tuple[Piece, ...]:
+    """Return the pieces that have what is reached on one side alone, each once, it on their left.
+
+    Parameters
+    ----------
+    found : sequence of Piece
+    size : ndarray, shape (2,)
+        Of the window.
+    reached : callable
+        place ↦ whether it is.
+    """
+    kept: list[Piece] = []
+    for piece in found:
+        if any(_lies_on(piece, other, size) for other in kept):
+            continue
+        place, way = piece.middle
+        left = _ASIDE * size.max() * np.array([-way[1], way[0]])
+        on_left, on_right = reached(place + left), reached(place - left)
+        if on_left != on_right:
+            kept.append(piece if on_left else piece.backwards)
+    return tuple(kept)
+
+
+def _lies_on(piece: Piece, other: Piece, size: Array) -> bool:
+    """Tell whether two pieces have the same ends and the same middle."""
+    ends = piece.places[[0, -1]]
+    same = [np.abs(ends - row).max() <= _SAME * size.max() for row in _both_ways(other)]
+    if not any(same):
+        return False
+    length = np.linalg.norm(np.diff(piece.places, axis=0), axis=1).sum()
+    away = np.linalg.norm(other.places - piece.middle[0], axis=1).min()
+    step = np.linalg.norm(np.diff(other.places, axis=0), axis=1).max()
+    return bool(away <= max(_ALIKE * length, step))
+
+
+def _both_ways(piece: Piece) -> tuple[Array, Array]:
+    ends = piece.places[[0, -1]]
+    return ends, ends[::-1]
+
+
+def _pace(first: Array, second: Array, begin: Array, end: Array) -> float:
+    """Return the length of the arc over a chord, as of a circle."""
+    chord = float(np.linalg.norm(second - first))
+    half = 0.5 * np.arccos(np.clip(begin @ end, -1.0, 1.0))
+    return chord * float(half / np.sin(half)) if half > 1e-9 else chord
+
+
+def _hermite(first: Array, second: Array, begin: Array, end: Array) -> tuple[Array, Array]:
+    """Return the middle of a cubic and its direction there."""
+    length = _pace(first, second, begin, end)
+    place = 0.5 * (first + second) + 0.125 * length * (begin - end)
+    direction = 1.5 * (second - first) - 0.25 * length * (begin + end)
+    return place, direction / np.linalg.norm(direction)
+
+
+def _swept(first: Array, second: Array, begin: Array, end: Array) -> float:
+    """Return ½ ∫ (x dy − y dx) along a cubic: the chord's, and what is beside it."""
+    length = _pace(first, second, begin, end)
+    m0, m1, chord = length * begin, length * end, second - first
+    beside = (_cross(m0, chord) + _cross(chord, m1)) / 10.0 - _cross(m0, m1) / 60.0
+    return 0.5 * _cross(first, second) + beside
+
+
+def _cross(a: Array, b: Array) -> float:
+    return float(a[0] * b[1] - a[1] * b[0])

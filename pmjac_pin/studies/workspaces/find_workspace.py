@@ -1,0 +1,288 @@
+"""workspace: the region of a slice that one mode reaches, its border and a map of it."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Mapping, Sequence
+
+import numpy as np
+
+from pmjac_pin.batches.batch import Batch
+from pmjac_pin.batches.results import Status
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.model.limits import beyond_limits
+from pmjac_pin.studies.assembled_poses import assembled_poses
+from pmjac_pin.studies.evidence import Evidence
+from pmjac_pin.studies.singularities.charts import TOOL_AXES, Chart, chart
+from pmjac_pin.studies.singularities.curve_tracing import Traced, Tracer
+from pmjac_pin.studies.singularities.locus_finding import LocusFinding
+from pmjac_pin.studies.singularities.sheets import Sheet, Sheets
+from pmjac_pin.studies.workspaces.border_pieces import Piece, border, pieces
+from pmjac_pin.studies.workspaces.limit_equations import LimitEquations
+from pmjac_pin.studies.workspaces.map_measures import MAP_MEASURES, checked_measure
+from pmjac_pin.studies.workspaces.workspace import BorderPiece, Workspace
+from pmjac_pin.values.arrays import Array, Mask
+from pmjac_pin.values.checks import as_flag, check_kind
+
+_TRIED = 9  # cells near a place, from which it is walked to
+_HELD = 1e-9  # m, rad, or of a rotation: poses of one slice
+_ENDS = 1e-6  # of the window: ends of pieces that meet
+
+
+def workspace(
+    mechanism: Mechanism,
+    plane: Sequence[str],
+    *,
+    mode: str | Configuration = "home",
+    measure: str | None = None,
+    window: Mapping[str, tuple[float, float]] | None = None,
+    cells: int = 101,
+    limits: bool = True,
+    trace: bool = True,
+) -> Workspace:
+    """Find what one mode of a mechanism reaches in a slice of motor or tool space.
+
+    A grid is walked from cell to cell, so that the region is what is reached without leaving the
+    mode; its border is traced along the poses at which the machine turns back, and those at which
+    a joint is at its limit.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    plane : two str
+        Motors, or two of "x", "y" and "z" of the tool, as of `singularity_locus`.
+    mode : str or Configuration
+        The pose that is begun from: it has the assembly mode, the working mode, and what does not
+        vary.
+    measure : str, optional
+        What colours the map: "smallest singular value" or "conditioning" of K*, "dexterity" (least
+        by largest speed of the tool's point for unit motor rates), "gear ratio" (the least),
+        "speed" (the largest), "force" (that unit motor efforts bear in each direction).
+    window : mapping of str to (float, float), optional
+        As of `singularity_locus`.
+    cells : int
+        Of the grid, along each axis.
+    limits : bool
+        Whether the joints keep within their limits, motors and others.
+    trace : bool
+        Whether the border is traced, and the area found.
+
+    Returns
+    -------
+    Workspace
+
+    Raises
+    ------
+    ArgumentError, UnknownNameError, NoToolError
+
+    Examples
+    --------
+    Links of 1 and pivots 1 apart: two discs of radius 2, what they share.
+
+    >>> import pmjac_pin as pj
+    >>> bar = pj.load("five_bar", dict.fromkeys(("l0", "l1", "l2", "l3", "l4"), 1.0))
+    >>> window = {"x": (-2.5, 3.5), "y": (-2.5, 2.5)}
+    >>> round(pj.workspace(bar, ("x", "y"), window=window, cells=31).area, 5)
+    8.60844
+    """
+    check_kind(mechanism, Mechanism)
+    start = mechanism.pose(mode) if isinstance(mode, str) else mode
+    if not isinstance(start, Configuration) or start.mechanism != mechanism:
+        raise ArgumentError(f"`mode` is a pose of the mechanism or its name, got {quoted(mode)}")
+    if not isinstance(cells, int) or isinstance(cells, bool) or cells < 2:
+        raise ArgumentError(f"`cells` is a number, 2 or more, got {quoted(cells)}")
+    name = None if measure is None else checked_measure(measure)
+    drawn = chart(plane, start, window)
+    sheets = Sheets(drawn.area, (cells, cells), limits=False)
+    number = sheets.add(drawn.lifted(start))
+    if number is None:
+        raise ArgumentError("no cell of the grid is reached: name a window around the pose")
+    region = _Region(drawn, sheets.known[number], limits=as_flag(limits, "limits"))
+    found = _traced_border(drawn, sheets, region) if as_flag(trace, "trace") else ()
+    closed = _closes(found, drawn.area.size)
+    axes = tuple(drawn.area.axes((cells, cells)).values())
+    return Workspace(
+        at=start,
+        plane=drawn.area.names,
+        units=drawn.area.units,
+        held=drawn.held,
+        mode=_mode_name(drawn, sheets, number),
+        first=axes[0],
+        second=axes[1],
+        reached=region.reached,
+        q=np.where(region.reached[..., None], drawn.original(region.sheet.cells.q), np.nan),
+        measure=name or "",
+        values=_values(drawn, region, name),
+        border=tuple(BorderPiece(one.places, one.what) for one in found),
+        area=sum(one.area() for one in found) if closed else float("nan"),
+        evidence=_evidence(found, closed, cells),
+    )
+
+
+class _Region:
+    """The cells of a sheet that are within limits and hang together with its start."""
+
+    def __init__(self, drawn: Chart, sheet: Sheet, *, limits: bool) -> None:
+        self.drawn, self.sheet, self._limits = drawn, sheet, limits
+        self._many = Batch(drawn.area.mechanism)
+        self.reached = self._connected()
+        cells = np.flatnonzero(self.reached.ravel())
+        self._q = sheet.cells.q.reshape(-1, sheet.cells.q.shape[-1])[cells]
+        self._places = drawn.area.places(self._q)
+
+    def within(self, q: Array) -> Mask:
+        """Tell which poses (N, nq) have all joints within their limits."""
+        original = self.drawn.original(q)
+        coordinates = self.drawn.at.mechanism.coordinates
+        if not self._limits:
+            return np.ones(len(original), dtype=bool)
+        return np.asarray(~beyond_limits(coordinates, original))
+
+    def __call__(self, place: Array) -> bool:
+        """Tell whether a place is reached from the cells beside it."""
+        area = self.drawn.area
+        if not bool(area.inside(place)):
+            return False
+        away = np.linalg.norm((self._places - place) / area.size, axis=1)
+        near = np.argsort(away, kind="stable")[:_TRIED]
+        motors = [area.mechanism.actuated.index(name) for name in area.names]
+        start, actuated = self._q[near], area.mechanism.problem.partition.actuated
+        targets = area.mechanism.coordinates.values_of(start, actuated)
+        targets[:, motors] = place
+        found = self._many._toward(targets, start, "none", 12, threads=1)
+        closed = found.q[found.status == Status.CLOSED]
+        return bool(self.within(closed).any())
+
+    def _connected(self) -> Mask:
+        from scipy.ndimage import label  # noqa: PLC0415 - with the first workspace
+
+        sheet, area = self.sheet, self.drawn.area
+        fine = sheet.closed.copy()
+        fine[fine] = self.within(sheet.cells.q[sheet.closed])
+        if not fine.any():
+            return fine
+        parts, _ = label(fine)
+        places = np.where(fine[..., None], area.places(sheet.cells.q), np.inf)
+        away = np.abs((places - area.places(sheet.start.q)) / area.size).max(axis=-1)
+        return np.asarray(parts == parts.ravel()[int(np.argmin(away))])
+
+
+def _traced_border(drawn: Chart, sheets: Sheets, region: _Region) -> tuple[Piece, ...]:
+    """Return the border of a region, in pieces."""
+    folds = LocusFinding(drawn.area, drawn.folds, sheets, drawn.fold_kind)
+    folds.seek(sheets.border_seeds(region.sheet, drawn.folds))
+    curves = [curve for curve in folds.curves if not folds.stays(curve)]
+    tracers, names = [folds.tracer] * len(curves), [str(drawn.fold_kind)] * len(curves)
+    if region._limits:
+        for name, curve, tracer in _limit_curves(drawn, sheets, region):
+            names.append(name)
+            curves.append(curve)
+            tracers.append(tracer)
+    size = drawn.area.size
+    found = [*pieces(tracers, curves, names), *_window_pieces(drawn, curves)]
+    return border(found, size, region)
+
+
+def _limit_curves(
+    drawn: Chart, sheets: Sheets, region: _Region
+) -> Iterator[tuple[str, Traced, Tracer]]:
+    """Yield the curves at which a joint is at its limit, where the sheet has both sides of it."""
+    mechanism, sheet = drawn.at.mechanism, region.sheet
+    coordinates, driven = mechanism.coordinates, drawn.area.mechanism
+    for name, column in mechanism.problem.partition.columns.items():
+        if name in drawn.area.names:
+            continue
+        values = np.full(sheet.closed.shape, np.nan)
+        q = drawn.original(sheet.cells.q[sheet.closed])
+        values[sheet.closed] = coordinates.values_of(q, np.array([column]))[:, 0]
+        for side, limit in (("lower", coordinates.lower), ("upper", coordinates.upper)):
+            if not np.isfinite(limit[column]):
+                continue
+            equations = LimitEquations(driven, name, float(limit[column]))
+            finding = LocusFinding(drawn.area, equations, sheets, drawn.fold_kind)
+            finding.seek(sheet.changes(values - limit[column]))
+            for curve in finding.curves:
+                yield f"{name} at its {side} limit", curve, finding.tracer
+
+
+def _window_pieces(drawn: Chart, curves: Sequence[Traced]) -> Iterator[Piece]:
+    """Yield the sides of the window, cut where curves end on them."""
+    area = drawn.area
+    low, high = area.lower, area.upper
+    ends = [area.places(curve.q[[0, -1]]) for curve in curves if not curve.is_closed]
+    stops = np.vstack([np.zeros((0, 2)), *ends])
+    corners = np.array([low, [high[0], low[1]], high, [low[0], high[1]]])
+    for first, last in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        chord = last - first
+        share = (stops - first) @ chord / (chord @ chord)
+        off = np.abs(stops - first - share[:, None] * chord).max(axis=1, initial=0.0)
+        cuts = share[(off <= _ENDS * area.size.max()) & (share > 0.0) & (share < 1.0)]
+        row = [0.0, *sorted(cuts.tolist()), 1.0]
+        way = chord / np.linalg.norm(chord)
+        for begin, end in itertools.pairwise(row):
+            places = first + np.array([[begin], [0.5 * (begin + end)], [end]]) * chord
+            yield Piece(places, np.tile(way, (3, 1)), "window")
+
+
+def _closes(found: Sequence[Piece], size: Array) -> bool:
+    """Tell whether each end of a piece is where another begins."""
+    if not found:
+        return False
+    begins = np.array([one.places[0] for one in found])
+    ends = np.array([one.places[-1] for one in found])
+    apart = np.abs(begins[:, None] - ends[None]).max(axis=-1) / size.max()
+    return bool((apart.min(axis=0) <= _ENDS).all() and (apart.min(axis=1) <= _ENDS).all())
+
+
+def _values(drawn: Chart, region: _Region, measure: str | None) -> Array:
+    values = np.full(region.reached.shape, np.nan)
+    if measure is None:
+        return values
+    mechanism = drawn.at.mechanism
+    rows = mechanism.problem.partition.tool_rows.linear
+    q = drawn.original(region.sheet.cells.q[region.reached])
+    of: Callable[..., Array] = MAP_MEASURES[measure]
+    values[region.reached] = of(Batch(mechanism).measures(q), min(len(rows) or 3, 3))
+    return values
+
+
+def _mode_name(drawn: Chart, sheets: Sheets, number: int) -> str:
+    """Say which mode this is: by the named poses on it, and the sign of det K* where it has one."""
+    sheet = sheets.known[number]
+    names = [
+        name
+        for name, pose in assembled_poses(drawn.at.mechanism).items()
+        if _same_slice(drawn, pose) and sheets.index(drawn.lifted(pose)) == number
+    ]
+    of = "working mode" if drawn.in_tool_space else "assembly mode"
+    called = f"{of} of {' and '.join(map(repr, names))}" if names else f"{of} without a name"
+    original = drawn.at.mechanism.configuration(drawn.original(sheet.start.q))
+    K_star = original.split_jacobian().K_star
+    if K_star.shape[0] != K_star.shape[1] or not K_star.size:
+        return called
+    sign = "> 0" if np.linalg.det(K_star) > 0.0 else "< 0"
+    return f"{called}, det K* {sign} at its start"
+
+
+def _same_slice(drawn: Chart, pose: Configuration) -> bool:
+    """Tell whether a pose is in the slice."""
+    if not drawn.in_tool_space:
+        values = dict(zip(pose.mechanism.actuated, pose.actuated.tolist(), strict=True))
+        return all(abs(values[name] - value) <= _HELD for name, value in drawn.held.items())
+    here, there = drawn.at.tool_pose(), pose.tool_pose()
+    stays = [k for k, name in enumerate(TOOL_AXES) if name in drawn.held]
+    away = np.abs(here.translation - there.translation)[stays]
+    turned = np.abs(here.rotation - there.rotation).max()
+    angular = drawn.at.mechanism.problem.partition.tool_rows.angular
+    return bool(away.max(initial=0.0) <= _HELD and (turned <= _HELD or not angular))
+
+
+def _evidence(found: Sequence[Piece], closed: bool, cells: int) -> Evidence:
+    border_is = f"a border of {len(found)} pieces, which {'closes' if closed else 'does not close'}"
+    return Evidence(
+        "tolerance",
+        f"poses that are closed, reached in a grid of {cells} x {cells} cells without leaving the "
+        f"mode, and {border_is}; what is smaller than a cell, a hole or an island, may be missed",
+    )

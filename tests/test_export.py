@@ -1,0 +1,46 @@
+"""Exported files, read again by our own readers, are the same machine."""
+
+from __future__ import annotations
+
+import pytest
+from exported import FORMATS, MACHINES, path_of, round_trip, same
+from mechanisms import CATALOGUE, loaded, mostly_slow
+
+import pmjac_pin as pj
+
+# What a format cannot say, and which would do.
+REFUSED = {
+    ("free base that is driven", "sdf"): "no joint that moves any way, as 'root' does; mjcf or",
+    ("free base that is passive", "sdf"): "no joint that moves any way, as 'root' does; mjcf or",
+    ("free base that is driven", "urdf-plus"): "no motor that turns any way, as 'root' does; mjcf",
+    ("ball base that is driven", "urdf-plus"): "no motor that turns any way, as 'root' does; mjcf",
+    ("planar base that is driven", "mjcf"): "no planar motor, as 'root' is; extended-urdf or toml",
+    ("planar base that is driven", "sdf"): "no planar motor, as 'root' is; extended-urdf or toml",
+    ("planar base that is driven", "urdf-plus"): "no planar motor, as 'root' is; extended-urdf",
+}
+QUICK = (
+    *("PrismaticLoop from wall", "UniversalLoop from wall", "DistanceLoop from hand"),
+    *("ball base that is driven", "translation base that is driven", "screws", "recut", "limits"),
+    *("names of SDFormat's", "gears from the other side", "masses", "planar off the origin"),
+)
+
+
+@pytest.mark.parametrize("to", FORMATS)
+@pytest.mark.parametrize("name", mostly_slow(CATALOGUE, ("ankle", "slider_crank", "three_rps_ss")))
+def test_the_catalogue_comes_back(name, to, tmp_path):
+    exported, again = round_trip(loaded(name), to, tmp_path)
+    assert exported.evidence.kind == "tolerance"
+    same(loaded(name), again, exported)
+
+
+@pytest.mark.parametrize("to", FORMATS)
+@pytest.mark.parametrize("name", mostly_slow(MACHINES, QUICK))
+def test_odd_machines_come_back_or_are_refused(name, to, tmp_path):
+    mechanism = MACHINES[name]()
+    if (why := REFUSED.get((name, to))) is not None:
+        with pytest.raises(pj.ArgumentError, match=why):
+            pj.export(mechanism, to=to, file=path_of(tmp_path, to))
+        assert not list(tmp_path.iterdir())
+        return
+    exported, again = round_trip(mechanism, to, tmp_path)
+    same(mechanism, again, exported, 1e-10 if name.startswith("random") else 1e-12)

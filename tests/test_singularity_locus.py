@@ -1,0 +1,169 @@
+"""Loci in slices of motor space, against closed equations that know no Jacobian."""
+
+import numpy as np
+import pytest
+from locus_machines import BASE, cuspidal_3rpr, platform_corners
+from mechanisms import loaded
+
+import pmjac_pin as pj
+
+
+@pytest.fixture(scope="module")
+def five_bar_locus():
+    return pj.singularity_locus(loaded("five_bar"), ("theta1", "theta2"), cells=21)
+
+
+@pytest.fixture(scope="module")
+def cuspidal_locus():
+    mechanism = cuspidal_3rpr()
+    start = pj.assembly_modes(mechanism, [17.0, 18.04, 31.5], rng=0, limits=False)[0]
+    window = {"rho2": (1, 50), "rho3": (1, 50)}
+    return pj.singularity_locus(
+        mechanism, ("rho2", "rho3"), at=start, window=window, kinds=["gain"], cells=31
+    )
+
+
+def elbows(theta):
+    """Of the catalogue's five-bar: pivots 0.3 apart, proximal links of 0.3."""
+    first = 0.3 * np.array([np.cos(theta[:, 0]), np.sin(theta[:, 0])])
+    second = 0.3 * np.array([np.cos(theta[:, 1]), np.sin(theta[:, 1])])
+    return first, second + np.array([[0.3], [0.0]])
+
+
+def curves(locus, kind):
+    return [curve for curve in locus.curves if curve.kind == kind]
+
+
+def test_five_bar_gains_where_its_distal_links_are_in_line(five_bar_locus):
+    found = curves(five_bar_locus, "gain")
+    assert found
+    for curve in found:
+        first, second = elbows(curve.places)
+        # Links of 0.4: stretched, the elbows are 0.8 apart.
+        assert np.linalg.norm(first - second, axis=0) == pytest.approx(0.8, abs=1e-10)
+
+
+def test_five_bar_gains_wherever_its_distal_links_are_in_line(five_bar_locus):
+    """Points of the closed equation, contoured on a fine grid, lie on curves that were traced."""
+    angles = np.linspace(-np.pi, np.pi, 200)
+    theta = np.stack(np.meshgrid(angles, angles), axis=-1).reshape(-1, 2)
+    first, second = elbows(theta)
+    near = np.abs(np.linalg.norm(first - second, axis=0) - 0.8) < 1e-3
+    assert near.sum() > 50
+    assert max(five_bar_locus.distance(place) for place in theta[near]) < 0.1
+
+
+def test_five_bar_loses_where_an_arm_is_in_line(five_bar_locus):
+    found = curves(five_bar_locus, "loss")
+    assert found
+    for curve in found:
+        bent = [np.abs(np.sin(curve.q[:, k])) for k in _elbow_entries()]
+        assert np.minimum(*bent).max() < 1e-10
+
+
+def _elbow_entries():
+    mechanism = loaded("five_bar")
+    coordinates, columns = mechanism.coordinates, mechanism.problem.partition.columns
+    return [coordinates.entry(columns[name]) for name in ("phi1", "phi2")]
+
+
+def test_five_bar_turns_about_its_elbows_where_these_coincide(five_bar_locus):
+    """There it moves with both motors at rest: a curve in joint space, a point in the plane."""
+    places = {tuple(np.round(p.place, 9)) for p in five_bar_locus.marked("isolated point")}
+    third = np.pi / 3.0
+    assert places == {
+        (round(third, 9), round(2 * third, 9)),
+        (round(-third, 9), round(-2 * third, 9)),
+    }
+
+
+def test_3rpr_gains_where_the_lines_of_its_legs_meet(cuspidal_locus):
+    mechanism, corners = cuspidal_locus.at.mechanism, platform_corners()
+    for curve in cuspidal_locus.curves:
+        assert curve.complete
+        for q in curve.q[::10]:
+            values = mechanism.configuration(q).joint_values
+            heading = values["turn1"] + values["angle"]
+            turn = np.array(
+                [[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]]
+            )
+            tip = values["rho1"] * np.array([np.cos(values["turn1"]), np.sin(values["turn1"])])
+            ends = tip + corners @ turn.T
+            ways = ends - BASE
+            assert np.linalg.norm(ways[0]) == pytest.approx(17.0, abs=1e-10)
+            lines = [
+                (*w, f[0] * w[1] - f[1] * w[0]) / np.linalg.norm(w)
+                for w, f in zip(ways, BASE, strict=True)
+            ]
+            # Three lines in a plane meet, or are parallel, where their coordinates are dependent.
+            assert abs(np.linalg.det(lines)) < 1e-9
+
+
+def test_3rpr_has_the_published_cusp(cuspidal_locus):
+    cusps = np.array([point.place for point in cuspidal_locus.marked("cusp")])
+    assert len(cusps) == 6
+    apart = np.abs(cusps - [18.040919, 31.596386]).max(axis=1).min()
+    assert apart < 1e-6
+
+
+@pytest.mark.parametrize("which", ["five_bar_locus", "cuspidal_locus"])
+def test_each_point_is_closed_and_singular(which, request):
+    locus = request.getfixturevalue(which)
+    assert locus.residual < 1e-10
+    mechanism = locus.at.mechanism
+    for curve in locus.curves:
+        for q in curve.q[::20]:
+            pose = mechanism.configuration(q)
+            found = pose.singularity()
+            assert pose.residual_norm <= 1e-10
+            assert found.gained if curve.kind == "gain" else found.lost
+    for point in locus.points:
+        assert mechanism.configuration(point.q).singularity().kind != "regular"
+
+
+def test_crossings_are_two_poses_at_one_place(cuspidal_locus):
+    for point in cuspidal_locus.marked("crossing"):
+        for number in point.curves:
+            places = cuspidal_locus.curves[number].places
+            step = np.linalg.norm(np.diff(places, axis=0), axis=1).max()
+            assert np.linalg.norm(places - point.place, axis=1).min() <= step
+    assert len(cuspidal_locus.marked("crossing")) >= 4
+
+
+def test_finer_grids_find_the_same_curves(five_bar_locus):
+    finer = pj.singularity_locus(loaded("five_bar"), ("theta1", "theta2"), cells=33, kinds=["gain"])
+    for curve in curves(five_bar_locus, "gain"):
+        assert max(finer.distance(place) for place in curve.places) < 0.1
+
+
+def test_it_says_what_it_rests_on(five_bar_locus):
+    assert five_bar_locus.evidence.kind == "tolerance"
+    assert "21 x 21 cells on 2 assembly modes" in five_bar_locus.evidence.statement
+    assert "may be missed" in five_bar_locus.evidence.statement
+
+
+def test_as_a_dataset(five_bar_locus):
+    pytest.importorskip("xarray")
+    found = five_bar_locus.to_xarray()
+    assert found.sizes["vertex"] == sum(len(curve.places) for curve in five_bar_locus.curves)
+    first = found.isel(vertex=found["curve"] == 0)
+    assert (first["place"].to_numpy() == five_bar_locus.curves[0].places).all()
+    assert found.attrs["evidence"] == str(five_bar_locus.evidence)
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({"plane": ("theta1", "theta3")}, "theta2"),
+        ({"plane": "theta1"}, "two motors"),
+        ({"plane": ("theta1", "theta1")}, "two motors"),
+        ({"window": {"theta1": (2, 1)}}, "lower, upper"),
+        ({"window": {"phi1": (1, 2)}}, "phi1"),
+        ({"kinds": ["gained"]}, "kinds"),
+        ({"cells": 1}, "cells"),
+        ({"at": 3}, "at"),
+    ],
+)
+def test_what_is_wrong_is_said(given, says):
+    with pytest.raises(pj.PmjacError, match=says):
+        pj.singularity_locus(loaded("five_bar"), **{"plane": ("theta1", "theta2"), **given})
