@@ -51,6 +51,7 @@ OTHERWISE = {
     "studies/singularities/curve_tracing.py": {"svd"},  # the one way on along a curve
     "studies/singularities/sheets.py": {"svd"},  # where singular values are small: guesses
     "studies/modes/enclosed_modes.py": {"lstsq", "pinv"},  # guesses: what they are worth is proven
+    "studies/reach/nearest.py": {"eigh"},  # which ways lead downhill from where a distance is flat
     "studies/homotopy/curve.py": {"pinv"},  # a step where there is no other
     "words/report.py": {"svd"},  # the singular values that are shown
     "pictures/stick_drawing.py": {"svd"},  # planes of points

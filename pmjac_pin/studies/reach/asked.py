@@ -11,6 +11,7 @@ import numpy as np
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.rates.factorisation import factorise
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.reach.driven import Driven, driven_by, held_by
 from pmjac_pin.studies.reach.elsewhere import poses_at_target
@@ -20,7 +21,7 @@ from pmjac_pin.studies.reach.motor_space import NO_MOTION, MotorSpace, with_lead
 from pmjac_pin.studies.reach.nearest import is_nearest, trail_to_nearest
 from pmjac_pin.studies.reach.reached import Reached, ReachStatus
 from pmjac_pin.studies.reach.tool_path import same_pose
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import Array, norm
 
 _POSES_BY_MOTORS = 9  # poses on a way of the motors
 
@@ -75,8 +76,7 @@ class Asked:
         """Return the pose at the target nearest to what is wanted of the motors."""
         here = self._by_leading_motors(configuration)
         rates = self._space.system(here)[1]
-        values = np.linalg.svd(rates, compute_uv=False)
-        if np.count_nonzero(values > NO_MOTION * values.max(initial=0.0)) == rates.shape[1]:
+        if factorise(rates, norm(rates), NO_MOTION).rank == rates.shape[1]:
             return configuration
         names = self._space.mechanism.actuated
         wanted = self.wanted[[self.mechanism.actuated.index(name) for name in names]]

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.rates.factorisation import factorise
 from pmjac_pin.studies.reach.motor_space import NO_MOTION, MotorSpace
 from pmjac_pin.studies.reach.nearest import LONGEST_STEP
 from pmjac_pin.values.arrays import Array, norm
@@ -57,6 +58,7 @@ def _ways_on(space: MotorSpace, point: Configuration, wanted: Array) -> tuple[Ar
     away = (wanted - point.actuated) / space.scale
     held = np.logical_not(space.free(point, away))
     rates = np.where(held, 0.0, rates)
-    inverse = np.linalg.pinv(rates, rcond=NO_MOTION)
+    factors = factorise(rates, norm(rates), NO_MOTION)
+    inverse = factors.inverse(factors.rank)
     along = np.where(held, 0.0, away)
     return inverse @ gap, along - inverse @ (rates @ along)
