@@ -21,7 +21,7 @@ from pmjac_pin.values.arrays import Array, norm
 from pmjac_pin.values.checks import check_kind
 
 _SPACES = ("motors", "joints")
-_KINDS: tuple[Freed, ...] = ("gain", "loss")
+_FREED: tuple[Freed, ...] = ("gain", "loss")
 _REACHES = (0.3, 1.0, 2.5)  # rad or lengths: how far starts lead from the pose
 _SHY = 1e-6  # of the way: where a straight way ends that is to lead to the singular pose
 _NEAR_ENOUGH = 2e-2  # rad or lengths between there and the singular pose
@@ -77,7 +77,7 @@ def nearest_singularity(
     check_kind(configuration, Configuration)
     if space not in _SPACES:
         raise ArgumentError(f"space is motors or joints, got {quoted(space)}")
-    if kind is not None and kind not in _KINDS:
+    if kind is not None and kind not in _FREED:
         raise ArgumentError(f"kind is gain or loss, got {quoted(kind)}")
     if not (isinstance(starts, int) and starts >= 0):
         raise ArgumentError(f"starts is a whole number ≥ 0, got {quoted(starts)}")
@@ -97,7 +97,7 @@ def _equations_of(configuration: Configuration, kind: Freed | None) -> list[Sing
     if kind is not None:
         return [SingularEquations(mechanism, kind)]
     found, refused = [], None
-    for one in _KINDS:
+    for one in _FREED:
         try:
             found.append(SingularEquations(mechanism, one))
         except PmjacError as error:
