@@ -99,6 +99,7 @@ def test_of_a_four_bar_it_is_the_end_of_the_cranks_range():
     assert 0.0 < pj.singularity_free(home).radius < nearest.distance
 
 
+@pytest.mark.slow
 def test_of_a_3rpr_the_legs_lines_meet(rng):
     """Over the plates' poses: the determinant of the lines' moments."""
     machine = loaded("planar_3rpr")
@@ -121,7 +122,7 @@ def test_of_a_3rpr_the_legs_lines_meet(rng):
 
 
 @pytest.mark.parametrize("space", ["motors", "joints"])
-@pytest.mark.parametrize("name", mechanisms.mostly_slow(GAINS, ("five_bar", "ankle")))
+@pytest.mark.parametrize("name", mechanisms.mostly_slow(GAINS, ("five_bar",)))
 def test_what_is_found_is_closed_singular_and_stationary(name, space):
     for here in mechanisms.random_poses(name, 4, 2):
         nearest = pj.nearest_singularity(here, kind="gain", space=space, starts=3)
@@ -137,7 +138,7 @@ def test_what_is_found_is_closed_singular_and_stationary(name, space):
             assert np.linalg.norm(motors) == pytest.approx(nearest.distance, rel=1e-9)
 
 
-@pytest.mark.parametrize("name", mechanisms.mostly_slow(GAINS, ("five_bar", "planar_3rrr")))
+@pytest.mark.parametrize("name", mechanisms.mostly_slow(GAINS, ("five_bar",)))
 def test_no_singularity_is_met_nearer_on_straight_ways(name, rng):
     home = loaded(name).home
     nearest = pj.nearest_singularity(home, kind="gain")
@@ -165,7 +166,7 @@ def test_within_what_is_proven_loops_close_and_k_star_is_regular(name, rng):
         assert (np.abs(there.passive - home.passive) <= scale * proven.passive_radius).all()
 
 
-@pytest.mark.parametrize("name", GAINS)
+@pytest.mark.parametrize("name", mechanisms.mostly_slow(GAINS, ("five_bar", "three_rps_ss")))
 def test_what_is_proven_is_less_than_what_is_found(name):
     home = loaded(name).home
     proven, nearest = (
@@ -179,7 +180,7 @@ def test_what_is_proven_is_less_than_what_is_found(name):
 @pytest.mark.parametrize(
     ("name", "cells"),
     [
-        ("five_bar", 100),
+        pytest.param("five_bar", 100, marks=pytest.mark.slow),
         ("four_bar", 50),
         pytest.param("five_bar", 1000, marks=pytest.mark.slow),
         pytest.param("ankle", 200, marks=pytest.mark.slow),
