@@ -229,6 +229,22 @@ def test_beside_a_singularity_little_is_proven_and_at_it_nothing():
     assert nothing.evidence.kind == "nothing"
 
 
+def test_what_weighs_more_is_moved_less():
+    """A five-bar's elbows come apart by one motor more than by the other; joints have names too."""
+    home = loaded("five_bar").home
+    even = pj.nearest_singularity(home, kind="gain")
+    heavy = pj.nearest_singularity(home, kind="gain", weights={"theta1": 5.0})
+    first, second = heavy.motor_change.values()
+    assert abs(first) < abs(even.motor_change["theta1"]) < abs(second)
+    assert heavy.distance == pytest.approx(np.hypot(5.0 * first, second), abs=1e-9)
+    assert even.distance < heavy.distance < 5.0 * even.distance
+    with pytest.raises(pj.UnknownNameError, match="unknown motor 'thet1'; did you mean 'theta1'"):
+        pj.nearest_singularity(home, weights={"thet1": 1.0})
+    with pytest.raises(pj.UnknownNameError, match="unknown motor 'phi1'"):
+        pj.nearest_singularity(home, weights={"phi1": 1.0})
+    assert pj.nearest_singularity(home, kind="gain", space="joints", weights={"phi1": 2.0})
+
+
 def test_an_arm_without_loops_is_free_of_them():
     assert pj.singularity_free(loaded("ur5").home).radius == np.inf
 
@@ -247,6 +263,7 @@ def test_none_is_found_where_there_is_none():
         ({"kind": "III"}, "kind is gain or loss"),
         ({"starts": -1}, "starts is a whole number"),
         ({"rng": "seed"}, "rng is"),
+        ({"weights": {"theta1": 0.0}}, "the weight of theta1 is positive"),
     ],
 )
 def test_what_is_no_question_is_refused(asked, message):
