@@ -3,6 +3,7 @@
 from .batches.batch import Batch as Batch
 from .batches.batch import batch as batch
 from .batches.results import ManyClosed as ManyClosed
+from .batches.results import ManyEllipsoids as ManyEllipsoids
 from .batches.results import ManyInGrid as ManyInGrid
 from .batches.results import ManyJacobians as ManyJacobians
 from .batches.results import ManyMeasures as ManyMeasures
@@ -102,6 +103,8 @@ from .model.loop_spec import (
 )
 from .model.spec import MechanismSpec as MechanismSpec
 from .pictures.plot import plot as plot
+from .pictures.slice_figure import plot_locus as plot_locus
+from .pictures.slice_figure import plot_workspace as plot_workspace
 from .pictures.transmission_figure import plot_transmission as plot_transmission
 from .rates.allowed import AllowedJacobian as AllowedJacobian
 from .rates.allowed import allowed_jacobian as allowed_jacobian

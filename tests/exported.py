@@ -140,6 +140,33 @@ MACHINES = {
     "masses": heavy,
 }
 
+# Published models by path, and what `load` needs to know of each.
+PEERS = {
+    "urdf_plus/four_bar.urdf": {"tool": "link3"},
+    "urdf_plus/six_bar.urdf": {},
+    "extended_urdf/5bar_linkage/robot.urdf": {"tool": "effector"},
+    "extended_urdf/5bar_linkage_iso3d/robot.urdf": {"tool": "effector"},
+    "extended_urdf/robot_delta/robot.urdf": {"tool": "eff"},
+    "extended_urdf/cassie_like/robot.urdf": {"tool": "foot"},
+    "extended_urdf/digit_like_2legs/robot.urdf": {"tool": "foot"},
+    "mjcf/cassie_closed_chain.xml": {
+        "actuated": [
+            f"{side}-{joint}"
+            for side in ("left", "right")
+            for joint in ("hip-roll", "hip-yaw", "hip-pitch", "knee", "foot")
+        ],
+        "tool": "left-foot",
+        "locked": [
+            "cassie-pelvis_free",
+            *(
+                f"{side}-{spring}"
+                for side in ("left", "right")
+                for spring in ("shin", "heel-spring")
+            ),
+        ],
+    },
+}
+
 
 def path_of(folder, to):
     return folder / f"machine{SUFFIXES.get(to, '.urdf')}"

@@ -59,6 +59,59 @@ def test_a_gear_counts_from_the_references_and_a_single_joint_is_fixed(read) -> 
     assert set(found.home) == {"x", "y", "s"}
 
 
+ROD = """<tendon><spatial name="rod"><site site="s"/><site site="t"/></spatial>{}</tendon>"""
+ENDS = body("a", '<joint name="x"/><site name="s" pos="1 0 0"/>') + body(
+    "b", '<joint name="y"/><site name="t" pos="0 3 0"/>'
+)
+
+
+def test_a_tendon_held_from_site_to_site_is_a_rod(read) -> None:
+    held = '<tendon name="held" tendon1="rod" polycoef="0.25 0 0 0 0"/>'
+    found = read(mjcf(ENDS, held, ROD.format("")))
+    (loop,) = found.loops
+    assert loop.frames == ("s", "t")
+    assert loop.length == pytest.approx(np.sqrt(10.0) + 0.25, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("tendons", "held", "message"),
+    [
+        (
+            '<spatial name="v"><site site="s"/><site site="t"/><site site="s"/></spatial>',
+            "v",
+            "one",
+        ),
+        (
+            '<spatial name="v"><site site="s"/><geom geom="g"/><site site="t"/></spatial>',
+            "v",
+            "of tendons a <fixed> one of joints, and one from a site straight to another, are read",
+        ),
+        ("", "rod", "the length between 's' and 't' must be"),
+    ],
+)
+def test_other_spatial_tendons_are_refused(read, tendons, held, message) -> None:
+    constraint = f'<tendon name="held" tendon1="{held}" polycoef="-9 0 0 0 0"/>'
+    text = mjcf(ENDS + '<geom name="g" size=".1"/>', constraint, ROD.format(tendons))
+    with pytest.raises(pj.ModelFileError, match=message):
+        read(text)
+
+
+@pytest.mark.parametrize(
+    ("kind", "count", "moved"),
+    [("ball", 3, True), ("ball", 2, False), ("free", 6, True), ("free", 5, False)],
+)
+def test_a_joint_that_actuators_move_every_way_is_a_motor(read, kind, count, moved) -> None:
+    rows = np.eye(6)[:count] + np.tri(count, 6, -1)
+    motors = "".join(
+        f'<motor joint="o" gear="{" ".join(map(str, row))}"/>' for row in rows.tolist()
+    )
+    found = read(
+        mjcf(body("y", f'<joint name="o" type="{kind}"/>'), "", f"<actuator>{motors}</actuator>")
+    )
+    assert found.actuated == (("o",) if moved else ())
+    assert len([note for note in found.notes if "is left out" in note]) == (0 if moved else count)
+
+
 def test_what_has_no_name_is_called_after_its_body(read) -> None:
     text = mjcf(
         '<body name="arm"><joint/><joint pos="1 0 0"/><joint type="slide"/><site/><site/>'

@@ -90,7 +90,8 @@ def convert(
     read = {real(path), real(Path(source.urdf.path))}
     places = model_file_places(given, read, force)
     spec = msgspec.structs.replace(source.spec, poses=closed_poses(mechanism_of(source)))
-    write_model_file(places, spec, source.urdf, _comments(path, source), force=force)
+    files, _ = model_file_texts(places, spec, source.urdf, _comments(path, source))
+    write_files(files, replace=force)
     return places
 
 
@@ -122,25 +123,20 @@ def model_file_places(given: Path, read: Set[Path], force: bool) -> tuple[Path, 
     return target, tree
 
 
-def write_model_file(
-    places: tuple[Path, Path],
-    spec: MechanismSpec,
-    urdf: Urdf,
-    comments: Iterable[str],
-    *,
-    force: bool,
-) -> None:
-    """Write a model file and its URDF, once they are certain to load; both, or none.
+def model_file_texts(
+    places: tuple[Path, Path], spec: MechanismSpec, urdf: Urdf, comments: Iterable[str]
+) -> tuple[dict[Path, bytes], Mechanism]:
+    """Return what is to be written of a model file and its URDF, and what loads from that.
 
     Raises
     ------
-    ModelFileError, ClosureError, OutputError
+    ModelFileError, ClosureError
     """
     target, tree = places
     text = _indented(urdf)
     contents = _toml(msgspec.structs.replace(spec, name="", urdf=tree.name), comments)
-    mechanism_of(Source(target, parse_model_file(contents, target), parse_urdf(text, str(tree))))
-    write_files({tree: text.encode(), target: contents.encode()}, replace=force)
+    source = Source(target, parse_model_file(contents, target), parse_urdf(text, str(tree)))
+    return {tree: text.encode(), target: contents.encode()}, mechanism_of(source)
 
 
 def _comments(path: Path, source: Source) -> Iterable[str]:

@@ -95,7 +95,8 @@ def _weights(where: str, model: Any, tendon: int, joints: Sequence[str]) -> dict
     for wrap in reversed(range(start, start + count)):  # the last joint follows the others
         if model.wrap_type[wrap] != _ON_A_JOINT:
             todo = 'set active="false" to leave it out'
-            raise ModelFileError(f"{where}: only a <fixed> tendon of joints is read; {todo}")
+            known = "a <fixed> one of joints, and one from a site straight to another, are read"
+            raise ModelFileError(f"{where}: of tendons {known}; {todo}")
         name = joints[model.wrap_objid[wrap]]
         weights[name] = weights.get(name, 0.0) + float(model.wrap_prm[wrap])
     return weights

@@ -10,10 +10,9 @@ from xml.etree.ElementTree import indent, tostring
 from pmjac_pin.errors import ArgumentError, OutputError, did_you_mean, quoted
 from pmjac_pin.files.output_file import check_new, check_place, write_files
 from pmjac_pin.files.urdf.extended_urdf import closure_yaml_beside
-from pmjac_pin.files.user_path import followed_link, output_path, readable, shown_path
+from pmjac_pin.files.user_path import followed_link, output_path, readable, real, shown_path
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.studies.convert import checked_model_file, model_file_places, write_model_file
-from pmjac_pin.studies.evidence import Evidence
+from pmjac_pin.studies.convert import checked_model_file, model_file_places, model_file_texts
 from pmjac_pin.studies.export.exported import Exported
 from pmjac_pin.studies.export.extended_urdf import extended_urdf
 from pmjac_pin.studies.export.mjcf import mjcf
@@ -23,7 +22,7 @@ from pmjac_pin.studies.export.plain_machine import PlainMachine, Written
 from pmjac_pin.studies.export.sdf import sdf
 from pmjac_pin.studies.export.take_apart import taken_apart
 from pmjac_pin.studies.export.urdf_plus import urdf_plus
-from pmjac_pin.studies.export.written_again import read_again
+from pmjac_pin.studies.export.written_again import compared, read_again
 from pmjac_pin.values.checks import as_flag, check_kind
 
 #: What writes a machine for a folder, and the ends of the files' names.
@@ -31,7 +30,7 @@ WRITERS: Mapping[str, tuple[Callable[[PlainMachine, Path], Written], tuple[str, 
     MappingProxyType(
         {
             "mjcf": (mjcf, (".xml", ".mjcf")),
-            "sdf": (sdf, (".sdf", ".world")),
+            "sdf": (sdf, (".sdf",)),
             "extended-urdf": (extended_urdf, (".urdf",)),
             "urdf-plus": (urdf_plus, (".urdf",)),
         }
@@ -56,7 +55,7 @@ def export(mechanism: Mechanism, *, to: str, file: str | Path, force: bool = Fal
         Ends in ``.xml`` (or ``.mjcf``), ``.sdf``, ``.urdf`` or ``.toml``. Beside an extended URDF
         goes a YAML file of its name, beside a model file a URDF.
     force : bool
-        Replace files that exist.
+        Replace files that exist; never those that the mechanism was read from.
 
     Returns
     -------
@@ -86,14 +85,14 @@ def export(mechanism: Mechanism, *, to: str, file: str | Path, force: bool = Fal
     if to == _MODEL_FILE:
         return _as_model_file(mechanism, file, force)
     write, suffixes = WRITERS[to]
-    target = _target(file, to, suffixes, force)
+    target = _target(file, to, suffixes)
     machine = taken_apart(mechanism)
     check_names(machine)
     written = write(machine, target.parent)
     files = {target: _text(written)}
     if written.beside:
         files[target.with_suffix(".yaml")] = written.beside.encode()
-    _check_companions(target, files, force)
+    _check_targets(mechanism, target, files, force)
     again = read_again(
         mechanism, written.machine, {path.name: text for path, text in files.items()}
     )
@@ -109,20 +108,21 @@ def export(mechanism: Mechanism, *, to: str, file: str | Path, force: bool = Fal
 
 def _as_model_file(mechanism: Mechanism, file: str | Path, force: bool) -> Exported:
     given = checked_model_file(file)
-    places = model_file_places(given, set(), force)
+    places = model_file_places(given, _files_read(mechanism), force)
     if (found := as_read(mechanism)) is None:
         machine = taken_apart(mechanism)
         check_names(machine)
         found = as_built(mechanism, machine, places[1])
     spec, urdf = found
     comments = (f"From {mechanism.name}.", *mechanism.notes)
-    write_model_file(places, spec, urdf, comments, force=force)
-    loaded = "the files were loaded, and close at home, before they were put in their places"
+    files, again = model_file_texts(places, spec, urdf, comments)
+    evidence = compared(mechanism, again)
+    write_files(files, replace=force)
     tool = () if spec.tool.is_none else spec.tool.names
-    return Exported(places, spec.actuated, tool, (), Evidence("tolerance", loaded))
+    return Exported(places, spec.actuated, tool, (), evidence)
 
 
-def _target(file: str | Path, to: str, suffixes: tuple[str, ...], force: bool) -> Path:
+def _target(file: str | Path, to: str, suffixes: tuple[str, ...]) -> Path:
     """Return where the file goes: where a link leads."""
     given = output_path(file)
     target = followed_link(given)
@@ -132,19 +132,27 @@ def _target(file: str | Path, to: str, suffixes: tuple[str, ...], force: bool) -
             raise OutputError(f"{shown_path(path)}: the name of a file of {to} ends in {ends}")
     if readable(target.name) != target.name:
         raise OutputError(f"{shown_path(target)}: the file's name is no UTF-8 text")
-    check_new(target, force)
+    check_place(target)
     return target
 
 
-def _check_companions(target: Path, files: Mapping[Path, bytes], force: bool) -> None:
-    """Refuse what would be read with a file, and what belongs to it and is there already."""
+def _files_read(mechanism: Mechanism) -> set[Path]:
+    """Return the files that a mechanism was read from, which are never replaced."""
+    if (blueprint := mechanism.blueprint) is None:
+        return set()
+    return {real(Path(path)) for path in (blueprint.path, blueprint.urdf.path)}
+
+
+def _check_targets(
+    mechanism: Mechanism, target: Path, files: Mapping[Path, bytes], force: bool
+) -> None:
+    """Refuse to replace what was read or, unless told to, what exists; and what would be read."""
     for path in files:
-        check_place(path)
+        if real(path) in _files_read(mechanism):
+            raise OutputError(f"{shown_path(path)}: is what was read, and is not replaced")
         check_new(path, force)
     other = closure_yaml_beside(target) if target.suffix.lower() == ".urdf" else None
-    if other is not None and other not in files:
-        if target.with_suffix(".yaml") in files:
-            return
+    if other is not None and target.with_suffix(".yaml") not in files:
         why = f"would be read with {shown_path(target.name)}, as an extended URDF; move it away"
         raise OutputError(f"{shown_path(other)}: {why}")
 

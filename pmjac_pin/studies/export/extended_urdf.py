@@ -9,10 +9,11 @@ from pmjac_pin.files.unused_name import unused_name
 from pmjac_pin.model.loop_between_frames import LoopBetweenFrames
 from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop
 from pmjac_pin.studies.export.closable import closable
+from pmjac_pin.studies.export.from_home import FromHome
 from pmjac_pin.studies.export.names import NO_NAMES, renamed
 from pmjac_pin.studies.export.plain_machine import PlainMachine, Written
 from pmjac_pin.studies.export.urdf_plus import with_mimics
-from pmjac_pin.studies.export.urdf_tree import UrdfTree, called, motor_joints, prepared
+from pmjac_pin.studies.export.urdf_tree import UrdfTree, motor_joints, prepared, urdf_name
 
 #: The types of `closed_loop`, by the kinds of loops that they are.
 EXTENDED_LOOPS: dict[type[Loop], str] = {PointLoop: "3D", FrameLoop: "6D"}
@@ -29,15 +30,16 @@ def extended_urdf(machine: PlainMachine, folder: Path) -> Written:
     machine, notes = closable(machine, tuple(EXTENDED_LOOPS))
     machine, renames = _told_apart(prepared(machine))
     machine = replace(machine, motors=motor_joints(machine))
-    tree = UrdfTree(machine, folder, "floating")
-    with_mimics(tree, "extended-urdf")
-    notes = [*renames, *notes, *tree.notes()]
+    values = FromHome(machine)
+    tree = UrdfTree(machine, folder, "floating", values)
+    with_mimics(tree, values, "extended-urdf")
+    notes = [*renames, *notes, *values.notes(), *tree.notes()]
     return Written(tree.urdf.robot, machine, tuple(notes), _yaml(machine))
 
 
 def _told_apart(machine: PlainMachine) -> tuple[PlainMachine, list[str]]:
     """Return the machine with motors whose names are in no other joint's: all are motors then."""
-    passive = [called(joint) for joint in machine.joints if not joint.driven]
+    passive = [urdf_name(joint) for joint in machine.joints if not joint.driven]
     taken, names = machine.taken, {}
     for name in motor_joints(machine):
         wish = name

@@ -1,4 +1,4 @@
-"""Values that count from the home pose, for formats that have no other: limits and gears."""
+"""From where values count: from the home pose in formats that have no other, or from zero."""
 
 from __future__ import annotations
 
@@ -18,6 +18,8 @@ class FromHome:
     ----------
     machine : PlainMachine
     """
+
+    pose = "home"
 
     def __init__(self, machine: PlainMachine) -> None:
         self._machine, self._home = machine, machine.poses["home"]
@@ -55,6 +57,16 @@ class FromHome:
         if self._widened:
             beyond = listed(self._widened)
             yield f"home is beyond the limits of {beyond}, which are widened to hold it"
+
+
+class FromZero:
+    """A machine's values as they are, for files that have a home pose of their own."""
+
+    pose = None
+
+    def limits(self, step: PlainStep) -> tuple[float, float]:
+        """Return a step's limits."""
+        return step.limits
 
 
 def counted(machine: PlainMachine) -> Collection[str]:

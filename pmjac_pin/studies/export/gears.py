@@ -21,7 +21,7 @@ def followers(gears: Sequence[JointLoop], motors: Collection[str], to: str) -> l
         They cannot be turned so.
     """
     found: list[JointLoop] = []
-    for group in _groups(gears):
+    for group in _geared_groups(gears):
         joints = list(dict.fromkeys(name for gear in group for name in gear.joints))
         driven = [name for name in joints if name in motors]
         chains = [chain for root in driven or joints if (chain := _led_by(root, group))]
@@ -34,7 +34,7 @@ def followers(gears: Sequence[JointLoop], motors: Collection[str], to: str) -> l
     return found
 
 
-def _groups(gears: Iterable[JointLoop]) -> list[list[JointLoop]]:
+def _geared_groups(gears: Iterable[JointLoop]) -> list[list[JointLoop]]:
     """Return gears in groups that share joints, in order."""
     groups: list[list[JointLoop]] = []
     for gear in gears:

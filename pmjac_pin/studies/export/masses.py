@@ -12,7 +12,7 @@ from pmjac_pin.studies.export.plain_machine import PlainBody, PlainMachine
 
 _SHARE_OF_MASS = 1e-4  # of the machine's mass, for a body without
 _GYRATION = 0.1  # of the machine's length, for a body without
-_LEAST = 1e-14  # kg m²: MuJoCo wants more than 1e-15
+_NO_MOMENT = 1e-14  # kg m²: MuJoCo wants more than 1e-15
 _SMALL_GYRATION = 1e-3  # of the machine's length: radius of gyration where a moment is 0
 
 
@@ -40,7 +40,7 @@ class Masses:
         if mass <= 0.0:
             self._without.append(body.name)
             mass, moments = self._mass, np.maximum(moments, self._of(self._mass, _GYRATION))
-        elif moments[0] <= _LEAST:
+        elif moments[0] <= _NO_MOMENT:
             self._thin.append(body.name)
             moments = np.maximum(moments, self._of(mass, _SMALL_GYRATION))
         elif moments[0] + moments[1] >= moments[2]:

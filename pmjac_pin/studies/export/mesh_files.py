@@ -8,7 +8,7 @@ from pathlib import Path
 from pmjac_pin.files.user_path import is_file, real
 from pmjac_pin.studies.export.plain_machine import PlainShape
 
-_PACKAGE = "package://"
+_IN_A_PACKAGE = "package://"
 
 
 def mesh_file(shape: PlainShape) -> Path | None:
@@ -18,10 +18,10 @@ def mesh_file(shape: PlainShape) -> Path | None:
     beside the URDF where the name is empty.
     """
     named, folder = shape.shape.get("filename", ""), real(Path(shape.file)).parent
-    if not named.startswith(_PACKAGE):
+    if not named.startswith(_IN_A_PACKAGE):
         places = [folder / named.removeprefix("file://")]
     else:
-        package, _, path = named.removeprefix(_PACKAGE).partition("/")
+        package, _, path = named.removeprefix(_IN_A_PACKAGE).partition("/")
         places = [above / path for above in (folder, *folder.parents) if above.name == package]
         places += [] if package else [folder / path]
     return next((place for place in places if named and is_file(place)), None)

@@ -10,8 +10,9 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.files.xml_text import written
+from pmjac_pin.studies.export.closable import closable
 from pmjac_pin.studies.export.masses import Masses
-from pmjac_pin.studies.export.mjcf_loops import closed_by_equalities
+from pmjac_pin.studies.export.mjcf_loops import MJCF_LOOPS, closed_by_equalities
 from pmjac_pin.studies.export.mjcf_shapes import Shapes, place_attributes
 from pmjac_pin.studies.export.motors import refuse_planar_motors
 from pmjac_pin.studies.export.names import with_root
@@ -38,6 +39,7 @@ def mjcf(machine: PlainMachine, folder: Path) -> Written:
     """
     refuse_planar_motors(machine, "mjcf")
     machine, renamed = with_root(with_screws_geared(machine), "world")
+    machine, notes = closable(machine, MJCF_LOOPS)
     machine, equality, tendons = closed_by_equalities(machine)
     writer = _MjcfWriter(machine, folder)
     root = Element("mujoco", model=machine.name)
@@ -46,7 +48,7 @@ def mjcf(machine: PlainMachine, folder: Path) -> Written:
     parts = (writer.shapes.assets, writer.worldbody(), tendons, equality, writer.actuators())
     root.extend([part for part in parts if len(part)])
     root.append(writer.keyframe())
-    return Written(root, machine, (*renamed, *writer.notes()))
+    return Written(root, machine, (*renamed, *notes, *writer.notes()))
 
 
 class _MjcfWriter:
@@ -91,6 +93,8 @@ class _MjcfWriter:
         """Yield what is to be said of what was written."""
         yield from self._masses.notes()
         yield from self.shapes.notes()
+        if any(np.isfinite(step.rate) for step in self._machine.steps if step.driven):
+            yield "mjcf has no limits of rates: those of the motors are left out"
         for joint in self._machine.joints:
             if joint.kind == "free" and joint.driven:
                 count = sum(_MOTORS_OF.get(step.kind, 1) for step in joint.steps)

@@ -25,20 +25,22 @@ from pmjac_pin.model.loop_spec import (
     RevoluteLoop,
     UniversalLoop,
 )
-from pmjac_pin.studies.export.hubs import with_hub
 from pmjac_pin.studies.export.plain_machine import PlainMachine
 from pmjac_pin.values.arrays import Array
 
-#: Kinds of loops that need no hub.
-WITHOUT_HUB = (PointLoop, FrameLoop, RevoluteLoop, UniversalLoop, DistanceLoop, JointLoop)
+#: Kinds of loops that need no hub, beside gears.
+MJCF_LOOPS = (PointLoop, FrameLoop, RevoluteLoop, UniversalLoop, DistanceLoop)
 _POINT_ON_AXIS = "{}_on_axis"
 
 
 def closed_by_equalities(machine: PlainMachine) -> tuple[PlainMachine, Element, Element]:
-    """Return the machine with all sites that its loops need, its <equality> and its <tendon>."""
-    for loop in machine.loops:
-        if not isinstance(loop, WITHOUT_HUB):
-            machine = with_hub(machine, loop)
+    """Return the machine with all sites that its loops need, its <equality> and its <tendon>.
+
+    Parameters
+    ----------
+    machine : PlainMachine
+        Its loops are of `MJCF_LOOPS`.
+    """
     for loop in machine.loops:
         if isinstance(loop, LoopBetweenFrames):
             machine = _with_sites(machine, loop)

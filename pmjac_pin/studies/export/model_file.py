@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 
 import msgspec
@@ -12,16 +11,10 @@ from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.spec import JointValue, MechanismSpec
 from pmjac_pin.studies.convert import closed_poses
+from pmjac_pin.studies.export.from_home import FromZero
 from pmjac_pin.studies.export.plain_machine import PlainJoint, PlainMachine
 from pmjac_pin.studies.export.single_steps import with_single_steps
 from pmjac_pin.studies.export.urdf_tree import UrdfTree, motor_joints
-
-_NEUTRAL: Mapping[str, tuple[float, ...]] = {
-    "hinge": (0.0,),
-    "slide": (0.0,),
-    "ball": (0.0, 0.0, 0.0, 1.0),
-    "free": (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0),
-}
 
 
 def as_read(mechanism: Mechanism) -> tuple[MechanismSpec, Urdf] | None:
@@ -50,8 +43,7 @@ def as_built(mechanism: Mechanism, machine: PlainMachine, path: Path) -> tuple[M
         Where the URDF will be.
     """
     machine = with_single_steps(machine, _in_one_joint)
-    neutral = {step.name: _NEUTRAL[step.kind] for step in machine.steps}
-    tree = UrdfTree(replace(machine, poses={"home": neutral}), path.parent, "floating")
+    tree = UrdfTree(machine, path.parent, "floating", FromZero())
     names = {joint.name for joint in machine.joints}
     passive = mechanism.spec.passive
     spec = msgspec.structs.replace(
@@ -64,7 +56,7 @@ def as_built(mechanism: Mechanism, machine: PlainMachine, path: Path) -> tuple[M
         armature={step.name: step.armature for step in machine.steps if step.armature},
         locked={},
         parameters={},
-        poses={pose: _values(machine, values) for pose, values in machine.poses.items()},
+        poses={pose: _pose_values(machine, values) for pose, values in machine.poses.items()},
     )
     return spec, Urdf.of(tree.urdf.robot, str(path))
 
@@ -73,7 +65,7 @@ def _in_one_joint(joint: PlainJoint) -> bool:
     return joint.kind in ("planar", "helical")
 
 
-def _values(
+def _pose_values(
     machine: PlainMachine, values: Mapping[str, tuple[float, ...]]
 ) -> dict[str, JointValue]:
     """Return joint values as a model file has them: of a screw the turn alone."""

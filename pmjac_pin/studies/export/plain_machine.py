@@ -38,6 +38,8 @@ class PlainStep:
         kg m² or kg.
     effort : float
         What a motor can do both ways, N or N m; infinite where the model does not say.
+    rate : float
+        How fast, m/s or rad/s, as `effort`.
     driven : bool
         Whether it is a motor.
     """
@@ -48,6 +50,7 @@ class PlainStep:
     limits: tuple[float, float] = (-np.inf, np.inf)
     armature: float = 0.0
     effort: float = np.inf
+    rate: float = np.inf
     driven: bool = False
 
     @property

@@ -24,7 +24,7 @@ def with_rod(machine: PlainMachine, loop: DistanceLoop) -> PlainMachine:
     """Return the machine with a link for a rod, and a point loop at its far end."""
     label, taken = "-".join(loop.frames), machine.taken
     body, place = machine.frames[loop.frames[0]]
-    along = pin.Quaternion.FromTwoVectors(_Z, _way(machine, loop, "home")).matrix()
+    along = pin.Quaternion.FromTwoVectors(_Z, _rod_direction(machine, loop, "home")).matrix()
     names = [unused_name(f"{label}.{letter}", taken) for letter in "xy"]
     steps = (PlainStep(names[0], "hinge", _X), PlainStep(names[1], "hinge", _Y))
     rod, end = unused_name(f"{label}_rod", taken), unused_name(f"{label}_rod_end", taken)
@@ -39,7 +39,7 @@ def with_rod(machine: PlainMachine, loop: DistanceLoop) -> PlainMachine:
     )
     poses = {}
     for pose, values in machine.poses.items():
-        x, y, z = along.T @ _way(machine, loop, pose)
+        x, y, z = along.T @ _rod_direction(machine, loop, pose)
         turned = {names[0]: (math.atan2(-y, z),), names[1]: (math.asin(np.clip(x, -1.0, 1.0)),)}
         poses[pose] = {**values, **turned}
     closed = PointLoop(frames=(end, loop.frames[1]))
@@ -52,7 +52,7 @@ def with_rod(machine: PlainMachine, loop: DistanceLoop) -> PlainMachine:
     )
 
 
-def _way(machine: PlainMachine, loop: DistanceLoop, pose: str) -> Array:
+def _rod_direction(machine: PlainMachine, loop: DistanceLoop, pose: str) -> Array:
     """Return the direction from a rod's first point to its second, in the first frame."""
     placed, ends = machine.placements(pose), (machine.frames[name] for name in loop.frames)
     first, second = (placed[body] * place for body, place in ends)

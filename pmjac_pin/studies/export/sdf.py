@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 
@@ -101,22 +101,24 @@ def _stays_whole(joint: PlainJoint) -> bool:
 
 def _with_own_names(machine: PlainMachine) -> tuple[PlainMachine, list[str]]:
     """Return the machine without names that are SDFormat's, or of a frame and a joint alike."""
-    taken = machine.taken
-    names = {
-        name: unused_name(wish, taken) for name in sorted(taken) if (wish := _of_ours(name)) != name
-    }
-    frames = {old: new for old, new in names.items() if old in machine.frames}
-    joints = {old: new for old, new in names.items() if old not in machine.frames}
-    for step in machine.steps:
-        if step.name in machine.frames:  # SDFormat has one space for all names of a model
-            joints[step.name] = unused_name(f"{step.name}_joint", taken)
-    return renamed(machine, frames, joints)
+    taken, moving = machine.taken, {joint.name for joint in machine.joints}
+    moving |= {step.name for step in machine.steps}
+    frames = {name: _of_ours(name, "link") for name in machine.frames}
+    joints = {name: _of_ours(name, "joint") for name in sorted(moving)}
+    # SDFormat has one space for all names of a model.
+    joints |= {name: f"{name}_joint" for name in moving & set(machine.frames)}
+    return renamed(machine, _changed(frames, taken), _changed(joints, taken))
 
 
-def _of_ours(name: str) -> str:
+def _changed(names: Mapping[str, str], taken: set[str]) -> dict[str, str]:
+    """Return the names that are others, like none that is taken."""
+    return {old: unused_name(new, taken) for old, new in names.items() if new != old}
+
+
+def _of_ours(name: str, what: str) -> str:
     """Return a name that SDFormat does not keep for itself."""
     plain = name.replace("::", "_")
-    return f"{plain}_link" if plain == "world" or re.fullmatch("__.*__", plain) else plain
+    return f"{plain}_{what}" if plain == "world" or re.fullmatch("__.*__", plain) else plain
 
 
 class _SdfWriter:
@@ -137,7 +139,7 @@ class _SdfWriter:
         for body in machine.bodies:
             for name, place in body.frames.items():
                 frame = SubElement(model, "frame", {"name": name, "attached_to": body.name})
-                frame.append(_pose(place))
+                frame.append(_sdf_pose(place))
         base = machine.bodies[0].name
         held = self._joint(unused_name(f"{base}_to_world", self._taken), "fixed", "world", base)
         model.append(held)
@@ -161,12 +163,15 @@ class _SdfWriter:
         """Yield what is to be said of what was written."""
         yield from self._masses.notes()
         yield from self._from_home.notes()
+        for step in self._machine.steps:
+            if step.armature and not step.single:
+                yield f"the armature of joint {step.name!r}, which turns any way, is left out"
         motors = ",".join(self._machine.motors)
         yield f"sdf does not say which joints are motors: read it with --actuated {motors}"
 
     def _link(self, number: int, body: PlainBody) -> Element:
         link = Element("link", name=body.name)
-        link.append(_pose(self._placed[number]))
+        link.append(_sdf_pose(self._placed[number]))
         if number:
             link.append(_sdf_inertial(self._masses.of(body)))
         for count, drawn in enumerate(body.shapes, start=1):
@@ -175,7 +180,7 @@ class _SdfWriter:
 
     def _visual(self, drawn: PlainShape, name: str) -> Element:
         visual = Element("visual", name=name)
-        visual.append(_pose(drawn.place))
+        visual.append(_sdf_pose(drawn.place))
         shape = SubElement(SubElement(visual, "geometry"), drawn.shape.tag)
         for key, value in drawn.shape.attrib.items():
             mesh = key == "filename"
@@ -212,12 +217,13 @@ class _SdfWriter:
         kind = "continuous" if kind == "revolute" and free else kind
         joint = self._joint(step.name, kind, parent, child)
         axis = _sdf_axis("axis", step.axis)
-        if not free:
+        known = {} if free else dict(zip(("lower", "upper"), limits, strict=True))
+        most = {"effort": step.effort, "velocity": step.rate}
+        known |= {tag: number for tag, number in most.items() if np.isfinite(number)}
+        if known:
             limit = SubElement(axis, "limit")
-            for tag, number in zip(("lower", "upper"), limits, strict=True):
+            for tag, number in known.items():
                 SubElement(limit, tag).text = written([number])
-            if np.isfinite(step.effort):
-                SubElement(limit, "effort").text = written([step.effort])
         joint.append(axis)
         if step.armature:
             SubElement(joint, "drake:rotor_inertia").text = written([step.armature])
@@ -230,7 +236,7 @@ class _SdfWriter:
         names = (self._machine.bodies[one].name, self._machine.bodies[other].name)
         label = unused_name("-".join(loop.frames), self._taken)
         joint = self._joint(label, kind, *names)
-        joint.append(_pose(second))
+        joint.append(_sdf_pose(second))
         if isinstance(loop, LoopAlongAxis):
             joint.append(_sdf_axis("axis", np.array(loop.axis)))
         elif isinstance(loop, UniversalLoop):
@@ -247,7 +253,7 @@ def _sdf_axis(tag: str, direction: Array) -> Element:
     return axis
 
 
-def _pose(place: pin.SE3) -> Element:
+def _sdf_pose(place: pin.SE3) -> Element:
     pose = Element("pose")
     pose.text = written([*place.translation, *pin.rpy.matrixToRpy(place.rotation)])
     return pose
@@ -255,7 +261,7 @@ def _pose(place: pin.SE3) -> Element:
 
 def _sdf_inertial(inertia: pin.Inertia) -> Element:
     element = Element("inertial")
-    element.append(_pose(pin.SE3(np.eye(3), inertia.lever)))
+    element.append(_sdf_pose(pin.SE3(np.eye(3), inertia.lever)))
     SubElement(element, "mass").text = written([inertia.mass])
     moments = SubElement(element, "inertia")
     for k in range(3):

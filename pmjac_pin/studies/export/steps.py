@@ -30,6 +30,7 @@ class JointSteps:
         self._data = model.createData()
         pin.computeJointJacobians(model, self._data, pin.neutral(model))
         self._efforts = stated_limits(model.lowerEffortLimit, model.upperEffortLimit)
+        self._rates = stated_limits(model.lowerVelocityLimit, model.upperVelocityLimit)
 
     def steps(self, joint: pin.JointModel, kind: JointKind, driven: bool) -> tuple[PlainStep, ...]:
         """Return a joint's steps in the order in which they move.
@@ -65,6 +66,7 @@ class JointSteps:
             (float(limits[0]), float(limits[1])) if single else (-np.inf, np.inf),
             float(self._model.armature[column]),
             float(self._efforts[column]),
+            float(self._rates[column]),
             driven,
         )
 

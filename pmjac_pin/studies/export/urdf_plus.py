@@ -20,6 +20,7 @@ from pmjac_pin.model.loop_spec import (
     UniversalLoop,
 )
 from pmjac_pin.studies.export.closable import closable
+from pmjac_pin.studies.export.from_home import FromHome
 from pmjac_pin.studies.export.gears import followers
 from pmjac_pin.studies.export.motors import refuse_planar_motors, refuse_turning_motors
 from pmjac_pin.studies.export.plain_machine import PlainMachine, Written
@@ -48,15 +49,17 @@ def urdf_plus(machine: PlainMachine, folder: Path) -> Written:
     refuse_planar_motors(machine, "urdf-plus")
     refuse_turning_motors(machine, "urdf-plus")
     machine, notes = closable(machine, tuple(URDF_PLUS_LOOPS))
-    tree = UrdfTree(prepared(machine), folder, "spherical")
+    prepared_machine = prepared(machine)
+    values = FromHome(prepared_machine)
+    tree = UrdfTree(prepared_machine, folder, "spherical", values)
     robot = tree.urdf.robot
-    with_mimics(tree, "urdf-plus")
+    with_mimics(tree, values, "urdf-plus")
     written = tree.joints
     for step in machine.steps:
         if step.single and step.name in written:  # those of a planar joint are not
             written[step.name].set("independent", "true" if step.driven else "false")
     robot.extend(_loop_elements(machine.loops))
-    return Written(robot, machine, (*notes, *tree.notes(), *_order(machine)))
+    return Written(robot, machine, (*notes, *values.notes(), *tree.notes(), *_order(machine)))
 
 
 def _order(machine: PlainMachine) -> Iterable[str]:
@@ -66,9 +69,9 @@ def _order(machine: PlainMachine) -> Iterable[str]:
         yield f"the motors are in the order of the file's joints: {', '.join(map(repr, order))}"
 
 
-def with_mimics(tree: UrdfTree, to: str) -> None:
+def with_mimics(tree: UrdfTree, values: FromHome, to: str) -> None:
     """Write a machine's gears as <mimic> of the joints that follow."""
-    ordered = followers(tree.from_home.gears(), tree.machine.motors, to)
+    ordered = followers(values.gears(), tree.machine.motors, to)
     for gear in ordered:
         leader, follower = gear.joints
         numbers = {"multiplier": written([gear.ratio]), "offset": written([gear.offset])}

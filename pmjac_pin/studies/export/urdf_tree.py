@@ -1,7 +1,7 @@
-"""The tree of a machine as a URDF: placed at home, where all its joints are at zero.
+"""The tree of a machine as a URDF, whose links stand where they are with all joints at zero.
 
-URDF has no home pose. So each joint's frame is where home has it, and its values and limits count
-from there.
+URDF has no home pose. So where none stands beside it, values count from home: each joint's frame
+is where home has it.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from xml.etree.ElementTree import Element
+from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 import pinocchio as pin
@@ -17,7 +17,7 @@ import pinocchio as pin
 from pmjac_pin.files.joint_dialects import WITHOUT_LIMIT
 from pmjac_pin.files.tree_urdf import STILL, MovingAxis, TreeUrdf
 from pmjac_pin.files.xml_text import written
-from pmjac_pin.studies.export.from_home import FromHome, counted
+from pmjac_pin.studies.export.from_home import FromHome, FromZero, counted
 from pmjac_pin.studies.export.mesh_files import mesh_path
 from pmjac_pin.studies.export.plain_machine import PlainJoint, PlainMachine, PlainShape, PlainStep
 from pmjac_pin.studies.export.single_steps import with_screws_geared, with_single_steps
@@ -37,19 +37,20 @@ class UrdfTree:
         Where the file will be.
     ball : str
         What the format calls a ball joint.
+    values : FromHome or FromZero
+        From where values count.
     urdf : TreeUrdf
-    from_home : FromHome
     """
 
     machine: PlainMachine
     folder: Path
     ball: str
+    values: FromHome | FromZero
     urdf: TreeUrdf = field(init=False)
-    from_home: FromHome = field(init=False)
 
     def __post_init__(self) -> None:
-        machine, placed = self.machine, self.machine.placements()
-        self.from_home, geared = FromHome(machine), counted(machine)
+        machine, placed = self.machine, self.machine.placements(self.values.pose)
+        geared = counted(machine)
         self.urdf = TreeUrdf(machine.name, machine.bodies[0].name, placed[0], machine.taken)
         for joint in machine.joints:
             self._move(joint, placed, geared)
@@ -64,14 +65,16 @@ class UrdfTree:
                     body.name, placed[number] * drawn.place, self._shape(drawn), colour
                 )
 
+    def notes(self) -> Iterator[str]:
+        """Yield what a URDF cannot say of joints."""
+        for joint in self.machine.joints:
+            if joint.kind == "planar" and any(step.armature for step in joint.steps):
+                yield f"the armature of planar joint {joint.name!r} is left out"
+
     @property
     def joints(self) -> Mapping[str, Element]:
         """The joints that were written, by name."""
         return {joint.get("name", ""): joint for joint in self.urdf.robot.iterfind("joint")}
-
-    def notes(self) -> Iterator[str]:
-        """Yield what is to be said of it."""
-        return self.from_home.notes()
 
     def _move(
         self, joint: PlainJoint, placed: tuple[pin.SE3, ...], geared: Collection[str]
@@ -89,8 +92,9 @@ class UrdfTree:
     def _step(self, step: PlainStep, ends: tuple[str, str], counted: bool) -> None:
         if not step.single:
             self.urdf.joint(step.name, _STEP_TYPES.get(step.kind, self.ball), ends, STILL)
+            self._motor(step)
             return
-        lower, upper = self.from_home.limits(step)
+        lower, upper = self.values.limits(step)
         if step.kind == "hinge" and not counted and not np.isfinite([lower, upper]).any():
             self.urdf.joint(step.name, "continuous", ends, MovingAxis(step.axis))
         else:
@@ -99,9 +103,14 @@ class UrdfTree:
         self._motor(step)
 
     def _motor(self, step: PlainStep) -> None:
+        """Write what a motor can do, and its rotor."""
         joint = self.joints[step.name]
-        if np.isfinite(step.effort) and (limit := joint.find("limit")) is not None:
-            limit.set("effort", written([step.effort]))
+        most = {"effort": step.effort, "velocity": step.rate}
+        if step.single and np.isfinite([*most.values()]).any():
+            if (limit := joint.find("limit")) is None:
+                limit = SubElement(joint, "limit")
+            for key, number in most.items():
+                limit.set(key, written([min(number, WITHOUT_LIMIT)]))
         if step.armature:
             joint.append(Element("dynamics", armature=written([step.armature])))
 
@@ -113,14 +122,14 @@ class UrdfTree:
         return shape
 
 
-def called(joint: PlainJoint) -> str:
+def urdf_name(joint: PlainJoint) -> str:
     """Return the name that a URDF has for a joint: a planar one is no single step."""
     return joint.name if joint.kind == "planar" else joint.steps[0].name
 
 
 def motor_joints(machine: PlainMachine) -> tuple[str, ...]:
     """Return the motors by the names of the URDF's joints."""
-    joints = {step.name: called(joint) for joint in machine.joints for step in joint.steps}
+    joints = {step.name: urdf_name(joint) for joint in machine.joints for step in joint.steps}
     return tuple(dict.fromkeys(joints[name] for name in machine.motors))
 
 

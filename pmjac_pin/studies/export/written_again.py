@@ -16,7 +16,7 @@ from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.export.plain_machine import PlainMachine
 from pmjac_pin.values.arrays import Array
 
-_SAME = 1e-9  # relative, between the file and the mechanism
+_ONE_MACHINE = 1e-9  # relative, between the file and the mechanism
 
 
 def read_again(mechanism: Mechanism, machine: PlainMachine, files: dict[str, bytes]) -> Evidence:
@@ -37,10 +37,7 @@ def read_again(mechanism: Mechanism, machine: PlainMachine, files: dict[str, byt
         except PmjacError as error:
             said = str(error).replace(f"{folder}/", "")
             raise ArgumentError(f"{mechanism.name} cannot be written so: {said}") from error
-    if again.mobility != mechanism.mobility:
-        got = f"its mobility is {again.mobility} in the file and {mechanism.mobility} here"
-        raise ArgumentError(f"{mechanism.name} cannot be written so: {got}")
-    return _compared(mechanism, again)
+    return compared(mechanism, again)
 
 
 def _loaded(path: Path, mechanism: Mechanism, machine: PlainMachine) -> Mechanism:
@@ -58,9 +55,19 @@ def _loaded(path: Path, mechanism: Mechanism, machine: PlainMachine) -> Mechanis
     )
 
 
-def _compared(mechanism: Mechanism, again: Mechanism) -> Evidence:
+def compared(mechanism: Mechanism, again: Mechanism) -> Evidence:
+    """Return what is known of a mechanism that was read again.
+
+    Raises
+    ------
+    ArgumentError
+        It is another machine.
+    """
+    if again.mobility != mechanism.mobility:
+        got = f"its mobility is {again.mobility} in the file and {mechanism.mobility} here"
+        raise ArgumentError(f"{mechanism.name} cannot be written so: {got}")
     length = mechanism.characteristic_length
-    allowed = max(_SAME, 10.0 * mechanism.tolerance / length)
+    allowed = max(_ONE_MACHINE, 10.0 * mechanism.tolerance / length)
     apart = _links_apart(mechanism, again) / length
     differences = {"links": apart}
     with contextlib.suppress(NoJacobianError):
