@@ -21,7 +21,7 @@ _MOST_HALVED = 6
 _STATIONARY = 1e-9  # of the distance: how much nearer a step along the locus might lead
 _NO_NEARER = 1e-12  # of the distance: by how much a step leads nearer at least
 _LEAST_CURVED = 1e-3  # of the largest curvature: along less, steps are no longer than with this
-_BESIDE = 1e-4  # lengths or rad, of differences between gradients
+_ASIDE_STEP = 1e-4  # lengths or rad, of differences between gradients
 _LONGEST = 0.3  # lengths or rad
 _NONE_HELD: Index = np.zeros(0, dtype=np.intp)
 
@@ -111,10 +111,10 @@ class ClosestPoint:
     def _hessian(self, point: SingularPoint, ways: Array, gradient: Array) -> Array:
         columns = []
         for way in ways:
-            beside = self._along(point, _BESIDE * way)
+            beside = self._along(point, _ASIDE_STEP * way)
             rise = (
                 np.zeros(len(ways)) if beside is None else self._gradient(beside, ways) - gradient
             )
-            columns.append(rise / _BESIDE)
+            columns.append(rise / _ASIDE_STEP)
         found = np.array(columns)
         return 0.5 * (found + found.T)
