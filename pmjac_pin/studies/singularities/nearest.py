@@ -77,8 +77,8 @@ def nearest_singularity(
     >>> nearest = pj.nearest_singularity(arm)
     >>> nearest.freed, round(nearest.distance, 9), nearest.unit
     ('loss', 0.9, 'rad')
-    >>> nearest.motor_change["theta2"]
-    -0.9...
+    >>> round(nearest.motor_change["theta2"], 9)
+    -0.9
     """
     check_kind(configuration, Configuration)
     if space not in _SPACES:
