@@ -22,7 +22,7 @@ from pmjac_pin.studies.export.plain_machine import PlainMachine, Written
 from pmjac_pin.studies.export.sdf import sdf
 from pmjac_pin.studies.export.take_apart import taken_apart
 from pmjac_pin.studies.export.urdf_plus import urdf_plus
-from pmjac_pin.studies.export.written_again import compared, read_again
+from pmjac_pin.studies.export.written_again import compared, link_places, read_again
 from pmjac_pin.values.checks import as_flag, check_kind
 
 #: What writes a machine for a folder, and the ends of the files' names.
@@ -116,7 +116,7 @@ def _as_model_file(mechanism: Mechanism, file: str | Path, force: bool) -> Expor
     spec, urdf = found
     comments = (f"From {mechanism.name}.", *mechanism.notes)
     files, again = model_file_texts(places, spec, urdf, comments)
-    evidence = compared(mechanism, again)
+    evidence = compared(mechanism, again, link_places(mechanism))
     write_files(files, replace=force)
     tool = () if spec.tool.is_none else spec.tool.names
     return Exported(places, spec.actuated, tool, (), evidence)
