@@ -30,6 +30,7 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/bench_dynamics.py
 	$(BIN)/python benchmarks/bench_polytope.py
 	$(BIN)/python benchmarks/bench_transmission.py
+	$(BIN)/python benchmarks/bench_reach.py
 	$(BIN)/python benchmarks/bench_follow.py
 	$(BIN)/python benchmarks/bench_modes.py
 	$(BIN)/python benchmarks/bench_homotopy.py

@@ -1,11 +1,12 @@
 """Many poses at once, beside a loop over single calls, in the same run.
 
-Both close, give J_eq, and the singular values of its linear and angular rows; at once come those
-of K* and the tool's pose as well. Targets are drawn around home; both sides take the same ones in
-turn, the loop a part of them. Then two threads beside one. Ratios are what counts: what one thread
-takes is counted in seconds of the processor, so that others' work is not; two threads need two
-cores that nobody else works on. The single calls are those by Pinocchio and singular values, as
-before a program is recorded. Compiled programs are made before, and kept in the user's cache.
+Both close, give J_eq, and the singular values of its linear and angular rows. In the column of
+measures, those of K* and the tool's pose come as well. Targets are drawn around home; both sides
+take the same ones in turn, the loop a part of them. Then two threads beside one. Ratios are what
+counts: what one thread takes is counted in seconds of the processor, so that others' work is not;
+two threads need two cores that nobody else works on. The single calls are those by Pinocchio and
+singular values, as before a program is recorded. Compiled programs are made before, and kept in
+the user's cache.
 """
 
 from __future__ import annotations
@@ -47,9 +48,13 @@ def one_by_one(mechanism: pj.Mechanism, values: np.ndarray) -> tuple[np.ndarray,
     return np.array(J_eq), np.array(radii)
 
 
-def at_once(many: pj.Batch, values: np.ndarray, threads: int = 1) -> pj.ManyMeasures:
+def at_once(many: pj.Batch, values: np.ndarray, threads: int = 1) -> pj.ManyEllipsoids:
     poses = many.close(values, enforce_limits=False, threads=threads)
-    return many.measures(poses.q, threads=threads)
+    return many.ellipsoids(poses.q, threads=threads)
+
+
+def with_measures(many: pj.Batch, values: np.ndarray) -> pj.ManyMeasures:
+    return many.measures(many.close(values, enforce_limits=False, threads=1).q, threads=1)
 
 
 def seconds(of: Callable[[], object], clock: Callable[[], float] = time.process_time) -> float:
@@ -74,15 +79,16 @@ def compiled(mechanism: pj.Mechanism) -> pj.Batch | None:
         return None
 
 
-def compare(mechanism: pj.Mechanism) -> tuple[float, float, float, float]:
-    """Seconds a pose, one by one, at once and compiled; the gain of two threads over one."""
+def compare(mechanism: pj.Mechanism) -> tuple[float, float, float, float, float]:
+    """Seconds a pose, one by one, at once, with measures, compiled; two threads' gain over one."""
     many, values = pj.batch(mechanism), targets(mechanism, MANY)
     alone, fast = unrecorded(machine(mechanism.name)), compiled(mechanism)
     check(alone, many, values[:20])
-    single, batched, sooner, gains = [], [], [np.nan], []
+    single, batched, more, sooner, gains = [], [], [], [np.nan], []
     for _ in range(ROUNDS):
         single.append(seconds(lambda: one_by_one(alone, values[:SINGLE])) / SINGLE)
         batched.append(seconds(lambda: at_once(many, values)) / MANY)
+        more.append(seconds(lambda: with_measures(many, values)) / MANY)
         if fast is not None:
             sooner.append(seconds(lambda: at_once(fast, values)) / MANY)
         one, two = (
@@ -90,19 +96,24 @@ def compare(mechanism: pj.Mechanism) -> tuple[float, float, float, float]:
             for threads in (1, 2)
         )
         gains.append(one / two)
-    middle = (statistics.median(times) for times in (single, batched, sooner[1:] or sooner, gains))
-    return next(middle), next(middle), next(middle), next(middle)
+    one, once, told, fast_one, gain = (
+        statistics.median(times) for times in (single, batched, more, sooner[1:] or sooner, gains)
+    )
+    return one, once, told, fast_one, gain
 
 
 def main() -> None:
     runs_on = pj.batch(pj.load("four_bar")).runs_on
     columns = "".join(
-        f"{title:>12s}" for title in ("one by one", "at once", "ratio", "compiled", "ratio")
+        f"{title:>12s}"
+        for title in ("one by one", "at once", "ratio", "measures", "ratio", "compiled", "ratio")
     )
     print(f"{runs_on:16s}{columns}{'2 threads':>12s}   µs a pose")
     for name in NAMES:
-        single, batched, sooner, gain = compare(machine(name))
-        numbers = (1e6 * single, 1e6 * batched, single / batched, 1e6 * sooner, single / sooner)
+        single, batched, more, sooner, gain = compare(machine(name))
+        numbers = [1e6 * single]
+        for times in (batched, more, sooner):
+            numbers += [1e6 * times, single / times]
         columns = "".join(f"{number:12.2f}" for number in numbers)
         print(f"{name:16s}{columns}{f'× {gain:.2f}':>12s}", flush=True)
 

@@ -54,7 +54,7 @@ def main() -> None:
             for _ in range(ROUNDS)
         ]
         one, proven, direct = (
-            statistics.median(column) / count * 1e6 for column in zip(*times, strict=False)
+            statistics.median(column) / count * 1e6 for column in zip(*times, strict=True)
         )
         ratio = statistics.median(b / a for a, b, _ in times)
         print(f"{name:16} {count:5} {one:16.0f} {proven:10.0f} {ratio:6.1f} {direct:17.0f}")

@@ -3,6 +3,7 @@
 from .batches.batch import Batch as Batch
 from .batches.batch import batch as batch
 from .batches.results import ManyClosed as ManyClosed
+from .batches.results import ManyEllipsoids as ManyEllipsoids
 from .batches.results import ManyInGrid as ManyInGrid
 from .batches.results import ManyJacobians as ManyJacobians
 from .batches.results import ManyMeasures as ManyMeasures
@@ -102,6 +103,8 @@ from .model.loop_spec import (
 )
 from .model.spec import MechanismSpec as MechanismSpec
 from .pictures.plot import plot as plot
+from .pictures.slice_figure import plot_locus as plot_locus
+from .pictures.slice_figure import plot_workspace as plot_workspace
 from .pictures.transmission_figure import plot_transmission as plot_transmission
 from .rates.allowed import AllowedJacobian as AllowedJacobian
 from .rates.allowed import allowed_jacobian as allowed_jacobian
@@ -156,11 +159,15 @@ from .studies.reach.task import Task as Task
 from .studies.reach.working_modes import WorkingModes as WorkingModes
 from .studies.reach.working_modes import working_modes as working_modes
 from .studies.recut import recut as recut
+from .studies.singularities.free_ball import SingularityFree as SingularityFree
+from .studies.singularities.free_ball import singularity_free as singularity_free
 from .studies.singularities.locus import LocusCurve as LocusCurve
 from .studies.singularities.locus import LocusPoint as LocusPoint
 from .studies.singularities.locus import SingularityLocus as SingularityLocus
-from .studies.singularities.nearest import NearestSingularity as NearestSingularity
 from .studies.singularities.nearest import nearest_singularity as nearest_singularity
+from .studies.singularities.nearest_singularity import (
+    NearestSingularity as NearestSingularity,
+)
 from .studies.singularities.singularity_locus import singularity_locus as singularity_locus
 from .studies.sweep.sweep import sweep as sweep
 from .studies.transmissions.map_maker import transmission_map as transmission_map

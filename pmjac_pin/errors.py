@@ -247,7 +247,7 @@ class Interrupted(KeyboardInterrupt):
 
     Attributes
     ----------
-    done : ManyClosed, ManyJacobians, ManyMeasures, ManyInGrid or xarray.Dataset
+    done : ManyClosed, ManyJacobians, ManyEllipsoids, ManyMeasures, ManyInGrid or xarray.Dataset
         What would have been returned; what is not done has the status NOT_DONE, and NaN.
     """
 

@@ -133,8 +133,10 @@ def test_measures_are_those_of_one_by_one(name, rng):
     mechanism = machine(name)
     many = pj.batch(mechanism)
     q = many.close(targets(mechanism, 3, 0.05, rng), enforce_limits=False).q
-    found, jacobians = many.measures(q), many.jacobian(q)
-    assert found.status.tolist() == jacobians.status.tolist()
+    found, jacobians, ellipsoids = many.measures(q), many.jacobian(q), many.ellipsoids(q)
+    assert found.status.tolist() == jacobians.status.tolist() == ellipsoids.status.tolist()
+    for one in ("J_eq", "velocity_radii", "angular_radii"):
+        np.testing.assert_array_equal(getattr(ellipsoids, one), getattr(found, one))
     for k, pose in enumerate(map(mechanism.configuration, q)):
         singularity, tool = pose.singularity(), pose.tool_pose()
         assert found.smallest[k] == pytest.approx(singularity.smallest, rel=1e-9, abs=1e-14)
@@ -205,7 +207,7 @@ def test_threads_change_no_bit(rng):
         np.testing.assert_array_equal(getattr(parted, name), getattr(alone, name)[4096:8192])
     assert told[-1] == (9000, 9000)
     assert len(told) == 3
-    for one in (many.jacobian, many.measures):
+    for one in (many.jacobian, many.ellipsoids, many.measures):
         first, second = one(alone.q, threads=1), one(alone.q, threads=3)
         for name, array in vars(first).items():
             np.testing.assert_array_equal(getattr(second, name), array)
@@ -274,6 +276,7 @@ LONGER = np.array([2.0, 2.0, 1.0])
 CALLS = {
     "close": lambda many, q: many.close([[0.3, 0.4]], guess=q),
     "jacobian": lambda many, q: many.jacobian(q),
+    "ellipsoids": lambda many, q: many.ellipsoids(q),
     "measures": lambda many, q: many.measures(q),
     "program": lambda many, q: pj.program(many.mechanism)(q),
 }

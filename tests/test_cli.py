@@ -28,6 +28,9 @@ COMMANDS = (
     "sweep",
     "transmission",
     "follow",
+    "reach",
+    "workspace",
+    "locus",
 )
 ROOT = Path(__file__).resolve().parent.parent
 FOLD = ("report", "four_bar", "--set", "l1=3,l2=2.5,l3=2", "--at", "1.3715642395497258")

@@ -29,6 +29,8 @@ STUDIES = {
     pj.OperationModes: lambda machine, theta: homotopy_of(machine.name).operation_modes(),
     pj.ParameterHomotopy: lambda machine, theta: homotopy_of(machine.name),
     pj.Proof: pj.prove,
+    pj.NearestSingularity: lambda machine, theta: pj.nearest_singularity(machine.home, starts=1),
+    pj.SingularityFree: lambda machine, theta: pj.singularity_free(machine.home),
     pj.TransmissionTable: lambda machine, theta: table_around(machine, theta + 0.6),
 }
 

@@ -12,7 +12,7 @@ from mechanisms import (
     rssr,
     with_motors,
 )
-from scipy.interpolate import CubicHermiteSpline
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from scipy.optimize import brentq
 
 import pmjac_pin as pj
@@ -213,6 +213,30 @@ def test_dead_points_are_losses():
     assert [event.kind for event in events] == ["loss"]
     assert events[0].t == pytest.approx((pi - 0.9) / 3.1, abs=1e-11)
     assert events[0].configuration.singularity().lost == 1
+
+
+@pytest.mark.parametrize("waypoints", [[0.0, 1.0], [0.9, pi], [0.9, pi, 4.0], [0.9, pi, 1.0]])
+def test_dead_points_where_pieces_begin_and_end(waypoints):
+    path = pj.follow(loaded("slider_crank"), [[theta] for theta in waypoints])
+    assert path.reached
+    [event] = path.events
+    assert (event.kind, event.t) == ("loss", 0.0 if waypoints[0] == 0.0 else 1.0)
+
+
+def test_where_the_tool_is_as_slow_in_two_ways():
+    """A Delta on its axis: two singular values are one, and no vectors are told."""
+    machine = loaded("delta")
+    home = machine.home.actuated.mean()
+    path = pj.follow(machine, [3 * [home], 3 * [home + 0.3]])
+    assert path.reached
+    assert path.events == ()
+
+
+def test_motors_that_start_and_stop_gently():
+    clamped = CubicSpline([0.0, 1.0, 2.0], [[0.9], [1.5], [1.2]], bc_type="clamped")
+    path = pj.follow(loaded("four_bar"), clamped, certified=True)
+    assert path.reached
+    assert path.rates[0] == pytest.approx([0.0], abs=1e-12)
 
 
 def test_a_dead_point_that_is_touched():

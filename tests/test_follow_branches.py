@@ -79,7 +79,7 @@ def test_the_other_branch_is_followed_from_its_pose_ahead():
 
 
 @pytest.mark.parametrize("singularity", ["stop", pytest.param("pass", marks=pytest.mark.slow)])
-@pytest.mark.parametrize("size", [1e-2, 1e-4, 1e-6])
+@pytest.mark.parametrize("size", [1e-2, 1e-4, 1e-6, 1e-8])
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_what_is_almost_a_parallelogram_never_jumps(side, size, singularity):
     """With a longer rocker both modes go on, close to each other; with a shorter one they end."""

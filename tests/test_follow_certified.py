@@ -63,11 +63,27 @@ def test_what_is_almost_a_parallelogram_is_proven(size):
 @pytest.mark.slow
 def test_a_parallelogram_is_proven_up_to_where_it_is_flat():
     trajectory = pj.follow(four_bar(2.0, 1.0, 2.0, 1.0), [[0.9], [4.0]], certified=True)
-    assert trajectory.status in {"not proven", "branch point"}
-    assert trajectory.t[-1] == pytest.approx((pi - 0.9) / 3.1, abs=1e-5)
-    if trajectory.status == "not proven":
-        assert "nothing proves" in trajectory.reason
-        assert "two branches" in trajectory.reason
+    assert (trajectory.status, trajectory.evidence.kind) == ("branch point", "proof")
+    assert trajectory.t[-1] == pytest.approx((pi - 0.9) / 3.1, abs=1e-11)
+    proven = trajectory.steps[len(trajectory.radii)]
+    assert f"up to t = {proven:.9g}" in trajectory.evidence.statement
+    assert trajectory.t[-1] - 1e-5 < proven < trajectory.t[-1]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["three_rps", "planar_3rpr"])
+def test_folds_of_spatial_machines_are_proven_up_to(name):
+    machine = loaded(name)
+    home, rng = machine.home.actuated, np.random.default_rng(5)
+    size = 0.2 * machine.characteristic_length
+    first, second = rng.normal(size=(2, home.size)) * size
+
+    def path(t):
+        return home + first * np.sin(t) + second * (np.cos(2.0 * t) - 1.0)
+
+    way = pj.follow(machine, path, times=(0.0, 6.28), enforce_limits=False, certified=True)
+    assert (way.status, way.evidence.kind) == ("fold", "proof")
+    assert way.t[-1] - way.steps[len(way.radii)] < 1e-6
 
 
 def at(course, theta, phi):

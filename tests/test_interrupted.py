@@ -56,7 +56,7 @@ def parts_equal(done, whole):
 
 
 @pytest.mark.parametrize("threads", [1, 2])
-@pytest.mark.parametrize("asked", ["close", "jacobian", "measures"])
+@pytest.mark.parametrize("asked", ["close", "jacobian", "ellipsoids", "measures"])
 def test_what_is_done_is_kept(many, poses, asked, threads):
     """A KeyboardInterrupt comes anywhere; here, from where progress is told."""
     given = VALUES if asked == "close" else poses.q

@@ -92,9 +92,9 @@ def test_waypoints_by_name_and_their_times():
         (VALUES, [0.0, 1.0, 1.0, 2.0], "ascend"),
         ([[0.9], [1.0]], None, r"shape \(N, 2\)"),
         (wave, None, "needs `times`"),
-        (lambda t: [t], (0.0, 1.0), "2 motor values"),
+        (lambda t: [t], (0.0, 1.0), "is 2 values"),
         (lambda t: [t, "x"], (0.0, 1.0), "real numbers"),
-        (CubicSpline(TIMES, VALUES[:, :1]), None, "2 motors"),
+        (CubicSpline(TIMES, VALUES[:, :1]), None, "2 values \\(theta1, theta2\\)"),
         (BSpline([0.0, 0.0, 1.0, 2.0, 2.0], np.eye(3)[:, :2], 1), (0.0, 3.0), "not within"),
     ],
 )

@@ -31,6 +31,7 @@ OTHERWISE = {
     "algebra/singular_values.py": {"svd"},  # those that are shown, of many poses
     "closing/levenberg_marquardt.py": {"svd"},  # a step that damping holds back
     "studies/modes/marks.py": {"qr"},  # the space of a joint's own motions, for many poses
+    "studies/singularities/closest.py": {"eigh"},  # curvatures, of which none counts as zero
     "studies/singularities/singular_equations.py": {"svd"},  # steps of a rank that is known
     "studies/modes/enclosed_modes.py": {"lstsq", "pinv"},  # guesses: what they are worth is proven
     "studies/homotopy/curve.py": {"pinv"},  # a step where there is no other

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hand_reach as hand
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -61,23 +62,35 @@ WAYS = {
 @pytest.mark.parametrize("name", ["five_bar", "head_6rss", "planar_3rrr", "three_rps", "ur5"])
 def test_wherever_a_machine_stands_and_however_large_it_is(name, way, rng):
     mechanism = WAYS[way](loaded(name))
-    [wanted] = random_closed(mechanism, rng, 1, 0.1)
-    found = pj.reach(mechanism, wanted.tool_pose(), limits=False)
-    assert found.status == "reached"
     length = mechanism.characteristic_length
     slides = [mechanism.units[one] == "m" for one in mechanism.actuated]
-    apart = np.abs(found.actuated - wanted.actuated) / np.where(slides, length, 1.0)
+    size = np.where(slides, length, 1.0)
+    step = 0.1 * size * rng.uniform(-1.0, 1.0, size.size)
+    wanted = mechanism.close(mechanism.home.actuated + step, enforce_limits=False)
+    found = pj.reach(mechanism, wanted.tool_pose(), limits=False)
+    assert found.status == "reached"
+    apart = np.abs(found.actuated - wanted.actuated) / size
     assert apart.max() < (1e-9 if way != "far" else 1e3 * mechanism.tolerance / length)
 
 
-@pytest.mark.parametrize("name", ["five_bar", "planar_3rpr", "serial_2r"])
-def test_near_a_singular_pose(name, rng):
-    """Beside where a leg is straight, the tool's last millionth still tells the motors."""
-    mechanism = loaded(name)
-    [wanted] = random_closed(mechanism, rng, 1, 0.3)
-    if name == "serial_2r":
-        wanted = mechanism.close([0.3, 1e-3])
-    found = pj.reach(mechanism, wanted.tool_pose(), limits=False)
+@pytest.mark.parametrize("beside", [1e-3, 1e-6, 1e-9])
+def test_beside_where_a_leg_is_straight(beside):
+    """The first arm of the five-bar but for a share of its length: angles change as its root."""
+    bar = loaded("five_bar")
+    lengths = list(bar.parameters.values())
+    tip = (lengths[1] + lengths[2]) * (1.0 - beside) * np.array([np.cos(1.2), np.sin(1.2)])
+    found = pj.reach(bar, {"x": tip[0], "y": tip[1]})
+    assert found.status == "reached"
+    by_hand = hand.five_bar_angles(tip, *lengths)
+    apart = np.abs(np.exp(1j * found.actuated)[:, None] - np.exp(1j * by_hand))
+    assert apart.min(axis=1).max() < 1e-13 / np.sqrt(beside)
+
+
+def test_a_machine_that_is_singular_at_home_starts_from_there():
+    """At home the 3-RPS moves its tool up and down alone: its position tells nothing there."""
+    machine = loaded("three_rps")
+    wanted = machine.close(machine.home.actuated + np.array([0.05, -0.03, 0.02]))
+    found = pj.reach(machine, wanted.tool_pose())
     assert found.status == "reached"
     np.testing.assert_allclose(found.actuated, wanted.actuated, atol=1e-9)
 
@@ -156,34 +169,88 @@ def test_a_leg_ends_where_its_limit_is():
     assert beyond.status == "reached"
 
 
-def test_a_passive_joint_has_limits_too():
-    ankle = loaded("humanoid_ankle")
-    lower = ankle.limits("pitch")[0]
-    found = pj.reach(ankle, {"pitch": lower - 0.5, "roll": 0.0})
-    assert found.status in ("at a limit", "out of reach", "singular")
-    assert not found.configuration.limits_violated
+def limited(name, joint, lower, upper):
+    """A machine of the catalogue, one joint kept between two values."""
+    mechanism = loaded(name)
+    model = mechanism.model
+    entry = model.joints[model.getJointId(joint)].idx_q
+    model.lowerPositionLimit[entry], model.upperPositionLimit[entry] = lower, upper
+    return transformed.rebuilt(mechanism, model)
 
 
-def test_motors_lose_the_tip_of_a_five_bar_where_its_elbows_meet():
-    """Straight down from home both elbows come to one point, about which the tip turns freely."""
+def test_a_passive_joint_ends_the_way_at_its_limit():
+    longest = loaded("slider_crank").home.joint_values["x"] + 0.05
+    machine = limited("slider_crank", "x", 0.5, longest)
+    target = machine.home.tool_pose()
+    target.translation += 0.1 * np.eye(3)[0]
+    found = pj.reach(machine, target)
+    assert (found.status, found.joints) == ("at a limit", ("x",))
+    assert found.configuration.joint_values["x"] == pytest.approx(longest, abs=2e-9)
+    assert found.share == pytest.approx(0.5, abs=1e-8)
+    assert pj.reach(machine, target, limits=False).status == "reached"
+
+
+def test_motors_lose_the_tip_of_a_five_bar_where_its_distal_links_are_in_line():
+    """Straight down from home, the tip comes to lie between its elbows."""
     bar = loaded("five_bar")
     l0, l1, l2, _, _ = bar.parameters.values()
     found = pj.reach(bar, {"x": l0 / 2, "y": -0.35})
-    lost = np.sqrt(l1**2 - l0**2 / 4) - l2
+    lost = np.sqrt(l1**2 - (l2 - l0 / 2) ** 2)
     assert found.status == "singular"
-    assert found.configuration.tool_pose().translation[1] == pytest.approx(lost, abs=1e-6)
+    assert found.configuration.tool_pose().translation[1] == pytest.approx(lost, abs=1e-8)
+    assert found.configuration.singularity().kind == "gain"
+
+
+def signs(bar, pose):
+    """How both arms of a five-bar are bent, and on which side of its elbows the tip is."""
+    l0, l1, _, _, l4 = bar.parameters.values()
+    (theta1, theta2), tip = pose.actuated, pose.tool_pose().translation[:2]
+    first = l1 * np.array([np.cos(theta1), np.sin(theta1)])
+    second = np.array([l0, 0.0]) + l4 * np.array([np.cos(theta2), np.sin(theta2)])
+    one, other = tip - first, tip - second
+    bends = [joint > 0.0 for joint in np.sin(pose.passive)]
+    return (*bends, one[0] * other[1] - one[1] * other[0] > 0.0)
+
+
+@pytest.mark.slow
+def test_what_is_reached_is_on_the_branch_of_the_guess(rng):
+    """Beyond where the annuli of a five-bar meet nothing is reached, and no way changes a mode."""
+    bar = loaded("five_bar")
+    l0, l1, l2, l3, l4 = bar.parameters.values()
+    statuses = set()
+    for x, y in rng.uniform([-0.6, -0.7], [0.9, 0.75], (16, 2)):
+        found = pj.reach(bar, {"x": x, "y": y})
+        within = abs(l1 - l2) <= np.hypot(x, y) <= l1 + l2
+        within &= abs(l3 - l4) <= np.hypot(x - l0, y) <= l3 + l4
+        if found:
+            assert signs(bar, found.configuration) == signs(bar, bar.home)
+        assert within or found.status in ("out of reach", "singular")
+        assert not (within and found.status == "out of reach")
+        statuses.add(found.status)
+    assert {"reached", "out of reach"} <= statuses
 
 
 def test_another_branch_is_told_with_a_pose_on_it():
-    bar = loaded("five_bar")
-    target = np.array([0.355, -0.322, 0.0])
-    found = pj.reach(bar, target)
+    """Across the hole of its annulus, an arm's shoulder has no room for the elbow that it has."""
+    arm, (l1, l2) = (
+        limited("serial_2r", "theta1", -1.0, 3.0),
+        loaded("serial_2r").parameters.values(),
+    )
+    near, far = np.array([0.9, 0.05, 0.0]), np.array([-0.9, 0.05, 0.0])
+    bend = np.arccos((near @ near - l1**2 - l2**2) / (2 * l1 * l2))
+    aside = np.arctan2(l2 * np.sin(bend), l1 + l2 * np.cos(bend))
+    start = arm.close([np.arctan2(0.05, 0.9) + aside, -bend])
+    np.testing.assert_allclose(start.tool_pose().translation, near, atol=1e-12)
+    found = pj.reach(arm, far, guess=start)
+    other = [np.arctan2(0.05, -0.9) - aside, bend]
+    assert np.arctan2(0.05, -0.9) + aside > 3.0 > other[0]
     assert found.status == "on another branch"
-    np.testing.assert_allclose(found.elsewhere.tool_pose().translation, target, atol=1e-9)
-    assert found.configuration.residual_norm <= bar.tolerance
-    modes = pj.working_modes(bar, target, rng=0)
-    turned = np.exp(1j * (modes.actuated - found.elsewhere.actuated))
-    assert np.abs(turned - 1.0).max(axis=1).min() < 1e-6
+    turned = np.exp(1j * (found.elsewhere.actuated - other))
+    np.testing.assert_allclose(turned, 1.0, atol=1e-8)
+    # The last pose on the way is at the hole, the elbow folded.
+    last = found.configuration.tool_pose().translation
+    np.testing.assert_allclose(last, [np.sqrt((l1 - l2) ** 2 - 0.05**2), 0.05, 0.0], atol=1e-6)
+    assert pj.reach(arm, far, guess=start, limits=False).status == "reached"
 
 
 # --- Tasks ----------------------------------------------------------------------------------------

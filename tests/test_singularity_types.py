@@ -13,6 +13,7 @@ import pytest
 from hand_planar import unit
 from mechanisms import loaded, with_motors
 from scipy.optimize import fsolve
+from transformed import moved, rebuilt
 
 import pmjac_pin as pj
 from pmjac_pin.rates.screw import principal_screws
@@ -32,7 +33,7 @@ def five_bar_at(thetas, tip, lengths=(0.3, 0.3, 0.4, 0.4, 0.3)):
     l0, l1, _, _, l4 = lengths
     elbows = [l1 * unit(thetas[0]), np.array([l0, 0.0]) + l4 * unit(thetas[1])]
     angles = [np.arctan2(*(tip - elbow)[::-1]) for elbow in elbows]
-    phi = [(a - t + pi) % (2 * pi) - pi for a, t in zip(angles, thetas, strict=True)]
+    phi = [whole_turns_less(a - t) for a, t in zip(angles, thetas, strict=True)]
     machine = pj.load("five_bar", names)
     return posed(machine, theta1=thetas[0], theta2=thetas[1], phi1=phi[0], phi2=phi[1])
 
@@ -80,6 +81,10 @@ def slider_crank_at_dead_centre(motor, tool):
     return with_motors(loaded("slider_crank"), [motor]).with_tool(tool).configuration(q)
 
 
+def whole_turns_less(angle):
+    return (angle + pi) % (2 * pi) - pi
+
+
 def three_rrr_at(x, y, turn, elbows):
     """Plate at x, y, turn; elbows (3, 2)."""
     base, plate = (
@@ -91,7 +96,10 @@ def three_rrr_at(x, y, turn, elbows):
     for k in range(3):
         theta = np.arctan2(*(elbows[k] - base[k])[::-1])
         distal = np.arctan2(*(plate[k] - elbows[k])[::-1])
-        values |= {f"theta{k + 1}": theta - pi - 2 * pi * k / 3, f"phi{k + 1}": distal - theta}
+        values |= {
+            f"theta{k + 1}": whole_turns_less(theta - pi - 2 * pi * k / 3),
+            f"phi{k + 1}": distal - theta,
+        }
     return values
 
 
@@ -393,3 +401,88 @@ def test_the_wren_platform_is_shaky_on_each_branch_and_says_so(home):
         assert found.types.here.allowed == 3
         assert (found.kind, found.is_singular) == ("isolated", True)
         assert found.in_words.startswith("not known")
+
+
+def homed_at(configuration):
+    """The same machine, whose home is this pose."""
+    machine = configuration.mechanism
+    own = machine.spec.tool
+    return pj.Mechanism.from_pinocchio(
+        machine.model,
+        [loop.resolved(machine.parameters) for loop in machine.spec.loops],
+        machine.actuated,
+        own.names if len(own.names) > 1 else own.frame,
+        home=configuration.q,
+        tool_rows=own.judged.names,
+        tool_axes=own.judged.axes,
+        enforce_limits=False,
+    )
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_singular_home_says_the_same(name):
+    """What is generic is looked for near home too, so that home may be singular itself."""
+    here = CASES[name][0]()
+    home = homed_at(here).home
+    np.testing.assert_allclose(home.q, here.q, atol=1e-6)
+    assert home.singularity().types == here.singularity().types
+
+
+def test_a_sarrus_linkage_stretched_flat_is_a_mechanism_still():
+    """Its panels upright: [K K*] drops there, at home too, and one freedom stays."""
+    there = pj.nearest_singularity(loaded("sarrus").home, kind="gain").configuration
+    assert there.actuated[0] == pytest.approx(pi / 2, abs=1e-5)
+    machine = homed_at(there)
+    assert machine.mobility == 1
+    found = machine.home.singularity()
+    assert found.kind == "configuration space"
+    assert "IIM" in found.types.present
+
+
+def test_a_flat_parallelogram_opens_on_both_branches():
+    lengths = {"l0": 2.0, "l1": 1.0, "l2": 2.0, "l3": 1.0}
+    machine = pj.load("four_bar", lengths)
+    flat = machine.configuration(np.zeros(3))
+    assert flat.singularity().kind == "configuration space"
+    assert {"RO", "IIM"} <= set(flat.singularity().types.present)
+    modes = [mode.joint_values for mode in pj.assembly_modes(machine, [0.4], rng=0)]
+    assert len(modes) == 2
+    # Crank and rocker parallel, or crossed: sin of the rocker of the same sign or not.
+    assert sorted(np.sign(np.sin(mode["phi1"])) for mode in modes) == [-1.0, 1.0]
+    home = homed_at(flat)
+    assert home.mobility == 1
+    assert home.home.singularity().kind == "configuration space"
+
+
+@pytest.mark.parametrize("joint", "ABCD")
+def test_types_and_screws_do_not_depend_on_the_cut(joint):
+    """A four-bar at the end of its crank's range: the rocker turns about its own pivot's line."""
+    lengths = (4.0, 3.0, 2.5, 2.0)
+    theta1, phi = hand.four_bar_crank_limit(lengths)
+    found = mechanisms.four_bar_cut_at(joint, theta1, phi, lengths).home.singularity()
+    reference = four_bar_at_crank_limit().singularity()
+    assert found.types.counts == reference.types.counts
+    (screw,), (expected,) = found.free_screws, reference.free_screws
+    # The coupler turns about the crank's tip, which rests.
+    tip = 3.0 * np.append(unit(theta1), 0.0)
+    for one in (screw, expected):
+        np.testing.assert_allclose(one.point, tip, atol=1e-5)
+        np.testing.assert_allclose(one.direction, Z, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["five-bar, both", "3-RRR, three lines in a point"])
+def test_types_and_screws_move_with_the_machine(name):
+    here = CASES[name][0]()
+    place = pin.SE3(pin.utils.rpyToMatrix(0.3, -0.8, 1.9), np.array([40.0, -7.0, 3.0]))
+    machines = rebuilt(homed_at(here)), moved(homed_at(here), place)
+    there, found = (machine.configuration(here.q).singularity() for machine in machines)
+    assert found.types.counts == there.types.counts
+    for kind in ("free_screws", "lost_screws"):
+        screws, others = getattr(there, kind), getattr(found, kind)
+        assert len(screws) == len(others)
+        for one, other in zip(screws, others, strict=True):
+            np.testing.assert_allclose(
+                np.cross(place.rotation @ one.direction, other.direction), 0.0, atol=1e-8
+            )
+            np.testing.assert_allclose(place.act(one.point), other.point, atol=1e-6)
+            assert one.pitch == pytest.approx(other.pitch, abs=1e-8)

@@ -14,6 +14,7 @@ import pytest
 from mechanisms import loaded
 
 import pmjac_pin as pj
+from pmjac_pin.closing import home_on_the_way
 from pmjac_pin.files import xml_text
 
 WITH_PARAMETERS = [name for name in mechanisms.CATALOGUE if loaded(name).spec.parameters]
@@ -320,3 +321,35 @@ def test_a_hinge_whose_origin_turns_about_it_turns_back(name, joint, tmp_path):
         found = machine.with_parameters(turned=angle).home.passive
         away = np.exp(1j * (found - home + angle * turning))
         np.testing.assert_allclose(away, 1.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("share", [0.02, 0.1])
+@pytest.mark.parametrize("name", mechanisms.mostly_slow(WITH_PARAMETERS, ("four_bar", "ankle")))
+def test_one_step_home_leads_where_twelve_do(name, share, rng, monkeypatch):
+    mechanism, taken, at_once = loaded(name), [], home_on_the_way._at_once
+
+    def counted(problem, first):
+        found = at_once(problem, first)
+        taken.append(found is not None)
+        return found
+
+    def homes():
+        found = []
+        for values in designs:
+            try:
+                found.append(mechanism.with_parameters(values).home.q)
+            except pj.PmjacError as error:
+                found.append(str(error))
+        return found
+
+    designs = [drawn(mechanism, rng, share) for _ in range(10)]
+    monkeypatch.setattr(home_on_the_way, "_at_once", counted)
+    found = homes()
+    monkeypatch.setattr(home_on_the_way, "_at_once", lambda *_: None)
+    for one, other in zip(found, homes(), strict=True):
+        assert type(one) is type(other)
+        if isinstance(one, str):
+            assert one == other
+        else:
+            np.testing.assert_allclose(one, other, atol=1e-9)
+    assert name != "four_bar" or share > 0.05 or any(taken)

@@ -73,6 +73,15 @@ def test_a_head_on_six_cranks_has_sixty_four(rng):
         at_target(modes, mechanism, target)
 
 
+def test_a_corner_of_the_plate_tells_as_much_as_its_middle(rng):
+    mechanism = loaded("planar_3rrr")
+    [pose] = random_closed(mechanism, rng, 1, 0.1)
+    of_plate = pj.working_modes(mechanism, pose.tool_pose(), rng=0)
+    of_corner = pj.working_modes(mechanism, pose.tool_pose("P1"), tool="P1", rng=0)
+    same_rows(of_corner.actuated, of_plate.actuated, 1e-9)
+    assert of_corner.evidence.kind == "proof"
+
+
 def test_within_limits_a_head_has_fewer():
     mechanism = loaded("head_6rss")
     modes = pj.working_modes(mechanism, mechanism.home.tool_pose(), rng=0)

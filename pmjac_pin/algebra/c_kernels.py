@@ -9,7 +9,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-_PACKAGE = Path(__file__).parents[1]
+_PMJAC_PIN = Path(__file__).parents[1]
 
 
 def loaded(built: str | Path, *sources: str | Path) -> ctypes.CDLL | None:
@@ -21,8 +21,8 @@ def loaded(built: str | Path, *sources: str | Path) -> ctypes.CDLL | None:
         Where they are, seen from the package's folder.
     """
     try:
-        text = b"".join((_PACKAGE / source).read_bytes() for source in sources)
-        library, digest = ctypes.CDLL(str(_PACKAGE / built)), hashlib.sha256(text).hexdigest()
+        text = b"".join((_PMJAC_PIN / source).read_bytes() for source in sources)
+        library, digest = ctypes.CDLL(str(_PMJAC_PIN / built)), hashlib.sha256(text).hexdigest()
         library.pmjac_source.restype = ctypes.c_char_p
         return library if library.pmjac_source() == digest.encode() else None
     except (OSError, AttributeError):

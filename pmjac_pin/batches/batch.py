@@ -19,10 +19,11 @@ from pmjac_pin.algebra.tape_runner import run, tape_kernel
 from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.grid import Grid
 from pmjac_pin.batches.judge import Judge
-from pmjac_pin.batches.measures import measured, with_extremes
+from pmjac_pin.batches.measures import measured, with_extremes, with_radii
 from pmjac_pin.batches.pieces import Piece, PieceWork, Progress, gathered
 from pmjac_pin.batches.results import (
     ManyClosed,
+    ManyEllipsoids,
     ManyInGrid,
     ManyJacobians,
     ManyMeasures,
@@ -234,6 +235,40 @@ class Batch:
             return J_eq.transpose(2, 0, 1), status
 
         return gathered(ManyJacobians, ((count, 6, n), (count,)), work, threads, progress)
+
+    def ellipsoids(
+        self, q: ArrayLike, *, threads: int | None = None, progress: Progress | None = None
+    ) -> ManyEllipsoids:
+        """Return J_eq and its singular values: of `measures` what takes the least time.
+
+        Parameters
+        ----------
+        q : array_like, shape (N, nq)
+        threads, progress
+            As for `close`.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> home = pj.load("five_bar").home
+        >>> found = pj.batch(home.mechanism).ellipsoids([home.q])
+        >>> of_one = home.jacobian().velocity_ellipsoid().radii
+        >>> bool(abs(found.velocity_radii[0] - of_one).max() < 1e-12)
+        True
+        """
+        self.mechanism.need_tool()
+        poses, by = self._poses(q), self._by(self._recorded.ellipsoids)
+        n = len(self.mechanism.actuated)
+
+        def work(piece: Piece) -> list[Array]:
+            part = poses[piece.at]
+            told = by(part.T)
+            judged = self._judge.judged(piece, part, told, "LOCAL_WORLD_ALIGNED")
+            return list(vars(with_radii(*judged, told[DOUBTS + 6 * n :])).values())
+
+        shapes = ((6, n), (), (3,), (3,))  # in the order of ManyEllipsoids
+        whole = [(len(poses), *shape) for shape in shapes]
+        return gathered(ManyEllipsoids, whole, work, threads, progress)
 
     def measures(
         self, q: ArrayLike, *, threads: int | None = None, progress: Progress | None = None

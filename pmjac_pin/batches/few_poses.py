@@ -17,11 +17,12 @@ from pmjac_pin.batches.batch import Batch
 from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.one_by_one import jacobian_of_one, measures_of_one
 from pmjac_pin.batches.pieces import Progress
-from pmjac_pin.batches.results import ManyJacobians, ManyMeasures
+from pmjac_pin.batches.results import ManyEllipsoids, ManyJacobians, ManyMeasures
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.reference_frame import frame_name
 
-_POSES = 0.1  # for each entry of the Jacobians of loops and tool: closed while programs are made
+# Closed while programs are made: so many, and more for each entry of loops' and tool's Jacobians.
+_POSES, _POSES_PER_ENTRY = 10.0, 0.07
 
 
 class FewPoses(Batch):
@@ -48,6 +49,13 @@ class FewPoses(Batch):
             J_eq[k], status[k] = jacobian_of_one(self.mechanism, pose, name)
         return ManyJacobians(J_eq, status)
 
+    def ellipsoids(
+        self, q: ArrayLike, *, threads: int | None = None, progress: Progress | None = None
+    ) -> ManyEllipsoids:
+        """Return what `Batch.ellipsoids` does."""
+        found = self.measures(q)
+        return ManyEllipsoids(found.J_eq, found.status, found.velocity_radii, found.angular_radii)
+
     def measures(
         self, q: ArrayLike, *, threads: int | None = None, progress: Progress | None = None
     ) -> ManyMeasures:
@@ -72,4 +80,5 @@ def batch_of(mechanism: Mechanism, poses: int) -> Batch:
     """Return what computes so many poses soonest."""
     partition = mechanism.problem.partition
     entries = (partition.row_scale.size + 6) * partition.column_scale.size
-    return FewPoses(mechanism) if poses < _POSES * entries else Batch(mechanism)
+    few = poses < _POSES + _POSES_PER_ENTRY * entries
+    return FewPoses(mechanism) if few else Batch(mechanism)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from pmjac_pin.algebra.singular_values import singular_values
-from pmjac_pin.batches.results import ManyMeasures, Status, Statuses
+from pmjac_pin.batches.results import ManyEllipsoids, ManyMeasures, Status, Statuses
 from pmjac_pin.rates.ellipse import flattened
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.rates.tool_reach import RADIUS_ROUNDING
@@ -47,6 +47,23 @@ def with_extremes(
     return told, extremes
 
 
+def with_radii(J_eq: Array, status: Statuses, sizes: Array) -> ManyEllipsoids:
+    """Return the radii of poses.
+
+    Parameters
+    ----------
+    J_eq, status : ndarray, shapes (6, n, N) and (N,)
+    sizes : ndarray, shape (2, N)
+        What the linear and the angular entries are compared with.
+    """
+    return ManyEllipsoids(
+        J_eq=J_eq.transpose(2, 0, 1),
+        status=status,
+        velocity_radii=_radii_of_blocks(J_eq[:3], sizes[0]).T,
+        angular_radii=_radii_of_blocks(J_eq[3:], sizes[1]).T,
+    )
+
+
 def measured(
     J_eq: Array, status: Statuses, told: Array, extremes: Array, partition: Partition
 ) -> ManyMeasures:
@@ -61,16 +78,12 @@ def measured(
         As `with_extremes` returns them.
     partition : Partition
     """
-    size, linear, angular = told[:3]
     is_open = status == Status.OPEN
-    smallest, condition = _nearness(extremes, size, partition)
+    smallest, condition = _nearness(extremes, told[0], partition)
     smallest[is_open] = condition[is_open] = np.nan
     tool = np.where(is_open, np.nan, told[3:])
     return ManyMeasures(
-        J_eq=J_eq.transpose(2, 0, 1),
-        status=status,
-        velocity_radii=_radii_of_blocks(J_eq[:3], linear).T,
-        angular_radii=_radii_of_blocks(J_eq[3:], angular).T,
+        **vars(with_radii(J_eq, status, told[1:3])),
         smallest=smallest,
         condition=condition,
         position=tool[:3].T,

@@ -104,10 +104,10 @@ class ManyJacobians(ReadOnlyArrays):
 
 
 @dataclass(frozen=True, eq=False)
-class ManyMeasures(ManyJacobians):
-    """What is asked of a map: J_eq, its singular values, how near K* is to singular, the tool.
+class ManyEllipsoids(ManyJacobians):
+    """J_eq of many poses, in LOCAL_WORLD_ALIGNED, and the radii of its ellipsoids.
 
-    NaN where the loops are open; J_eq and the radii also where there is no J_eq.
+    NaN where there is no J_eq.
 
     Attributes
     ----------
@@ -115,14 +115,26 @@ class ManyMeasures(ManyJacobians):
         Singular values of the linear rows of J_eq, descending: `velocity_ellipsoid().radii`.
     angular_radii : ndarray, shape (N, 3)
         Of the angular rows: `angular_ellipsoid().radii`.
+    """
+
+    velocity_radii: Array
+    angular_radii: Array
+
+
+@dataclass(frozen=True, eq=False)
+class ManyMeasures(ManyEllipsoids):
+    """What is asked of a map: J_eq, its singular values, how near K* is to singular, the tool.
+
+    NaN where the loops are open; J_eq and the radii also where there is no J_eq.
+
+    Attributes
+    ----------
     smallest, condition : ndarray, shape (N,)
         Of K*, as those of `Singularity`.
     position, rotation : ndarray, shapes (N, 3) and (N, 3, 3)
         Of the tool, in the world: those of `tool_pose()`.
     """
 
-    velocity_radii: Array
-    angular_radii: Array
     smallest: Array
     condition: Array
     position: Array

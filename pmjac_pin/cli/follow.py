@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -19,6 +20,7 @@ from pmjac_pin.files.output_file import check_new, write_files
 from pmjac_pin.files.user_path import shown_path, user_path
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.follow.follow import follow
+from pmjac_pin.studies.follow.tool_course import TOOL_COORDINATES
 from pmjac_pin.studies.follow.trajectory import Trajectory
 from pmjac_pin.studies.follow.waypoints_file import read_waypoints
 from pmjac_pin.words.blocks import Verbatim
@@ -35,7 +37,10 @@ class Way:
 
     waypoints: Annotated[
         str,
-        Parameter(help="A file with a column a motor, by its name, and t for times: CSV or TOML."),
+        Parameter(
+            help="A file with a column a motor, by its name, or of the tool's x, y, z, angle; and "
+            "t for times: CSV or TOML."
+        ),
     ]
     from_: Annotated[
         str,
@@ -58,6 +63,7 @@ class Way:
                 mechanism,
                 given.columns,
                 start=self.from_,
+                coordinates=_of_the_tool(given.columns, mechanism),
                 times=given.times,
                 samples=self.samples,
                 enforce_limits=mechanism.spec.enforce_limits,
@@ -65,6 +71,13 @@ class Way:
                 certified=self.certified,
                 progress=lambda t, end: bar.update(task, completed=t, total=end),
             )
+
+
+def _of_the_tool(columns: Iterable[str], mechanism: Mechanism) -> tuple[str, ...] | None:
+    """Return the columns where they are the tool's coordinates; None where they are motors."""
+    names = tuple(columns)
+    known = set(TOOL_COORDINATES) - set(mechanism.actuated)
+    return names if names and known.issuperset(names) else None
 
 
 def follow_command(
@@ -80,7 +93,7 @@ def follow_command(
     json: Json = False,
     choice: Choice = Choice(),
 ) -> Verdict:
-    """Follow a path of the motors on one assembly mode, and tell what happens on it."""
+    """Follow a path of the motors, or of the tool, on one mode, and tell what happens on it."""
     if output is not None:
         _check_output_path(output, force)
     try:

@@ -140,6 +140,20 @@ def numbers_by_name(option: str, items: Iterable[str]) -> dict[str, float]:
     return numbers
 
 
+def ranges_by_name(option: str, given: str, such_as: str) -> dict[str, tuple[float, float]]:
+    """Return where each name begins and ends, given as NAME=FROM:TO joined by commas."""
+    ranges: dict[str, tuple[float, float]] = {}
+    for item in given.split(","):
+        name, _, values = map(str.strip, item.partition("="))
+        lower, _, upper = values.partition(":")
+        try:
+            ranges[name] = float(lower), float(upper)
+        except ValueError:
+            message = f"{option} takes NAME=FROM:TO, such as {such_as}; got {quoted(item)}"
+            raise ArgumentError(message) from None
+    return ranges
+
+
 def parsed_values(option: str, given: str) -> list[float] | dict[str, float]:
     """Return the numbers that an option gives, by names where it has them."""
     items = given.split(",")

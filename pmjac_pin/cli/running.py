@@ -25,11 +25,14 @@ _COMMANDS = {
     "convert": "robot.urdf -o robot.toml",
     "export": "three_rps --to mjcf -o three_rps.xml",
     "sweep": "map.toml --resume",
+    "workspace": "five_bar --plane x,y --measure dexterity -o map.pdf",
+    "locus": "five_bar --plane theta1,theta2 -o locus.pdf",
     "follow": "four_bar --waypoints way.csv --certified -o way_followed.csv",
+    "reach": "five_bar --target x=0.2,y=0.4 --modes",
     "transmission": "humanoid_ankle --joints pitch,roll -o ankle.h -o ankle.png",
 }
 
-_WITH_NUMBERS = ("--at", "--rates", "--accelerations", "--wrench")
+_WITH_NUMBERS = ("--at", "--rates", "--accelerations", "--wrench", "--target")
 _OF_PYTHON = re.compile(r"; enforce_limits=False .*$")  # what a message says of its switch
 _LONGEST_TYPED = 600  # characters of a message that quotes what was typed
 

@@ -8,7 +8,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from pmjac_pin.cli.options import Choice, NameOption, split_names
+from pmjac_pin.cli.options import Choice, NameOption, ranges_by_name, split_names
 from pmjac_pin.cli.output import Output
 from pmjac_pin.errors import ArgumentError, OutputError, did_you_mean, quoted
 from pmjac_pin.files.output_file import check_new
@@ -58,7 +58,7 @@ class Where:
         limits = "all" if mechanism.spec.enforce_limits else False
         if self.over is None:
             return widest_rectangle(mechanism, names, enforce_limits=limits)
-        given = dict(map(_ends, self.over.split(",")))
+        given = ranges_by_name("--over", self.over, "pitch=-0.4:0.3")
         for name in given:
             if name not in names:
                 wanted = f"--over names {quoted(name)}, which --joints does not"
@@ -116,16 +116,6 @@ def _check_output(path: str, force: bool) -> None:
     if suffix in _FIGURES:
         check_figure_file(path)
     check_new(path, force)
-
-
-def _ends(item: str) -> tuple[str, tuple[float, float]]:
-    name, _, values = map(str.strip, item.partition("="))
-    lower, _, upper = values.partition(":")
-    try:
-        return name, (float(lower), float(upper))
-    except ValueError:
-        wanted = "--over takes NAME=FROM:TO, such as pitch=-0.4:0.3"
-        raise ArgumentError(f"{wanted}; got {quoted(item)}") from None
 
 
 def _limits_given(given: str | None, count: int) -> list[float]:

@@ -1,8 +1,9 @@
 """The home pose followed from some dimensions to others, the motors at rest.
 
 At once, an assembly from the home pose of other dimensions might end on another assembly mode: so
-it is followed in twelve steps, or in more where it goes far or bends. No machine is built on the
-way: joints, anchors and rods move.
+it is followed in twelve steps, or in more where it goes far or bends. Where it goes hardly far, and
+where Newton's first step says, one is enough. No machine is built on the way: joints, anchors and
+rods move.
 """
 
 from __future__ import annotations
@@ -23,9 +24,11 @@ from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.model.rows import Rows
 from pmjac_pin.values.arrays import Array, norm
 
+_TWO_ENDS = 2  # no stops between
 _LONGEST, _SHORTEST = 1.0 / 12.0, 2.0**-12 / 12.0  # steps, as shares of the way
 _FARTHEST = 0.3  # lengths or rad, of one step
 _STRAIGHT = 0.25  # of a step: what it may differ by from Newton's
+_NEAR, _NEARLY_STRAIGHT = 0.1, 0.1  # the same two, of the whole way in one step
 _HARDLY = 1e-6  # lengths or rad: not looked at
 _MOST_TRIES = 300  # after which steps are as long as they come
 _LEAST_SHARE = 0.4  # of σ_min at first: below, the motors move on the way
@@ -88,6 +91,12 @@ def followed(stops: Sequence[Parts], home_q: Array | None) -> Array | None:
         return replace(end.problem, evaluate=between.at(share).closure)
 
     first = here = None if home_q is None else HomePose.at(at(0.0), home_q)
+    if (
+        first is not None
+        and len(stops) == _TWO_ENDS
+        and (q := _at_once(at(1.0), first)) is not None
+    ):
+        return q
     share = known = 0.0  # of the way; up to where `here` is known
     step, tries = _LONGEST, 0
     while share < 1.0:
@@ -107,7 +116,21 @@ def followed(stops: Sequence[Parts], home_q: Array | None) -> Array | None:
     return None if here is None else here.q
 
 
-def _is_next(problem: ClosureProblem, before: Array, q: Array) -> bool:
+def _at_once(problem: ClosureProblem, first: HomePose) -> Array | None:
+    """Return the home pose where one step certainly leads to it, regular as it was."""
+    q = home_pose(problem, first.q)
+    if q is None or not _is_next(problem, first.q, q, _NEAR, _NEARLY_STRAIGHT):
+        return None
+    return None if first.loses(HomePose.at(problem, q)) else q
+
+
+def _is_next(
+    problem: ClosureProblem,
+    before: Array,
+    q: Array,
+    farthest: float = _FARTHEST,
+    straight: float = _STRAIGHT,
+) -> bool:
     """Tell whether a home pose is near the one before, and where Newton's first step leads.
 
     Where dimensions have changed by little that is so; a pose of another assembly mode is further
@@ -118,8 +141,8 @@ def _is_next(problem: ClosureProblem, before: Array, q: Array) -> bool:
     expected[partition.passive] = -point.factors.solve(point.residual)
     moved = problem.difference(before, q) / partition.column_scale
     size, missed = norm(moved), norm(moved - expected)
-    return size <= _FARTHEST * partition.length and (
-        missed <= _STRAIGHT * size or size <= _HARDLY * partition.length
+    return size <= farthest * partition.length and (
+        missed <= straight * size or size <= _HARDLY * partition.length
     )
 
 

@@ -55,7 +55,7 @@ class Descent(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Patience:
-    """When a start has arrived, and when it is given up.
+    """When a start has arrived, and when it is given up; by default steps are Newton's.
 
     Attributes
     ----------
@@ -82,13 +82,13 @@ class Patience:
 
     steps: int
     enough: float
-    tolerance: float
-    damping: float
-    least: float
-    most: float
-    shrinks: float
-    grows: float
-    grows_within: float
+    tolerance: float = 0.0
+    damping: float = 0.0
+    least: float = 0.0
+    most: float = np.inf
+    shrinks: float = 1.0
+    grows: float = 1.0
+    grows_within: float = 1.0
     falling: float = 0.0
     creeping: float = 0.0
     creeping_steps: int = 1

@@ -132,6 +132,11 @@ class RecordedMechanism:
         return rates.move_tape(), rates.arrival_tape(), leg_tape(rates, arms)
 
     @cached_property
+    def ellipsoids(self) -> Tape:
+        """`RecordedRates.ellipsoids_tape`."""
+        return self.rates.ellipsoids_tape()
+
+    @cached_property
     def measures(self) -> Tape:
         """`RecordedRates.measures_tape`."""
         return self.rates.measures_tape()

@@ -71,6 +71,10 @@ class RecordedEquivalent:
         sizes = [self.gap, self.inverse, self.size, self.forbidden, self.felt, self.tool]
         return [*sizes, self.spread, *self.J_eq.ravel()]
 
+    def sizes(self) -> list[Any]:
+        """Return what the linear and the angular entries of J_eq are compared with."""
+        return [self.tool * self.motions, self.turning * self.motions]
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RecordedRates:
@@ -192,6 +196,18 @@ class RecordedRates:
 
         return self.recordings.tape("pose", self.recorder.nq, make)
 
+    def ellipsoids_tape(self) -> Tape:
+        """Return q ↦ (those of `jacobian_tape`, sizes (2,)).
+
+        Sizes are what the entries of J_eq are compared with, linear and angular.
+        """
+
+        def make(q: Sequence[Term]) -> list[Any]:
+            found = self.equivalent(self.recorder.at(q), "LOCAL_WORLD_ALIGNED")
+            return [*found.judged(), *found.sizes()]
+
+        return self.recordings.tape("ellipsoids", self.recorder.nq, make)
+
     def measures_tape(self) -> Tape:
         """Return q ↦ (those of `jacobian_tape`, sizes (3,), tool (12,), (k, m_p) entries).
 
@@ -203,7 +219,7 @@ class RecordedRates:
         def make(q: Sequence[Term]) -> list[Any]:
             kinematics = self.recorder.at(q)
             found = self.equivalent(kinematics, "LOCAL_WORLD_ALIGNED")
-            sizes = [found.size, found.tool * found.motions, found.turning * found.motions]
+            sizes = [found.size, *found.sizes()]
             tool = [*kinematics.position, *kinematics.rotation.ravel()]
             return [*found.judged(), *sizes, *tool, *found.likeness.ravel()]
 

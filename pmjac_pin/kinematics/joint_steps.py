@@ -36,8 +36,8 @@ def moved_by(algebra: Angles, tree: Tree, q: Numbers, v: Numbers) -> Numbers:
     """Return q ⊕ v, shape (nq, ...)."""
     found = q.copy()
     for link in tree.links.values():
-        slides, turn, way = _slides(link), q[_turn_part(link)], v[_turning(link)]
-        found[slides] = q[slides] + _turned_slides(link, turn, v[_sliding(link)])
+        slides, turn, way = _slides(link), q[_turn_part(link)], v[_turn_columns(link)]
+        found[slides] = q[slides] + _turned_slides(link, turn, v[_slide_columns(link)])
         found[_turn_part(link)] = _turned_on(algebra, link, turn, way)
     return found
 
@@ -46,8 +46,8 @@ def entry_rates(tree: Tree, q: Numbers, v: Numbers) -> Numbers:
     """Return how the entries of q change along a motion v, shape (nq, ...)."""
     found = np.empty((len(q), *v.shape[1:]), dtype=np.result_type(q, v))
     for link in tree.links.values():
-        turn, way = q[_turn_part(link)], v[_turning(link)]
-        found[_slides(link)] = _turned_slides(link, turn, v[_sliding(link)])
+        turn, way = q[_turn_part(link)], v[_turn_columns(link)]
+        found[_slides(link)] = _turned_slides(link, turn, v[_slide_columns(link)])
         found[_turn_part(link)] = _turn_rates(link, turn, way)
     return found
 
@@ -58,8 +58,8 @@ def between(algebra: Angles, tree: Tree, q: Numbers, other: Numbers) -> Numbers:
     for link in tree.links.values():
         slides, turn = _slides(link), q[_turn_part(link)]
         slid = other[slides] - q[slides]
-        found[_sliding(link)] = _turned_slides(link, _back(turn), slid)
-        found[_turning(link)] = _turn_between(algebra, link, turn, other[_turn_part(link)])
+        found[_slide_columns(link)] = _turned_slides(link, _back(turn), slid)
+        found[_turn_columns(link)] = _turn_between(algebra, link, turn, other[_turn_part(link)])
     return found
 
 
@@ -68,11 +68,11 @@ def arriving(algebra: Angles, tree: Tree, way: Numbers, v: Numbers) -> Numbers:
     found = v.copy()
     for link in tree.links.values():
         if link.kind.curved:
-            turn, rates = way[_turning(link)], v[_turning(link)]
+            turn, rates = way[_turn_columns(link)], v[_turn_columns(link)]
             on = _exponential(algebra, turn) if link.kind.turns == 3 else _wave(algebra, turn[0])
-            found[_sliding(link)] = _turned_slides(link, on, v[_sliding(link)])
+            found[_slide_columns(link)] = _turned_slides(link, on, v[_slide_columns(link)])
             if link.kind.turns == 3:
-                found[_turning(link)] = _log_rates(algebra, turn, rates)
+                found[_turn_columns(link)] = _log_rates(algebra, turn, rates)
     return found
 
 
@@ -88,11 +88,11 @@ def _turn_part(link: Link) -> slice:
     return slice(link.entries.start + link.kind.slides, link.entries.stop)
 
 
-def _sliding(link: Link) -> slice:
+def _slide_columns(link: Link) -> slice:
     return slice(link.column, link.column + link.kind.slides)
 
 
-def _turning(link: Link) -> slice:
+def _turn_columns(link: Link) -> slice:
     return slice(link.column + link.kind.slides, link.column + link.kind.nv)
 
 

@@ -122,8 +122,8 @@ def radii(
     some = groups[:, columns]
     correction = exactly(inverse) @ residual
     Y = max(upper(euclidean_norm(correction[row > 0.0])) for row in some if row.any())
-    Z = _norms(contraction(inverse, own), some, some)
-    N = _norms(jacobian.after(inverse), some, groups)
+    Z = norms_of(contraction(inverse, own), some, some)
+    N = norms_of(jacobian.after(inverse), some, groups)
     return _tested(Y, Z, N, tried)
 
 
@@ -179,7 +179,7 @@ def _why(Y: float, M: Array, tried: Array) -> str:
     )
 
 
-def _norms(matrices: Intervals, rows: Array, columns: Array) -> Array:
+def norms_of(matrices: Intervals, rows: Array, columns: Array) -> Array:
     """Return norms of (b, n, m), rounded up: the largest row of its blocks'."""
     blocks = block_norms(matrices.magnitude, rows, columns)
     norms: Array = OUTWARDS * blocks.sum(axis=2).max(axis=1)

@@ -149,7 +149,7 @@ def _certified(
     at = equations.at(q)
     residual, around = equations.residual(at, q), equations.around(at, RADII, partition.length)
     scaled = around.jacobian.middle[0] * partition.row_scale[:, None]
-    rows, columns = _independent_square(scaled, partition.passive_rank)
+    rows, columns = independent_square(scaled, partition.passive_rank)
     groups = equations.unknowns.groups
     found = radii(residual[rows], around.jacobian[:, rows], columns, groups)
     if found.failed:
@@ -159,7 +159,7 @@ def _certified(
             "axes of a loop must be less than a quarter turn apart, for its rows vanish at half "
             f"a turn, too: the cosine between them may be {around.cosine[found.ball]:.3g}"
         )
-    others, free = _others(len(residual), rows), _others(len(partition.passive), columns)
+    others, free = others_of(len(residual), rows), others_of(len(partition.passive), columns)
     slopes = around.jacobian[found.ball, others][:, columns].magnitude
     steps = block_norms(slopes, np.eye(len(others)), groups[:, columns]).sum(axis=1)
     gaps = (uppers(residual[others]) + steps * found.existence) * partition.row_scale[others]
@@ -172,12 +172,12 @@ def _certified(
     )
 
 
-def _independent_square(scaled: Array, rank: int) -> tuple[Index, Index]:
+def independent_square(scaled: Array, rank: int) -> tuple[Index, Index]:
     """Return rows and columns of a square system of this rank."""
     rows = independent_rows(scaled, rank)
     return rows, independent_rows(scaled[rows].T, rank)
 
 
-def _others(count: int, taken: Index) -> Index:
+def others_of(count: int, taken: Index) -> Index:
     """Return those of so many that are not taken."""
     return np.flatnonzero(np.bincount(taken, minlength=count) == 0)

@@ -31,18 +31,29 @@ class Course:
         With the generic ranks of the branch that the path begins on.
     driven : Lead
         Which motors lead, and the loops with the others passive.
+    shown : Mechanism
+        What is told of: the machine itself, where `mechanism` is the one driven by its tool.
     """
 
     mechanism: Mechanism
     path: MotorPath
     whole: ClosureProblem
     driven: Lead
+    shown: Mechanism
 
     @classmethod
-    def beginning_at(cls, start: Configuration, path: MotorPath) -> Course:
+    def beginning_at(
+        cls, start: Configuration, path: MotorPath, shown: Mechanism | None = None
+    ) -> Course:
         """Return that of a path that begins at a closed pose."""
-        problem = start._problem
-        return cls(start.mechanism, path, problem, lead(problem, start._point))
+        problem, mechanism = start._problem, start.mechanism
+        driven = lead(problem, start._point)
+        return cls(mechanism, path, problem, driven, mechanism if shown is None else shown)
+
+    @property
+    def by_tool(self) -> bool:
+        """Whether the machine is driven by its tool."""
+        return self.shown is not self.mechanism
 
     @property
     def problem(self) -> ClosureProblem:
@@ -101,5 +112,11 @@ class Course:
         return closed_point(self.problem, q)
 
     def configuration(self, q: Array) -> Configuration:
+        """Return the closed pose at q, of the machine that is shown."""
+        if self.by_tool:
+            return self.shown.configuration(q[: self.shown.nq])
+        return self.driven_configuration(q)
+
+    def driven_configuration(self, q: Array) -> Configuration:
         """Return the closed pose at q, on the branch of the path."""
         return Configuration._of_point(self.mechanism, closed_point(self.whole, q), 0, self.whole)

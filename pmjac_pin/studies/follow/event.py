@@ -11,7 +11,7 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays
 
 EventKind = Literal[
-    "motor limit", "passive limit", "loss", "fold", "branch point", "singular", "user"
+    "motor limit", "passive limit", "loss", "gain", "fold", "branch point", "singular", "user"
 ]
 
 
@@ -47,7 +47,8 @@ class Event:
     ----------
     kind : str
         "motor limit" or "passive limit", where a joint leaves its limits or comes back; "loss",
-        where the tool loses a motion; "fold", where the assembly mode ends with another one;
+        where the tool loses a motion; "gain", where a machine driven by its tool is lost by its
+        motors; "fold", where the assembly mode ends with another one;
         "branch point", where branches of closed poses meet; "singular", where K* loses rank and
         nothing more is known; "user", where a function of the caller's changes its sign.
     t : float

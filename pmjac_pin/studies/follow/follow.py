@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal
 
-import numpy as np
-
-from pmjac_pin.closing.closure import is_singular
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.direct_kinematics import Guess
+from pmjac_pin.direct_kinematics import Guess, start_of
 from pmjac_pin.errors import ArgumentError, Interrupted, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import enforced
 from pmjac_pin.studies.follow.course import Course
 from pmjac_pin.studies.follow.given_path import motor_path
 from pmjac_pin.studies.follow.journey import Journey
-from pmjac_pin.studies.follow.step import PathPose
+from pmjac_pin.studies.follow.step import beginning
+from pmjac_pin.studies.follow.tool_course import check_start_within, tool_course, tool_path
 from pmjac_pin.studies.follow.trajectory import Trajectory, sample_times
 from pmjac_pin.studies.follow.user_events import UserEvents
 from pmjac_pin.values.checks import as_flag, check_callable, check_kind
@@ -27,6 +25,8 @@ def follow(
     path: Any,
     *,
     start: Guess = "home",
+    coordinates: Sequence[str] | None = None,
+    tool: str | Sequence[str] | None = None,
     times: Any = None,
     samples: Any = None,
     events: Mapping[str, Callable[[Configuration], float]] | None = None,
@@ -50,6 +50,12 @@ def follow(
         that agree with it to 1e-12.
     start : str, Configuration or mapping of str to float
         The guess from which the path's first point is closed, as of `Mechanism.close`.
+    coordinates : sequence of str, optional
+        The path is of the tool's coordinates, of "x", "y", "z" (m, in the world) and "angle" (rad,
+        of its x axis about z), in this order: the machine is driven by its tool, stays on its
+        working mode, and its first point is reached straight from `start`.
+    tool : str or three str, optional
+        Another frame than the mechanism's tool, or three that span one, for these.
     times : array_like, optional
         Of the waypoints, 0, 1, 2, ... where not given; where a spline or a function begins and
         ends, with what is between where a function has kinks.
@@ -106,21 +112,22 @@ def follow(
     if singularity not in ("stop", "pass"):
         raise ArgumentError(f"singularity is 'stop' or 'pass', got {quoted(singularity)}")
     whose = enforced(enforce_limits)
-    asked = motor_path(mechanism, path, times)
+    if coordinates is None:
+        asked = motor_path(mechanism, path, times)
+        values = asked.pieces[0].values(asked.start)
+        begin = mechanism.close(values, start, enforce_limits=enforce_limits)
+        course = Course.beginning_at(begin, asked)
+    else:
+        asked = tool_path(path, times, coordinates)
+        guess = start_of(mechanism, start, mechanism.home.actuated)
+        course, begin = tool_course(mechanism, asked, coordinates, tool, guess)
+        check_start_within(course.configuration(begin.q), whose)
     wanted = sample_times(samples, asked.start, asked.end)
-    first = asked.pieces[0]
-    begin = mechanism.close(first.values(asked.start), start, enforce_limits=enforce_limits)
-    course = Course.beginning_at(begin, asked)
     watched = UserEvents.given(course, events)
-    point = course.pose_at(begin.q)
-    regular = not is_singular(point, course.problem.partition)
-    still = np.full(mechanism.nv, np.nan)  # no rates are known at a singular pose
-    velocity = course.velocity(point, first, asked.start) if regular else still
-    pose = PathPose(asked.start, point, velocity)
     journey = Journey(
         course,
-        pose,
-        begin,
+        beginning(course, begin),
+        course.configuration(begin.q),
         watched,
         whose=whose,
         passing=singularity == "pass",

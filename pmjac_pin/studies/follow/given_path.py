@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from math import factorial
 from typing import Any
@@ -42,15 +42,36 @@ def motor_path(mechanism: Mechanism, path: Any, times: Any = None) -> MotorPath:
     if coordinates.curved[motors].any():
         message = "a motor of several degrees of freedom turns along no path of its values"
         raise ArgumentError(f"{mechanism.name}: {message}; give it as joints of one each")
-    ascending = None if times is None else _ascending(times)
-    if callable(path):
-        pieces = _spline_pieces(path, ascending) or _fitted(path, ascending, len(motors))
-    else:
-        values = motor_table(mechanism.spec, coordinates, path)
+
+    def table(given: Any) -> Array:
+        values = motor_table(mechanism.spec, coordinates, given)
         wraps = coordinates.wraps[motors]
         values[:, wraps] = np.unwrap(values[:, wraps], axis=0)
-        pieces = _straight(values, ascending)
-    _check_pieces(pieces, mechanism.actuated)
+        return values
+
+    return path_of(path, times, mechanism.actuated, table)
+
+
+def path_of(
+    path: Any, times: Any, names: Sequence[str], table: Callable[[Any], Array]
+) -> MotorPath:
+    """Return the polynomials of a path of these values.
+
+    Parameters
+    ----------
+    path, times
+        As of `motor_path`.
+    names : sequence of str
+        Of the values.
+    table : callable
+        Waypoints as a caller gives them ↦ numbers (N, n).
+    """
+    ascending = None if times is None else _ascending(times)
+    if callable(path):
+        pieces = _spline_pieces(path, ascending) or _fitted(path, ascending, len(names))
+    else:
+        pieces = _straight(table(path), ascending)
+    _check_pieces(pieces, names)
     return MotorPath(tuple(pieces))
 
 
@@ -114,9 +135,7 @@ def _fitted(path: Callable[[float], Any], times: Array | None, count: int) -> li
     def at(t: float) -> Array:
         values = np.atleast_1d(as_numbers(path(t), f"the path at t = {t:g}"))
         if values.shape != (count,):
-            raise ArgumentError(
-                f"the path at t = {t:g} is {count} motor values, got {values.shape}"
-            )
+            raise ArgumentError(f"the path at t = {t:g} is {count} values, got {values.shape}")
         return values
 
     least = (times[-1] - times[0]) * 2.0**-_FINEST
@@ -150,12 +169,12 @@ def _fitted_piece(at: Callable[[float], Array], start: float, end: float) -> Pat
     return PathPiece(start, end, middle, powers * scale[:, None])
 
 
-def _check_pieces(pieces: list[PathPiece], motors: tuple[str, ...]) -> None:
-    """Raise ArgumentError where pieces are of another number of motors, or do not meet."""
+def _check_pieces(pieces: list[PathPiece], names: Sequence[str]) -> None:
+    """Raise ArgumentError where pieces are of another number of values, or do not meet."""
     for piece in pieces:
-        if piece.coefficients.shape[1] != len(motors):
+        if piece.coefficients.shape[1] != len(names):
             got = piece.coefficients.shape[1]
-            wanted = f"{len(motors)} motors ({', '.join(motors)})"
+            wanted = f"{len(names)} values ({', '.join(names)})"
             raise ArgumentError(f"a path of {wanted} is wanted, got one of {got} values")
     for before, after in pairwise(pieces):
         jump = np.abs(after.values(after.start) - before.values(before.end)).max(initial=0.0)

@@ -22,8 +22,8 @@ class JointLimits:
     """
 
     def __init__(self, course: Course) -> None:
-        self._course, coordinates = course, course.mechanism.coordinates
-        columns = course.whole.partition.columns
+        self._course, coordinates = course, course.shown.coordinates
+        columns = course.shown.problem.partition.columns
         self._names = {column: name for name, column in columns.items()}
         sides = [
             (k, side, limit)
@@ -53,12 +53,12 @@ class JointLimits:
     def words(self, k: int) -> str:
         """Say which limit this is."""
         column = int(self._columns[k])
-        unit = "rad" if self._course.mechanism.coordinates.rotational[column] else "m"
+        unit = "rad" if self._course.shown.coordinates.rotational[column] else "m"
         side = "upper" if self._sides[k] > 0.0 else "lower"
         return f"the {side} limit {float(self._limits[k]):.9g} {unit} of {self._names[column]!r}"
 
     def _beyond(self, stretch: Stretch, t: float) -> tuple[Array, Array]:
-        pose, coordinates = stretch.at(t), self._course.mechanism.coordinates
+        pose, coordinates = stretch.at(t), self._course.shown.coordinates
         values = coordinates.values_of(pose.q, self._columns)
         rates = self._sides * pose.velocity[self._columns]
         return self._sides * (values - self._limits), rates
@@ -72,7 +72,7 @@ class JointLimits:
 
     def _event(self, stretch: Stretch, k: int, t: float, leaves: bool) -> Event:
         column = int(self._columns[k])
-        motor = column in self._course.whole.partition.actuated
+        motor = column in self._course.shown.problem.partition.actuated
         return Event(
             "motor limit" if motor else "passive limit",
             t,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -17,14 +17,16 @@ from pmjac_pin.studies.follow.joint_limits import JointLimits
 from pmjac_pin.studies.follow.passage import Passage, Stretch
 from pmjac_pin.studies.follow.path_end import path_end
 from pmjac_pin.studies.follow.step import CoveredStep, PathPose
-from pmjac_pin.studies.follow.tool_losses import ToolLosses
-from pmjac_pin.studies.follow.trajectory import PathStatus, Trajectory
+from pmjac_pin.studies.follow.tool_losses import what_is_lost
+from pmjac_pin.studies.follow.trajectory import PathStatus, Trajectory, acceleration_along
 from pmjac_pin.studies.follow.tubes import ProvenTubes, proven_tubes
 from pmjac_pin.studies.follow.user_events import UserEvents
 from pmjac_pin.studies.follow.walker import CourseWalker
 from pmjac_pin.values.arrays import Array
 
 _SAME_T = 1e-10  # of the parameter
+_BESIDE = 1e-5  # of the parameter: so near to a fold or a branch point need steps not be proven
+_ENDS = ("fold", "branch point", "singular")
 _STOPS_AT = {"motors": ("motor limit",), "all": ("motor limit", "passive limit"), "none": ()}
 
 
@@ -56,7 +58,7 @@ class Journey:
         certified: bool,
     ) -> None:
         self._course, self._pose, self._begin = course, pose, begin
-        self._limits, self._losses = JointLimits(course), ToolLosses.of(course, begin)
+        self._limits, self._losses = JointLimits(course), what_is_lost(course, begin)
         self._watched, self._stopping = watched, _STOPS_AT[whose]
         self._passing, self._certified = passing, certified
         self._stretches: list[Stretch] = []
@@ -94,7 +96,7 @@ class Journey:
         watchers = (self._limits, self._losses, self._watched)
         found = [event for one in watchers if one for event in one.events(stretch)]
         for event in sorted(found, key=lambda event: event.t):
-            known = [one for one in self._events if one.kind == event.kind == "loss"]
+            known = [one for one in self._events if one.kind == event.kind in ("loss", "gain")]
             if any(abs(one.t - event.t) <= _SAME_T * max(1.0, abs(event.t)) for one in known):
                 continue  # where two steps meet
             self._events.append(event)
@@ -149,18 +151,17 @@ class Journey:
     def trajectory(self, wanted: Array | None) -> Trajectory:
         """Return what was found, at the parameters that are wanted."""
         poses = [self._pose] if not self._stretches else self._sampled(wanted)
-        pieces = [self._course.path.piece_at(pose.t) for pose in poses]
         events = tuple(sorted(self._events, key=lambda event: event.t))
         end = self._course.configuration(self._last.q)
+        shown = self._course.shown
+        rates, accelerations = self._motor_rates(poses)
         return Trajectory(
-            mechanism=self._course.mechanism,
+            mechanism=shown,
             t=np.array([pose.t for pose in poses]),
-            q=np.array([pose.q for pose in poses]),
-            rates=np.array([x.rates(p.t) for x, p in zip(pieces, poses, strict=True)]),
-            accelerations=np.array(
-                [x.accelerations(p.t) for x, p in zip(pieces, poses, strict=True)]
-            ),
-            v=np.array([pose.velocity for pose in poses]),
+            q=np.array([pose.q for pose in poses])[:, : shown.nq],
+            rates=rates,
+            accelerations=accelerations,
+            v=np.array([pose.velocity for pose in poses])[:, : shown.nv],
             events=events,
             status=self._status,
             reason=self._reason,
@@ -169,6 +170,19 @@ class Journey:
             steps=np.array([one.start.t for one in self._stretches] + [self._last.t]),
             radii=np.zeros(0) if self._tubes is None else self._tubes.radii,
         )
+
+    def _motor_rates(self, poses: Sequence[PathPose]) -> tuple[Array, Array]:
+        """Return rates and accelerations (N, n) of the motors of the machine that is shown."""
+        course = self._course
+        pieces = [(course.path.piece_at(pose.t), pose) for pose in poses]
+        given = np.array([piece.accelerations(pose.t) for piece, pose in pieces])
+        if not course.by_tool:
+            return np.array([piece.rates(pose.t) for piece, pose in pieces]), given
+        motors = course.shown.problem.partition.actuated
+        trail = [(course.driven_configuration(pose.q), pose.velocity) for pose in poses]
+        found = [acceleration_along(*one, led) for one, led in zip(trail, given, strict=True)]
+        rates = np.array([pose.velocity for pose in poses])
+        return rates[:, motors], np.array(found)[:, motors]
 
     def _sampled(self, wanted: Array | None) -> list[PathPose]:
         """Return the poses at the parameters that are wanted, and the last one."""
@@ -192,13 +206,17 @@ class Journey:
             return
         done = len(self._tubes.radii)
         last = steps[done].start if steps else self._last
+        near = self._last.t - last.t <= _BESIDE * max(1.0, abs(last.t))
+        if near and self._events and self._events[-1].kind in _ENDS:
+            return  # what is left leads to the singular pose that ends the path
         self._stretches = self._stretches[:done]
         self._events = [event for event in self._events if event.t <= last.t]
         self._stop("not proven", f"{self._tubes.failed}; without proof, {self._reason}", last)
 
     def _evidence(self) -> Evidence:
         if self._tubes is not None:
-            last = self._stretches[-1].end.t if self._stretches else self._last.t
+            done = len(self._tubes.radii)
+            last = self._stretches[done - 1].end.t if done else self._last.t
             return _tube_evidence(self._tubes, last)
         told = "each step is covered: in a tube about it each t has exactly one closed pose"
         passed = sum(isinstance(one, Passage) for one in self._stretches)
@@ -206,8 +224,9 @@ class Journey:
             told += (
                 f"; {passed} branch point{'s' * (passed > 1)} passed along the tangent that goes on"
             )
-        if self._losses is None:
-            told += "; what the tool loses was not watched"
+        nothing = self._course.by_tool and not self._course.shown.problem.partition.passive_rank
+        if self._losses is None and not nothing:
+            told += "; what is lost on the way was not watched"
         return Evidence("tolerance", told)
 
 

@@ -42,7 +42,7 @@ def path_end(walker: CourseWalker, steps: list[CoveredStep]) -> PathEnd:
                 if _is_fold(spot):
                     return PathEnd(spot, _fold_event(walker, spot))
     here = course.configuration(pose.q)
-    smallest = here.singularity().smallest
+    smallest = course.driven_configuration(pose.q).singularity().smallest
     what = (
         f"K* is singular as far as can be told (relative singular value {smallest:.2g}), and "
         "neither a fold nor branches that meet are found"
@@ -76,9 +76,11 @@ def _is_fold(spot: SingularSpot) -> bool:
 def _fold_event(walker: CourseWalker, spot: SingularSpot) -> Event:
     configuration = walker.course.configuration(spot.q)
     kind = configuration.singularity().kind
+    mode = "working" if walker.course.by_tool else "assembly"
+    back = "the tool has" if walker.course.by_tool else "the motors have"
     what = (
-        f"this assembly mode ends, where it meets another one (singular by {kind}): beyond, the "
-        "loops do not close on either; the motors have to turn back"
+        f"this {mode} mode ends, where it meets another one (singular by {kind}): beyond, the "
+        f"loops do not close on either; {back} to turn back"
     )
     return Event("fold", spot.t, configuration, what)
 

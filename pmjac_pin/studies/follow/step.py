@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pmjac_pin.closing.closed import Closed
+from pmjac_pin.closing.closure import is_singular
+from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.studies.follow.course import Course
 from pmjac_pin.studies.follow.motor_path import PathPiece
@@ -65,6 +67,15 @@ class CoveredStep:
     def rates(self) -> tuple[Array, Array]:
         """Return how all joints leave and arrive, for s from 0 to 1."""
         return self.width * self.start.velocity, self.width * self.end.velocity
+
+
+def beginning(course: Course, start: Configuration) -> PathPose:
+    """Return where a course begins; its rates are NaN at a singular pose."""
+    path = course.path
+    point, velocity = course.pose_at(start.q), np.full(start.mechanism.nv, np.nan)
+    if not is_singular(point, course.problem.partition):
+        velocity = course.velocity(point, path.pieces[0], path.start)
+    return PathPose(path.start, point, velocity)
 
 
 def hermite(s: float, way: Array, leaving: Array, arriving: Array) -> Array:

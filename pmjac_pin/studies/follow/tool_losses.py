@@ -7,14 +7,17 @@ uᵀ A' v. A minimum at zero is a touch.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
+from typing import Literal, TypeAlias
 
 import numpy as np
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ForbiddenRatesError, NoJacobianError, NoToolError
 from pmjac_pin.kinematics.slopes import SlopesAlongMotions
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.follow.course import Course
 from pmjac_pin.studies.follow.crossings import IntervalEnds, located
 from pmjac_pin.studies.follow.event import Event
@@ -24,15 +27,28 @@ from pmjac_pin.values.arrays import Array
 
 _SIGN_TOLD = 0.5  # of u and of v at both ends: a sign is told
 _LOSS_HALVINGS = 14
-_LOST = 1e-9  # of the tool's size
+_LOST = 1e-9  # of the tool's size: at a touch
+_AT_AN_END = 1e-12  # where a step ends: no sign is told there
+_ASIDE = 1e-6  # of a step: from such an end, where it is
+_FAR = 2.0  # times what the matrix changes by
+
+
+#: A pose of a path ↦ a matrix, how it changes along the path, and what its values compare with.
+WatchedMatrix: TypeAlias = Callable[[PathPose], tuple[Array, Array, float]]
+Lost = Literal["loss", "gain"]
+_LOST_WORDS: dict[Lost, str] = {
+    "loss": "the tool loses a motion",
+    "gain": "the motors lose the tool, as passive joints come free",
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Value:
-    """The singular value that decides, its vectors, and its rate."""
+    """The singular value that decides, its vectors, its rate, and how fast it could be at most."""
 
     sigma: float
     rate: float
+    fastest: float
     left: Array
     right: Array
 
@@ -42,39 +58,35 @@ class _Value:
         return float(np.sign(left * right)) if min(abs(left), abs(right)) >= _SIGN_TOLD else 0.0
 
 
-class ToolLosses:
-    """The tool's motion along a course."""
+class SingularValueSigns:
+    """A matrix along a course, of which one singular value decides."""
 
-    def __init__(self, course: Course, slopes: SlopesAlongMotions) -> None:
-        self._course, self._slopes = course, slopes
+    def __init__(self, course: Course, watched: WatchedMatrix, number: int, what: Lost) -> None:
+        self._course, self._watched, self._number, self._what = course, watched, number, what
         self._values: dict[float, _Value] = {}
-        rows = course.whole.partition.tool_rows
-        self._rows = list(rows.linear + rows.angular)
-        self._number = course.whole.partition.tool_rank - 1
-
-    @classmethod
-    def of(cls, course: Course, start: Configuration) -> ToolLosses | None:
-        """Return those of a course; None where motors do not decide alone what the tool does."""
-        partition, slopes = course.whole.partition, course.mechanism._slopes
-        freedoms = min(len(partition.tool_rows.names), course.columns.size)
-        if slopes is None or not 0 < partition.tool_rank <= freedoms or not _has_jacobian(start):
-            return None
-        return cls(course, slopes)
 
     def events(self, stretch: Stretch) -> Iterator[Event]:
         """Yield what the tool loses on a part of a path."""
         self._values.clear()
-        yield from self._between(stretch, stretch.start.t, stretch.end.t, _LOSS_HALVINGS)
+        a, b = stretch.start.t, stretch.end.t
+        aside = _ASIDE * (b - a)
+        for t in (a, b):
+            if self._value(stretch, t).sigma <= _AT_AN_END:
+                yield self._event(stretch, t, "is zero")
+                a, b = (a + aside, b) if t == a else (a, b - aside)
+        yield from self._between(stretch, a, b, _LOSS_HALVINGS)
 
     def _between(self, stretch: Stretch, a: float, b: float, halvings: int) -> Iterator[Event]:
         first, last = self._value(stretch, a), self._value(stretch, b)
+        if first.sigma + last.sigma > _FAR * max(first.fastest, last.fastest) * (b - a):
+            return
         sign = first.sign_of(last)
         middle = 0.5 * (a + b)
         if sign:
             ends = IntervalEnds(first.sigma, first.rate, sign * last.sigma, sign * last.rate, b - a)
             if not ends.may_pass(0.0):
                 return
-            if sign < 0.0 or min(first.sigma, last.sigma) <= _LOST:
+            if sign < 0.0:
                 t = located(lambda t: self._signed(stretch, first, t), a, b)
                 yield self._event(stretch, t, "changes its sign")
                 return
@@ -103,33 +115,17 @@ class ToolLosses:
         return known
 
     def _found(self, pose: PathPose) -> _Value:
-        A, slope, size = self._matrix(pose)
+        A, slope, size = self._watched(pose)
         left, values, right = np.linalg.svd(A)
         u, v = left[:, self._number], right[self._number]
         rate = float(u @ slope @ v)
-        return _Value(float(values[self._number]) / size, rate / size, u, v)
-
-    def _matrix(self, pose: PathPose) -> tuple[Array, Array, float]:
-        """Return J_eq on the judged rows, scaled, how it changes, and the tool's size."""
-        mechanism, partition = self._course.mechanism, self._course.problem.partition
-        snapshot = mechanism.kinematics.snapshot(pose.q)
-        slopes = self._slopes.at(pose.q, pose.velocity[:, None])
-        tool = partition.scaled_tool(snapshot.judged_jacobian(partition.tool_rows))[self._rows]
-        change = partition.scaled_tool(slopes.tool(partition.tool_rows.axes)[0])[self._rows]
-        scaled, _, passive = partition.loop_rates(snapshot.constraint_jacobian)
-        motions = np.zeros((tool.shape[1], partition.actuated.size))
-        motions[partition.actuated] = np.eye(partition.actuated.size)
-        rank = partition.passive_rank
-        motions[partition.passive] = -passive.solve(scaled[:, partition.actuated], rank)
-        opened = partition.scaled(slopes.constraint[0]) @ motions
-        bent = -passive.solve(opened, rank)
-        A = tool @ motions
-        return A, change @ motions + tool[:, partition.passive] @ bent, float(np.linalg.norm(tool))
+        fastest = float(np.linalg.norm(slope)) / size
+        return _Value(float(values[self._number]) / size, rate / size, fastest, u, v)
 
     def _event(self, stretch: Stretch, t: float, how: str) -> Event:
         configuration = self._course.configuration(stretch.at(t).q)
-        what = f"the tool loses a motion: its smallest singular value {how}"
-        return Event("loss", t, configuration, what)
+        what = f"{_LOST_WORDS[self._what]}: the smallest singular value {how}"
+        return Event(self._what, t, configuration, what)
 
 
 def _has_jacobian(start: Configuration) -> bool:
@@ -141,3 +137,55 @@ def _has_jacobian(start: Configuration) -> bool:
     except (NoJacobianError, NoToolError):
         return False
     return True
+
+
+def what_is_lost(course: Course, start: Configuration) -> SingularValueSigns | None:
+    """Return what to watch: J_eq, or K* where the machine is driven by its tool.
+
+    None where motors do not decide alone what the tool does, or nothing is passive.
+    """
+    slopes, partition = course.shown._slopes, course.shown.problem.partition
+    if slopes is None:
+        return None
+    if course.by_tool:
+        rank = partition.passive_rank
+        watched = partial(_loops_matrix, course.shown, slopes)
+        return SingularValueSigns(course, watched, rank - 1, "gain") if rank else None
+    freedoms = min(len(partition.tool_rows.names), course.columns.size)
+    if not 0 < course.whole.partition.tool_rank <= freedoms or not _has_jacobian(start):
+        return None
+    watched = partial(_tool_matrix, course, slopes)
+    return SingularValueSigns(course, watched, course.whole.partition.tool_rank - 1, "loss")
+
+
+def _loops_matrix(
+    mechanism: Mechanism, slopes: SlopesAlongMotions, pose: PathPose
+) -> tuple[Array, Array, float]:
+    """Return K* of a machine, without dimension, how it changes, and the size of [K K*]."""
+    partition, q = mechanism.problem.partition, pose.q[: mechanism.nq]
+    motion = pose.velocity[: mechanism.nv, None]
+    scaled = partition.scaled(mechanism.kinematics.snapshot(q).constraint_jacobian)
+    changed = partition.scaled(slopes.at(q, motion).constraint[0])
+    passive = partition.passive
+    return scaled[:, passive], changed[:, passive], partition.size_of(scaled)
+
+
+def _tool_matrix(
+    course: Course, slopes_along: SlopesAlongMotions, pose: PathPose
+) -> tuple[Array, Array, float]:
+    """Return J_eq on the judged rows, scaled, how it changes, and the tool's size."""
+    mechanism, partition = course.mechanism, course.problem.partition
+    rows = list(partition.tool_rows.linear + partition.tool_rows.angular)
+    snapshot = mechanism.kinematics.snapshot(pose.q)
+    slopes = slopes_along.at(pose.q, pose.velocity[:, None])
+    tool = partition.scaled_tool(snapshot.judged_jacobian(partition.tool_rows))[rows]
+    change = partition.scaled_tool(slopes.tool(partition.tool_rows.axes)[0])[rows]
+    scaled, _, passive = partition.loop_rates(snapshot.constraint_jacobian)
+    motions = np.zeros((tool.shape[1], partition.actuated.size))
+    motions[partition.actuated] = np.eye(partition.actuated.size)
+    rank = partition.passive_rank
+    motions[partition.passive] = -passive.solve(scaled[:, partition.actuated], rank)
+    opened = partition.scaled(slopes.constraint[0]) @ motions
+    bent = -passive.solve(opened, rank)
+    A = tool @ motions
+    return A, change @ motions + tool[:, partition.passive] @ bent, float(np.linalg.norm(tool))

@@ -66,9 +66,10 @@ class Trajectory(ReadOnlyArrays):
         Of a path that is closed in motor values, whether the machine ends as it began.
     steps : ndarray, shape (S + 1,)
         Where covered steps meet.
-    radii : ndarray, shape (S,)
+    radii : ndarray, shape (k,)
         Of the proven tube about each step, rad or a share of the characteristic length; empty where
-        nothing was to be proven.
+        nothing was to be proven. Of the last steps up to a fold or a branch point, up to 1e-5 of t
+        before it, there may be none: `evidence` says up to where the proof goes.
 
     Examples
     --------
@@ -120,13 +121,8 @@ class Trajectory(ReadOnlyArrays):
     @found_once
     def a(self) -> Array:
         """Pinocchio's acceleration, shape (N, nv); NaN where v is or where nothing tells."""
-        found = np.full(self.v.shape, np.nan)
-        for row, pose, v, given in zip(
-            found, self.configurations, self.v, self.accelerations, strict=True
-        ):
-            if np.isfinite(v).all() and (slopes := self.mechanism._slopes) is not None:
-                row[:] = _acceleration(pose, v, given, slopes.at(pose.q, v[:, None]).constraint[0])
-        return read_only(found)
+        rows = zip(self.configurations, self.v, self.accelerations, strict=True)
+        return read_only(np.array([acceleration_along(*row) for row in rows]))
 
     @found_once
     def tool_poses(self) -> Array:
@@ -205,9 +201,18 @@ class Trajectory(ReadOnlyArrays):
         )
 
 
-def _acceleration(pose: Configuration, v: Array, motors: Array, slope: Array) -> Array:
-    """Return Pinocchio's acceleration: of passive joints −K*⁺ (K θ̈ + γ), γ = dC[v] v."""
-    partition, jacobian = pose._problem.partition, pose._snapshot.constraint_jacobian
+def acceleration_along(pose: Configuration, v: Array, motors: Array) -> Array:
+    """Return Pinocchio's acceleration: of passive joints −K*⁺ (K θ̈ + γ), γ = dC[v] v.
+
+    NaN where v is, or where a joint is not in the table of joints.
+    """
+    slopes, partition = pose.mechanism._slopes, pose._problem.partition
+    if slopes is None or not np.isfinite(v).all():
+        return np.full(v.size, np.nan)
+    slope, jacobian = (
+        slopes.at(pose.q, v[:, None]).constraint[0],
+        pose._snapshot.constraint_jacobian,
+    )
     found = np.zeros(v.size)
     found[partition.actuated] = motors
     opening = jacobian[:, partition.actuated] @ motors + slope @ v

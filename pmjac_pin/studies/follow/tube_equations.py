@@ -32,6 +32,8 @@ class TubeEquations(SeriesEquations):
         self._columns = course.columns.tolist()
         super().__init__(course.mechanism, 1, self._columns)
         self._course = course
+        links = self._whole_tree.links.values()
+        self._single = {link.column for link in links if link.kind.nv == 1}
 
     def sheet(self, poses: Sequence[PathPose]) -> Sheet:
         """Return the cubics between closed poses of one piece of the path."""
@@ -44,8 +46,14 @@ class TubeEquations(SeriesEquations):
         """Return the equations along the cubics of a sheet over some pieces."""
         [t], entries = series_over(sheet, pieces, self.algebra)
         motors = self._motors(path, t)
-        values = dict(zip(self._columns, motors, strict=True))
-        return self.of_series(values, entries, pieces.at.shape[1])
+        coordinates, values = self._course.mechanism.coordinates, {}
+        rows = [entries[k] for k in range(len(entries))]
+        for column, motor in zip(self._columns, motors, strict=True):
+            if column in self._single:
+                values[column] = motor
+            else:
+                rows[coordinates.entry(column)] = motor
+        return self.of_series(values, self.algebra.stack(rows), pieces.at.shape[1])
 
     def _motors(self, path: PathPiece, t: Series) -> list[Series]:
         """Return the leading motors on a piece of the path, by Horner's scheme."""

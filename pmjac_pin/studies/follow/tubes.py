@@ -27,6 +27,7 @@ from pmjac_pin.values.arrays import Array, Index
 
 _SPLITS = 3  # of a step's tube, before more closed poses on the step are asked for
 _FINER = 6  # how often a step is halved so
+_NARROWEST = 1e-7  # of t: steps that are narrower are not, as rounding is what fails there
 _STEPS_AT_A_TIME = 256
 
 
@@ -134,7 +135,8 @@ class _Prover:
     def _finer(self, step: CoveredStep, tubes: list[Tube], halvings: int = _FINER) -> list[Tube]:
         """Return the tubes of a step, with more closed poses on it where these do not do."""
         unproved = [Tube(step.start.t, step.end.t, 0.0, np.inf, 0.0)]
-        if tubes or not halvings:
+        narrow = step.width <= _NARROWEST * max(1.0, abs(step.start.t))
+        if tubes or narrow or not halvings:
             return tubes or unproved
         try:
             middle = step.at(0.5 * (step.start.t + step.end.t))
@@ -145,9 +147,12 @@ class _Prover:
             CoveredStep(step.course, step.piece, middle, step.end),
         ]
         both = self._between(step.piece, [step.start, middle, step.end])
-        found = [self._finer(*one, halvings - 1) for one in zip(halves, both, strict=True)]
-        unproven = [tube for half in found for tube in half if not tube.radius]
-        return unproven[:1] or [tube for half in found for tube in half]
+        found: list[Tube] = []
+        for half, own in zip(halves, both, strict=True):
+            found += self._finer(half, own, halvings - 1)
+            if not found[-1].radius:
+                return found[-1:]
+        return found
 
     def _between(self, path: PathPiece, poses: Sequence[PathPose]) -> list[list[Tube]]:
         """Return the tubes between closed poses, none where nothing is proven."""

@@ -36,18 +36,7 @@ _CREEPING = 1e-4  # of itself: an open gap that falls less in each of so many st
 _STEPS_PATIENCE = 3
 _STILL_OPEN = 1e-7  # of itself: an open gap that falls less stays open, however patient one is
 _AS_PROMISED = 0.25  # of the fall to first order
-_LAST_STEPS = Patience(
-    steps=2,
-    enough=0.0,
-    tolerance=0.0,
-    damping=0.0,
-    least=0.0,
-    most=np.inf,
-    shrinks=1.0,
-    grows=1.0,
-    grows_within=1.0,
-    creeping_steps=3,
-)
+_LAST_STEPS = Patience(steps=2, enough=0.0)
 
 
 class Ends(NamedTuple):

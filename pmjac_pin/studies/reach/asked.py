@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import ClosureError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.reach.driven import Driven, driven_by, held_by
@@ -18,8 +19,10 @@ from pmjac_pin.studies.reach.least_motion import least_motion
 from pmjac_pin.studies.reach.motor_space import NO_MOTION, MotorSpace, with_leading_motors
 from pmjac_pin.studies.reach.nearest import is_nearest, trail_to_nearest
 from pmjac_pin.studies.reach.reached import Reached, ReachStatus
-from pmjac_pin.studies.reach.tool_path import leads
+from pmjac_pin.studies.reach.tool_path import same_pose
 from pmjac_pin.values.arrays import Array
+
+_POSES_BY_MOTORS = 9  # poses on a way of the motors
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,9 +102,27 @@ class Asked:
             if self.meets(found) and not (self.limits and found.limits_violated):
                 yield found
 
-    def is_led_to(self, found: Configuration) -> bool:
-        """Tell whether the motors alone lead the machine from the start to a pose."""
-        return leads(self.start, found)
+    def trail_by_motors(self, found: Configuration) -> list[Configuration]:
+        """Return poses on the straight way of the motors from the start to a pose; none if it ends.
+
+        Limits of the joints count on the way, too.
+        """
+        begin, mechanism = self.start, self.mechanism
+        columns = mechanism.problem.partition.actuated
+        apart = mechanism.coordinates.motion_to(begin.q, columns, found.actuated)
+        if mechanism.coordinates.curved[columns].any():
+            apart = found.actuated - begin.actuated
+        trail = [begin]
+        for share in np.linspace(0.0, 1.0, _POSES_BY_MOTORS)[1:]:
+            values = begin.actuated + share * apart
+            try:
+                pose = mechanism.close(values, guess=trail[-1], enforce_limits=False)
+            except ClosureError:
+                return []
+            if self.limits and set(pose.limits_violated) - set(begin.limits_violated):
+                return []
+            trail.append(pose)
+        return trail if same_pose(trail[-1], found) else []
 
     def told(
         self,

@@ -100,7 +100,7 @@ def _answer(asked: Asked) -> Reached:
         case "limit":
             return _at_limit(asked, stop)
         case "lost by its motors":
-            message = f"{_way(stop)} the motors lose the tool"
+            message = f"{_how_far(stop)} the motors lose the tool"
             return asked.told("singular", stop.configuration, stop.share, message)
         case "target":
             met = asked.meets(stop.configuration)
@@ -118,7 +118,7 @@ def _straight_path(asked: Asked, driven: Driven) -> ToolPath | None:
         return None
 
 
-def _way(stop: Stop) -> str:
+def _how_far(stop: Stop) -> str:
     return f"after {100.0 * stop.share:.4g} % of the way"
 
 
@@ -130,7 +130,7 @@ def _met(asked: Asked, configuration: Configuration, how: str) -> Reached:
 def _at_limit(asked: Asked, stop: Stop) -> Reached:
     values = stop.configuration.joint_values
     told = ", ".join(f"{name!r} at {values[name]:.6g}" for name in stop.joints)
-    message = f"{_way(stop)} joints reach their limits: {told}"
+    message = f"{_how_far(stop)} joints reach their limits: {told}"
     return asked.told("at a limit", stop.configuration, stop.share, message, joints=stop.joints)
 
 
@@ -138,19 +138,16 @@ def _off_the_way(asked: Asked, stop: Stop) -> Reached:
     """Go on by the motors, to where the tool is nearest; look elsewhere if that is not enough."""
     trail = asked.trail_downhill(stop.configuration)
     nearest, ambiguous = trail[-1], _tells_no_branch(asked, stop)
-    if asked.meets(nearest):
-        if ambiguous or _on_one_mode(asked, trail):
-            return _met(asked, nearest, "by a way around")
-        return _on_another_branch(asked, stop, nearest)
-    elsewhere: Configuration | None = None
+    met = nearest if asked.meets(nearest) else None
+    if met is not None and (ambiguous or _on_one_mode(asked, trail)):
+        return _met(asked, met, "by a way around")
     for found in asked.poses_elsewhere():
-        if ambiguous and asked.is_led_to(found):
-            return _met(asked, found, "where the motors lead")
-        elsewhere = elsewhere or found
-        if not ambiguous:
-            break
-    if elsewhere is not None:
-        return _on_another_branch(asked, stop, elsewhere)
+        around = asked.trail_by_motors(found)
+        if around and (ambiguous or _on_one_mode(asked, around)):
+            return _met(asked, around[-1], "by another way of the motors")
+        met = met or found
+    if met is not None:
+        return _on_another_branch(asked, stop, met)
     miss = asked.miss(nearest)
     parts = [f"{miss.linear:.6g} m"] * (miss.linear > 0.0)
     parts += [f"{miss.angular:.6g} rad"] * (miss.angular > 0.0)
@@ -176,6 +173,6 @@ def _on_one_mode(asked: Asked, trail: Sequence[Configuration]) -> bool:
 
 def _on_another_branch(asked: Asked, stop: Stop, found: Configuration) -> Reached:
     where = "the machine meets the target, but by no way that was found from here"
-    message = f"{_way(stop)} this branch ends; {where}"
+    message = f"{_how_far(stop)} this branch ends; {where}"
     last = stop.configuration
     return asked.told("on another branch", last, stop.share, message, elsewhere=found)

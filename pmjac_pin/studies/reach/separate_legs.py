@@ -35,7 +35,7 @@ from pmjac_pin.studies.recut import recut
 from pmjac_pin.values.arrays import Array
 
 _MOST_COMBINATIONS = 4096
-_ORDER = ("proof", "tolerance", "statistics", "nothing")  # the weakest last
+_WEAKEST_LAST = ("proof", "tolerance", "statistics", "nothing")  # the weakest last
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,7 +60,7 @@ def modes_by_legs(
     driven: DrivenByTool, values: Array, rng: np.random.Generator, limits: bool, aim: Aim
 ) -> ModesByLegs | None:
     """Return the poses at a target; None where the machine does not fall apart into legs."""
-    legs = separate_legs(driven.mechanism)
+    legs = separate_legs(driven)
     if not legs:
         return None
     named = dict(zip(driven.mechanism.spec.actuated, values.tolist(), strict=True))
@@ -72,42 +72,44 @@ def modes_by_legs(
     if math.prod(len(one.poses) for one in found) > _MOST_COMBINATIONS:
         return None
     combined = itertools.product(*(one.poses for one in found))
-    rows = (_together(driven.mechanism, values, each) for each in combined)
+    rows = (_together(driven, values, each) for each in combined)
     closed = [closed_pose(driven.mechanism, q, limits) for q in rows]
     together = tuple(one for one in closed if one is not None)
-    return ModesByLegs(together, sum(one.starts for one in found), _evidence(found, len(together)))
+    return ModesByLegs(
+        together, sum(one.starts for one in found), _of_the_weakest(found, len(together))
+    )
 
 
-def separate_legs(driven: Mechanism) -> list[Mechanism]:
+def separate_legs(driven: DrivenByTool) -> list[Mechanism]:
     """Return the legs of a machine driven by its tool, each a mechanism; none if it has but one."""
     joint = _carrier(driven)
     if not joint or not _is_welded(driven):
         return []
     try:
-        hung = recut(driven, joint)
+        hung = recut(driven.mechanism, joint)
     except (ArgumentError, ClosureError):  # it cannot be taken apart there
         return []
-    groups = _groups(hung)
+    groups = _groups_of_loops(hung)
     if len(groups) < 2:
         return []
     if sum(len(columns) for columns, _ in groups) < hung.problem.partition.passive.size:
         return []  # joints in no loop
-    return [_leg(hung, loops) for _, loops in groups]
+    return [_machine_of(hung, loops) for _, loops in groups]
 
 
-def _carrier(driven: Mechanism) -> str:
-    """Return the joint of the tree that carries the tool's body."""
-    model, [tool, *others] = driven.kinematics.model, driven.spec.tool.names
-    body = find_frame(model, tool).joint
-    return model.names[body] if body and not others else ""
+def _carrier(driven: DrivenByTool) -> str:
+    """Return the joint of the tree that carries the one tool's body; none where that is none."""
+    model, frames = driven.mechanism.kinematics.model, driven.chains[0].tool.names
+    body = find_frame(model, frames[0]).joint
+    return model.names[body] if body and len(driven.chains) == len(frames) == 1 else ""
 
 
-def _is_welded(driven: Mechanism) -> bool:
+def _is_welded(driven: DrivenByTool) -> bool:
     """Tell whether the loop that holds the tool leaves it no freedom."""
-    return isinstance(driven.spec.loops[0], FrameLoop)
+    return isinstance(driven.mechanism.spec.loops[0], FrameLoop)
 
 
-def _groups(hung: Mechanism) -> list[tuple[set[int], list[int]]]:
+def _groups_of_loops(hung: Mechanism) -> list[tuple[set[int], list[int]]]:
     """Return the loops in groups that share no passive joint, each behind its passive columns."""
     passive = set(hung.problem.partition.passive.tolist())
     groups: list[tuple[set[int], list[int]]] = []
@@ -121,7 +123,7 @@ def _groups(hung: Mechanism) -> list[tuple[set[int], list[int]]]:
     return [group for group in groups if group[0]]
 
 
-def _leg(hung: Mechanism, numbers: Sequence[int]) -> Mechanism:
+def _machine_of(hung: Mechanism, numbers: Sequence[int]) -> Mechanism:
     """Return the machine with these loops alone, and the joints that lead to them."""
     model, spec, edges = hung.kinematics.model, hung.spec, edges_of(hung.kinematics.model)
     loops = [spec.loops[number] for number in numbers]
@@ -158,33 +160,33 @@ def _distinct_poses(
     return tuple(of_other_values(poses, motors))
 
 
-def _together(driven: Mechanism, values: Array, poses: Sequence[Configuration]) -> Array:
+def _together(driven: DrivenByTool, values: Array, poses: Sequence[Configuration]) -> Array:
     """Return q with the motors at their values and each leg in its pose."""
-    columns, coordinates = driven.problem.partition.actuated, driven.coordinates
-    q = coordinates.with_values(driven.home.q, columns, values)
+    mechanism = driven.mechanism
+    columns, coordinates = mechanism.problem.partition.actuated, mechanism.coordinates
+    q = coordinates.with_values(mechanism.home.q, columns, values)
     for pose in poses:
-        passive = [name for name in pose.mechanism.coordinates.names if name in coordinates.names]
         entries = pose.mechanism.coordinates.pose(pose.q)
-        own = {name: entries[name] for name in passive if name not in driven.spec.actuated}
-        q = coordinates.q(own, q)
+        own = [name for name in entries if name not in mechanism.spec.actuated]
+        q = coordinates.q({name: entries[name] for name in own if name in coordinates.names}, q)
     return _carried(driven, q)
 
 
-def _carried(driven: Mechanism, q: Array) -> Array:
+def _carried(driven: DrivenByTool, q: Array) -> Array:
     """Return q with the tool's body where its chain holds it."""
-    model, carrier = driven.kinematics.model, _carrier(driven)
-    [frame] = driven.spec.tool.names
+    mechanism, carrier, frame = driven.mechanism, _carrier(driven), driven.chains[0].tool.names[0]
+    model = mechanism.kinematics.model
     edge, tool = edges_of(model)[carrier], find_frame(model, frame)
-    data = driven.kinematics.placed(q)
+    data = mechanism.kinematics.placed(q)
     target = data.oMf[find_frame(model, target_of(frame)).index]
     entries = edge.entries(data.oMi[edge.parent].copy(), target * tool.placement.inverse())
-    return driven.coordinates.q({carrier: entries}, q)
+    return mechanism.coordinates.q({carrier: entries}, q)
 
 
-def _evidence(legs: Sequence[LegModes], count: int) -> Evidence:
+def _of_the_weakest(legs: Sequence[LegModes], count: int) -> Evidence:
     """Return what all legs rest on, the weakest of them first."""
     ways = "·".join(str(len(one.poses)) for one in legs)
-    weakest = max((one.evidence for one in legs), key=lambda one: _ORDER.index(one.kind))
+    weakest = max((one.evidence for one in legs), key=lambda one: _WEAKEST_LAST.index(one.kind))
     statement = (
         f"{count}, of the {ways} combinations of what its legs allow, each for itself while the "
         f"tool is held; of one leg: {weakest.statement}"

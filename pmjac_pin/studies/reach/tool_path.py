@@ -17,23 +17,26 @@ from typing import Literal
 
 import numpy as np
 import pinocchio as pin
+from scipy.optimize import minimize_scalar
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError
-from pmjac_pin.studies.modes.recognition import Recognition
+from pmjac_pin.rates.factorisation import RANK_TOLERANCE
 from pmjac_pin.studies.reach.driven import Driven
 from pmjac_pin.studies.reach.goal import Goal
 from pmjac_pin.values.arrays import Array, norm
 
 #: What ended the way: its target, a joint's limit, a pose where motors lose the tool, or one where
 #: the tool loses a freedom.
-End = Literal["target", "limit", "lost by its motors", "end of the mode"]
+EndOfWay = Literal["target", "limit", "lost by its motors", "end of the mode"]
 
 _BETWEEN_LOOKS = 0.25  # lengths or rad, of all joints: between poses that are looked at
 _FEWEST, _MOST = 4, 64
 _ONE_POSE = 1e-6  # lengths or rad
 _LEAST_OF_A_WAY = 1e-12  # of the way
-_HALVINGS = 60
+_BISECTIONS = 60
+_BESIDE_SINGULAR = 1e-4  # relative singular value of K*
+_LOOK_BACK, _LOOK_AHEAD = 1e-3, 4.0  # shares of what is left, and of how far it should be
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +56,7 @@ class Stop:
 
     configuration: Configuration
     share: float
-    end: End
+    end: EndOfWay
     joints: tuple[str, ...] = ()
 
 
@@ -139,7 +142,7 @@ class ToolPath:
     def _at_limit(self, inside: float, outside: float) -> Stop:
         """Return the last pose within limits, by halving."""
         names: tuple[str, ...] = ()
-        for _ in range(_HALVINGS):
+        for _ in range(_BISECTIONS):
             middle = 0.5 * (inside + outside)
             if outside - inside <= _LEAST_OF_A_WAY or not inside < middle < outside:
                 break
@@ -163,19 +166,45 @@ class ToolPath:
         return None
 
     def _last_driven(self, one: float, other: float) -> float | None:
-        """Return up to where motors lead the machine along; None where they do all the way."""
-        begin, end = one, other
-        for _ in range(_HALVINGS):
+        """Return up to where motors lead the machine along; None where they do all the way.
+
+        Beside a singular pose the branches that meet there are not told apart, so no such pose
+        counts as led to: the last one before leads to it.
+        """
+        end = other
+        for _ in range(_BISECTIONS):
             middle = 0.5 * (one + other)
             if other - one <= _LEAST_OF_A_WAY or not one < middle < other:
                 break
-            if leads(self.at(one), self.at(middle)):
+            pose = self.at(middle)
+            if _sigma(pose) > _BESIDE_SINGULAR and leads(self.at(one), pose):
                 one = middle
-                if leads(self.at(one), self.at(end)):
+                if leads(pose, self.at(end)):
                     return None
             else:
                 other = middle
-        return one if one < end else begin
+        return self._singular_after(one, end)
+
+    def _singular_after(self, share: float, end: float) -> float:
+        """Return where K* is singular close after a share, or the share."""
+        near = _sigma(self.at(share))
+        before = max(0.0, share - _LOOK_BACK * (end - share))
+        slope = (_sigma(self.at(before)) - near) / (share - before) if share > before else 0.0
+        if not slope > 0.0:
+            return share
+        bounds = (share, min(end, share + _LOOK_AHEAD * near / slope))
+        found = minimize_scalar(
+            lambda one: _sigma(self.at(float(one))),
+            bounds=bounds,
+            method="bounded",
+            options={"xatol": _LEAST_OF_A_WAY},
+        )
+        return float(found.x) if found.fun < RANK_TOLERANCE else share
+
+
+def _sigma(pose: Configuration) -> float:
+    """Return the relative singular value of K* that the rank rests on."""
+    return pose.singularity().smallest
 
 
 def leads(one: Configuration, other: Configuration) -> bool:
@@ -194,4 +223,7 @@ def same_pose(one: Configuration, other: Configuration) -> bool:
     apart = mechanism.problem.difference(one.q, other.q) / partition.column_scale
     if norm(apart) <= _ONE_POSE * partition.length:
         return True
+    # What tells modes apart is imported where the joints' values do not do.
+    from pmjac_pin.studies.modes.recognition import Recognition  # noqa: PLC0415
+
     return Recognition([one]).index(other) is not None

@@ -21,7 +21,9 @@ from pmjac_pin.errors import ArgumentError, ClosureError, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop, resolved_loop
+from pmjac_pin.studies.singularities.joint_limits import within_joint_limits
 from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
+from pmjac_pin.studies.singularities.sheets import Sheets
 from pmjac_pin.studies.singularities.singular_equations import (
     Freed,
     RateBlock,
@@ -30,6 +32,8 @@ from pmjac_pin.studies.singularities.singular_equations import (
 from pmjac_pin.values.arrays import Array
 
 TOOL_AXES = ("x", "y", "z")
+_GROWN, _COARSE = 4, 33  # times, and cells along each axis of a grid that finds the window
+_MARGIN = 2.0  # of its cells: around what is reached
 _TARGET = "where the tool is to be"
 
 
@@ -121,15 +125,48 @@ def _tool_chart(
     place = at.tool_pose().translation
     values = [place[TOOL_AXES.index(name)] for name in names]
     start = driven.configuration(np.concatenate([at.q, values]))
-    reach = 2.0 * mechanism.characteristic_length
-    ranges = {
-        name: (value - reach, value + reach) for name, value in zip(names, values, strict=True)
-    }
-    area = PlaneSlice.of(names, start, {**ranges, **(window or {})})
+    area = _fitted(names, start, window or {}, np.array(values), at)
     partition = mechanism.problem.partition
     block = RateBlock(partition.row_scale.size, partition.passive, partition.passive_rank)
     inner = SingularEquations(driven, "gain", block=block) if block.rank else None
     return Chart(at, area, SingularEquations(driven, "gain"), "loss", inner, "gain")
+
+
+def _fitted(
+    names: tuple[str, str],
+    start: Configuration,
+    window: Mapping[str, tuple[float, float]],
+    place: Array,
+    at: Configuration,
+) -> PlaneSlice:
+    """Return the slice with a window around all that is reached within the joints' limits.
+
+    As a coarse grid sees it, which grows until its border is not reached, or eight times.
+    """
+    reach = at.mechanism.characteristic_length
+    for _ in range(_GROWN):
+        reach *= 2.0
+        ranges = dict(zip(names, zip(place - reach, place + reach, strict=True), strict=True))
+        area = PlaneSlice.of(names, start, {**ranges, **window})
+        if all(name in window for name in names):
+            return area
+        sheets = Sheets(area, (_COARSE, _COARSE), limits=False)
+        if sheets.add(start) is None:
+            continue
+        cells, closed = sheets.known[0].cells, sheets.known[0].closed
+        reached = closed.copy()
+        q = cells.q[closed][:, : at.mechanism.nq]
+        reached[closed] = within_joint_limits(at.mechanism.coordinates, q)
+        edge = reached.copy()
+        edge[1:-1, 1:-1] = False
+        if reached.any() and not edge.any():
+            break
+    else:
+        return area
+    found = area.places(cells.q[reached])
+    margin = _MARGIN * area.size / (_COARSE - 1)
+    ends = zip(found.min(axis=0) - margin, found.max(axis=0) + margin, strict=True)
+    return PlaneSlice.of(names, start, {**dict(zip(names, ends, strict=True)), **window})
 
 
 def _driven(names: tuple[str, str], at: Configuration) -> Mechanism:

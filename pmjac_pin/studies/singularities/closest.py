@@ -16,13 +16,13 @@ from pmjac_pin.studies.singularities.curve_equations import SingularPoint
 from pmjac_pin.studies.singularities.singular_equations import SingularEquations
 from pmjac_pin.values.arrays import Array, Index, norm
 
-_MOST_STEPS = 25
+_MOST_NEARER = 25
 _MOST_HALVED = 6
 _STATIONARY = 1e-9  # of the distance: how much nearer a step along the locus might lead
 _NO_NEARER = 1e-12  # of the distance: by how much a step leads nearer at least
-_FLAT = 1e-3  # of the largest curvature: along less, steps are no longer than with this
-_DIFFERENCE = 1e-4  # lengths or rad, of differences between gradients
-_LARGEST_STEP = 0.3  # lengths or rad
+_LEAST_CURVED = 1e-3  # of the largest curvature: along less, steps are no longer than with this
+_BESIDE = 1e-4  # lengths or rad, of differences between gradients
+_STRIDE = 0.3  # lengths or rad
 _NONE_HELD: Index = np.zeros(0, dtype=np.intp)
 
 
@@ -64,7 +64,7 @@ class ClosestPoint:
     def from_start(self, q: Array) -> Closest | None:
         """Return the point that is found from a closed q, None where there is none."""
         point = self._equations.corrected(self._equations.begin(q))
-        for _ in range(_MOST_STEPS):
+        for _ in range(_MOST_NEARER):
             if point is None or not (ways := self._ways(point)).size:
                 break
             step = self._step(point, ways)
@@ -84,9 +84,9 @@ class ClosestPoint:
         curvatures, turned = np.linalg.eigh(self._hessian(point, ways, gradient))
         if not (largest := float(np.abs(curvatures).max())):
             return None
-        curvatures = np.maximum(np.abs(curvatures), _FLAT * largest)
+        curvatures = np.maximum(np.abs(curvatures), _LEAST_CURVED * largest)
         downhill = -turned @ ((turned.T @ gradient) / curvatures)
-        downhill *= min(1.0, _LARGEST_STEP / (norm(downhill) or 1.0))
+        downhill *= min(1.0, _STRIDE / (norm(downhill) or 1.0))
         for halved in range(_MOST_HALVED):
             tried = self._along(point, 0.5**halved * downhill @ ways)
             if tried is not None and norm(self._change(tried.q)) < (1.0 - _NO_NEARER) * norm(
@@ -111,10 +111,10 @@ class ClosestPoint:
     def _hessian(self, point: SingularPoint, ways: Array, gradient: Array) -> Array:
         columns = []
         for way in ways:
-            beside = self._along(point, _DIFFERENCE * way)
+            beside = self._along(point, _BESIDE * way)
             rise = (
                 np.zeros(len(ways)) if beside is None else self._gradient(beside, ways) - gradient
             )
-            columns.append(rise / _DIFFERENCE)
+            columns.append(rise / _BESIDE)
         found = np.array(columns)
         return 0.5 * (found + found.T)

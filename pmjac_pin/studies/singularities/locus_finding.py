@@ -87,6 +87,8 @@ class LocusFinding:
 
     def beside(self, curve: Traced) -> Iterator[Configuration]:
         """Yield poses on the sheets that meet at a curve of gain, some cells away from it."""
+        if self.stays(curve):
+            return
         count = len(curve.points)
         looked = max(_LOOKED, count // _LOOKED_EVERY)
         for index in sorted({int(k) for k in np.linspace(0, count - 1, looked + 2)[1:-1]}):
@@ -118,7 +120,7 @@ class LocusFinding:
         fold, partition = equations.fold(point), equations.partition
         normal = np.where(np.isin(partition.actuated, area.columns), fold.normal, 0.0)
         size = float(np.linalg.norm(normal))
-        if not size > _NO_FOLD:
+        if not min(size, abs(fold.curvature)) > _NO_FOLD:
             return
         inward = -np.sign(fold.curvature) * normal / size
         for side in (1.0, -1.0):

@@ -1,83 +1,30 @@
-"""NearestSingularity: the singular pose that is nearest to a pose, by motors or by all joints."""
+"""The singular pose that is nearest to a pose, by motors or by all joints: an estimate."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Literal, TypeAlias
 
 import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError, PmjacError, quoted
-from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.modes.closed_pose import generator
+from pmjac_pin.studies.singularities.change import ChangeFrom, Space
 from pmjac_pin.studies.singularities.closest import ClosestPoint
+from pmjac_pin.studies.singularities.nearest_singularity import NearestSingularity
 from pmjac_pin.studies.singularities.singular_equations import Freed, SingularEquations
 from pmjac_pin.values.arrays import Array, norm
 from pmjac_pin.values.checks import check_kind
 
-Space: TypeAlias = Literal["motors", "joints"]
 _SPACES = ("motors", "joints")
 _KINDS: tuple[Freed, ...] = ("gain", "loss")
 _REACHES = (0.3, 1.0, 2.5)  # rad or lengths: how far starts lead from the pose
 _SHY = 1e-6  # of the way: where a straight way ends that is to lead to the singular pose
-_ARRIVED = 2e-2  # rad or lengths between there and the singular pose
-
-
-@dataclass(frozen=True, slots=True)
-class NearestSingularity:
-    """The nearest singular pose that was found.
-
-    Attributes
-    ----------
-    configuration : Configuration or None
-        There; None where none was found.
-    freed : "gain" or "loss"
-        Whether K* drops there, or the tool loses a motion.
-    space : "motors" or "joints"
-    distance : float
-        Euclidean, in `unit`, from the pose to there; infinite where none was found.
-    unit : "m" or "rad"
-        Of `distance`: m where all that counts slides, else rad, a slide by `characteristic_length`
-        counting as 1 rad.
-    motor_change : mapping of str to float
-        The motors' values there less those here, m or rad.
-    straight : bool
-        Whether the motors' straight way from the pose leads there on its assembly mode and meets no
-        other singularity of K*. Else another way may lead there, or none.
-    starts, found : int
-        How many starts there were, and how many of them led to a singular pose.
-    """
-
-    configuration: Configuration | None
-    freed: Freed
-    space: Space
-    distance: float
-    unit: Literal["m", "rad"]
-    motor_change: Mapping[str, float]
-    straight: bool
-    starts: int
-    found: int
-
-    @property
-    def evidence(self) -> Evidence:
-        """What it rests on: it is an upper bound, as any singular pose is."""
-        if self.configuration is None:
-            return Evidence("nothing", f"none of {self.starts} starts led to a singular pose")
-        return Evidence(
-            "tolerance",
-            f"a local estimate: {self.found} of {self.starts} starts led to a singular pose, of "
-            f"which this is the nearest{' that a straight way leads to' * self.straight}; it is "
-            "closed, and singular to 1e-10; a nearer one may not have been met",
-        )
-
-    def __bool__(self) -> bool:
-        return self.configuration is not None
+_NEAR_ENOUGH = 2e-2  # rad or lengths between there and the singular pose
 
 
 def nearest_singularity(
@@ -134,44 +81,17 @@ def nearest_singularity(
         raise ArgumentError(f"kind is gain or loss, got {quoted(kind)}")
     if not (isinstance(starts, int) and starts >= 0):
         raise ArgumentError(f"starts is a whole number ≥ 0, got {quoted(starts)}")
-    equations = _equations(configuration, kind)
-    measure = Measure(configuration, space)
+    equations = _equations_of(configuration, kind)
+    measure = ChangeFrom(configuration, space)
     begun = [configuration.q, *_starts(configuration, starts, generator(rng))]
-    found = [_nearest(configuration, one, measure, begun) for one in equations]
+    found = [_nearest_of(configuration, one, measure, begun) for one in equations]
     return min(found, key=lambda one: one.distance)
 
 
-class Measure:
-    """How far a pose is from a given one: what changes, and its derivative.
-
-    Parameters
-    ----------
-    configuration : Configuration
-    space : "motors" or "joints"
-    """
-
-    def __init__(self, configuration: Configuration, space: Space) -> None:
-        parts = configuration.mechanism._parts
-        partition = parts.problem.partition
-        self._q, self._model, self.space = configuration.q, parts.model, space
-        self._columns = partition.actuated if space == "motors" else np.arange(parts.model.nv)
-        slides = np.array([partition.units[k] == "m" for k in range(parts.model.nv)])
-        self._stride = np.where(slides, partition.length, 1.0)
-        self.unit: Literal["m", "rad"] = "m" if slides[self._columns].all() else "rad"
-        self._scale = np.ones(slides.size) if self.unit == "m" else 1.0 / self._stride
-
-    def __call__(self, q: Array) -> tuple[Array, Array]:
-        """Return F (k,), in `unit`, and ∂F by q in lengths or rad (k, nv)."""
-        change = pin.difference(self._model, self._q, q)
-        by_q = pin.dDifference(self._model, self._q, q, pin.ARG1)
-        scaled = self._scale[:, None] * by_q * self._stride
-        return (self._scale * change)[self._columns], scaled[self._columns]
-
-
-def _equations(configuration: Configuration, kind: Freed | None) -> list[SingularEquations]:
+def _equations_of(configuration: Configuration, kind: Freed | None) -> list[SingularEquations]:
     """Return the equations of the kind that is asked for, of all that there are for None."""
     mechanism = configuration.mechanism
-    if configuration._problem is not mechanism._parts.problem:
+    if configuration._problem is not mechanism.problem:
         told = "the pose is on a branch of more motions than home has"
         raise ArgumentError(f"{told}: ask a mechanism whose home is on this branch")
     if kind is not None:
@@ -190,7 +110,7 @@ def _equations(configuration: Configuration, kind: Freed | None) -> list[Singula
 def _starts(configuration: Configuration, count: int, rng: np.random.Generator) -> Iterator[Array]:
     """Yield closed q where the motors lead in random directions, or where they cannot go on."""
     mechanism = configuration.mechanism
-    partition = mechanism._parts.problem.partition
+    partition = mechanism.problem.partition
     stride = partition.length * partition.motor_scale
     for number in range(count):
         way = rng.normal(size=stride.size)
@@ -203,10 +123,10 @@ def _starts(configuration: Configuration, count: int, rng: np.random.Generator) 
                 yield error.reached.q
 
 
-def _nearest(
+def _nearest_of(
     configuration: Configuration,
     equations: SingularEquations,
-    measure: Measure,
+    measure: ChangeFrom,
     begun: Sequence[Array],
 ) -> NearestSingularity:
     found = _singular_poses(configuration, ClosestPoint(equations, measure), begun)
@@ -240,21 +160,21 @@ def _singular_poses(
 
 def _change(configuration: Configuration, there: Configuration) -> Array:
     return np.asarray(
-        pin.difference(configuration.mechanism._parts.model, configuration.q, there.q)
+        pin.difference(configuration.mechanism.kinematics.model, configuration.q, there.q)
     )
 
 
 def _motor_change(configuration: Configuration, there: Configuration | None) -> dict[str, float]:
     if there is None:
         return {}
-    partition = configuration.mechanism._parts.problem.partition
+    partition = configuration.mechanism.problem.partition
     change = _change(configuration, there)[partition.actuated]
     return dict(zip(partition.actuated_names, change.tolist(), strict=True))
 
 
 def _leads_straight(configuration: Configuration, there: Configuration) -> bool:
     """Tell whether motors that move straight lead there, up to a millionth of their way."""
-    partition = configuration.mechanism._parts.problem.partition
+    partition = configuration.mechanism.problem.partition
     way = _change(configuration, there)[partition.actuated]
     target = configuration.actuated + (1.0 - _SHY) * way
     try:
@@ -262,4 +182,4 @@ def _leads_straight(configuration: Configuration, there: Configuration) -> bool:
     except ClosureError:
         return False
     left = _change(reached, there) / (partition.length * partition.column_scale)
-    return norm(left) <= _ARRIVED
+    return norm(left) <= _NEAR_ENOUGH

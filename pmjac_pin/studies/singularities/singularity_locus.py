@@ -60,7 +60,7 @@ def singularity_locus(
         Where the others stay.
     window : mapping of str to (float, float), optional
         The range of each, m or rad; by default their limits, of an angle [−π, π] at most, and of
-        the tool two characteristic lengths to each side.
+        the tool what is reached within the joints' limits.
     kinds : iterable of {"gain", "loss"}
         Which singularities: type II, type I.
     cells : int

@@ -13,8 +13,11 @@ from pmjac_pin.studies.singularities.locus_marks import crossings
 from pmjac_pin.values.arrays import Array
 
 _HALVINGS = 80
+_NO_LENGTH = 1e-9  # of the window
 _SAME = 1e-6  # of the window: places that are one
-_ALIKE = 2e-2  # of a piece's length: middles of pieces that lie on each other
+_ALIKE = 1e-2  # of a piece's length: by how much those differ that lie on each other
+_SAMPLED = 12  # places of a piece, to see whether it lies on another
+_BOW = 0.05  # of a chord: how far the arc over it may be
 _ASIDE = 2e-3  # of the window: to both sides of a piece
 
 
@@ -150,6 +153,9 @@ def _cut(tracer: Tracer, curve: Traced, cuts: list[_Cut], name: str) -> Iterator
     for begin, end in itertools.pairwise(ends):
         within = slice(begin.after + 1, end.after + 1)
         inner, along = places[within], ways[within]
+        apart = [np.abs(inner - end.place).max(axis=1) for end in (begin, end)]
+        off = np.minimum(*apart) > _NO_LENGTH * tracer.area.size.max()
+        inner, along = inner[off], along[off]
         if not len(inner):
             continue
         row = np.vstack([begin.place, inner, end.place])
@@ -202,20 +208,21 @@ def border(
 
 
 def _lies_on(piece: Piece, other: Piece, size: Array) -> bool:
-    """Tell whether two pieces have the same ends and the same middle."""
-    ends = piece.places[[0, -1]]
-    same = [np.abs(ends - row).max() <= _SAME * size.max() for row in _both_ways(other)]
-    if not any(same):
+    """Tell whether two pieces are as long, and the one is all along the other."""
+    length, its = (np.linalg.norm(np.diff(p.places, axis=0), axis=1).sum() for p in (piece, other))
+    if abs(length - its) > _ALIKE * max(length, its):
         return False
-    length = np.linalg.norm(np.diff(piece.places, axis=0), axis=1).sum()
-    away = np.linalg.norm(other.places - piece.middle[0], axis=1).min()
-    step = np.linalg.norm(np.diff(other.places, axis=0), axis=1).max()
-    return bool(away <= max(_ALIKE * length, step))
+    along = piece.places[:: max(1, len(piece.places) // _SAMPLED)]
+    bow = _BOW * float(np.linalg.norm(np.diff(other.places, axis=0), axis=1).max())
+    return all(_from_line(place, other.places) <= bow + _SAME * size.max() for place in along)
 
 
-def _both_ways(piece: Piece) -> tuple[Array, Array]:
-    ends = piece.places[[0, -1]]
-    return ends, ends[::-1]
+def _from_line(place: Array, places: Array) -> float:
+    """Return how far a place is from a polyline."""
+    first, chord = places[:-1], np.diff(places, axis=0)
+    share = ((place - first) * chord).sum(axis=1) / np.maximum((chord**2).sum(axis=1), 1e-300)
+    nearest = first + np.clip(share, 0.0, 1.0)[:, None] * chord
+    return float(np.linalg.norm(nearest - place, axis=1).min())
 
 
 def _pace(first: Array, second: Array, begin: Array, end: Array) -> float:

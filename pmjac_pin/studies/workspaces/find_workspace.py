@@ -12,11 +12,11 @@ from pmjac_pin.batches.results import Status
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.model.limits import beyond_limits
 from pmjac_pin.studies.assembled_poses import assembled_poses
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.singularities.charts import TOOL_AXES, Chart, chart
 from pmjac_pin.studies.singularities.curve_tracing import Traced, Tracer
+from pmjac_pin.studies.singularities.joint_limits import limited, within_joint_limits
 from pmjac_pin.studies.singularities.locus_finding import LocusFinding
 from pmjac_pin.studies.singularities.sheets import Sheet, Sheets
 from pmjac_pin.studies.workspaces.border_pieces import Piece, border, pieces
@@ -27,7 +27,9 @@ from pmjac_pin.values.arrays import Array, Mask
 from pmjac_pin.values.checks import as_flag, check_kind
 
 _TRIED = 9  # cells near a place, from which it is walked to
+_MOST_STEPS = 300  # to a place right beside the border
 _HELD = 1e-9  # m, rad, or of a rotation: poses of one slice
+_NEAR = 2.0  # cells: from the border to a cell beside it
 _ENDS = 1e-6  # of the window: ends of pieces that meet
 
 
@@ -101,7 +103,7 @@ def workspace(
         raise ArgumentError("no cell of the grid is reached: name a window around the pose")
     region = _Region(drawn, sheets.known[number], limits=as_flag(limits, "limits"))
     found = _traced_border(drawn, sheets, region) if as_flag(trace, "trace") else ()
-    closed = _closes(found, drawn.area.size)
+    closed = _closes(found, drawn.area.size) and _covers(found, drawn, region)
     axes = tuple(drawn.area.axes((cells, cells)).values())
     return Workspace(
         at=start,
@@ -138,7 +140,7 @@ class _Region:
         coordinates = self.drawn.at.mechanism.coordinates
         if not self._limits:
             return np.ones(len(original), dtype=bool)
-        return np.asarray(~beyond_limits(coordinates, original))
+        return within_joint_limits(coordinates, original)
 
     def __call__(self, place: Array) -> bool:
         """Tell whether a place is reached from the cells beside it."""
@@ -151,7 +153,7 @@ class _Region:
         start, actuated = self._q[near], area.mechanism.problem.partition.actuated
         targets = area.mechanism.coordinates.values_of(start, actuated)
         targets[:, motors] = place
-        found = self._many._toward(targets, start, "none", 12, threads=1)
+        found = self._many._toward(targets, start, "none", _MOST_STEPS, threads=1)
         closed = found.q[found.status == Status.CLOSED]
         return bool(self.within(closed).any())
 
@@ -191,18 +193,18 @@ def _limit_curves(
     """Yield the curves at which a joint is at its limit, where the sheet has both sides of it."""
     mechanism, sheet = drawn.at.mechanism, region.sheet
     coordinates, driven = mechanism.coordinates, drawn.area.mechanism
+    bounded = set(limited(coordinates).tolist())
     for name, column in mechanism.problem.partition.columns.items():
-        if name in drawn.area.names:
+        if name in drawn.area.names or column not in bounded:
             continue
-        values = np.full(sheet.closed.shape, np.nan)
-        q = drawn.original(sheet.cells.q[sheet.closed])
-        values[sheet.closed] = coordinates.values_of(q, np.array([column]))[:, 0]
         for side, limit in (("lower", coordinates.lower), ("upper", coordinates.upper)):
             if not np.isfinite(limit[column]):
                 continue
             equations = LimitEquations(driven, name, float(limit[column]))
+            away = np.full(sheet.closed.shape, np.nan)
+            away[sheet.closed] = equations.missing(sheet.cells.q[sheet.closed])[:, 0]
             finding = LocusFinding(drawn.area, equations, sheets, drawn.fold_kind)
-            finding.seek(sheet.changes(values - limit[column]))
+            finding.seek(sheet.changes(away))
             for curve in finding.curves:
                 yield f"{name} at its {side} limit", curve, finding.tracer
 
@@ -220,6 +222,7 @@ def _window_pieces(drawn: Chart, curves: Sequence[Traced]) -> Iterator[Piece]:
         off = np.abs(stops - first - share[:, None] * chord).max(axis=1, initial=0.0)
         cuts = share[(off <= _ENDS * area.size.max()) & (share > 0.0) & (share < 1.0)]
         row = [0.0, *sorted(cuts.tolist()), 1.0]
+        row = [row[0], *(b for a, b in itertools.pairwise(row) if b - a > _ENDS)]
         way = chord / np.linalg.norm(chord)
         for begin, end in itertools.pairwise(row):
             places = first + np.array([[begin], [0.5 * (begin + end)], [end]]) * chord
@@ -234,6 +237,28 @@ def _closes(found: Sequence[Piece], size: Array) -> bool:
     ends = np.array([one.places[-1] for one in found])
     apart = np.abs(begins[:, None] - ends[None]).max(axis=-1) / size.max()
     return bool((apart.min(axis=0) <= _ENDS).all() and (apart.min(axis=1) <= _ENDS).all())
+
+
+def _covers(found: Sequence[Piece], drawn: Chart, region: _Region) -> bool:
+    """Tell whether each cell beside one that is not reached has a piece of the border near it."""
+    sheet, area = region.sheet, drawn.area
+    outside = np.pad(~region.reached, 1)
+    beside = outside[:-2, 1:-1] | outside[2:, 1:-1] | outside[1:-1, :-2] | outside[1:-1, 2:]
+    cell = area.size / (np.array(region.reached.shape) - 1.0)
+    along = np.vstack([_filled(one.places / cell) for one in found])
+    for place in area.places(sheet.cells.q[region.reached & beside]) / cell:
+        if np.abs(along - place).max(axis=1).min() > _NEAR:
+            return False
+    return True
+
+
+def _filled(places: Array) -> Array:
+    """Return places in cells with more between, at most one cell apart."""
+    rows = [places]
+    for k in range(len(places) - 1):
+        count = int(np.abs(places[k + 1] - places[k]).max())
+        rows.append(np.linspace(places[k], places[k + 1], count + 2))
+    return np.vstack(rows)
 
 
 def _values(drawn: Chart, region: _Region, measure: str | None) -> Array:

@@ -39,8 +39,15 @@ class LimitEquations(CurveEquations):
         partition, column = self.partition, self._column
         snapshot = self.mechanism.kinematics.snapshot(point.q)
         gap = snapshot.residual * partition.row_scale / partition.length
-        value = self.mechanism.coordinates.values_of(point.q, column)
-        return np.append(gap, (value - self.value) / self._strides.diagonal()[column])
+        return np.append(gap, self.missing(point.q) / self._strides.diagonal()[column])
+
+    def missing(self, q: Array) -> Array:
+        """Return how far the joint is beyond its limit at poses (..., nq), less full turns."""
+        coordinates = self.mechanism.coordinates
+        away: Array = coordinates.values_of(q, self._column) - self.value
+        if coordinates.angles[self._column[0]]:
+            away = np.remainder(away + np.pi, 2.0 * np.pi) - np.pi
+        return away
 
     def evaluate(self, point: SingularPoint) -> tuple[Array, Array]:
         """Return the residual (p + 1,) and its derivative (p + 1, nv)."""

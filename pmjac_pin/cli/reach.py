@@ -1,0 +1,72 @@
+"""``pmjac reach``."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import numpy as np
+import pinocchio as pin
+from cyclopts import Parameter
+
+from pmjac_pin.cli.options import Choice, NameOption, parsed_values
+from pmjac_pin.cli.output import Json, Output, Verdict
+from pmjac_pin.errors import ArgumentError
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.studies.reach.reach import reach
+from pmjac_pin.studies.reach.working_modes import working_modes
+from pmjac_pin.words.plain import to_json
+from pmjac_pin.words.reach_tables import (
+    reached_blocks,
+    reached_told,
+    working_modes_blocks,
+    working_modes_told,
+)
+
+_POSE = 6  # numbers
+
+
+def reach_command(
+    mechanism: NameOption,
+    /,
+    *,
+    target: Annotated[
+        str,
+        Parameter(
+            help="Of the tool, m and rad: x,y,z, or with roll,pitch,yaw behind them; some of x, y, "
+            "z and angle by name, such as x=0.2,y=0.4; or joints by theirs, such as pitch=0.1."
+        ),
+    ],
+    from_: Annotated[
+        str, Parameter(name="--from", help="The pose from which to go there (home).")
+    ] = "home",
+    modes: Annotated[
+        bool, Parameter(help="All working modes there, not that of the pose.")
+    ] = False,
+    choice: Choice = Choice(),
+    json: Json = False,
+) -> Verdict:
+    """Find the motor values that put the tool somewhere, or say what keeps it from there."""
+    machine = choice.load(mechanism)
+    given, limits = _target(target), machine.spec.enforce_limits
+    if modes:
+        return Verdict(_modes(machine, given, limits, json), 0)
+    found = reach(machine, given, guess=from_, limits=limits)
+    output = f"{to_json(reached_told(found))}\n" if json else reached_blocks(found)
+    return Verdict(output, 0 if found else 1)
+
+
+def _modes(machine: Mechanism, target: Any, limits: bool, json: bool) -> Output:
+    found = working_modes(machine, target, rng=0, limits=limits)
+    if json:
+        return f"{to_json(working_modes_told(machine, found))}\n"
+    return working_modes_blocks(machine, found)
+
+
+def _target(text: str) -> Any:
+    """Return the target that an option gives."""
+    given = parsed_values("--target", text)
+    if isinstance(given, dict) or len(given) != _POSE:
+        return given
+    if not np.isfinite(given).all():
+        raise ArgumentError(f"--target takes finite numbers, got {text}")
+    return pin.SE3(pin.rpy.rpyToMatrix(*given[3:]), np.array(given[:3]))

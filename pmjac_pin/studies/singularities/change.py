@@ -1,0 +1,40 @@
+"""Change: how far poses are from one, by their motors or by all joints."""
+
+from __future__ import annotations
+
+from typing import Literal, TypeAlias
+
+import numpy as np
+import pinocchio as pin
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.values.arrays import Array
+
+Space: TypeAlias = Literal["motors", "joints"]
+
+
+class ChangeFrom:
+    """How far a pose is from a given one: what changes, and its derivative.
+
+    Parameters
+    ----------
+    configuration : Configuration
+    space : "motors" or "joints"
+    """
+
+    def __init__(self, configuration: Configuration, space: Space) -> None:
+        model = configuration.mechanism.kinematics.model
+        partition = configuration.mechanism.problem.partition
+        self._q, self._model, self.space = configuration.q, model, space
+        self._columns = partition.actuated if space == "motors" else np.arange(model.nv)
+        slides = np.array([partition.units[k] == "m" for k in range(model.nv)])
+        self._stride = np.where(slides, partition.length, 1.0)
+        self.unit: Literal["m", "rad"] = "m" if slides[self._columns].all() else "rad"
+        self._scale = np.ones(slides.size) if self.unit == "m" else 1.0 / self._stride
+
+    def __call__(self, q: Array) -> tuple[Array, Array]:
+        """Return F (k,), in `unit`, and ∂F by q in lengths or rad (k, nv)."""
+        change = pin.difference(self._model, self._q, q)
+        by_q = pin.dDifference(self._model, self._q, q, pin.ARG1)
+        scaled = self._scale[:, None] * by_q * self._stride
+        return (self._scale * change)[self._columns], scaled[self._columns]

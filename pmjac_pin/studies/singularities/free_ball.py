@@ -1,0 +1,151 @@
+"""SingularityFree: a proof that no singularity of K* is within a distance of motors from a pose."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from pmjac_pin.algebra.balls import OUTWARDS, precise
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.rates.partition import Partition
+from pmjac_pin.studies.certificates.certificate import others_of
+from pmjac_pin.studies.certificates.equations import LoopEquations
+from pmjac_pin.studies.evidence import Evidence
+from pmjac_pin.studies.singularities.ball_bounds import BallBounds
+from pmjac_pin.studies.singularities.free_cells import FreeCells
+from pmjac_pin.values.checks import check_kind
+
+_SHARE = 0.5  # of what one step proves: half the width of cells
+
+
+@dataclass(frozen=True, slots=True)
+class SingularityFree:
+    """How far motors may move from a pose, each for itself, with K* proven regular.
+
+    True where some distance is proven.
+
+    Attributes
+    ----------
+    radius : float
+        Each motor may move by this, in `unit`, either way; 0 where nothing is proven.
+    unit : "m" or "rad"
+        m where all motors slide; else rad, a slide by `characteristic_length` counting as 1 rad.
+    passive_radius : float
+        How far passive joints are from the pose at most, rad, slides by `characteristic_length`.
+    rank : int
+        Of K*, which it has there.
+    failed : str
+        Why nothing is proven; empty where something is.
+    left_out : tuple of str
+        Rows of the loop equations that depend on the others at the pose: nothing is asked of them.
+    held : tuple of str
+        Passive degrees of freedom that the loops leave free: held where they are.
+    cells : int
+        How many steps were tried.
+    """
+
+    radius: float
+    unit: Literal["m", "rad"]
+    passive_radius: float
+    rank: int
+    failed: str = ""
+    left_out: tuple[str, ...] = ()
+    held: tuple[str, ...] = ()
+    cells: int = 1
+
+    def __bool__(self) -> bool:
+        return not self.failed
+
+    @property
+    def evidence(self) -> Evidence:
+        """What is proven."""
+        if self.failed:
+            return Evidence("nothing", self.failed)
+        if not self.rank:
+            return Evidence("proof", "no loop ties a passive joint: K* has no rank to lose")
+        parts = [
+            f"while each motor is within {self.radius:.3g} {self.unit} of the pose, there is "
+            f"exactly one pose that closes the loops and is led to from there, within "
+            f"{self.passive_radius:.3g} rad of it, and K* has rank {self.rank}"
+        ]
+        if self.held:
+            parts.append(f"with {', '.join(self.held)} held")
+        if self.left_out:
+            parts.append(f"by all rows but {len(self.left_out)} that depend on them at the pose")
+        return Evidence("proof", "; ".join(parts))
+
+
+def singularity_free(configuration: Configuration, *, most_cells: int = 1) -> SingularityFree:
+    """Return how far motors may move from a pose with no singularity of K* met: a proof.
+
+    By interval arithmetic in one step, or with the motors' values about the pose covered by many
+    cells, so that it is some fraction of the distance to the nearest singularity, which
+    `nearest_singularity` estimates from above: a tenth, say, in one step, and much more with
+    hundreds of cells and two or three motors.
+
+    Parameters
+    ----------
+    configuration : Configuration
+    most_cells : int
+        How many steps may be tried, 1 or more; some 30 ms each.
+
+    Returns
+    -------
+    SingularityFree
+        False where nothing is proven; `failed` then says why.
+
+    Raises
+    ------
+    ArgumentError
+        No such number.
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> home = pj.load("five_bar").home
+    >>> proven, nearest = pj.singularity_free(home), pj.nearest_singularity(home, kind="gain")
+    >>> 0.03 < proven.radius < nearest.distance
+    True
+    """
+    check_kind(configuration, Configuration)
+    if not (isinstance(most_cells, int) and most_cells >= 1):
+        raise ArgumentError(f"most_cells is a whole number ≥ 1, got {quoted(most_cells)}")
+    mechanism, partition = configuration.mechanism, configuration._problem.partition
+    slides = all(unit == "m" for unit in partition.units_of(partition.actuated))
+    unit: Literal["m", "rad"] = "m" if slides else "rad"
+    if not partition.passive_rank:
+        return SingularityFree(np.inf, unit, 0.0, 0)
+    columns = [*partition.passive.tolist(), *partition.actuated.tolist()]
+    try:
+        with precise(), np.errstate(over="ignore", invalid="ignore"):
+            model, loops = mechanism.kinematics.model, mechanism.spec.loops
+            equations = LoopEquations(model, loops, mechanism.parameters, columns)
+            bounds = BallBounds(equations, configuration)
+            radius, passive = bounds.largest()
+            cells = FreeCells(equations, configuration, bounds, most_cells)
+            if radius and most_cells > 1 and _one_by_one(equations, bounds, partition):
+                radius, passive = max((radius, passive), cells.grown(_SHARE * radius))
+    except ArgumentError as error:
+        return SingularityFree(0.0, unit, 0.0, partition.passive_rank, str(error))
+    rows, taken = bounds.kept
+    return SingularityFree(
+        radius=radius * (partition.length if slides else 1.0) / OUTWARDS,
+        unit=unit,
+        passive_radius=passive,
+        rank=partition.passive_rank,
+        failed=bounds.failed,
+        left_out=tuple(mechanism.rows[k] for k in others_of(len(mechanism.rows), rows).tolist()),
+        held=tuple(
+            partition.passive_names[k] for k in others_of(partition.passive.size, taken).tolist()
+        ),
+        cells=cells.tried,
+    )
+
+
+def _one_by_one(equations: LoopEquations, bounds: BallBounds, partition: Partition) -> bool:
+    """Tell whether each motor is a freedom of its own and nothing idles: else one step is all."""
+    single = equations.unknowns.groups[:, partition.passive.size :].sum(axis=1).max() <= 1.0
+    return bool(single) and bounds.kept[1].size == partition.passive.size

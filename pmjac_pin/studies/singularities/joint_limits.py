@@ -1,0 +1,31 @@
+"""Whether poses are within the limits of all joints, wherever full turns lead there."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pmjac_pin.model.coordinates import JointCoordinates
+from pmjac_pin.values.arrays import Array, Index, Mask
+
+_TURN = 2.0 * np.pi
+_SLACK = 1e-9  # m or rad
+
+
+def limited(coordinates: JointCoordinates) -> Index:
+    """Return the columns of the freedoms that limits keep from something: no whole turn."""
+    bounded = np.isfinite(coordinates.lower) | np.isfinite(coordinates.upper)
+    turns = coordinates.angles & (coordinates.upper - coordinates.lower >= _TURN - _SLACK)
+    return np.flatnonzero(bounded & ~turns)
+
+
+def within_joint_limits(coordinates: JointCoordinates, q: Array) -> Mask:
+    """Tell which poses (N, nq) have all joints within their limits, angles less full turns."""
+    columns = limited(coordinates)
+    values = coordinates.values_of(q, columns)
+    lower, upper = coordinates.lower[columns], coordinates.upper[columns]
+    turning = coordinates.angles[columns] & np.isfinite(lower)
+    values[:, turning] = (
+        lower[turning] + np.remainder(values[:, turning] - lower[turning] + _SLACK, _TURN) - _SLACK
+    )
+    inside = (values >= lower - _SLACK) & (values <= upper + _SLACK)
+    return np.asarray(inside.all(axis=1))

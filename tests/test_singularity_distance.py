@@ -1,0 +1,261 @@
+"""How far the nearest singularity is: found from above, proven from below, and known by hand."""
+
+from __future__ import annotations
+
+from math import pi
+
+import hand_derived as hand
+import hand_planar
+import mechanisms
+import numpy as np
+import pytest
+from hand_planar import unit
+from mechanisms import loaded, with_motors
+from scipy.optimize import minimize
+
+import pmjac_pin as pj
+
+GAINS = ("five_bar", "planar_3rpr", "planar_3rrr", "ankle", "humanoid_ankle", "three_rps_ss")
+BALLS = (*GAINS, "bennett", "four_bar", "slider_crank", "stewart_gough", "agile_eye", "delta_rods")
+
+
+def local_minima(distance, constraint, starts):
+    """The distances that are locally least with the constraint zero, of many starts, sorted."""
+    found = (
+        minimize(
+            lambda x: distance(x) @ distance(x),
+            x,
+            constraints={"type": "eq", "fun": constraint},
+            method="SLSQP",
+            options={"maxiter": 300, "ftol": 1e-15},
+        )
+        for x in starts
+    )
+    good = [one.x for one in found if one.success and abs(constraint(one.x)) < 1e-8]
+    return np.sort([np.linalg.norm(distance(x)) for x in good])
+
+
+def elbows(thetas):
+    return 0.3 * unit(thetas[0]), np.array([0.3, 0.0]) + 0.3 * unit(thetas[1])
+
+
+def test_of_a_five_bar_the_elbows_are_as_far_apart_as_both_distal_links_are_long(rng):
+    home = loaded("five_bar").home
+    nearest = pj.nearest_singularity(home, kind="gain")
+    theta = home.actuated
+    starts = theta + rng.uniform(-1.5, 1.5, (12, 2))
+    by_hand = local_minima(
+        lambda x: x - theta, lambda x: np.linalg.norm(np.subtract(*elbows(x))) - 0.8, starts
+    )[0]
+    assert nearest.straight
+    assert nearest.distance == pytest.approx(by_hand, abs=1e-7)
+    assert np.linalg.norm([*nearest.motor_change.values()]) == pytest.approx(nearest.distance)
+    assert nearest.configuration.singularity().types.gosselin_angeles == "II"
+
+
+def test_of_a_five_bar_an_arm_is_stretched_or_folded(rng):
+    """The tip 0.7 or 0.1 from a motor, along its link, and as far from the other elbow as ever."""
+    home = loaded("five_bar").home
+    nearest = pj.nearest_singularity(home, kind="loss")
+    theta, by_hand = home.actuated, []
+    for arm, reach in ((0, 0.7), (0, -0.1), (1, 0.7), (1, -0.1)):
+
+        def gap(x, arm=arm, reach=reach):
+            tip = np.array([0.3 * arm, 0.0]) + reach * unit(x[arm])
+            return np.linalg.norm(tip - elbows(x)[1 - arm]) - 0.4
+
+        begun = theta + rng.uniform(-1.5, 1.5, (12, 2))
+        by_hand += [*local_minima(lambda x: x - theta, gap, begun)]
+    assert nearest.distance >= min(by_hand) - 1e-7
+    assert np.abs(np.array(by_hand) - nearest.distance).min() < 1e-6
+    assert nearest.straight
+    assert nearest.configuration.singularity().types.gosselin_angeles == "I"
+
+
+def test_of_a_2r_arm_the_elbow_is_stretched_or_folded():
+    for elbow in (0.9, -1.3, 2.4):
+        nearest = pj.nearest_singularity(loaded("serial_2r").close([0.3, elbow]))
+        assert (nearest.freed, nearest.straight) == ("loss", True)
+        assert nearest.distance == pytest.approx(min(abs(elbow), pi - abs(elbow)), abs=1e-9)
+
+
+def test_of_a_slider_crank_driven_by_its_piston_it_is_a_dead_centre():
+    home = with_motors(loaded("slider_crank"), ["x"]).home
+    nearest = pj.nearest_singularity(home, kind="gain")
+    x = home.actuated[0]
+    assert (nearest.unit, nearest.straight) == ("m", True)
+    assert nearest.distance == pytest.approx(min(1.2 - x, x - 0.6), abs=1e-9)
+    assert 0.0 < pj.singularity_free(home).radius < nearest.distance
+
+
+def test_of_a_four_bar_it_is_the_end_of_the_cranks_range():
+    lengths = (4.0, 3.0, 2.5, 2.0)
+    machine = pj.load("four_bar", dict(zip(("l0", "l1", "l2", "l3"), lengths, strict=True)))
+    limit, _ = hand.four_bar_crank_limit(lengths)
+    home = machine.home
+    nearest = pj.nearest_singularity(home)
+    assert nearest.freed == "gain"
+    assert nearest.distance == pytest.approx(limit - home.actuated[0], abs=1e-9)
+    assert 0.0 < pj.singularity_free(home).radius < nearest.distance
+
+
+def test_of_a_3rpr_the_legs_lines_meet(rng):
+    """Over the plates' poses: the determinant of the lines' moments."""
+    machine = loaded("planar_3rpr")
+    size, home = machine.parameters, machine.home
+
+    def lengths_and_lines(pose):
+        rows, lengths = hand_planar.inverse_3rpr(pose, size["a"], size["b"])
+        return lengths, np.linalg.det(rows)
+
+    x, y, turn = home.joint_values["platform"]
+    pose = np.array([x, y, turn])
+    np.testing.assert_allclose(lengths_and_lines(pose)[0], home.actuated, atol=1e-9)
+    starts = pose + rng.uniform(-1.0, 1.0, (16, 3)) * [0.2, 0.2, 2.0]
+    by_hand = local_minima(
+        lambda p: lengths_and_lines(p)[0] - home.actuated, lambda p: lengths_and_lines(p)[1], starts
+    )[0]
+    nearest = pj.nearest_singularity(home, kind="gain")
+    assert nearest.unit == "m"
+    assert nearest.distance == pytest.approx(by_hand, abs=1e-6)
+
+
+@pytest.mark.parametrize("space", ["motors", "joints"])
+@pytest.mark.parametrize("name", mechanisms.mostly_slow(GAINS, ("five_bar", "ankle")))
+def test_what_is_found_is_closed_singular_and_stationary(name, space):
+    for here in mechanisms.random_poses(name, 4, 2):
+        nearest = pj.nearest_singularity(here, kind="gain", space=space, starts=3)
+        found = nearest.configuration.singularity()
+        assert found.gained > 0
+        assert found.smallest < 1e-10
+        assert nearest.evidence.kind == "tolerance"
+        motors = np.array([*nearest.motor_change.values()])
+        np.testing.assert_allclose(
+            here.actuated + motors, nearest.configuration.actuated, atol=1e-9
+        )
+        if space == "motors":
+            assert np.linalg.norm(motors) == pytest.approx(nearest.distance, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", mechanisms.mostly_slow(GAINS, ("five_bar", "planar_3rrr")))
+def test_no_singularity_is_met_nearer_on_straight_ways(name, rng):
+    home = loaded(name).home
+    nearest = pj.nearest_singularity(home, kind="gain")
+    assert nearest.straight
+    for way in rng.normal(size=(12, home.actuated.size)):
+        target = home.actuated + 0.95 * nearest.distance * way / np.linalg.norm(way)
+        there = home.mechanism.close(target, guess=home, enforce_limits=False)
+        assert there.singularity().kind in {"regular", "loss"}
+
+
+@pytest.mark.parametrize("name", BALLS)
+def test_within_what_is_proven_loops_close_and_k_star_is_regular(name, rng):
+    home = loaded(name).home
+    proven = pj.singularity_free(home)
+    assert proven
+    assert proven.evidence.kind == "proof"
+    partition = home.mechanism.problem.partition
+    for _ in range(5):
+        motors = home.actuated + proven.radius * rng.choice([-1.0, 1.0], home.actuated.size)
+        there = home.mechanism.close(motors, guess=home, enforce_limits=False)
+        assert there.singularity().rank == partition.passive_rank
+        scale = np.where(
+            [u == "m" for u in partition.units_of(partition.passive)], partition.length, 1
+        )
+        assert (np.abs(there.passive - home.passive) <= scale * proven.passive_radius).all()
+
+
+@pytest.mark.parametrize("name", GAINS)
+def test_what_is_proven_is_less_than_what_is_found(name):
+    home = loaded(name).home
+    proven, nearest = (
+        pj.singularity_free(home),
+        pj.nearest_singularity(home, kind="gain", starts=2),
+    )
+    assert proven.unit == nearest.unit
+    assert 0.0 < proven.radius <= max(map(abs, nearest.motor_change.values()))
+
+
+@pytest.mark.parametrize(
+    ("name", "cells"),
+    [
+        ("five_bar", 100),
+        ("four_bar", 50),
+        pytest.param("five_bar", 1000, marks=pytest.mark.slow),
+        pytest.param("ankle", 200, marks=pytest.mark.slow),
+        pytest.param("planar_3rrr", 200, marks=pytest.mark.slow),
+        pytest.param("planar_3rpr", 200, marks=pytest.mark.slow),
+    ],
+)
+def test_with_many_cells_more_is_proven_and_it_holds_all_over_the_box(name, cells, rng):
+    home = loaded(name).home
+    one, many = pj.singularity_free(home), pj.singularity_free(home, most_cells=cells)
+    assert many.radius > 1.4 * one.radius
+    assert one.cells == 1 < many.cells <= cells
+    if nearest := pj.nearest_singularity(home, kind="gain", starts=3):
+        assert many.radius < max(map(abs, nearest.motor_change.values()))
+    partition = home.mechanism.problem.partition
+    slides = np.array([unit == "m" for unit in partition.units_of(partition.passive)])
+    scale = np.where(slides, partition.length, 1.0)
+    for _ in range(20):
+        way = rng.uniform(-1.0, 1.0, home.actuated.size)
+        motors = home.actuated + many.radius * way / np.abs(way).max()
+        there = home.mechanism.close(motors, guess=home, enforce_limits=False)
+        assert there.singularity().rank == partition.passive_rank
+        assert (np.abs(there.passive - home.passive) <= scale * many.passive_radius).all()
+
+
+def test_of_a_five_bar_nearly_all_is_proven_up_to_where_the_distal_links_are_in_line():
+    """The nearest singular pose has both motors moved by 0.368: nothing beyond may be proven."""
+    home = loaded("five_bar").home
+    corner = next(
+        d
+        for d in np.linspace(0.0, 1.0, 10_001)
+        if np.linalg.norm(np.subtract(*elbows(home.actuated + d * np.array([1, -1])))) >= 0.8
+    )
+    assert 0.3 * corner < pj.singularity_free(home, most_cells=60).radius < corner
+
+
+def test_beside_a_singularity_little_is_proven_and_at_it_nothing():
+    limit, _ = hand.four_bar_crank_limit((4.0, 3.0, 2.5, 2.0))
+    sizes = dict(zip(("l0", "l1", "l2", "l3"), (4.0, 3.0, 2.5, 2.0), strict=True))
+    machine = pj.load("four_bar", sizes)
+    radii = [pj.singularity_free(machine.close([limit - d])).radius for d in (1e-1, 1e-3, 1e-5)]
+    assert all(0.0 < r < d for r, d in zip(radii, (1e-1, 1e-3, 1e-5), strict=True))
+    at = pj.nearest_singularity(machine.home).configuration
+    nothing = pj.singularity_free(at)
+    assert not nothing
+    assert nothing.evidence.kind == "nothing"
+
+
+def test_an_arm_without_loops_is_free_of_them():
+    assert pj.singularity_free(loaded("ur5").home).radius == np.inf
+
+
+def test_none_is_found_where_there_is_none():
+    none = pj.nearest_singularity(loaded("bennett").home, kind="gain", starts=2)
+    assert not none
+    assert (none.configuration, none.distance, none.straight) == (None, np.inf, False)
+    assert none.evidence.kind == "nothing"
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        ({"space": "tool"}, "space is motors or joints"),
+        ({"kind": "III"}, "kind is gain or loss"),
+        ({"starts": -1}, "starts is a whole number"),
+        ({"rng": "seed"}, "rng is"),
+    ],
+)
+def test_what_is_no_question_is_refused(asked, message):
+    with pytest.raises(pj.ArgumentError, match=message):
+        pj.nearest_singularity(loaded("five_bar").home, **asked)
+
+
+@pytest.mark.parametrize("cells", [0, -3, 1.5, "many"])
+def test_a_number_of_cells_is_a_whole_number(cells):
+    with pytest.raises(pj.ArgumentError, match="most_cells is a whole number"):
+        pj.singularity_free(loaded("five_bar").home, most_cells=cells)
+    with pytest.raises(pj.ArgumentError):
+        pj.singularity_free(loaded("five_bar"))
