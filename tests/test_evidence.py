@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tempfile
 from functools import partial
 from typing import get_args, get_type_hints
 
@@ -21,11 +22,17 @@ def table_around(machine, theta):
     return pj.transmission_table(machine, {joint: ends})
 
 
+def exported(machine):
+    with tempfile.TemporaryDirectory() as folder:
+        return pj.export(machine, to="urdf-plus", file=f"{folder}/machine.urdf")
+
+
 STUDIES = {
     pj.AssemblyModes: lambda machine, theta: pj.assembly_modes(machine, theta, rng=0),
     pj.Certificate: lambda machine, theta: pj.certify(machine.close(theta)),
     pj.ComplexModes: lambda machine, theta: homotopy_of(machine.name).at(theta),
     pj.Diagnosis: lambda machine, theta: pj.check(machine),
+    pj.Exported: lambda machine, theta: exported(machine),
     pj.OperationModes: lambda machine, theta: homotopy_of(machine.name).operation_modes(),
     pj.ParameterHomotopy: lambda machine, theta: homotopy_of(machine.name),
     pj.Proof: pj.prove,

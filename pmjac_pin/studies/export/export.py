@@ -85,7 +85,7 @@ def export(mechanism: Mechanism, *, to: str, file: str | Path, force: bool = Fal
     if to == _MODEL_FILE:
         return _as_model_file(mechanism, file, force)
     write, suffixes = WRITERS[to]
-    target = _target(file, to, suffixes)
+    target = _file_to_write(file, to, suffixes)
     machine = taken_apart(mechanism)
     check_names(machine)
     written = write(machine, target.parent)
@@ -122,7 +122,7 @@ def _as_model_file(mechanism: Mechanism, file: str | Path, force: bool) -> Expor
     return Exported(places, spec.actuated, tool, (), evidence)
 
 
-def _target(file: str | Path, to: str, suffixes: tuple[str, ...]) -> Path:
+def _file_to_write(file: str | Path, to: str, suffixes: tuple[str, ...]) -> Path:
     """Return where the file goes: where a link leads."""
     given = output_path(file)
     target = followed_link(given)
