@@ -14,6 +14,9 @@ REVEALING = {
 #: Where something else is asked than a rank, and what.
 OTHERWISE = {
     "files/inertia.py": {"eigh"},  # the principal moments of a body, none below zero
+    "files/mjcf/actuators.py": {"matrix_rank"},  # of the gears of one joint, as a file has them
+    "studies/export/masses.py": {"eigh"},  # the principal moments of a body that is written
+    "studies/export/mjcf.py": {"eigh"},  # the same, and their axes
     "rates/factorisation.py": {"svd"},
     "rates/dynamics.py": {"eigh", "eigvalsh"},  # whether all that is driven, or idles, has mass
     "rates/gradients.py": {"svd"},  # the singular values that are measured
