@@ -23,12 +23,14 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/bench_start.py
 	$(BIN)/python benchmarks/bench_jacobian.py
 	$(BIN)/python benchmarks/bench_batch.py
+	$(BIN)/python benchmarks/bench_cpp.py
 	$(BIN)/python benchmarks/bench_grid.py
 	$(BIN)/python benchmarks/bench_sweep.py
 	$(BIN)/python benchmarks/bench_parameters.py
 	$(BIN)/python benchmarks/bench_error.py
 	$(BIN)/python benchmarks/bench_dynamics.py
 	$(BIN)/python benchmarks/bench_polytope.py
+	$(BIN)/python benchmarks/bench_workspace.py
 	$(BIN)/python benchmarks/bench_transmission.py
 	$(BIN)/python benchmarks/bench_reach.py
 	$(BIN)/python benchmarks/bench_follow.py
@@ -40,6 +42,8 @@ bench: .venv/ready
 screenshots: .venv/ready
 	$(BIN)/python docs/make_screenshots.py
 	$(BIN)/pmjac modes three_rps --from lecture_a -o docs/assembly_modes.png
+	$(BIN)/pmjac workspace five_bar --plane x,y --measure dexterity --cells 201 -o docs/workspace.png --force
+	$(BIN)/pmjac locus five_bar --plane theta1,theta2 -o docs/locus.png --force
 	$(BIN)/pmjac transmission humanoid_ankle --joints pitch,roll --over pitch=-0.4:0.25,roll=-0.15:0.15 --limits 60,60 -o docs/transmission.png --force
 
 readme: .venv/ready

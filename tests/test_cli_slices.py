@@ -9,7 +9,7 @@ from mechanisms import loaded
 import pmjac_pin as pj
 from pmjac_pin.cli import main
 
-MAP = ["workspace", "five_bar", "--plane", "x,y", "--cells", "21"]
+MAP = ["workspace", "five_bar", "--plane", "x,y", "--cells", "15"]
 LOCUS = ["locus", "five_bar", "--plane", "theta1,theta2", "--cells", "15", "--kinds", "gain"]
 
 
@@ -31,7 +31,7 @@ def test_a_workspace_with_its_figure(tmp_path, capsys):
 def test_a_workspace_as_json(capsys):
     assert main([*MAP, "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
-    found = pj.workspace(loaded("five_bar"), ("x", "y"), cells=21)
+    found = pj.workspace(loaded("five_bar"), ("x", "y"), cells=15)
     assert told["area"] == pytest.approx(found.area, rel=1e-9)
     assert told["plane"] == ["x", "y"]
 

@@ -50,7 +50,7 @@ def bar_in_tool_space():
 
 def test_five_bar_of_ones_reaches_what_two_discs_share():
     bar = pj.load("five_bar", UNIT_BAR)
-    found = pj.workspace(bar, ("x", "y"), cells=31)
+    found = pj.workspace(bar, ("x", "y"), cells=21)
     assert found.area == pytest.approx(8.0 * np.arccos(0.25) - np.sqrt(15.0) / 2.0, rel=1e-7)
     assert found.area == pytest.approx(8.6084369, abs=1e-6)
     assert {piece.reason for piece in found.border} == {"loss"}

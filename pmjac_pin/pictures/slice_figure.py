@@ -18,15 +18,18 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _BLUE, _VERMILION, _BLACK, _REACHED = "#0072B2", "#D55E00", "#222222", "#CFE3F1"
-_KINDS = {"gain": (_VERMILION, "-", "gain (type II)"), "loss": (_BLUE, "--", "loss (type I)")}
-_MARKS: dict[LocusMark, tuple[str, float]] = {
+_CURVE_STYLES = {
+    "gain": (_VERMILION, "-", "gain (type II)"),
+    "loss": (_BLUE, "--", "loss (type I)"),
+}
+_POINT_STYLES: dict[LocusMark, tuple[str, float]] = {
     "cusp": ("*", 9.0),
     "crossing": ("x", 5.0),
     "branch point": ("D", 4.5),
     "isolated point": ("o", 4.5),
 }
 _SIZE = (6.4, 5.6)
-_FLAT = 1e-9  # of the largest: a map of one colour
+_ONE_COLOUR = 1e-9  # of the largest: a map of one colour
 
 
 def plot_locus(locus: SingularityLocus) -> Figure:
@@ -57,7 +60,7 @@ def plot_locus(locus: SingularityLocus) -> Figure:
     check_kind(locus, SingularityLocus)
     figure, axes = _empty(locus, f"Singularities of {locus.at.mechanism.name}")
     _draw_locus(axes, locus)
-    _legend(axes)
+    _add_legend(axes)
     return figure
 
 
@@ -94,14 +97,14 @@ def plot_workspace(found: Workspace, locus: SingularityLocus | None = None) -> F
     if locus is not None and locus.plane != found.plane:
         raise ArgumentError(f"the locus is of {locus.plane}, the workspace of {found.plane}")
     figure, axes = _empty(found, f"Workspace of {found.at.mechanism.name}")
-    axes.set_title(as_it_is(f"{found.mode}{_held(found)}"), fontsize=8)
-    _draw_map(figure, axes, found)
+    axes.set_title(as_it_is(f"{found.mode}{_held_in_words(found)}"), fontsize=8)
+    _draw_measure(figure, axes, found)
     for number, piece in enumerate(found.border):
         label = "border" if not number else None
         axes.plot(*piece.places.T, color=_BLACK, linewidth=1.4, label=label, zorder=3)
     if locus is not None:
         _draw_locus(axes, locus)
-    _legend(axes)
+    _add_legend(axes)
     return figure
 
 
@@ -115,7 +118,7 @@ def _empty(found: SingularityLocus | Workspace, title: str) -> tuple[Figure, Any
     if found.units[0] == found.units[1]:
         axes.set_aspect("equal")
     if isinstance(found, SingularityLocus):
-        axes.set_title(as_it_is(_held(found).removeprefix(", ")), fontsize=8)
+        axes.set_title(as_it_is(_held_in_words(found).removeprefix(", ")), fontsize=8)
         axes.set(xlim=_ends(found, 0), ylim=_ends(found, 1))
     return figure, axes
 
@@ -124,11 +127,11 @@ def _ends(locus: SingularityLocus, k: int) -> tuple[float, float]:
     return float(locus.lower[k]), float(locus.upper[k])
 
 
-def _held(found: SingularityLocus | Workspace) -> str:
+def _held_in_words(found: SingularityLocus | Workspace) -> str:
     return "".join(f", {name} = {value:.4g}" for name, value in found.held.items())
 
 
-def _draw_map(figure: Any, axes: Any, found: Workspace) -> None:
+def _draw_measure(figure: Any, axes: Any, found: Workspace) -> None:
     if not found.measure:
         reached = np.ma.masked_equal(found.reached.astype(float), 0.0).T
         axes.pcolormesh(
@@ -147,7 +150,7 @@ def _draw_map(figure: Any, axes: Any, found: Workspace) -> None:
     bar = figure.colorbar(drawn, ax=axes, shrink=0.85)
     bar.set_label(found.measure)
     spread = float(np.ptp(values.compressed())) if values.count() else 0.0
-    if spread > _FLAT * float(np.abs(values).max() if values.count() else 1.0):
+    if spread > _ONE_COLOUR * float(np.abs(values).max() if values.count() else 1.0):
         axes.contour(found.first, found.second, values, levels=6, colors="white", linewidths=0.4)
 
 
@@ -160,14 +163,14 @@ def _one_colour() -> Any:
 def _draw_locus(axes: Any, locus: SingularityLocus) -> None:
     named: set[str] = set()
     for curve in locus.curves:
-        colour, style, label = _KINDS[curve.kind]
+        colour, style, label = _CURVE_STYLES[curve.kind]
         shown = label if label not in named else None
         named.add(label)
         axes.plot(*curve.places.T, style, color=colour, linewidth=1.3, label=shown, zorder=4)
-    for mark, (symbol, size) in _MARKS.items():
+    for mark, (symbol, size) in _POINT_STYLES.items():
         places = np.array([point.place for point in locus.marked(mark)])
         if len(places):
-            _draw_marks(axes, _once(places), mark, symbol, size)
+            _draw_marks(axes, _each_place_once(places), mark, symbol, size)
 
 
 def _draw_marks(axes: Any, places: Array, mark: str, symbol: str, size: float) -> None:
@@ -182,7 +185,7 @@ def _draw_marks(axes: Any, places: Array, mark: str, symbol: str, size: float) -
     )
 
 
-def _once(places: Array) -> Array:
+def _each_place_once(places: Array) -> Array:
     """Return places, those of two poses that are one place only once."""
     kept: list[Array] = []
     for place in places:
@@ -191,7 +194,7 @@ def _once(places: Array) -> Array:
     return np.array(kept)
 
 
-def _legend(axes: Any) -> None:
+def _add_legend(axes: Any) -> None:
     handles: Sequence[Any] = axes.get_legend_handles_labels()[0]
     if handles:
         axes.legend(loc="best", fontsize=7, framealpha=0.9)

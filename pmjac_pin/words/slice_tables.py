@@ -11,7 +11,7 @@ from pmjac_pin.studies.singularities.locus import SingularityLocus
 from pmjac_pin.studies.workspaces.workspace import Workspace
 from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table
 
-_TYPES = {"gain": "gain (type II)", "loss": "loss (type I)"}
+_SINGULARITY_TYPES = {"gain": "gain (type II)", "loss": "loss (type I)"}
 
 
 def locus_blocks(locus: SingularityLocus) -> Iterator[Block]:
@@ -21,7 +21,7 @@ def locus_blocks(locus: SingularityLocus) -> Iterator[Block]:
     rows = tuple(
         (
             str(number),
-            _TYPES[curve.kind],
+            _SINGULARITY_TYPES[curve.kind],
             str(len(curve.places)),
             "closed" if curve.is_closed else "open",
             " ".join(map(str, curve.modes)),
@@ -30,10 +30,10 @@ def locus_blocks(locus: SingularityLocus) -> Iterator[Block]:
     )
     yield Table("Curves", ("", "kind", "points", "", "modes"), rows, "><><<")
     special = tuple(
-        (point.mark, _TYPES[point.kind], *(f"{value:.9g}" for value in point.place))
+        (point.mark, _SINGULARITY_TYPES[point.kind], *(f"{value:.9g}" for value in point.place))
         for point in locus.points
     )
-    header = ("", "of", *_labels(locus.plane, locus.units))
+    header = ("", "of", *_plane_labels(locus.plane, locus.units))
     yield Table("Special points", header, special, "<<>>")
     yield Paragraph(f"{locus.evidence}.")
 
@@ -104,5 +104,5 @@ def _slice(found: SingularityLocus | Workspace) -> str:
     return f"Held: {held}." if held else "Nothing is held."
 
 
-def _labels(plane: tuple[str, str], units: tuple[str, str]) -> list[str]:
+def _plane_labels(plane: tuple[str, str], units: tuple[str, str]) -> list[str]:
     return [f"{name} [{unit}]" for name, unit in zip(plane, units, strict=True)]

@@ -33,7 +33,7 @@ from pmjac_pin.values.arrays import Array
 
 TOOL_AXES = ("x", "y", "z")
 _GROWN, _COARSE = 4, 33  # times, and cells along each axis of a grid that finds the window
-_MARGIN = 2.0  # of its cells: around what is reached
+_CELLS_AROUND = 2.0  # of its cells: around what is reached
 _TARGET = "where the tool is to be"
 
 
@@ -125,14 +125,14 @@ def _tool_chart(
     place = at.tool_pose().translation
     values = [place[TOOL_AXES.index(name)] for name in names]
     start = driven.configuration(np.concatenate([at.q, values]))
-    area = _fitted(names, start, window or {}, np.array(values), at)
+    area = _fitted_slice(names, start, window or {}, np.array(values), at)
     partition = mechanism.problem.partition
     block = RateBlock(partition.row_scale.size, partition.passive, partition.passive_rank)
     inner = SingularEquations(driven, "gain", block=block) if block.rank else None
     return Chart(at, area, SingularEquations(driven, "gain"), "loss", inner, "gain")
 
 
-def _fitted(
+def _fitted_slice(
     names: tuple[str, str],
     start: Configuration,
     window: Mapping[str, tuple[float, float]],
@@ -164,7 +164,7 @@ def _fitted(
     else:
         return area
     found = area.places(cells.q[reached])
-    margin = _MARGIN * area.size / (_COARSE - 1)
+    margin = _CELLS_AROUND * area.size / (_COARSE - 1)
     ends = zip(found.min(axis=0) - margin, found.max(axis=0) + margin, strict=True)
     return PlaneSlice.of(names, start, {**dict(zip(names, ends, strict=True)), **window})
 

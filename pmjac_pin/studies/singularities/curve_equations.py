@@ -16,7 +16,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.values.arrays import Array, Index, norm
 
 EXACT = 1e-13  # of all equations, without dimension: the next step would be rounding
-_MOST_STEPS = 30
+_NEWTON_STEPS = 30
 _LARGEST_STEP = 0.5  # lengths or rad: Newton's first steps may be wild
 
 
@@ -123,7 +123,7 @@ class CurveEquations(ABC):
         held = np.zeros(0, dtype=np.intp) if held is None else held
         rank = self.partition.column_scale.size + point.u.size - self.dimension(held)
         spent, before = 0.0, np.inf
-        for _ in range(_MOST_STEPS):
+        for _ in range(_NEWTON_STEPS):
             residual, jacobian = self.bordered(point, held)
             size = norm(residual)
             if not np.isfinite(size) or spent > most:

@@ -19,9 +19,9 @@ _FIRST_STEP, _LARGEST_STEP, _SMALLEST_STEP = 0.01, 0.1, 1e-6  # lengths or rad
 _BEND = 0.12  # rad, between the tangents of two points that follow each other
 _MOST_BEND = 0.3  # more may be another curve
 _OFF = 0.15  # of a step: how far Newton may lead from its end
-_MOST_POINTS = 20_000
+_LONGEST_CURVE = 20_000
 _FOOT_STEPS = 8
-_SAME = 1e-5  # of the way between two points that follow each other
+_ON_CURVE = 1e-5  # of the way between two points that follow each other
 
 
 class OnCurve(NamedTuple):
@@ -127,7 +127,7 @@ class Tracer:
     def _onward(self, start: OnCurve) -> tuple[list[OnCurve], End]:
         found: list[OnCurve] = []
         here, step = start, _FIRST_STEP
-        while len(found) < _MOST_POINTS:
+        while len(found) < _LONGEST_CURVE:
             ahead = self._step(here, step)
             if ahead is None:
                 step *= 0.5
@@ -173,7 +173,7 @@ class Tracer:
         length, share, here = chord @ chord, 0.0, first.point
         for _ in range(_FOOT_STEPS):
             away = self._turns_aside(self.chord(here, point)[: self._nv])
-            if away @ away <= (_SAME * _SAME) * length:
+            if away @ away <= (_ON_CURVE * _ON_CURVE) * length:
                 return share
             share += float(away @ chord / length)
             there = self.between(first, second, share) if -0.5 <= share <= 1.5 else None

@@ -7,14 +7,14 @@ import numpy as np
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.values.arrays import Array, Index, Mask
 
-_TURN = 2.0 * np.pi
-_SLACK = 1e-9  # m or rad
+_WHOLE_TURN = 2.0 * np.pi
+_LENIENT = 1e-9  # m or rad
 
 
 def limited(coordinates: JointCoordinates) -> Index:
     """Return the columns of the freedoms that limits keep from something: no whole turn."""
     bounded = np.isfinite(coordinates.lower) | np.isfinite(coordinates.upper)
-    turns = coordinates.angles & (coordinates.upper - coordinates.lower >= _TURN - _SLACK)
+    turns = coordinates.angles & (coordinates.upper - coordinates.lower >= _WHOLE_TURN - _LENIENT)
     return np.flatnonzero(bounded & ~turns)
 
 
@@ -24,8 +24,7 @@ def within_joint_limits(coordinates: JointCoordinates, q: Array) -> Mask:
     values = coordinates.values_of(q, columns)
     lower, upper = coordinates.lower[columns], coordinates.upper[columns]
     turning = coordinates.angles[columns] & np.isfinite(lower)
-    values[:, turning] = (
-        lower[turning] + np.remainder(values[:, turning] - lower[turning] + _SLACK, _TURN) - _SLACK
-    )
-    inside = (values >= lower - _SLACK) & (values <= upper + _SLACK)
+    least = lower[turning] - _LENIENT
+    values[:, turning] = least + np.remainder(values[:, turning] - least, _WHOLE_TURN)
+    inside = (values >= lower - _LENIENT) & (values <= upper + _LENIENT)
     return np.asarray(inside.all(axis=1))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.model.coordinates import entry_names
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.singularities.singular_equations import Freed
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays
@@ -154,9 +155,7 @@ class SingularityLocus(ReadOnlyArrays):
         MissingDependencyError
             xarray is not installed.
         """
-        from pmjac_pin.studies.singularities.locus_dataset import dataset  # noqa: PLC0415
-
-        return dataset(self)
+        return _locus_dataset(self)
 
     def __repr__(self) -> str:
         name, (first, second) = self.at.mechanism.name, self.plane
@@ -166,3 +165,36 @@ class SingularityLocus(ReadOnlyArrays):
             f"SingularityLocus({name}, {first} and {second}, {len(self.curves)} curves on "
             f"{len(self.modes)} assembly modes{special})"
         )
+
+
+def _locus_dataset(locus: SingularityLocus) -> Dataset:
+    """Return curves and special points as a dataset; see `SingularityLocus.to_xarray`."""
+    from pmjac_pin.studies.sweep.store import packages  # noqa: PLC0415 - with xarray
+
+    xarray, _ = packages()
+    curves, points = locus.curves, locus.points
+    nq = locus.at.mechanism.nq
+    numbers = [np.full(len(curve.places), k) for k, curve in enumerate(curves)]
+    variables: dict[str, Any] = {
+        "place": (("vertex", "axis"), _rows_of_all([c.places for c in curves], 2)),
+        "q": (("vertex", "entry"), _rows_of_all([c.q for c in curves], nq)),
+        "curve": ("vertex", np.concatenate([np.zeros(0, dtype=int), *numbers])),
+        "kind": ("curve_number", [curve.kind for curve in curves]),
+        "closed": ("curve_number", [curve.is_closed for curve in curves]),
+        "on_modes": ("curve_number", [" ".join(map(str, curve.modes)) for curve in curves]),
+        "special_place": (("special", "axis"), _rows_of_all([p.place[None] for p in points], 2)),
+        "special_q": (("special", "entry"), _rows_of_all([p.q[None] for p in points], nq)),
+        "mark": ("special", [point.mark for point in points]),
+    }
+    coordinates = {
+        "axis": list(locus.plane),
+        "entry": list(entry_names(locus.at.mechanism.model)),
+    }
+    held = {f"held {name}": value for name, value in locus.held.items()}
+    attributes = {"mechanism": locus.at.mechanism.name, "evidence": str(locus.evidence), **held}
+    found: Dataset = xarray.Dataset(variables, coordinates, attributes)
+    return found
+
+
+def _rows_of_all(parts: list[Any], width: int) -> Any:
+    return np.concatenate([np.zeros((0, width)), *parts])

@@ -20,10 +20,10 @@ from pmjac_pin.studies.singularities.sheets import Sheets
 from pmjac_pin.studies.singularities.singular_equations import Freed, SingularEquations
 from pmjac_pin.values.arrays import Array
 
-_FAR = 1.0  # lengths or rad: Newton's way from a cell to the locus
-_ASIDE = 1e-2  # lengths or rad: from a fold to the two modes that meet there
+_TO_THE_LOCUS = 1.0  # lengths or rad: Newton's way from a cell to the locus
+_BESIDE_FOLD = 1e-2  # lengths or rad: from a fold to the two modes that meet there
 _LOOKED, _LOOKED_EVERY = 6, 15  # points of a curve from where its sheets are looked for
-_AT_REST = 1e-9  # of the window
+_STAYING = 1e-9  # of the window
 _NO_FOLD = 1e-9  # dimensionless: where branches meet the motors are not held back
 
 
@@ -61,7 +61,7 @@ class LocusFinding:
         """Trace the curves near some poses; return those that are new."""
         before = len(self.curves)
         for q in seeds:
-            point = self.tracer.corrected(self.equations.begin(q), _FAR)
+            point = self.tracer.corrected(self.equations.begin(q), _TO_THE_LOCUS)
             if point is not None:
                 self._trace(self.equations.turned(point))
         return self.curves[before:]
@@ -81,7 +81,7 @@ class LocusFinding:
         self.curves.append(traced)
         for end in (traced.points[0].point, traced.points[-1].point):
             for q in area.turned_back(end.q):
-                again = self.tracer.corrected(SingularPoint(q, end.u, end.idle), _FAR)
+                again = self.tracer.corrected(SingularPoint(q, end.u, end.idle), _TO_THE_LOCUS)
                 if again is not None:
                     self._trace(again)
 
@@ -97,7 +97,7 @@ class LocusFinding:
     def stays(self, curve: Traced) -> bool:
         """Tell whether a curve stays at its place, the machine moving with the plane at rest."""
         extent = np.ptp(self.area.places(curve.q), axis=0)
-        return bool((extent <= _AT_REST * self.area.size).all())
+        return bool((extent <= _STAYING * self.area.size).all())
 
     def modes_of(self, curve: Traced) -> tuple[int, ...]:
         """Return on which of the known sheets a curve lies; of a gain, which meet there."""
@@ -126,11 +126,11 @@ class LocusFinding:
         for side in (1.0, -1.0):
             # η_θ δθ + ½ η_uu aside² = 0 along w.
             step = np.zeros(here.tangent.size)
-            step[partition.passive] = side * _ASIDE * point.u
-            step[partition.actuated] = 0.5 * abs(fold.curvature) * _ASIDE**2 / size * inward
+            step[partition.passive] = side * _BESIDE_FOLD * point.u
+            step[partition.actuated] = 0.5 * abs(fold.curvature) * _BESIDE_FOLD**2 / size * inward
             q = equations.moved(point, step).q
             found = assemble(equations.problem, q, motor_weights(equations.problem, 0.0))
-            if found.gap <= equations.problem.tolerance and area.apart(found.q, q) < _ASIDE:
+            if found.gap <= equations.problem.tolerance and area.apart(found.q, q) < _BESIDE_FOLD:
                 away = self.sheets.away_from(found.q, inward)
                 if away is not None:
                     yield away

@@ -12,11 +12,11 @@ from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Trace
 from pmjac_pin.studies.singularities.singular_equations import SingularEquations
 from pmjac_pin.values.arrays import Array
 
-_HALVINGS = 60
-_STEPS = 12  # of Newton, to where curves cross
-_SAME_PLACE = 1e-11  # of the window
+_FALSE_POSITIONS = 60
+_NEWTON_TO_CROSSING = 12  # of Newton, to where curves cross
+_AT_ONE_PLACE = 1e-11  # of the window
 _PARALLEL = 1e-4  # rad, in the window's proportions: curves that lie on each other do not cross
-_SAME_POSE = 1e-5  # lengths or rad: where branches meet, Newton tells poses no better
+_ONE_POINT = 1e-5  # lengths or rad: where branches meet, Newton tells poses no better
 
 
 class Crossing(NamedTuple):
@@ -58,7 +58,7 @@ def _cusp_between(
     start, left = _curvature(equations, first.point, None)
     low, high = (0.0, start), (1.0, _curvature(equations, second.point, left)[0])
     found, kept = None, 0
-    for _ in range(_HALVINGS):
+    for _ in range(_FALSE_POSITIONS):
         share = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1])
         found = tracer.between(first, second, share)
         if found is None:
@@ -73,7 +73,7 @@ def _cusp_between(
     return found
 
 
-def crossings(tracers: Sequence[Tracer], curves: Sequence[Traced]) -> Iterator[Crossing]:
+def curve_crossings(tracers: Sequence[Tracer], curves: Sequence[Traced]) -> Iterator[Crossing]:
     """Yield where curves cross in the plane; `meets` where they do in joint space as well.
 
     Not where they touch or lie on each other, as those of mirror images do.
@@ -95,7 +95,7 @@ def crossings(tracers: Sequence[Tracer], curves: Sequence[Traced]) -> Iterator[C
                 found = _refined(tracers[i], tracers[j], *ends)
                 if found is not None:
                     first, second = found
-                    meets = area.apart(first.q, second.q) <= _SAME_POSE
+                    meets = area.apart(first.q, second.q) <= _ONE_POINT
                     yield Crossing(first, second, (i, j), meets)
 
 
@@ -124,7 +124,7 @@ def _refined(
 ) -> tuple[SingularPoint, SingularPoint] | None:
     """Return the two poses at which two curves are at one place, by Newton along both."""
     area, shares = mine.area, np.full(2, 0.5)
-    for _ in range(_STEPS):
+    for _ in range(_NEWTON_TO_CROSSING):
         one, other = (
             tracer.between(ends[0], ends[1], share)
             for tracer, ends, share in ((mine, a, shares[0]), (theirs, b, shares[1]))
@@ -132,9 +132,9 @@ def _refined(
         if one is None or other is None:
             return None
         away = area.places(other.q) - area.places(one.q)
-        if (np.abs(away) <= _SAME_PLACE * area.size).all():
+        if (np.abs(away) <= _AT_ONE_PLACE * area.size).all():
             return one, other
-        along = np.column_stack([_pace(mine, a, one), -_pace(theirs, b, other)])
+        along = np.column_stack([_place_rate(mine, a, one), -_place_rate(theirs, b, other)])
         sizes = np.linalg.norm(along / area.size[:, None], axis=0)
         if abs(np.linalg.det(along / area.size[:, None])) <= _PARALLEL * sizes[0] * sizes[1]:
             return None
@@ -142,7 +142,7 @@ def _refined(
     return None
 
 
-def _pace(tracer: Tracer, ends: Sequence[OnCurve], here: SingularPoint) -> Array:
+def _place_rate(tracer: Tracer, ends: Sequence[OnCurve], here: SingularPoint) -> Array:
     """Return how the place changes with the share of the way between two points."""
     area, chord = tracer.area, tracer.chord(ends[0].point, ends[1].point)
     there = tracer.on_curve(here, chord)

@@ -13,8 +13,8 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.values.arrays import Array, Index, Mask, norm
 from pmjac_pin.values.checks import as_numbers
 
-_TURN = 2.0 * np.pi
-_SLACK = 1e-12  # of a window: rounding on its border is no leaving
+_ONE_TURN = 2.0 * np.pi
+_WINDOW_ROUNDING = 1e-12  # of a window: rounding on its border is no leaving
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,7 +98,7 @@ class PlaneSlice:
 
     def inside(self, places: Array) -> Mask:
         """Tell which places (..., 2) are in the window."""
-        slack = _SLACK * self.size
+        slack = _WINDOW_ROUNDING * self.size
         within = (places >= self.lower - slack) & (places <= self.upper + slack)
         return np.asarray(within.all(axis=-1))
 
@@ -107,7 +107,7 @@ class PlaneSlice:
         problem, coordinates = self.mechanism.problem, self.mechanism.coordinates
         away = problem.difference(q, other)
         turning = coordinates.angles | coordinates.wraps
-        away[turning] = np.remainder(away[turning] + np.pi, _TURN) - np.pi
+        away[turning] = np.remainder(away[turning] + np.pi, _ONE_TURN) - np.pi
         return norm(away / (problem.partition.length * problem.partition.column_scale))
 
     def turned_back(self, q: Array) -> list[Array]:
@@ -115,9 +115,9 @@ class PlaneSlice:
         found, coordinates = [], self.mechanism.coordinates
         place = self.places(q)
         for k, column in enumerate(self.columns.tolist()):
-            if not coordinates.angles[column] or abs(self.size[k] - _TURN) > 1e-9:
+            if not coordinates.angles[column] or abs(self.size[k] - _ONE_TURN) > 1e-9:
                 continue
-            for side, way in ((self.lower[k], _TURN), (self.upper[k], -_TURN)):
+            for side, way in ((self.lower[k], _ONE_TURN), (self.upper[k], -_ONE_TURN)):
                 if abs(place[k] - side) <= 1e-9:
                     values = np.array([place[k] + way])
                     found.append(coordinates.with_values(q, self.columns[[k]], values))

@@ -21,15 +21,15 @@ from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
 from pmjac_pin.studies.singularities.singular_equations import SingularEquations
 from pmjac_pin.values.arrays import Array, Mask
 
-_SAME = 1e-6  # lengths or rad
-_TRIED = 16  # cells near a pose, to tell on which sheet it is
-_FEW_STEPS = 6  # a path to a cell nearby takes one or two, but where it ends
+_ALIKE_POSES = 1e-6  # lengths or rad
+_CELLS_NEAR = 16  # cells near a pose, to tell on which sheet it is
+_STEPS_TO_CELLS = 6  # a path to a cell nearby takes one or two, but where it ends
 _CELLS_AWAY = (3.0, 2.0, 1.0, 0.5)
 _SOME_STEPS = 60  # away from a fold
 
 
 @dataclass(frozen=True, eq=False)
-class Sheet:
+class SliceSheet:
     """The cells of a slice that one assembly mode reaches.
 
     Attributes
@@ -98,7 +98,7 @@ class Sheets:
     """
 
     def __init__(self, area: PlaneSlice, cells: tuple[int, int], *, limits: bool = True) -> None:
-        self.area, self.known, self._limits = area, list[Sheet](), limits
+        self.area, self.known, self._limits = area, list[SliceSheet](), limits
         self._many, self._axes = Batch(area.mechanism), area.axes(cells)
         self._largest = max(1.0, area.mechanism.characteristic_length)
         self._values = np.stack(np.meshgrid(*self._axes.values(), indexing="ij"), axis=-1)
@@ -112,7 +112,7 @@ class Sheets:
             new = np.asarray(cells.status == Status.CLOSED)
             for other in self.known:
                 new &= ~self._alike(cells.q, other.cells.q)
-            self.known.append(Sheet(start, cells, new))
+            self.known.append(SliceSheet(start, cells, new))
             return len(self.known) - 1
         return known
 
@@ -148,7 +148,7 @@ class Sheets:
         for number, sheet in enumerate(self.known):
             closed, rows = sheet.closed.ravel(), sheet.cells.q.reshape(sheet.closed.size, -1)
             for cell, q in leads:
-                if closed[cell] and self.area.apart(rows[cell], q) <= _SAME:
+                if closed[cell] and self.area.apart(rows[cell], q) <= _ALIKE_POSES:
                     return number
         return None
 
@@ -158,29 +158,29 @@ class Sheets:
         entries = [coordinates.entry(k) for k in np.flatnonzero(coordinates.angles).tolist()]
         away = q - other
         away[..., entries] = np.remainder(away[..., entries] + np.pi, 2.0 * np.pi) - np.pi
-        return np.asarray(np.abs(away).max(axis=-1) <= _SAME * self._largest)
+        return np.asarray(np.abs(away).max(axis=-1) <= _ALIKE_POSES * self._largest)
 
     def _leads(self, pose: Configuration) -> Iterator[tuple[int, Array]]:
         """Yield the cells near a pose that straight paths from it reach, and q there."""
         place = self.area.places(pose.q)
         away = np.linalg.norm((self._values - place) / self.area.size, axis=-1).ravel()
-        near = np.argsort(away, kind="stable")[:_TRIED]
+        near = np.argsort(away, kind="stable")[:_CELLS_NEAR]
         motors = self.area.mechanism.actuated
         targets = np.tile(pose.actuated, (near.size, 1))
         for k, name in enumerate(self.area.names):
             targets[:, motors.index(name)] = self._values[..., k].ravel()[near]
         start = np.broadcast_to(pose.q, (near.size, pose.q.size))
-        reached = self._many._toward(targets, start, "motors", _FEW_STEPS, threads=1)
+        reached = self._many._toward(targets, start, "motors", _STEPS_TO_CELLS, threads=1)
         for cell, q, status in zip(near.tolist(), reached.q, reached.status, strict=True):
             if status == Status.CLOSED:
                 yield cell, q
 
-    def border_seeds(self, sheet: Sheet, equations: SingularEquations) -> Iterator[Array]:
+    def border_seeds(self, sheet: SliceSheet, equations: SingularEquations) -> Iterator[Array]:
         """Yield q near which the sheets' own K* may lose rank: on their borders, in valleys."""
         yield from sheet.border()
         yield from self.inner_seeds(sheet, equations)
 
-    def inner_seeds(self, sheet: Sheet, equations: SingularEquations) -> Iterator[Array]:
+    def inner_seeds(self, sheet: SliceSheet, equations: SingularEquations) -> Iterator[Array]:
         """Yield q near which a matrix may lose rank."""
         values = np.full(sheet.closed.shape, np.nan)
         if sheet.new.any():

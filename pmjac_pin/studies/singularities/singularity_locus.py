@@ -20,13 +20,13 @@ from pmjac_pin.studies.singularities.locus import (
     SingularityLocus,
 )
 from pmjac_pin.studies.singularities.locus_finding import LocusFinding
-from pmjac_pin.studies.singularities.locus_marks import crossings, cusps
+from pmjac_pin.studies.singularities.locus_marks import curve_crossings, cusps
 from pmjac_pin.studies.singularities.sheets import Sheets
 from pmjac_pin.studies.singularities.singular_equations import Freed, SingularEquations
 from pmjac_pin.values.arrays import Array, norm
 from pmjac_pin.values.checks import check_kind
 
-_KINDS: tuple[Freed, ...] = ("gain", "loss")
+_BOTH_KINDS: tuple[Freed, ...] = ("gain", "loss")
 _MOST_SHEETS = 64
 
 
@@ -36,7 +36,7 @@ def singularity_locus(
     *,
     at: str | Configuration = "home",
     window: Mapping[str, tuple[float, float]] | None = None,
-    kinds: Iterable[Freed] = _KINDS,
+    kinds: Iterable[Freed] = _BOTH_KINDS,
     cells: int = 81,
     modes: Iterable[Configuration] | None = None,
 ) -> SingularityLocus:
@@ -129,7 +129,7 @@ def _begin(drawn: Chart) -> Iterable[Configuration]:
 
 def _kinds(kinds: Iterable[Freed]) -> tuple[Freed, ...]:
     given = () if isinstance(kinds, str) else tuple(kinds)
-    if not given or any(kind not in _KINDS for kind in given):
+    if not given or any(kind not in _BOTH_KINDS for kind in given):
         raise ArgumentError(f"`kinds` are some of 'gain' and 'loss', got {quoted(kinds)}")
     return given
 
@@ -167,7 +167,7 @@ def _locus(
         points += [
             _special("isolated point", drawn, one.q, (), finding.kind) for one in finding.isolated
         ]
-    for one in crossings(tracers, curves):
+    for one in curve_crossings(tracers, curves):
         mark: LocusMark = "branch point" if one.meets else "crossing"
         kind = told[one.curves[0]].kind
         points.append(_special(mark, drawn, one.first.q, one.curves, kind))
@@ -185,7 +185,7 @@ def _locus(
             drawn.at.mechanism.configuration(drawn.original(sheet.start.q))
             for sheet in sheets.known
         ),
-        evidence=_evidence(told, sheets, cells, drawn.in_tool_space),
+        evidence=_locus_evidence(told, sheets, cells, drawn.in_tool_space),
     )
 
 
@@ -212,7 +212,7 @@ def _told(drawn: Chart, finding: LocusFinding, curve: Traced) -> LocusCurve:
     )
 
 
-def _evidence(
+def _locus_evidence(
     curves: Sequence[LocusCurve], sheets: Sheets, cells: int, in_tool_space: bool
 ) -> Evidence:
     worst = max((curve.residual for curve in curves), default=0.0)

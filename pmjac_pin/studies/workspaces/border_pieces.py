@@ -9,20 +9,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
-from pmjac_pin.studies.singularities.locus_marks import crossings
+from pmjac_pin.studies.singularities.locus_marks import curve_crossings
 from pmjac_pin.values.arrays import Array
 
-_HALVINGS = 80
+_TURNING_STEPS = 80
 _NO_LENGTH = 1e-9  # of the window
-_SAME = 1e-6  # of the window: places that are one
-_ALIKE = 1e-2  # of a piece's length: by how much those differ that lie on each other
+_ONE_PLACE = 1e-6  # of the window: places that are one
+_AS_LONG = 1e-2  # of a piece's length: by how much those differ that lie on each other
 _SAMPLED = 12  # places of a piece, to see whether it lies on another
 _BOW = 0.05  # of a chord: how far the arc over it may be
-_ASIDE = 2e-3  # of the window: to both sides of a piece
+_TO_BOTH_SIDES = 2e-3  # of the window: to both sides of a piece
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Piece:
+class SmoothPiece:
     """A smooth piece of a curve in the plane.
 
     Attributes
@@ -38,7 +38,7 @@ class Piece:
     what: str
 
     @property
-    def backwards(self) -> Piece:
+    def backwards(self) -> SmoothPiece:
         """The same, from its end to its beginning."""
         return replace(self, places=self.places[::-1], directions=-self.directions[::-1])
 
@@ -59,7 +59,7 @@ class Piece:
 
 def pieces(
     tracers: Sequence[Tracer], curves: Sequence[Traced], names: Sequence[str]
-) -> Iterator[Piece]:
+) -> Iterator[SmoothPiece]:
     """Yield the curves cut at their corners and where they cross.
 
     A corner is where the place turns back: two reasons to stop meet there.
@@ -71,18 +71,18 @@ def pieces(
     names : sequence of str
         What each is.
     """
-    cuts = [list(_corners(*pair)) for pair in zip(tracers, curves, strict=True)]
-    for one in crossings(tracers, curves):
+    cuts = [list(_corner_cuts(*pair)) for pair in zip(tracers, curves, strict=True)]
+    for one in curve_crossings(tracers, curves):
         for number, point in zip(one.curves, (one.first, one.second), strict=True):
             found = _placed(tracers[number], curves[number], point.q)
             if found is not None:
                 cuts[number].append(found)
     for tracer, curve, where, name in zip(tracers, curves, cuts, names, strict=True):
-        yield from _cut(tracer, curve, where, name)
+        yield from _pieces_of(tracer, curve, where, name)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Cut:
+class _CutPlace:
     """Where a curve is cut: after a point, at a share of the way to the next."""
 
     after: int
@@ -90,14 +90,14 @@ class _Cut:
     place: Array
 
 
-def _corners(tracer: Tracer, curve: Traced) -> Iterator[_Cut]:
+def _corner_cuts(tracer: Tracer, curve: Traced) -> Iterator[_CutPlace]:
     """Yield where the place turns back."""
     ways = [_way(tracer, one) for one in curve.points]
     for k, (first, second) in enumerate(zip(curve.points, curve.points[1:], strict=False)):
         if ways[k] @ ways[k + 1] < 0.0:
             found = _turning(tracer, first, second, ways[k])
             if found is not None:
-                yield _Cut(k, *found)
+                yield _CutPlace(k, *found)
 
 
 def _way(tracer: Tracer, one: OnCurve) -> Array:
@@ -112,7 +112,7 @@ def _turning(
 ) -> tuple[float, Array] | None:
     """Return the share of the chord at which the place turns back, and the place there."""
     low, high, found = 0.0, 1.0, None
-    for _ in range(_HALVINGS):
+    for _ in range(_TURNING_STEPS):
         share = 0.5 * (low + high)
         point = tracer.between(first, second, share)
         here = None if point is None else tracer.on_curve(point, first.tangent)
@@ -125,30 +125,32 @@ def _turning(
     return found
 
 
-def _placed(tracer: Tracer, curve: Traced, q: Array) -> _Cut | None:
+def _placed(tracer: Tracer, curve: Traced, q: Array) -> _CutPlace | None:
     """Return where on a curve a pose of it is."""
     apart = [tracer.area.apart(other, q) for other in curve.q]
     nearest = int(np.argmin(apart))
     place = tracer.area.places(q)
-    best: _Cut | None = None
+    best: _CutPlace | None = None
     for k in (nearest - 1, nearest):
         if 0 <= k < len(curve.points) - 1:
             ends = tracer.area.places(curve.q[k : k + 2])
             chord = ends[1] - ends[0]
             share = float((place - ends[0]) @ chord / max(chord @ chord, 1e-300))
             if -1e-6 <= share <= 1.0 + 1e-6:
-                best = _Cut(k, min(max(share, 0.0), 1.0), place)
+                best = _CutPlace(k, min(max(share, 0.0), 1.0), place)
     return best
 
 
-def _cut(tracer: Tracer, curve: Traced, cuts: list[_Cut], name: str) -> Iterator[Piece]:
+def _pieces_of(
+    tracer: Tracer, curve: Traced, cuts: list[_CutPlace], name: str
+) -> Iterator[SmoothPiece]:
     """Yield the pieces of a curve; those of a closed one begin at its first cut."""
     places = tracer.area.places(curve.q)
     ways = np.array([_way(tracer, one) for one in curve.points])
     sizes = np.linalg.norm(ways, axis=1, keepdims=True)
     ways = ways / np.where(sizes > 0.0, sizes, 1.0)
     order = sorted(cuts, key=lambda one: (one.after, one.share))
-    ends = [_Cut(0, 0.0, places[0]), *order, _Cut(len(places) - 2, 1.0, places[-1])]
+    ends = [_CutPlace(0, 0.0, places[0]), *order, _CutPlace(len(places) - 2, 1.0, places[-1])]
     found = []
     for begin, end in itertools.pairwise(ends):
         within = slice(begin.after + 1, end.after + 1)
@@ -161,9 +163,9 @@ def _cut(tracer: Tracer, curve: Traced, cuts: list[_Cut], name: str) -> Iterator
         row = np.vstack([begin.place, inner, end.place])
         first = _first_way(row[1] - row[0], along[0])
         last = _first_way(row[-1] - row[-2], along[-1])
-        found.append(Piece(row, np.vstack([first, along, last]), name))
+        found.append(SmoothPiece(row, np.vstack([first, along, last]), name))
     if curve.is_closed and len(found) > 1 and order:
-        found[0] = _joined(found.pop(), found[0])
+        found[0] = _over_the_start(found.pop(), found[0])
     yield from found
 
 
@@ -176,45 +178,45 @@ def _first_way(chord: Array, way: Array) -> Array:
     return np.asarray(2.0 * (way @ chord) * chord - way)
 
 
-def _joined(first: Piece, second: Piece) -> Piece:
+def _over_the_start(first: SmoothPiece, second: SmoothPiece) -> SmoothPiece:
     places = np.vstack([first.places[:-1], second.places[1:]])
     ways = np.vstack([first.directions[:-1], second.directions[1:]])
-    return Piece(places, ways, first.what)
+    return SmoothPiece(places, ways, first.what)
 
 
 def border(
-    found: Sequence[Piece], size: Array, reached: Callable[[Array], bool]
-) -> tuple[Piece, ...]:
+    found: Sequence[SmoothPiece], size: Array, reached: Callable[[Array], bool]
+) -> tuple[SmoothPiece, ...]:
     """Return the pieces that have what is reached on one side alone, each once, it on their left.
 
     Parameters
     ----------
-    found : sequence of Piece
+    found : sequence of SmoothPiece
     size : ndarray, shape (2,)
         Of the window.
     reached : callable
         place ↦ whether it is.
     """
-    kept: list[Piece] = []
+    kept: list[SmoothPiece] = []
     for piece in found:
         if any(_lies_on(piece, other, size) for other in kept):
             continue
         place, way = piece.middle
-        left = _ASIDE * size.max() * np.array([-way[1], way[0]])
+        left = _TO_BOTH_SIDES * size.max() * np.array([-way[1], way[0]])
         on_left, on_right = reached(place + left), reached(place - left)
         if on_left != on_right:
             kept.append(piece if on_left else piece.backwards)
     return tuple(kept)
 
 
-def _lies_on(piece: Piece, other: Piece, size: Array) -> bool:
+def _lies_on(piece: SmoothPiece, other: SmoothPiece, size: Array) -> bool:
     """Tell whether two pieces are as long, and the one is all along the other."""
     length, its = (np.linalg.norm(np.diff(p.places, axis=0), axis=1).sum() for p in (piece, other))
-    if abs(length - its) > _ALIKE * max(length, its):
+    if abs(length - its) > _AS_LONG * max(length, its):
         return False
     along = piece.places[:: max(1, len(piece.places) // _SAMPLED)]
     bow = _BOW * float(np.linalg.norm(np.diff(other.places, axis=0), axis=1).max())
-    return all(_from_line(place, other.places) <= bow + _SAME * size.max() for place in along)
+    return all(_from_line(place, other.places) <= bow + _ONE_PLACE * size.max() for place in along)
 
 
 def _from_line(place: Array, places: Array) -> float:
@@ -225,7 +227,7 @@ def _from_line(place: Array, places: Array) -> float:
     return float(np.linalg.norm(nearest - place, axis=1).min())
 
 
-def _pace(first: Array, second: Array, begin: Array, end: Array) -> float:
+def _arc_length(first: Array, second: Array, begin: Array, end: Array) -> float:
     """Return the length of the arc over a chord, as of a circle."""
     chord = float(np.linalg.norm(second - first))
     half = 0.5 * np.arccos(np.clip(begin @ end, -1.0, 1.0))
@@ -234,7 +236,7 @@ def _pace(first: Array, second: Array, begin: Array, end: Array) -> float:
 
 def _hermite(first: Array, second: Array, begin: Array, end: Array) -> tuple[Array, Array]:
     """Return the middle of a cubic and its direction there."""
-    length = _pace(first, second, begin, end)
+    length = _arc_length(first, second, begin, end)
     place = 0.5 * (first + second) + 0.125 * length * (begin - end)
     direction = 1.5 * (second - first) - 0.25 * length * (begin + end)
     return place, direction / np.linalg.norm(direction)
@@ -242,11 +244,11 @@ def _hermite(first: Array, second: Array, begin: Array, end: Array) -> tuple[Arr
 
 def _swept(first: Array, second: Array, begin: Array, end: Array) -> float:
     """Return ½ ∫ (x dy − y dx) along a cubic: the chord's, and what is beside it."""
-    length = _pace(first, second, begin, end)
+    length = _arc_length(first, second, begin, end)
     m0, m1, chord = length * begin, length * end, second - first
-    beside = (_cross(m0, chord) + _cross(chord, m1)) / 10.0 - _cross(m0, m1) / 60.0
-    return 0.5 * _cross(first, second) + beside
+    beside = (_wedge(m0, chord) + _wedge(chord, m1)) / 10.0 - _wedge(m0, m1) / 60.0
+    return 0.5 * _wedge(first, second) + beside
 
 
-def _cross(a: Array, b: Array) -> float:
+def _wedge(a: Array, b: Array) -> float:
     return float(a[0] * b[1] - a[1] * b[0])

@@ -18,19 +18,19 @@ from pmjac_pin.studies.singularities.charts import TOOL_AXES, Chart, chart
 from pmjac_pin.studies.singularities.curve_tracing import Traced, Tracer
 from pmjac_pin.studies.singularities.joint_limits import limited, within_joint_limits
 from pmjac_pin.studies.singularities.locus_finding import LocusFinding
-from pmjac_pin.studies.singularities.sheets import Sheet, Sheets
-from pmjac_pin.studies.workspaces.border_pieces import Piece, border, pieces
+from pmjac_pin.studies.singularities.sheets import Sheets, SliceSheet
+from pmjac_pin.studies.workspaces.border_pieces import SmoothPiece, border, pieces
 from pmjac_pin.studies.workspaces.limit_equations import LimitEquations
 from pmjac_pin.studies.workspaces.map_measures import MAP_MEASURES, checked_measure
 from pmjac_pin.studies.workspaces.workspace import BorderPiece, Workspace
 from pmjac_pin.values.arrays import Array, Mask
 from pmjac_pin.values.checks import as_flag, check_kind
 
-_TRIED = 9  # cells near a place, from which it is walked to
-_MOST_STEPS = 300  # to a place right beside the border
+_CELLS_TRIED = 9  # cells near a place, from which it is walked to
+_STEPS_TO_BORDER = 300  # to a place right beside the border
 _HELD = 1e-9  # m, rad, or of a rotation: poses of one slice
-_NEAR = 2.0  # cells: from the border to a cell beside it
-_ENDS = 1e-6  # of the window: ends of pieces that meet
+_CELLS_OFF = 2.0  # cells: from the border to a cell beside it
+_JOINTS = 1e-6  # of the window: ends of pieces that meet
 
 
 def workspace(
@@ -119,14 +119,14 @@ def workspace(
         values=_values(drawn, region, name),
         border=tuple(BorderPiece(one.places, one.what) for one in found),
         area=sum(one.area() for one in found) if closed else float("nan"),
-        evidence=_evidence(found, closed, cells),
+        evidence=_workspace_evidence(found, closed, cells),
     )
 
 
 class _Region:
     """The cells of a sheet that are within limits and hang together with its start."""
 
-    def __init__(self, drawn: Chart, sheet: Sheet, *, limits: bool) -> None:
+    def __init__(self, drawn: Chart, sheet: SliceSheet, *, limits: bool) -> None:
         self.drawn, self.sheet, self._limits = drawn, sheet, limits
         self._many = Batch(drawn.area.mechanism)
         self.reached = self._connected()
@@ -148,12 +148,12 @@ class _Region:
         if not bool(area.inside(place)):
             return False
         away = np.linalg.norm((self._places - place) / area.size, axis=1)
-        near = np.argsort(away, kind="stable")[:_TRIED]
+        near = np.argsort(away, kind="stable")[:_CELLS_TRIED]
         motors = [area.mechanism.actuated.index(name) for name in area.names]
         start, actuated = self._q[near], area.mechanism.problem.partition.actuated
         targets = area.mechanism.coordinates.values_of(start, actuated)
         targets[:, motors] = place
-        found = self._many._toward(targets, start, "none", _MOST_STEPS, threads=1)
+        found = self._many._toward(targets, start, "none", _STEPS_TO_BORDER, threads=1)
         closed = found.q[found.status == Status.CLOSED]
         return bool(self.within(closed).any())
 
@@ -171,7 +171,7 @@ class _Region:
         return np.asarray(parts == parts.ravel()[int(np.argmin(away))])
 
 
-def _traced_border(drawn: Chart, sheets: Sheets, region: _Region) -> tuple[Piece, ...]:
+def _traced_border(drawn: Chart, sheets: Sheets, region: _Region) -> tuple[SmoothPiece, ...]:
     """Return the border of a region, in pieces."""
     folds = LocusFinding(drawn.area, drawn.folds, sheets, drawn.fold_kind)
     folds.seek(sheets.border_seeds(region.sheet, drawn.folds))
@@ -209,7 +209,7 @@ def _limit_curves(
                 yield f"{name} at its {side} limit", curve, finding.tracer
 
 
-def _window_pieces(drawn: Chart, curves: Sequence[Traced]) -> Iterator[Piece]:
+def _window_pieces(drawn: Chart, curves: Sequence[Traced]) -> Iterator[SmoothPiece]:
     """Yield the sides of the window, cut where curves end on them."""
     area = drawn.area
     low, high = area.lower, area.upper
@@ -220,39 +220,39 @@ def _window_pieces(drawn: Chart, curves: Sequence[Traced]) -> Iterator[Piece]:
         chord = last - first
         share = (stops - first) @ chord / (chord @ chord)
         off = np.abs(stops - first - share[:, None] * chord).max(axis=1, initial=0.0)
-        cuts = share[(off <= _ENDS * area.size.max()) & (share > 0.0) & (share < 1.0)]
+        cuts = share[(off <= _JOINTS * area.size.max()) & (share > 0.0) & (share < 1.0)]
         row = [0.0, *sorted(cuts.tolist()), 1.0]
-        row = [row[0], *(b for a, b in itertools.pairwise(row) if b - a > _ENDS)]
+        row = [row[0], *(b for a, b in itertools.pairwise(row) if b - a > _JOINTS)]
         way = chord / np.linalg.norm(chord)
         for begin, end in itertools.pairwise(row):
             places = first + np.array([[begin], [0.5 * (begin + end)], [end]]) * chord
-            yield Piece(places, np.tile(way, (3, 1)), "window")
+            yield SmoothPiece(places, np.tile(way, (3, 1)), "window")
 
 
-def _closes(found: Sequence[Piece], size: Array) -> bool:
+def _closes(found: Sequence[SmoothPiece], size: Array) -> bool:
     """Tell whether each end of a piece is where another begins."""
     if not found:
         return False
     begins = np.array([one.places[0] for one in found])
     ends = np.array([one.places[-1] for one in found])
     apart = np.abs(begins[:, None] - ends[None]).max(axis=-1) / size.max()
-    return bool((apart.min(axis=0) <= _ENDS).all() and (apart.min(axis=1) <= _ENDS).all())
+    return bool((apart.min(axis=0) <= _JOINTS).all() and (apart.min(axis=1) <= _JOINTS).all())
 
 
-def _covers(found: Sequence[Piece], drawn: Chart, region: _Region) -> bool:
+def _covers(found: Sequence[SmoothPiece], drawn: Chart, region: _Region) -> bool:
     """Tell whether each cell beside one that is not reached has a piece of the border near it."""
     sheet, area = region.sheet, drawn.area
     outside = np.pad(~region.reached, 1)
     beside = outside[:-2, 1:-1] | outside[2:, 1:-1] | outside[1:-1, :-2] | outside[1:-1, 2:]
     cell = area.size / (np.array(region.reached.shape) - 1.0)
-    along = np.vstack([_filled(one.places / cell) for one in found])
+    along = np.vstack([_with_places_between(one.places / cell) for one in found])
     for place in area.places(sheet.cells.q[region.reached & beside]) / cell:
-        if np.abs(along - place).max(axis=1).min() > _NEAR:
+        if np.abs(along - place).max(axis=1).min() > _CELLS_OFF:
             return False
     return True
 
 
-def _filled(places: Array) -> Array:
+def _with_places_between(places: Array) -> Array:
     """Return places in cells with more between, at most one cell apart."""
     rows = [places]
     for k in range(len(places) - 1):
@@ -304,7 +304,7 @@ def _same_slice(drawn: Chart, pose: Configuration) -> bool:
     return bool(away.max(initial=0.0) <= _HELD and (turned <= _HELD or not angular))
 
 
-def _evidence(found: Sequence[Piece], closed: bool, cells: int) -> Evidence:
+def _workspace_evidence(found: Sequence[SmoothPiece], closed: bool, cells: int) -> Evidence:
     border_is = f"a border of {len(found)} pieces, which {'closes' if closed else 'does not close'}"
     return Evidence(
         "tolerance",
