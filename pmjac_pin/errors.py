@@ -247,8 +247,9 @@ class Interrupted(KeyboardInterrupt):
 
     Attributes
     ----------
-    done : ManyClosed, ManyJacobians, ManyEllipsoids, ManyMeasures, ManyInGrid or xarray.Dataset
-        What would have been returned; what is not done has the status NOT_DONE, and NaN.
+    done : ManyClosed, ManyJacobians, ManyEllipsoids, ManyMeasures, ManyInGrid, Trajectory, Dataset
+        What would have been returned; what is not done has the status NOT_DONE, and NaN, or is left
+        out of a trajectory.
     """
 
     def __init__(self, message: str, done: Any = None) -> None:

@@ -59,6 +59,21 @@ def within():
     return mechanisms.build(joints, [("C1", "C2")], ["q"], "C1", home)
 
 
+def like_sites():
+    """A four-bar whose loop is between bodies, beside frames that are called like their sites."""
+    joints = [
+        ("q", "revolute", "ground", "crank", (0, 0, 0), Z),
+        ("p", "revolute", "crank", "coupler", (1, 0, 0), Z),
+        ("c", "revolute", "coupler", "pin", (3, 0, 0), Z),
+        ("r", "revolute", "ground", "rocker", (4, 0, 0), Z),
+        ("e", "fixed", "rocker", "end", (3.5, 0, 0)),
+        ("other", "fixed", "ground", "pin_site", (7, 8, 9)),
+        ("another", "fixed", "crank", "world", (0.1, 0.2, 0.3)),
+    ]
+    home = {"q": 0.9, "p": -0.9, "r": 2.0}
+    return mechanisms.build(joints, [("pin", "end")], ["q"], "rocker", home)
+
+
 def geared(*loops, motors=("a",)):
     """Four hinges side by side, tied by gears."""
     names = "abcd"
@@ -130,6 +145,7 @@ MACHINES = {
     "names of SDFormat's": lambda: screwed("world", "a::b", "__tool__"),
     "names of joints and links alike": lambda: screwed("ground", "link one", "tool"),
     "names within names": within,
+    "names like sites": like_sites,
     "gears in a chain": lambda: geared(
         (("a", "b"), 2.0, 0.1), (("b", "c"), -0.5, 0.0), (("c", "d"), 3.0, -0.2)
     ),

@@ -13,6 +13,7 @@ from random_machines import random_machine
 from recording import unrecorded
 
 import pmjac_pin as pj
+from pmjac_pin.batches.pieces import PIECE
 
 NAMES = pj.list_mechanisms()
 QUICK = ("four_bar", "five_bar", "bennett", "delta", "random 1")  # whose long paths are short
@@ -289,6 +290,19 @@ def test_turns_that_are_none_are_refused_as_by_the_single_call(name):
     q[1] *= LONGER
     with pytest.raises(pj.ArgumentError, match="not of unit length"):
         CALLS[name](pj.batch(mechanism), q)
+
+
+def test_turns_in_few_digits_are_made_of_unit_length_wherever_they_are():
+    """The caller's array stays as it is."""
+    mechanism = turning()
+    many, count = pj.batch(mechanism), PIECE + 10
+    exact = np.tile(mechanism.close([0.3, 0.4]).q, (count, 1))
+    given = exact.copy()
+    given[-1] *= np.where(LONGER > 1.0, 1.0 + 1e-8, 1.0)
+    before = given.copy()
+    found, expected = many.ellipsoids(given).J_eq, many.ellipsoids(exact).J_eq
+    np.testing.assert_allclose(found, expected, atol=1e-14)
+    np.testing.assert_array_equal(given, before)
 
 
 def test_turns_in_few_digits_are_made_of_unit_length():

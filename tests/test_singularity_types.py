@@ -134,15 +134,22 @@ def octahedral_stewart(turn):
     return pj.stewart(*OCTAHEDRON, pin.SE3(pin.utils.rotate("z", turn), Z)).home
 
 
-def delta_with_vertical_rods():
-    """All six rods parallel: no three moments forbid the plate to turn about the vertical."""
-    machine = pj.load("delta_rods")
+def delta_with_vertical_rods(name):
+    """All rods upright: with the motors locked the plate is free to move level.
+
+    Rods with balls at both ends forbid it turns about level axes only; hinges forbid all turns.
+    """
+    machine = pj.load(name)
     size = machine.parameters
     theta = np.arccos((size["plate"] - size["base"]) / size["arm"])
     height = -size["arm"] * np.sin(theta) - size["rod"]
-    return posed(
-        machine, theta1=theta, theta2=theta, theta3=theta, platform=[0, 0, height, 0, 0, 0, 1]
-    )
+    values = {"platform": [0, 0, height, 0, 0, 0, 1]}
+    for leg in (1, 2, 3):
+        values[f"theta{leg}"] = theta
+        if name == "delta":
+            values[f"elbow{leg}"] = pi / 2 - theta
+            values |= dict.fromkeys((f"sway{leg}a", f"sway{leg}b", f"level{leg}"), 0.0)
+    return posed(machine, **values)
 
 
 def rps_where(meeting):
@@ -160,6 +167,7 @@ def flat_parallelogram():
     return mechanisms.three_crank_parallelogram().configuration(np.zeros(4))
 
 
+QUICK = ("agile_eye", "bennett", "five_bar", "serial_2r", "slider_crank", "three_rps_ss")
 CASES = {
     "serial 2R, stretched": (lambda: loaded("serial_2r").close([0.3, 0.0]), "RI IO", "I"),
     "slider-crank, dead centre": (
@@ -192,6 +200,7 @@ CASES = {
     "five-bar, distal links in line": (five_bar_collinear, "RO II", "II"),
     "five-bar, both": (five_bar_both, "RI RO II IO", "III"),
     "3-RRR, three lines in a point": (lambda: three_rrr_lines_in_a_point()[0], "RO II", "II"),
+    "hinged Delta, rods upright": (lambda: delta_with_vertical_rods("delta"), "RO II", "II"),
     "3-RPS": (lambda: rps_where(meeting=False), "RO II", "II"),
     "Fichter, +90 degrees": (lambda: octahedral_stewart(pi / 2), "RO II", "II"),
     "Fichter, -90 degrees": (lambda: octahedral_stewart(-pi / 2), "RO II", "II"),
@@ -211,7 +220,13 @@ def test_closed_cases(pose, types, kind):
 
 
 @pytest.mark.parametrize(
-    "pose", [flat_parallelogram, delta_with_vertical_rods, lambda: rps_where(meeting=True)]
+    "pose",
+    [
+        flat_parallelogram,
+        lambda: delta_with_vertical_rods("delta_rods"),
+        lambda: rps_where(meeting=True),
+    ],
+    ids=["flat parallelogram", "Delta", "3-RPS"],
 )
 def test_where_branches_meet_the_tool_gains_a_freedom(pose):
     found = pose().singularity()
@@ -275,7 +290,7 @@ def test_counts_are_those_of_the_definitions(name):
     assert here.singularity().types.counts == expected
 
 
-@pytest.mark.parametrize("name", mechanisms.mostly_slow(mechanisms.CATALOGUE))
+@pytest.mark.parametrize("name", mechanisms.mostly_slow(mechanisms.CATALOGUE, QUICK))
 def test_no_type_at_regular_poses_and_what_is_impossible_is_redundant_elsewhere(name):
     """II needs RO or RPM, IO needs RI or RPM, IIM both: for each count, with its sign."""
     for here in mechanisms.random_poses(name, 3, 3):
@@ -318,6 +333,12 @@ def test_fichters_screw_has_the_pitch_of_the_legs_moments(side):
     np.testing.assert_allclose(screw.direction, Z, atol=1e-9)
     np.testing.assert_allclose(screw.point[:2], 0.0, atol=1e-9)
     assert screw.pitch == pytest.approx(-moments[0] / 1.0, abs=1e-9)
+
+
+def test_a_hinged_delta_with_upright_rods_is_free_to_move_level():
+    screws = delta_with_vertical_rods("delta").singularity().free_screws
+    assert [screw.pitch for screw in screws] == [np.inf, np.inf]
+    np.testing.assert_allclose([screw.direction[2] for screw in screws], 0.0, atol=1e-9)
 
 
 def test_three_rrr_turns_about_the_point_where_the_lines_meet():

@@ -12,7 +12,7 @@ from mechanisms import CATALOGUE, loaded, mostly_slow, random_closed
 import pmjac_pin as pj
 
 # Of each way in which modes are found one: by legs, by boxes, in a plane and in space.
-QUICK = ("bennett", "five_bar", "humanoid_ankle", "planar_3rpr", "three_rps")
+QUICK = ("bennett", "humanoid_ankle", "three_rps")
 
 
 def same_rows(found, expected, atol):
@@ -34,7 +34,7 @@ def at_target(modes, mechanism, target):
 
 def test_a_five_bar_has_four(rng):
     mechanism = loaded("five_bar")
-    for pose in random_closed(mechanism, rng, 2):
+    for pose in random_closed(mechanism, rng, 1):
         tip = pose.tool_pose().translation
         modes = pj.working_modes(mechanism, tip, rng=0)
         angles = hand.five_bar_angles(tip[:2], *mechanism.parameters.values())

@@ -20,7 +20,7 @@ from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.grid import Grid
 from pmjac_pin.batches.judge import Judge
 from pmjac_pin.batches.measures import measured, with_extremes, with_radii
-from pmjac_pin.batches.pieces import Piece, PieceWork, Progress, gathered
+from pmjac_pin.batches.pieces import PIECE, Piece, PieceWork, Progress, gathered
 from pmjac_pin.batches.results import (
     ManyClosed,
     ManyEllipsoids,
@@ -321,8 +321,16 @@ class Batch:
         return start, False
 
     def _poses(self, q: Any) -> Array:
-        poses = as_numbers(q, "q")
-        if poses.ndim != 2 or poses.shape[1] != self.mechanism.nq:
+        """Return q as it is where nothing in it is changed: what is looked at stays in caches."""
+        given: Array = q if type(q) is np.ndarray and q.dtype == np.float64 else as_numbers(q, "q")
+        if given.ndim != 2 or given.shape[1] != self.mechanism.nq:
             wanted = f"(N, {self.mechanism.nq})"
-            raise ArgumentError(f"q of shape {wanted} expected, got {poses.shape}")
-        return unit_rows(self.mechanism.kinematics.model, poses)
+            raise ArgumentError(f"q of shape {wanted} expected, got {given.shape}")
+        poses = given
+        for at in range(0, len(given), PIECE):
+            part = as_numbers(given[at : at + PIECE], "q")
+            unit = unit_rows(self.mechanism.kinematics.model, part)
+            if unit is not part:
+                poses = given.copy() if poses is given else poses
+                poses[at : at + PIECE] = unit
+        return poses

@@ -39,10 +39,10 @@ def lost_wrenches(
 
     None, (6, 0), where the first order does not tell them, as where branches meet.
     """
+    if slopes is None or lost <= 0 or whole.rank < partition.constraint_rank:
+        return np.zeros((6, 0))
     allowed, units = whole.null_space, tool.units
     borne = tool.borne(allowed) / units
-    if slopes is None or lost <= 0 or whole.rank < partition.constraint_rank:
-        return borne[:, :0]
     resting = tool.resting(allowed)
     stride = partition.length * partition.column_scale[:, None]
     by_loops, by_tool = slopes(stride * allowed)

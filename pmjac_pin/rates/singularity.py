@@ -252,7 +252,11 @@ def analyse_singularity(
     gained, idle = _free(passive, partition, split)
     free = passive.null_space
     axes, point = (np.eye(3), np.zeros(3)) if tool_pose is None else tool_pose
-    here = _dimensions(whole, free, tool_motion, partition)
+    borne = tool_motion.borne(whole.null_space)
+    judged = len(partition.tool_rows.names) - borne.shape[1]
+    felt = _felt(whole, free, judged, tool_motion, partition)
+    allowed, locked = whole.null_space.shape[1], free.shape[1]
+    here = MotionDimensions(allowed, locked, judged, locked - felt, tool.twist)
     lost = lost_wrenches(whole, tool_motion, partition, slopes, partition.tool_rank - here.tool)
     scale = partition.column_scale[partition.passive, None]
     return Singularity(
@@ -274,7 +278,7 @@ def analyse_singularity(
         passive_names=partition.passive_names,
         types=SingularityTypes(here, partition.generic_dimensions, partition.actuated.size),
         free_twists=_to_world_axes(axes, tool_motion.twists(free, partition.passive)),
-        borne_wrenches=_to_world_axes(axes, tool_motion.borne(whole.null_space)),
+        borne_wrenches=_to_world_axes(axes, borne),
         lost_wrenches=_to_world_axes(axes, lost),
         tool_point=point,
         length=partition.length,
@@ -284,19 +288,20 @@ def analyse_singularity(
     )
 
 
-def _dimensions(
-    whole: Factorisation, free: Array, tool: ToolMotion, partition: Partition
-) -> MotionDimensions:
-    motions = whole.null_space
-    allowed, locked, judged = motions.shape[1], free.shape[1], tool.judged_rank(motions)
-    # Of the tool's twists, those that motors cannot make are felt of what is free.
-    least = max(0, judged - (allowed - locked))
-    felt = max(least, tool.felt_rank(free, partition.passive)) if locked else 0
-    return MotionDimensions(allowed, locked, judged, locked - felt, tool.ranks(motions).twist)
+def _felt(
+    whole: Factorisation, free: Array, judged: int, tool: ToolMotion, partition: Partition
+) -> int:
+    """Return how many of the judged twists free motions give: those that motors cannot, at least.
+
+    Where motors can move in fewer ways than the tool does, these do the rest.
+    """
+    locked = free.shape[1]
+    least = max(0, judged - (whole.null_space.shape[1] - locked))
+    return max(least, tool.felt_rank(free, partition.passive)) if locked else 0
 
 
 def _to_world_axes(axes: Array, columns: Array) -> Array:
-    return np.vstack([axes @ columns[:3], axes @ columns[3:]])
+    return np.vstack([axes @ columns[:3], axes @ columns[3:]]) if columns.size else columns
 
 
 def _free(passive: Factorisation, partition: Partition, split: Split | None) -> tuple[Array, Array]:

@@ -116,6 +116,8 @@ class ToolMotion:
 
     def twists(self, free: Array, passive: Index) -> Array:
         """Return independent twists (6, k), m/s and rad/s, that passive motions (m_p, k) span."""
+        if not free.shape[1]:
+            return np.zeros((6, 0))
         found = factorise(self.scaled[:, passive] @ free, self.size, self.tolerance)
         return found.left[:, : found.rank] / self.units
 

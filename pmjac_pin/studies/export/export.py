@@ -22,7 +22,7 @@ from pmjac_pin.studies.export.plain_machine import PlainMachine, Written
 from pmjac_pin.studies.export.sdf import sdf
 from pmjac_pin.studies.export.take_apart import taken_apart
 from pmjac_pin.studies.export.urdf_plus import urdf_plus
-from pmjac_pin.studies.export.written_again import compared, read_again
+from pmjac_pin.studies.export.written_again import compared, link_places, read_again
 from pmjac_pin.values.checks import as_flag, check_kind
 
 #: What writes a machine for a folder, and the ends of the files' names.
@@ -85,7 +85,7 @@ def export(mechanism: Mechanism, *, to: str, file: str | Path, force: bool = Fal
     if to == _MODEL_FILE:
         return _as_model_file(mechanism, file, force)
     write, suffixes = WRITERS[to]
-    target = _target(file, to, suffixes)
+    target = _file_to_write(file, to, suffixes)
     machine = taken_apart(mechanism)
     check_names(machine)
     written = write(machine, target.parent)
@@ -116,13 +116,13 @@ def _as_model_file(mechanism: Mechanism, file: str | Path, force: bool) -> Expor
     spec, urdf = found
     comments = (f"From {mechanism.name}.", *mechanism.notes)
     files, again = model_file_texts(places, spec, urdf, comments)
-    evidence = compared(mechanism, again)
+    evidence = compared(mechanism, again, link_places(mechanism))
     write_files(files, replace=force)
     tool = () if spec.tool.is_none else spec.tool.names
     return Exported(places, spec.actuated, tool, (), evidence)
 
 
-def _target(file: str | Path, to: str, suffixes: tuple[str, ...]) -> Path:
+def _file_to_write(file: str | Path, to: str, suffixes: tuple[str, ...]) -> Path:
     """Return where the file goes: where a link leads."""
     given = output_path(file)
     target = followed_link(given)

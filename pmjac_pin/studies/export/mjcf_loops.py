@@ -9,6 +9,7 @@ All of them are exact: closed where ours are, and at rates that ours allow.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
@@ -41,32 +42,32 @@ def closed_by_equalities(machine: PlainMachine) -> tuple[PlainMachine, Element, 
     machine : PlainMachine
         Its loops are of `MJCF_LOOPS`.
     """
-    for loop in machine.loops:
-        if isinstance(loop, LoopBetweenFrames):
-            machine = _with_sites(machine, loop)
-    equalities = _Equalities(machine)
+    machine, sites = _with_sites(machine)
+    equalities = _Equalities(machine, sites)
     for loop in machine.loops:
         equalities.add(loop)
     return equalities.machine, equalities.equality, equalities.tendons
 
 
-def site_of(machine: PlainMachine, name: str) -> str:
-    """Return the site at a frame: a body's own has another name than the body."""
-    return f"{name}_site" if name in {body.name for body in machine.bodies} else name
+def _with_sites(machine: PlainMachine) -> tuple[PlainMachine, Mapping[str, str]]:
+    """Return the machine with a site at each frame of a loop, and their names.
 
-
-def _with_sites(machine: PlainMachine, loop: LoopBetweenFrames) -> PlainMachine:
-    for name in loop.frames:
-        if (site := site_of(machine, name)) not in machine.frames:
-            machine = machine.with_frame(site, *machine.frames[name])
-    return machine
+    A frame is a site of its name; a body's own gets one of another.
+    """
+    bodies, taken = {body.name for body in machine.bodies}, machine.taken
+    between = (loop for loop in machine.loops if isinstance(loop, LoopBetweenFrames))
+    sites = {name: name for loop in between for name in loop.frames}
+    for name in sites.keys() & bodies:
+        sites[name] = unused_name(f"{name}_site", taken)
+        machine = machine.with_frame(sites[name], *machine.frames[name])
+    return machine, sites
 
 
 class _Equalities:
     """Writes loops one by one."""
 
-    def __init__(self, machine: PlainMachine) -> None:
-        self.machine = machine
+    def __init__(self, machine: PlainMachine, sites: Mapping[str, str]) -> None:
+        self.machine, self._sites = machine, sites
         self.equality, self.tendons = Element("equality"), Element("tendon")
         self._names: set[str] = set()
 
@@ -74,8 +75,7 @@ class _Equalities:
         if isinstance(loop, JointLoop):
             self._gear(loop)
             return
-        sites = tuple(site_of(self.machine, name) for name in loop.frames)
-        first, second = sites
+        first, second = sites = tuple(self._sites[name] for name in loop.frames)
         label = unused_name("-".join(loop.frames), self._names)
         match loop:
             case PointLoop():

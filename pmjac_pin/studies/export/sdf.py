@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 
@@ -107,6 +108,7 @@ def _with_own_names(machine: PlainMachine) -> tuple[PlainMachine, list[str]]:
     joints = {name: _of_ours(name, "joint") for name in sorted(moving)}
     # SDFormat has one space for all names of a model.
     joints |= {name: f"{name}_joint" for name in moving & set(machine.frames)}
+    machine = replace(machine, name=_of_ours(machine.name, "model"))
     return renamed(machine, _changed(frames, taken), _changed(joints, taken))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -37,7 +38,10 @@ def read_again(mechanism: Mechanism, machine: PlainMachine, files: dict[str, byt
         except PmjacError as error:
             said = str(error).replace(f"{folder}/", "")
             raise ArgumentError(f"{mechanism.name} cannot be written so: {said}") from error
-    return compared(mechanism, again)
+    placed = machine.placements()
+    ends = machine.frames.items()
+    places = {name: (placed[body] * place).translation for name, (body, place) in ends}
+    return compared(mechanism, again, places)
 
 
 def _loaded(path: Path, mechanism: Mechanism, machine: PlainMachine) -> Mechanism:
@@ -55,8 +59,14 @@ def _loaded(path: Path, mechanism: Mechanism, machine: PlainMachine) -> Mechanis
     )
 
 
-def compared(mechanism: Mechanism, again: Mechanism) -> Evidence:
+def compared(mechanism: Mechanism, again: Mechanism, places: Mapping[str, Array]) -> Evidence:
     """Return what is known of a mechanism that was read again.
+
+    Parameters
+    ----------
+    mechanism, again : Mechanism
+    places : mapping of str to ndarray, shape (3,)
+        Where links are at home, by their names in the file, m.
 
     Raises
     ------
@@ -68,7 +78,9 @@ def compared(mechanism: Mechanism, again: Mechanism) -> Evidence:
         raise ArgumentError(f"{mechanism.name} cannot be written so: {got}")
     length = mechanism.characteristic_length
     allowed = max(_ONE_MACHINE, 10.0 * mechanism.tolerance / length)
-    apart = _links_apart(mechanism, again) / length
+    found_places = link_places(again)
+    ways = [places[name] - found_places[name] for name in set(places) & set(found_places)]
+    apart = float(np.abs(ways).max(initial=0.0)) / length
     differences = {"links": apart}
     with contextlib.suppress(NoJacobianError):
         expected = mechanism.home.jacobian().J_eq
@@ -82,14 +94,8 @@ def compared(mechanism: Mechanism, again: Mechanism) -> Evidence:
     return Evidence("tolerance", f"read again, the file has at home the same {numbers}")
 
 
-def _links_apart(mechanism: Mechanism, again: Mechanism) -> float:
-    """Return how far links are at home from where they are in the file, m, at most."""
-    one, other = (_link_places(machine) for machine in (mechanism, again))
-    ways = [one[name] - other[name] for name in set(one) & set(other)]
-    return float(np.abs(ways).max(initial=0.0))
-
-
-def _link_places(mechanism: Mechanism) -> dict[str, Array]:
+def link_places(mechanism: Mechanism) -> dict[str, Array]:
+    """Return where links are at home, m."""
     model = mechanism.model
     data = model.createData()
     pin.framesForwardKinematics(model, data, mechanism.home.q)

@@ -20,7 +20,7 @@ Watched: TypeAlias = Callable[[float], tuple[float, float]]
 _CLEAR = 0.1  # of what the coefficients differ by
 _MOST_HALVINGS = 40
 _SHARP = 1e-15  # of t, where it is found
-_LEAST = 1e-3  # of t: near 0 it is found to a share of this
+_SMALLEST_T = 1e-3  # of t: near 0 it is found to a share of this
 _RELATIVE = 4e-15
 _STRIDES = 40
 
@@ -53,7 +53,7 @@ class IntervalEnds(NamedTuple):
         return min(steps) >= 0.0 or max(steps) <= 0.0
 
 
-def crossings(
+def slack_crossings(
     watched: Watched, start: float, end: float, slack: float, halvings: int = _MOST_HALVINGS
 ) -> Iterator[float]:
     """Yield where a value becomes more than `slack` above 0, or less: there it is the slack.
@@ -75,8 +75,8 @@ def crossings(
         yield located(lambda t: watched(t)[0] - slack, start, end)
     elif halvings:
         middle = 0.5 * (start + end)
-        yield from crossings(watched, start, middle, slack, halvings - 1)
-        yield from crossings(watched, middle, end, slack, halvings - 1)
+        yield from slack_crossings(watched, start, middle, slack, halvings - 1)
+        yield from slack_crossings(watched, middle, end, slack, halvings - 1)
 
 
 def zero_beside(watched: Watched, t: float, start: float, end: float) -> float:
@@ -98,7 +98,7 @@ def zero_beside(watched: Watched, t: float, start: float, end: float) -> float:
 
 def located(value: Callable[[float], float], start: float, end: float) -> float:
     """Return where a value is 0 between two parameters, at which its signs differ."""
-    sharp = _SHARP * max(abs(start), abs(end), _LEAST)
+    sharp = _SHARP * max(abs(start), abs(end), _SMALLEST_T)
     if value(start) * value(end) > 0.0:
         raise ArithmeticError(f"no change of sign between t = {start!r} and {end!r}")
     found: float = brentq(value, start, end, xtol=sharp, rtol=_RELATIVE)

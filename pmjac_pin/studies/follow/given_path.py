@@ -68,7 +68,7 @@ def path_of(
     """
     ascending = None if times is None else _ascending(times)
     if callable(path):
-        pieces = _spline_pieces(path, ascending) or _fitted(path, ascending, len(names))
+        pieces = _spline_pieces(path, ascending) or _by_polynomials(path, ascending, len(names))
     else:
         pieces = _straight(table(path), ascending)
     _check_pieces(pieces, names)
@@ -127,7 +127,9 @@ def _of_powers(c: Any, x: Any, times: Array | None) -> list[PathPiece]:
     ]
 
 
-def _fitted(path: Callable[[float], Any], times: Array | None, count: int) -> list[PathPiece]:
+def _by_polynomials(
+    path: Callable[[float], Any], times: Array | None, count: int
+) -> list[PathPiece]:
     """Return polynomials that agree with a function, halved until they do."""
     if times is None:
         raise ArgumentError("a path that is a function needs `times`, where it begins and ends")

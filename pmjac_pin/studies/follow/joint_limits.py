@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from pmjac_pin.studies.follow.course import Course
-from pmjac_pin.studies.follow.crossings import IntervalEnds, Watched, crossings, zero_beside
+from pmjac_pin.studies.follow.crossings import IntervalEnds, Watched, slack_crossings, zero_beside
 from pmjac_pin.studies.follow.event import Event
 from pmjac_pin.studies.follow.passage import Stretch
 from pmjac_pin.values.arrays import Array
@@ -46,7 +46,7 @@ class JointLimits:
             if IntervalEnds(a, b, c, d, stretch.end.t - stretch.start.t).may_pass(_WITHIN):
                 watched = self._one(stretch, k)
                 within = stretch.start.t, stretch.end.t
-                for t in crossings(watched, *within, _WITHIN):
+                for t in slack_crossings(watched, *within, _WITHIN):
                     at = zero_beside(watched, t, *within)
                     yield self._event(stretch, k, at, watched(t)[1] > 0.0)
 

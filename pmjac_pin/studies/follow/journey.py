@@ -25,8 +25,10 @@ from pmjac_pin.studies.follow.walker import CourseWalker
 from pmjac_pin.values.arrays import Array
 
 _SAME_T = 1e-10  # of the parameter
-_BESIDE = 1e-5  # of the parameter: so near to a fold or a branch point need steps not be proven
-_ENDS = ("fold", "branch point", "singular")
+_BESIDE_ITS_END = (
+    1e-5  # of the parameter: so near to a fold or a branch point need steps not be proven
+)
+_SINGULAR_ENDS = ("fold", "branch point", "singular")
 _STOPS_AT = {"motors": ("motor limit",), "all": ("motor limit", "passive limit"), "none": ()}
 
 
@@ -206,8 +208,8 @@ class Journey:
             return
         done = len(self._tubes.radii)
         last = steps[done].start if steps else self._last
-        near = self._last.t - last.t <= _BESIDE * max(1.0, abs(last.t))
-        if near and self._events and self._events[-1].kind in _ENDS:
+        near = self._last.t - last.t <= _BESIDE_ITS_END * max(1.0, abs(last.t))
+        if near and self._events and self._events[-1].kind in _SINGULAR_ENDS:
             return  # what is left leads to the singular pose that ends the path
         self._stretches = self._stretches[:done]
         self._events = [event for event in self._events if event.t <= last.t]

@@ -15,8 +15,8 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ForbiddenRatesError, NoJacobianError, NoToolError
-from pmjac_pin.kinematics.slopes import SlopesAlongMotions
+from pmjac_pin.errors import ArgumentError, ForbiddenRatesError, NoJacobianError, NoToolError
+from pmjac_pin.kinematics.slopes import Slopes
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.follow.course import Course
 from pmjac_pin.studies.follow.crossings import IntervalEnds, located
@@ -29,8 +29,9 @@ _SIGN_TOLD = 0.5  # of u and of v at both ends: a sign is told
 _LOSS_HALVINGS = 14
 _LOST = 1e-9  # of the tool's size: at a touch
 _AT_AN_END = 1e-12  # where a step ends: no sign is told there
-_ASIDE = 1e-6  # of a step: from such an end, where it is
-_FAR = 2.0  # times what the matrix changes by
+_FROM_AN_END = 1e-6  # of a step: from such an end, where it is
+_SMOOTH = 1e-9  # of a rate
+_OUT_OF_REACH = 2.0  # times what the matrix changes by
 
 
 #: A pose of a path ↦ a matrix, how it changes along the path, and what its values compare with.
@@ -64,12 +65,16 @@ class SingularValueSigns:
     def __init__(self, course: Course, watched: WatchedMatrix, number: int, what: Lost) -> None:
         self._course, self._watched, self._number, self._what = course, watched, number, what
         self._values: dict[float, _Value] = {}
+        self._end: tuple[PathPose, _Value] | None = None
 
     def events(self, stretch: Stretch) -> Iterator[Event]:
         """Yield what the tool loses on a part of a path."""
-        self._values.clear()
         a, b = stretch.start.t, stretch.end.t
-        aside = _ASIDE * (b - a)
+        self._values.clear()
+        if self._end is not None and _goes_on(self._end[0], stretch.start):
+            self._values[a] = self._end[1]
+        self._end = stretch.end, self._value(stretch, b)
+        aside = _FROM_AN_END * (b - a)
         for t in (a, b):
             if self._value(stretch, t).sigma <= _AT_AN_END:
                 yield self._event(stretch, t, "is zero")
@@ -78,7 +83,7 @@ class SingularValueSigns:
 
     def _between(self, stretch: Stretch, a: float, b: float, halvings: int) -> Iterator[Event]:
         first, last = self._value(stretch, a), self._value(stretch, b)
-        if first.sigma + last.sigma > _FAR * max(first.fastest, last.fastest) * (b - a):
+        if first.sigma + last.sigma > _OUT_OF_REACH * max(first.fastest, last.fastest) * (b - a):
             return
         sign = first.sign_of(last)
         middle = 0.5 * (a + b)
@@ -128,6 +133,12 @@ class SingularValueSigns:
         return Event(self._what, t, configuration, what)
 
 
+def _goes_on(end: PathPose, start: PathPose) -> bool:
+    """Tell whether a part begins as the one before ends: at its pose, and without a kink."""
+    same = end.point is start.point
+    return same and np.allclose(end.velocity, start.velocity, rtol=_SMOOTH, atol=_SMOOTH)
+
+
 def _has_jacobian(start: Configuration) -> bool:
     """Tell whether motors alone decide what the tool does."""
     try:
@@ -144,40 +155,44 @@ def what_is_lost(course: Course, start: Configuration) -> SingularValueSigns | N
 
     None where motors do not decide alone what the tool does, or nothing is passive.
     """
-    slopes, partition = course.shown._slopes, course.shown.problem.partition
-    if slopes is None:
+    partition = course.shown.problem.partition
+    if course.shown._slopes is None:
         return None
     if course.by_tool:
         rank = partition.passive_rank
-        watched = partial(_loops_matrix, course.shown, slopes)
+        watched = partial(_loops_matrix, course.shown)
         return SingularValueSigns(course, watched, rank - 1, "gain") if rank else None
     freedoms = min(len(partition.tool_rows.names), course.columns.size)
     if not 0 < course.whole.partition.tool_rank <= freedoms or not _has_jacobian(start):
         return None
-    watched = partial(_tool_matrix, course, slopes)
+    watched = partial(_tool_matrix, course)
     return SingularValueSigns(course, watched, course.whole.partition.tool_rank - 1, "loss")
 
 
-def _loops_matrix(
-    mechanism: Mechanism, slopes: SlopesAlongMotions, pose: PathPose
-) -> tuple[Array, Array, float]:
+def _slopes_along(mechanism: Mechanism, q: Array, motion: Array) -> Slopes:
+    """Return how Jacobians change along a motion (nv,), by a program where one is recorded."""
+    by = mechanism._recorded.slopes() or mechanism._slopes
+    if by is None:
+        raise ArgumentError(f"{mechanism.name} has a joint that is not in the table of joints")
+    return by.at(q, motion[:, None])
+
+
+def _loops_matrix(mechanism: Mechanism, pose: PathPose) -> tuple[Array, Array, float]:
     """Return K* of a machine, without dimension, how it changes, and the size of [K K*]."""
     partition, q = mechanism.problem.partition, pose.q[: mechanism.nq]
-    motion = pose.velocity[: mechanism.nv, None]
+    slopes = _slopes_along(mechanism, q, pose.velocity[: mechanism.nv])
     scaled = partition.scaled(mechanism.kinematics.snapshot(q).constraint_jacobian)
-    changed = partition.scaled(slopes.at(q, motion).constraint[0])
+    changed = partition.scaled(slopes.constraint[0])
     passive = partition.passive
     return scaled[:, passive], changed[:, passive], partition.size_of(scaled)
 
 
-def _tool_matrix(
-    course: Course, slopes_along: SlopesAlongMotions, pose: PathPose
-) -> tuple[Array, Array, float]:
+def _tool_matrix(course: Course, pose: PathPose) -> tuple[Array, Array, float]:
     """Return J_eq on the judged rows, scaled, how it changes, and the tool's size."""
     mechanism, partition = course.mechanism, course.problem.partition
     rows = list(partition.tool_rows.linear + partition.tool_rows.angular)
     snapshot = mechanism.kinematics.snapshot(pose.q)
-    slopes = slopes_along.at(pose.q, pose.velocity[:, None])
+    slopes = _slopes_along(mechanism, pose.q, pose.velocity)
     tool = partition.scaled_tool(snapshot.judged_jacobian(partition.tool_rows))[rows]
     change = partition.scaled_tool(slopes.tool(partition.tool_rows.axes)[0])[rows]
     scaled, _, passive = partition.loop_rates(snapshot.constraint_jacobian)

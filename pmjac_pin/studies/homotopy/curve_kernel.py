@@ -13,7 +13,7 @@ from pmjac_pin.algebra.c_kernels import address, loaded
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.values.arrays import Array, Complex, aligned
 
-_STEPS_IN_A_CALL = 256  # of each lane in one call: milliseconds, in which nothing can interrupt
+_STEPS_IN_A_CALL = 64  # of each lane: some ten milliseconds, in which nothing can interrupt
 _POINTS_OF_MEMORY = 9
 _LANE = 5  # numbers of 8 bytes of a lane, the path first
 

@@ -225,8 +225,8 @@ def parameter_homotopy(
 ) -> ParameterHomotopy:
     """Find all complex solutions of the loop equations at random complex motor values.
 
-    It takes seconds to minutes, once for a mechanism; `ParameterHomotopy.at` then gives those at
-    any motor values in a fraction of a second.
+    It takes a fraction of a second to a minute, once for a mechanism; `ParameterHomotopy.at` then
+    gives those at any motor values sooner.
 
     Parameters
     ----------

@@ -11,16 +11,17 @@ import numpy as np
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.rates.factorisation import factorise
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.reach.driven import Driven, driven_by, held_by
 from pmjac_pin.studies.reach.elsewhere import poses_at_target
 from pmjac_pin.studies.reach.goal import Goal, Miss, gaps_of, is_met
-from pmjac_pin.studies.reach.least_motion import least_motion
+from pmjac_pin.studies.reach.least_motion import is_least_motion, least_motion
 from pmjac_pin.studies.reach.motor_space import NO_MOTION, MotorSpace, with_leading_motors
 from pmjac_pin.studies.reach.nearest import is_nearest, trail_to_nearest
 from pmjac_pin.studies.reach.reached import Reached, ReachStatus
 from pmjac_pin.studies.reach.tool_path import same_pose
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import Array, norm
 
 _POSES_BY_MOTORS = 9  # poses on a way of the motors
 
@@ -75,13 +76,22 @@ class Asked:
         """Return the pose at the target nearest to what is wanted of the motors."""
         here = self._by_leading_motors(configuration)
         rates = self._space.system(here)[1]
-        values = np.linalg.svd(rates, compute_uv=False)
-        if np.count_nonzero(values > NO_MOTION * values.max(initial=0.0)) == rates.shape[1]:
+        if factorise(rates, norm(rates), NO_MOTION).rank == rates.shape[1]:
             return configuration
-        names = self._space.mechanism.actuated
-        wanted = self.wanted[[self.mechanism.actuated.index(name) for name in names]]
-        found = self._by_all_motors(least_motion(self._space, here, wanted))
+        found = self._by_all_motors(least_motion(self._space, here, self._wanted))
+        if not self.meets(found):  # where limits or a singular pose ended the self-motion
+            found = self.trail_downhill(found)[-1]
         return found if self.meets(found) else configuration
+
+    def is_least_motion(self, configuration: Configuration) -> bool:
+        """Tell whether no self-motion brings the motors nearer to what is wanted of them."""
+        here = self._by_leading_motors(configuration)
+        return is_least_motion(self._space, here, self._wanted)
+
+    @property
+    def _wanted(self) -> Array:
+        names = self._space.mechanism.actuated
+        return self.wanted[[self.mechanism.actuated.index(name) for name in names]]
 
     def _by_leading_motors(self, configuration: Configuration) -> Configuration:
         """Return a pose as one of the machine whose motors are not tied."""

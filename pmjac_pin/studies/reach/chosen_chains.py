@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.rates.factorisation import factorise
 from pmjac_pin.studies.reach.goal import ToolGoal, tool_at
 from pmjac_pin.studies.reach.tool_chain import ToolChain
 from pmjac_pin.studies.reach.tool_motions import ToolMotions, tool_motions
@@ -119,11 +120,9 @@ def _one_block(
 
 def _completed(columns: Array) -> Array:
     """Return a rotation (3, 3) whose first columns are these, orthonormal already."""
-    count = columns.shape[1]
-    if not count:
+    if not columns.shape[1]:
         return np.eye(3)
-    left, _, _ = np.linalg.svd(columns)
-    axes = np.column_stack([columns, left[:, count:]])
+    axes = np.column_stack([columns, factorise(columns.T, 1.0).null_space])
     if np.linalg.det(axes) < 0.0:
         axes[:, -1] *= -1.0
     return np.asarray(axes)

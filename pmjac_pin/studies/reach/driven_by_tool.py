@@ -10,10 +10,14 @@ Of a configuration of the one, `lifted` makes that of the other, and `original` 
 the machine comes first in q, the chains' joints behind it. `values` are the motor values that put
 the tools where they are to be.
 
+    goals = read_goals(mechanism, target, tool, task)  # `targets`
     driven = driven_by_tool(mechanism, goals)          # None where no rows tell the tools' poses
     start = driven.lifted(mechanism.home)
     there = driven.mechanism.close(driven.values(goals, mechanism.home), guess=start)
     driven.original(there)
+
+`driven_by` in `driven` does the same for values of joints; `ToolPath` in `tool_path` goes the
+straight way with limits and what the motors hold looked at.
 """
 
 from __future__ import annotations

@@ -9,12 +9,15 @@ from __future__ import annotations
 import numpy as np
 
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.rates.factorisation import factorise
 from pmjac_pin.studies.reach.motor_space import NO_MOTION, MotorSpace
 from pmjac_pin.studies.reach.nearest import LONGEST_STEP
 from pmjac_pin.values.arrays import Array, norm
 
+_LEAST = 1e-8  # of the characteristic length: what may be left of a self-motion
 _NOTHING_LEFT = 1e-12
 _MOST_MOVES = 300
+_NO_FARTHER = 1.0 + 1e-12  # of the distance before
 _SLOWER = 0.5  # where a step overshoots
 
 
@@ -35,9 +38,9 @@ def least_motion(space: MotorSpace, point: Configuration, wanted: Array) -> Conf
         left = norm(along) / space.length
         if left <= _NOTHING_LEFT and norm(towards) <= _NOTHING_LEFT * space.length:
             break
-        if left > before:
-            pace *= _SLOWER
-        before = left
+        away = norm((wanted - point.actuated) / space.scale)
+        pace = pace * _SLOWER if away > before * _NO_FARTHER else min(1.0, pace / _SLOWER)
+        before = away
         step = towards + pace * along
         step *= min(1.0, LONGEST_STEP * space.length / norm(step))
         trial = space.moved(point, step)
@@ -51,12 +54,18 @@ def least_motion(space: MotorSpace, point: Configuration, wanted: Array) -> Conf
     return point
 
 
+def is_least_motion(space: MotorSpace, point: Configuration, wanted: Array) -> bool:
+    """Tell whether no self-motion at a target brings the motors nearer to wanted values."""
+    return norm(_ways_on(space, point, wanted)[1]) <= _LEAST * space.length
+
+
 def _ways_on(space: MotorSpace, point: Configuration, wanted: Array) -> tuple[Array, Array]:
     """Return the step towards the target, and the one along the self-motion, in m."""
     gap, rates = space.system(point)
     away = (wanted - point.actuated) / space.scale
     held = np.logical_not(space.free(point, away))
     rates = np.where(held, 0.0, rates)
-    inverse = np.linalg.pinv(rates, rcond=NO_MOTION)
+    factors = factorise(rates, norm(rates), NO_MOTION)
+    inverse = factors.inverse(factors.rank)
     along = np.where(held, 0.0, away)
     return inverse @ gap, along - inverse @ (rates @ along)

@@ -13,6 +13,7 @@ import numpy as np
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.rates.factorisation import factorise
 from pmjac_pin.studies.reach.goal import Goal, gaps_of
 from pmjac_pin.values.arrays import Array, norm
 from pmjac_pin.values.ties import pivots
@@ -57,7 +58,8 @@ class MotorSpace:
         motions = partition.column_scale[:, None] * partition.factorise_all(constraint).null_space
         motors = motions[partition.actuated] / self.scale[:, None]
         gap, rates = gaps_of(self.goals, mechanism, q).in_metres(self.length)
-        return gap, rates @ motions @ np.linalg.pinv(motors, rcond=NO_MOTION)
+        factors = factorise(motors, norm(motors), NO_MOTION)
+        return gap, rates @ motions @ factors.inverse(factors.rank)
 
     def moved(self, configuration: Configuration, step: Array) -> Configuration | None:
         """Return the pose a step of the motors away, m, within limits; None where there is none."""

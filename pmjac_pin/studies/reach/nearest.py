@@ -11,6 +11,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from pmjac_pin.closing.levenberg_marquardt import by_singular_values
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.studies.reach.motor_space import MotorSpace
 from pmjac_pin.values.arrays import Array, Index, norm
@@ -66,12 +67,9 @@ def _damped(
 ) -> Array:
     """Return the damped step of the motors that limits do not hold, not too long."""
     free = space.free(point, rates.T @ gap)
-    left, values, right = np.linalg.svd(rates[:, free], full_matrices=False)
     step = np.zeros(free.size)
-    if not values.size or not values[0]:
-        return step
-    squared = damping * values[0] ** 2
-    step[free] = right.T @ (values / (values**2 + squared) * (left.T @ gap))
+    if free.any():
+        step[free] = by_singular_values(rates[:, free], gap, np.array(damping))
     return _capped(space, step)
 
 

@@ -124,7 +124,8 @@ def _how_far(stop: Stop) -> str:
 
 def _met(asked: Asked, configuration: Configuration, how: str) -> Reached:
     least = asked.with_least_motion(configuration)
-    return asked.told("reached", least, 1.0, f"the target is met, {how}")
+    left = "" if asked.is_least_motion(least) else "; the motors may move less for it"
+    return asked.told("reached", least, 1.0, f"the target is met, {how}{left}")
 
 
 def _at_limit(asked: Asked, stop: Stop) -> Reached:

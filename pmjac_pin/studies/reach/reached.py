@@ -24,7 +24,7 @@ class Reached:
         limits. "singular": on that way the motors lose the tool, or the way begins where they have
         none. "on another branch": machine and target fit together (`elsewhere`), but from the guess
         no regular way was found there on its working and assembly mode. "out of reach": no closed
-        pose was found that meets the target.
+        pose was found that meets the target, within limits where these count.
     configuration : Configuration
         Of the machine, closed: at the target; the last pose on the way; or, out of reach, the
         nearest that there is around there.

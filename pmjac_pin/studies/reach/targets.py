@@ -143,8 +143,7 @@ def _given_pose(target: Any) -> pin.SE3 | None:
         raise ArgumentError(
             f"a pose is a rotation and a translation, this is none: {quoted(given)}"
         )
-    left, _, right = np.linalg.svd(rotation)
-    return pin.SE3(left @ right, given[:3, 3])
+    return pin.SE3(pin.Quaternion(rotation).normalized(), given[:3, 3])
 
 
 def _checked_coordinates(target: Mapping[str, Any]) -> Mapping[str, Any]:

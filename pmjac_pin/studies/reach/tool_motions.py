@@ -9,8 +9,9 @@ import numpy as np
 
 from pmjac_pin.closing.nearby_poses import nearby
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.rates.factorisation import factorise
 from pmjac_pin.studies.reach.goal import ToolGoal, tool_at
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import Array, norm
 
 _ROUNDED = 1e-6  # of motions that are of about size 1: as where ranks are judged
 _WELL = 1e-2  # of the largest: a block that tells a pose so badly is not asked to
@@ -52,7 +53,7 @@ class ToolMotions:
 
     def tells(self, blocks: Sequence[Array]) -> bool:
         """Tell whether these rows (·, d), of home, determine all others, and that well."""
-        values = np.linalg.svd(np.vstack(blocks), compute_uv=False)
+        values = factorise(np.vstack(blocks), 1.0).singular_values
         rank = self.rank
         return len(values) >= rank > 0 and bool(values[rank - 1] > _WELL * values[0])
 
@@ -77,13 +78,10 @@ def tool_motions(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> ToolMotions
 
 
 def _rank(rows: Array) -> int:
-    values = np.linalg.svd(rows, compute_uv=False)
-    return int(np.count_nonzero(values > _ROUNDED * values.max(initial=1.0)))
+    return factorise(rows, max(1.0, norm(rows)), _ROUNDED).rank
 
 
 def _span(blocks: Sequence[Array]) -> Array:
     stacked = np.hstack(blocks)
-    if not stacked.size:
-        return np.zeros((len(stacked), 0))
-    left, values, _ = np.linalg.svd(stacked, full_matrices=False)
-    return np.asarray(left[:, values > _ROUNDED * values.max(initial=1.0)])
+    factors = factorise(stacked, max(1.0, norm(stacked)), _ROUNDED)
+    return factors.left[:, : factors.rank]

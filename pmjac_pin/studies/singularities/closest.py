@@ -21,8 +21,8 @@ _MOST_HALVED = 6
 _STATIONARY = 1e-9  # of the distance: how much nearer a step along the locus might lead
 _NO_NEARER = 1e-12  # of the distance: by how much a step leads nearer at least
 _LEAST_CURVED = 1e-3  # of the largest curvature: along less, steps are no longer than with this
-_BESIDE = 1e-4  # lengths or rad, of differences between gradients
-_STRIDE = 0.3  # lengths or rad
+_ASIDE_STEP = 1e-4  # lengths or rad, of differences between gradients
+_LONGEST = 0.3  # lengths or rad
 _NONE_HELD: Index = np.zeros(0, dtype=np.intp)
 
 
@@ -86,7 +86,7 @@ class ClosestPoint:
             return None
         curvatures = np.maximum(np.abs(curvatures), _LEAST_CURVED * largest)
         downhill = -turned @ ((turned.T @ gradient) / curvatures)
-        downhill *= min(1.0, _STRIDE / (norm(downhill) or 1.0))
+        downhill *= min(1.0, _LONGEST / (norm(downhill) or 1.0))
         for halved in range(_MOST_HALVED):
             tried = self._along(point, 0.5**halved * downhill @ ways)
             if tried is not None and norm(self._change(tried.q)) < (1.0 - _NO_NEARER) * norm(
@@ -111,10 +111,10 @@ class ClosestPoint:
     def _hessian(self, point: SingularPoint, ways: Array, gradient: Array) -> Array:
         columns = []
         for way in ways:
-            beside = self._along(point, _BESIDE * way)
+            beside = self._along(point, _ASIDE_STEP * way)
             rise = (
                 np.zeros(len(ways)) if beside is None else self._gradient(beside, ways) - gradient
             )
-            columns.append(rise / _BESIDE)
+            columns.append(rise / _ASIDE_STEP)
         found = np.array(columns)
         return 0.5 * (found + found.T)

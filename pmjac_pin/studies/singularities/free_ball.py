@@ -18,7 +18,7 @@ from pmjac_pin.studies.singularities.ball_bounds import BallBounds
 from pmjac_pin.studies.singularities.free_cells import FreeCells
 from pmjac_pin.values.checks import check_kind
 
-_SHARE = 0.5  # of what one step proves: half the width of cells
+_HALF_A_CELL = 0.5  # of what one step proves: half the width of cells
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +127,7 @@ def singularity_free(configuration: Configuration, *, most_cells: int = 1) -> Si
             radius, passive = bounds.largest()
             cells = FreeCells(equations, configuration, bounds, most_cells)
             if radius and most_cells > 1 and _one_by_one(equations, bounds, partition):
-                radius, passive = max((radius, passive), cells.grown(_SHARE * radius))
+                radius, passive = max((radius, passive), cells.grown(_HALF_A_CELL * radius))
     except ArgumentError as error:
         return SingularityFree(0.0, unit, 0.0, partition.passive_rank, str(error))
     rows, taken = bounds.kept

@@ -26,7 +26,7 @@ from pmjac_pin.studies.singularities.ball_bounds import BallBounds
 from pmjac_pin.values.arrays import Array
 
 _HALVED = 4  # times, a cell of the grid
-_ROUNDING = 1e-9  # rad: more than that of motor values and of changes between poses
+_MORE_THAN_ROUNDED = 1e-9  # rad: more than that of motor values and of changes between poses
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -143,7 +143,7 @@ class FreeCells:
         except PmjacError:
             return None
         bounds = BallBounds(self._equations, there, self._kept)
-        least, alone = bounds.passive_radii(half + _ROUNDING)
+        least, alone = bounds.passive_radii(half + _MORE_THAN_ROUNDED)
         return Cell(middle, half, there.q, least, alone) if alone else None
 
     def _agree(self, before: list[Cell], more: list[Cell]) -> bool:
@@ -152,7 +152,7 @@ class FreeCells:
         return all(self._same(*pair) for pair in pairs if _touch(*pair))
 
     def _same(self, one: Cell, other: Cell) -> bool:
-        far = self._apart(one, other) + _ROUNDING
+        far = self._apart(one, other) + _MORE_THAN_ROUNDED
         return far + one.least <= other.alone or far + other.least <= one.alone
 
     def _apart(self, one: Cell, other: Cell) -> float:
@@ -170,5 +170,5 @@ class FreeCells:
 def _touch(one: Cell, other: Cell) -> bool:
     """Tell whether two cells have a face in common, of which more than an edge."""
     gaps = np.abs(one.middle - other.middle) - (one.half + other.half)
-    tiny = _ROUNDING * (one.half + other.half)
+    tiny = _MORE_THAN_ROUNDED * (one.half + other.half)
     return bool((gaps <= tiny).all() and np.count_nonzero(gaps > -tiny) <= 1)

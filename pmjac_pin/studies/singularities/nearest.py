@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from types import MappingProxyType
 
@@ -21,7 +21,7 @@ from pmjac_pin.values.arrays import Array, norm
 from pmjac_pin.values.checks import check_kind
 
 _SPACES = ("motors", "joints")
-_KINDS: tuple[Freed, ...] = ("gain", "loss")
+_FREED: tuple[Freed, ...] = ("gain", "loss")
 _REACHES = (0.3, 1.0, 2.5)  # rad or lengths: how far starts lead from the pose
 _SHY = 1e-6  # of the way: where a straight way ends that is to lead to the singular pose
 _NEAR_ENOUGH = 2e-2  # rad or lengths between there and the singular pose
@@ -32,6 +32,7 @@ def nearest_singularity(
     *,
     kind: Freed | None = None,
     space: Space = "motors",
+    weights: Mapping[str, float] | None = None,
     starts: int = 6,
     rng: np.random.Generator | int = 0,
 ) -> NearestSingularity:
@@ -49,6 +50,9 @@ def nearest_singularity(
         loses a motion, on the judged rows. The nearer one when None.
     space : {"motors", "joints"}
         Whether motors count or all joints of the cut tree.
+    weights : mapping of str to float, optional
+        How much a rad or a metre of each motor, or joint, counts: 1 where it is not named. The
+        distance is of the weighted changes.
     starts : int
         Random directions, 0 or more.
     rng : Generator or int
@@ -59,6 +63,8 @@ def nearest_singularity(
     ArgumentError
         Another kind or space; a mechanism that cannot be singular so, or whose generic ranks are
         not known; a joint that is not in the table of joints.
+    UnknownNameError
+        A weight of no motor, or no joint.
     NoToolError
         A loss, and no frame is named as the tool.
 
@@ -77,12 +83,12 @@ def nearest_singularity(
     check_kind(configuration, Configuration)
     if space not in _SPACES:
         raise ArgumentError(f"space is motors or joints, got {quoted(space)}")
-    if kind is not None and kind not in _KINDS:
+    if kind is not None and kind not in _FREED:
         raise ArgumentError(f"kind is gain or loss, got {quoted(kind)}")
     if not (isinstance(starts, int) and starts >= 0):
         raise ArgumentError(f"starts is a whole number ≥ 0, got {quoted(starts)}")
     equations = _equations_of(configuration, kind)
-    measure = ChangeFrom(configuration, space)
+    measure = ChangeFrom(configuration, space, weights or {})
     begun = [configuration.q, *_starts(configuration, starts, generator(rng))]
     found = [_nearest_of(configuration, one, measure, begun) for one in equations]
     return min(found, key=lambda one: one.distance)
@@ -97,7 +103,7 @@ def _equations_of(configuration: Configuration, kind: Freed | None) -> list[Sing
     if kind is not None:
         return [SingularEquations(mechanism, kind)]
     found, refused = [], None
-    for one in _KINDS:
+    for one in _FREED:
         try:
             found.append(SingularEquations(mechanism, one))
         except PmjacError as error:
