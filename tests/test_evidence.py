@@ -35,7 +35,8 @@ def slice_of_five_bar(study, **choices):
     """Slices need two motors."""
     bar = loaded("five_bar")
     window = {
-        name: (value - 0.2, value + 0.2) for name, value in zip(bar.actuated, bar.home.actuated)
+        name: (value - 0.2, value + 0.2)
+        for name, value in zip(bar.actuated, bar.home.actuated, strict=True)
     }
     return study(bar, bar.actuated, window=window, cells=5, **choices)
 

@@ -14,9 +14,6 @@ REVEALING = {
 #: Where something else is asked than a rank, and what.
 OTHERWISE = {
     "files/inertia.py": {"eigh"},  # the principal moments of a body, none below zero
-    "files/mjcf/actuators.py": {"matrix_rank"},  # of the gears of one joint, as a file has them
-    "studies/export/masses.py": {"eigh"},  # the principal moments of a body that is written
-    "studies/export/mjcf.py": {"eigh"},  # the same, and their axes
     "rates/factorisation.py": {"svd"},
     "rates/dynamics.py": {"eigh", "eigvalsh"},  # whether all that is driven, or idles, has mass
     "rates/gradients.py": {"svd"},  # the singular values that are measured
@@ -43,18 +40,11 @@ OTHERWISE = {
     "studies/follow/branching.py": {"svd", "qr", "eigh"},  # unit vectors, and signs of a form
     "studies/follow/path_equations.py": {"svd"},  # rows and directions of a rank that is known
     "studies/follow/tool_losses.py": {"svd"},  # a singular value that is watched along a path
-    "studies/reach/asked.py": {"svd"},  # whether the target leaves the motors freedom
-    "studies/reach/chosen_chains.py": {"svd"},  # what is across unit vectors
-    "studies/reach/least_motion.py": {"pinv"},  # steps, whose end is then checked
-    "studies/reach/motor_space.py": {"pinv"},  # the same
-    "studies/reach/nearest.py": {"svd", "eigh"},  # damped steps; whether a distance is least
-    "studies/reach/targets.py": {"svd"},  # the rotation nearest to a matrix
-    "studies/reach/tool_motions.py": {"svd"},  # which rows of a task a tool moves in
+    "studies/reach/nearest.py": {"eigh"},  # which ways lead downhill from where a distance is flat
     "studies/singularities/curve_equations.py": {"svd"},  # steps of a rank that is known
     "studies/singularities/curve_tracing.py": {"svd"},  # the one way on along a curve
     "studies/singularities/sheets.py": {"svd"},  # where singular values are small: guesses
     "studies/modes/enclosed_modes.py": {"lstsq", "pinv"},  # guesses: what they are worth is proven
-    "studies/reach/nearest.py": {"eigh"},  # which ways lead downhill from where a distance is flat
     "studies/homotopy/curve.py": {"pinv"},  # a step where there is no other
     "words/report.py": {"svd"},  # the singular values that are shown
     "pictures/stick_drawing.py": {"svd"},  # planes of points
