@@ -19,7 +19,6 @@ REFINED = 1e-2
 
 _SURELY = 1.0 - 1e-3  # of a bound that rounding may have moved
 _RESOLVED = 1e-9  # of the matrix: above, rounding moves an inverse by less than that
-_WORTH_IT = 6  # columns of a matrix with more rows: with fewer, singular values take no longer
 _SQUARED = 1e-3  # of the matrix: above, its normal equations are solved to rounding
 
 
@@ -56,13 +55,13 @@ class Factorisation:
     def _inverted(self) -> tuple[Array | None, float]:
         """A⁺ and a bound on σ_min, where that is above the tolerance for certain."""
         rows, columns = self.matrix.shape
-        if rows < columns or not columns or (rows > columns and columns < _WORTH_IT):
+        if rows < columns or not columns:
             return None, 0.0
         try:
-            inverse, largest = _inverse(self.matrix) if rows == columns else _left(self.matrix)
+            inverse, length = _inverse(self.matrix) if rows == columns else _left(self.matrix)
         except np.linalg.LinAlgError:
             return None, 0.0
-        bound = _SURELY / (columns * largest or math.inf)
+        bound = _SURELY / (length or math.inf)
         resolved = _RESOLVED if rows == columns else _SQUARED
         least = max(self.tolerance, resolved) * max(self.size, norm(self.matrix))
         return (inverse, bound) if bound > least else (None, 0.0)
@@ -91,10 +90,14 @@ class Factorisation:
 
     def exceeds(self, rank: int, least: float) -> bool:
         """Tell whether the first `rank` singular values are above `least`."""
-        inverse, bound = self._inverted
-        if inverse is not None and bound > least:
+        if self.surely_exceeds(least):
             return True
         return not rank or float(self.singular_values[rank - 1]) > least
+
+    def surely_exceeds(self, least: float) -> bool:
+        """Tell whether all singular values are above `least` by a bound: if not, they may be."""
+        inverse, bound = self._inverted
+        return inverse is not None and bound > least
 
     @property
     def null_space(self) -> Array:
@@ -145,21 +148,17 @@ class Factorisation:
 
 
 def _inverse(matrix: Array) -> tuple[Array, float]:
-    """Return A⁻¹ and its largest entry: times its size a bound on its norm.
-
-    The squares of a norm may overflow.
-    """
+    """Return A⁻¹ and its norm, infinite where the squares overflow."""
     inverse = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
-    return inverse, float(np.abs(inverse).max())
+    return inverse, norm(inverse)
 
 
 def _left(matrix: Array) -> tuple[Array, float]:
-    """Return A⁺ = (AᵀA)⁻¹Aᵀ, improved by one step, and the same bound, from that of (AᵀA)⁻¹."""
+    """Return A⁺ = (AᵀA)⁻¹Aᵀ, improved by one step, and a bound on its norm: ‖(AᵀA)⁻¹‖^½."""
     squared = np.linalg.inv(matrix.T.dot(matrix))
     inverse = squared.dot(matrix.T)
-    columns, largest = len(squared), float(np.abs(squared).max())
     improved: Array = 2.0 * inverse - inverse.dot(matrix.dot(inverse))
-    return improved, math.sqrt(columns * largest) / columns
+    return improved, math.sqrt(norm(squared))
 
 
 def factorise(matrix: Array, size: float, tolerance: float = RANK_TOLERANCE) -> Factorisation:
