@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import asyncio
-import contextlib
 import logging
-import threading
 from collections.abc import Callable
 from typing import assert_never
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, PmjacError, unknown_name
 from pmjac_pin.viewer.messages import DrawSlice, SliceCommand, Slider, StopSlice
+from pmjac_pin.viewer.pursuit import Pursuit
 from pmjac_pin.viewer.session import Session
-from pmjac_pin.viewer.slice_map import CELLS, SliceMap, draw_slice
+from pmjac_pin.viewer.slice_map import SliceMap, draw_slice
 from pmjac_pin.viewer.slice_message import SliceMessage
-from pmjac_pin.viewer.worker import Worker
 
 _logger = logging.getLogger(__name__)
 
@@ -38,17 +35,16 @@ class SliceFinder:
         self._found: SliceMap | str | None = None  # or why there is none
         self._stale = ""
         self._seen: Configuration | None = None
-        self._search: threading.Event | None = None  # set when nobody wants its answer any more
-        self._worker = Worker("pmjac slice")
+        self._pursuit = Pursuit[SliceMap | str]("pmjac slice")
 
     @property
     def known(self) -> bool:
         """Whether there is anything to tell a page that has just been opened."""
-        return self._search is not None or self._found is not None
+        return self._pursuit.going or self._found is not None
 
     def message(self) -> SliceMessage:
         """Return what pages have to know."""
-        if self._search is not None:
+        if self._pursuit.going:
             return SliceMessage(status="drawing", text="Drawing …")
         if self._found is None:
             return SliceMessage(status="unknown", text="")
@@ -78,9 +74,9 @@ class SliceFinder:
                 motors = self._motor(command.first), self._motor(command.second)
                 if command.first == command.second:
                     raise ArgumentError(f"a plane is two motors, got {command.first!r} twice")
-                self._start(motors, asyncio.get_running_loop())
+                self._start(motors)
             case StopSlice():
-                if self._search is not None:
+                if self._pursuit.going:
                     self.stop()
                     self._tell()
             case _:
@@ -98,9 +94,7 @@ class SliceFinder:
 
     def stop(self) -> None:
         """Give up what is being drawn, silently."""
-        if self._search is not None:
-            self._search.set()
-            self._search = None
+        self._pursuit.stop()
 
     def _motor(self, name: str) -> Slider:
         motors = {motor.name: motor for motor in self._session.design.motors}
@@ -108,36 +102,29 @@ class SliceFinder:
             raise unknown_name("motor", name, tuple(motors))
         return motors[name]
 
-    def _start(self, motors: tuple[Slider, Slider], loop: asyncio.AbstractEventLoop) -> None:
-        self.stop()
+    def _start(self, motors: tuple[Slider, Slider]) -> None:
         self._found, self._stale = None, ""
-        self._search = unwanted = threading.Event()
-        pose = self._session.configuration
-
-        def search() -> None:
-            if unwanted.is_set():  # while it waited for its turn
-                return
-            found = _drawn_or_refusal(pose, motors, lambda: not unwanted.is_set())
-            with contextlib.suppress(RuntimeError):  # the server has ended meanwhile
-                loop.call_soon_threadsafe(self._finish, unwanted, found)
-
-        self._worker.do(search)
+        pose, start = self._session.configuration, self._session.start
+        self._pursuit.begin(
+            lambda wanted: _drawn_or_refusal(pose, start, motors, wanted), self._finish
+        )
         self._tell()
 
-    def _finish(self, search: threading.Event, found: SliceMap | str) -> None:
-        if search is not self._search:
-            return
-        self._search, self._found, self._seen = None, found, None
+    def _finish(self, found: SliceMap | str) -> None:
+        self._found, self._seen = found, None
         self.follow()
         if not self._stale:
             self._tell()
 
 
 def _drawn_or_refusal(
-    pose: Configuration, motors: tuple[Slider, Slider], wanted: Callable[[], bool]
+    pose: Configuration,
+    start: Configuration,
+    motors: tuple[Slider, Slider],
+    wanted: Callable[[], bool],
 ) -> SliceMap | str:
     try:
-        return draw_slice(pose, motors, wanted)
+        return draw_slice(pose, start, motors, wanted)
     except PmjacError as error:
         return str(error)
     except Exception:
@@ -151,7 +138,7 @@ def _told(found: SliceMap) -> str:
     counts = {kind: sum(curve.kind == kind for curve in found.curves) for kind in ("gain", "loss")}
     held = ", ".join(f"{name} = {value:.4g}" for name, value in found.drawn.held.items())
     return (
-        f"This assembly mode{f', {held}' if held else ''}: {reached} of {CELLS**2} cells are "
+        f"This assembly mode{f', {held}' if held else ''}: {reached} of {len(found.cells) ** 2} cells are "
         f"reached; curves of gain: {counts['gain']}, of loss: {counts['loss']}. "
         "What is smaller than a cell may be missed."
     )

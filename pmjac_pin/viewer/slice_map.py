@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import takewhile
@@ -9,7 +10,7 @@ from itertools import takewhile
 import numpy as np
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ArgumentError
+from pmjac_pin.errors import ArgumentError, ClosureError, LimitError
 from pmjac_pin.studies.singularities.charts import Chart, chart
 from pmjac_pin.studies.singularities.joint_limits import within_joint_limits
 from pmjac_pin.studies.singularities.locus_finding import LocusFinding
@@ -21,6 +22,8 @@ from pmjac_pin.viewer.slice_message import SliceCurve
 CELLS = 41  # of the grid, along each axis
 _SAME_HELD = 1e-9  # m or rad: motors that have not moved
 _TURN = 2.0 * np.pi
+_CELLS_OFF_FOLD = (3.0, 2.0, 1.0, 0.5)
+_WAYS_OFF_FOLD = 16  # directions
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,18 +57,23 @@ class SliceMap:
         if moved:
             return f"Since this was drawn {', '.join(moved)} moved."
         if self.sheets.is_off(pose):
-            return "The assembly mode is another one than that which is drawn."
+            return "The pose is of another mode than was drawn, or where the grid missed a part."
         return ""
 
 
 def draw_slice(
-    pose: Configuration, motors: tuple[Slider, Slider], wanted: Callable[[], bool]
+    pose: Configuration,
+    start: Configuration,
+    motors: tuple[Slider, Slider],
+    wanted: Callable[[], bool],
 ) -> SliceMap:
     """Draw the slice through a pose, or as much of it as is wanted.
 
     Parameters
     ----------
     pose : Configuration
+    start : Configuration
+        From where motors go on: the pose itself, or one right before it where it is singular.
     motors : (Slider, Slider)
         That vary.
     wanted : callable
@@ -74,16 +82,32 @@ def draw_slice(
     Raises
     ------
     ArgumentError
-        No cell is reached from there.
+        No cell is reached from there, or nothing says on which of the modes that meet there.
     """
+    if start.singularity().is_singular:
+        raise ArgumentError("assembly modes meet at this pose: move off it, onto one of them")
     values = dict(zip(pose.mechanism.actuated, pose.actuated.tolist(), strict=True))
     window = {motor.name: _window(motor, values[motor.name]) for motor in motors}
     drawn = chart([motor.name for motor in motors], pose, window)
     sheets = Sheets(drawn.area, (CELLS, CELLS), limits=False)
-    if sheets.add(pose) is None:
-        raise ArgumentError("no place of the map is reached from this pose: move off it, or nearer")
+    if all(sheets.add(one) is None for one in _begin(pose, start, drawn)):
+        raise ArgumentError("no place of the map is reached from this pose: move off it")
     curves = tuple(_curves(drawn, sheets, wanted))
     return SliceMap(drawn, sheets, _cells(sheets.known[0], pose), curves)
+
+
+def _begin(pose: Configuration, start: Configuration, drawn: Chart) -> Iterator[Configuration]:
+    """Yield poses of the slice on the mode: beside a fold none but some cells away leads on."""
+    if start is pose:
+        yield pose
+    motors = [pose.mechanism.actuated.index(name) for name in drawn.area.names]
+    for cells in _CELLS_OFF_FOLD:
+        for angle in np.linspace(0.0, _TURN, _WAYS_OFF_FOLD, endpoint=False):
+            values = pose.actuated.copy()
+            way = np.array([np.cos(angle), np.sin(angle)]) / (CELLS - 1)
+            values[motors] += cells * way * drawn.area.size
+            with contextlib.suppress(ClosureError, LimitError):
+                yield pose.mechanism.close(values, guess=start)
 
 
 def _window(motor: Slider, value: float) -> tuple[float, float]:
