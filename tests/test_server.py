@@ -268,7 +268,7 @@ def _nonsense(rng):
     keys = ["command", "values", "id", "name", "linear", "scale", "__proto__", "type", "é", ""]
     valid = '{"command":"move","values":[1.0,1.0,1.0],"id":1}'
     while True:
-        match rng.integers(6):
+        match rng.integers(7):
             case 0:
                 three = ["1.0", "1.0", "1.0"]
                 three[rng.integers(3)] = values[rng.integers(len(values))]
@@ -288,6 +288,11 @@ def _nonsense(rng):
             case 5:
                 noise = rng.integers(32, 0xD7FF, size=int(rng.integers(0, 200)))
                 yield "".join(map(chr, noise))
+            case 6:
+                others = ["l1", "l9", "", "\0", "é" * 1000, 5, None, ["l2"], {}]
+                pair = ["l1", others[rng.integers(len(others))]]
+                first, second = pair if rng.integers(2) else pair[::-1]
+                yield json.dumps({"command": "draw slice", "first": first, "second": second})
 
 
 def test_nonsense_changes_nothing(viewer, mechanism, rng):

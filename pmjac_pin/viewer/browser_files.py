@@ -32,6 +32,8 @@ PAGE_FILES = (
     "scene.html",
     "scene.js",
     "sections.js",
+    "slice.css",
+    "slice.js",
     "sliders.js",
     "snapshot.js",
     "stage.css",

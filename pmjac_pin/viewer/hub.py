@@ -26,6 +26,7 @@ from pmjac_pin.viewer.messages import (
     Refusal,
     SetParameters,
     ShowMode,
+    SliceCommand,
     decode,
     encode,
 )
@@ -33,6 +34,7 @@ from pmjac_pin.viewer.mode_finder import ModeFinder
 from pmjac_pin.viewer.pose_facts import pose_facts
 from pmjac_pin.viewer.scene import solids_of
 from pmjac_pin.viewer.session import Session
+from pmjac_pin.viewer.slice_finder import SliceFinder
 from pmjac_pin.viewer.static_page import Picture
 
 _MOST_TRIES = 3  # of other parameters, while other pages move the motors
@@ -98,6 +100,7 @@ class Hub:
         self._pages: dict[object, Outbox[str]] = {}
         self._scenes: dict[object, Outbox[bytes]] = {}
         self._modes = ModeFinder(session, self._tell_modes)
+        self._slice = SliceFinder(session, self._tell_slice)
         canvas.update(session.scene().items)
 
     def picture(self) -> Picture:
@@ -113,6 +116,8 @@ class Hub:
         outbox.put([("about", encode(self.session.state(about=True, framing=True)))])
         if self._modes.known:
             outbox.put([("modes", encode(self._modes.message()))])
+        if self._slice.known:
+            outbox.put([("slice", encode(self._slice.message()))])
 
     def add_scene(self, scene: object, send: Send) -> None:
         """Draw the whole picture in a meshcat viewer that has just been opened."""
@@ -139,6 +144,8 @@ class Hub:
             about, jump = False, isinstance(command, Home | NamedPose | ShowMode)
             if isinstance(command, ModesCommand):
                 self._modes.obey(command)
+            elif isinstance(command, SliceCommand):
+                self._slice.obey(command)
             elif isinstance(command, SetParameters):
                 await self._redesign(command.values)
                 about = jump = True
@@ -157,6 +164,7 @@ class Hub:
     def close(self) -> None:
         """Give up what is still being computed."""
         self._modes.stop()
+        self._slice.stop()
 
     def show(self, configuration: Configuration) -> None:
         """Go to a configuration and tell all browsers."""
@@ -187,8 +195,14 @@ class Hub:
             for other in others:
                 other.put([("about" if about else "state", state)])
         self._modes.follow()
+        self._slice.follow()
 
     def _tell_modes(self) -> None:
-        message = encode(self._modes.message())
+        self._tell("modes", encode(self._modes.message()))
+
+    def _tell_slice(self) -> None:
+        self._tell("slice", encode(self._slice.message()))
+
+    def _tell(self, key: str, message: str) -> None:
         for page in self._pages.values():
-            page.put([("modes", message)])
+            page.put([(key, message)])

@@ -14,6 +14,7 @@ from pmjac_pin.errors import ArgumentError
 from pmjac_pin.viewer.framing import Framing
 from pmjac_pin.viewer.load_readout import LoadReadout
 from pmjac_pin.viewer.readout import Readout
+from pmjac_pin.viewer.slice_message import SliceMessage
 from pmjac_pin.words.plain import encoded
 
 #: Longer messages are answered with an error: the longest sensible one is far shorter.
@@ -97,9 +98,21 @@ class ShowMode(_Command, frozen=True, tag="mode", kw_only=True):
     number: WholeNumber
 
 
+class DrawSlice(_Command, frozen=True, tag="draw slice", kw_only=True):
+    """Draw what is reached, and what is singular, over the values of two motors."""
+
+    first: str
+    second: str
+
+
+class StopSlice(_Command, frozen=True, tag="stop slice"):
+    """Give up drawing it."""
+
+
+SliceCommand: TypeAlias = DrawSlice | StopSlice
 ModesCommand: TypeAlias = FindModes | StopSearch | ShowMode
 PoseCommand: TypeAlias = MoveMotors | ShowMoment | Home | NamedPose | Options | SetLoad
-Command: TypeAlias = PoseCommand | SetParameters | Reframe | ModesCommand
+Command: TypeAlias = PoseCommand | SetParameters | Reframe | ModesCommand | SliceCommand
 
 
 class Slider(msgspec.Struct, frozen=True):
@@ -279,6 +292,6 @@ def decode(message: str | bytes) -> Command:
     return command
 
 
-def encode(message: State | Refusal | Modes) -> str:
+def encode(message: State | Refusal | Modes | SliceMessage) -> str:
     """Write a message to a page; infinite numbers become null."""
     return encoded(message)

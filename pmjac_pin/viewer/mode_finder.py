@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import asyncio
-import contextlib
 import logging
-import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import assert_never
@@ -19,8 +16,8 @@ from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
 from pmjac_pin.studies.modes.find import find_modes
 from pmjac_pin.studies.modes.recognition import SAME_MOTORS, Recognition
 from pmjac_pin.viewer.messages import FindModes, Modes, ModesCommand, ShowMode, StopSearch
+from pmjac_pin.viewer.pursuit import Pursuit
 from pmjac_pin.viewer.session import Session
-from pmjac_pin.viewer.worker import Worker
 from pmjac_pin.words.modes_report import ModeReport, make_modes_report
 from pmjac_pin.words.modes_tables import count, no_more
 
@@ -79,19 +76,18 @@ class ModeFinder:
         self._mechanism = session.mechanism
         self._text = ""
         self._found: _SearchOutcome | None = None
-        self._search: threading.Event | None = None  # set when nobody wants its answer any more
         self._current: int | None = None
-        self._worker = Worker("pmjac modes")
+        self._pursuit = Pursuit[_SearchOutcome]("pmjac modes")
         self._searches = 0  # each has other random starts
 
     @property
     def known(self) -> bool:
         """Whether there is anything to tell a page that has just been opened."""
-        return self._search is not None or self._found is not None
+        return self._pursuit.going or self._found is not None
 
     def message(self) -> Modes:
         """Return what pages have to know."""
-        if self._search is not None:
+        if self._pursuit.going:
             return Modes(status="searching", text="Searching, from random starts …")
         if self._found is None:
             return Modes(status="unknown", text=self._text)
@@ -110,9 +106,9 @@ class ModeFinder:
         """
         match command:
             case FindModes():
-                self._start(asyncio.get_running_loop())
+                self._start()
             case StopSearch():
-                if self._search is not None:
+                if self._pursuit.going:
                     self._forget("")
             case ShowMode():
                 self._show(command.number)
@@ -136,31 +132,17 @@ class ModeFinder:
 
     def stop(self) -> None:
         """Give up a search that is going on, silently."""
-        if self._search is not None:
-            self._search.set()
-            self._search = None
+        self._pursuit.stop()
 
-    def _start(self, loop: asyncio.AbstractEventLoop) -> None:
-        self.stop()
+    def _start(self) -> None:
         self._found = None
-        self._search = unwanted = threading.Event()
         start, seed = self._session.configuration, self._searches
         self._searches += 1
-
-        def search() -> None:
-            if unwanted.is_set():  # while it waited for its turn
-                return
-            found = _SearchOutcome.of(start, seed, lambda: not unwanted.is_set())
-            with contextlib.suppress(RuntimeError):  # the server has ended meanwhile
-                loop.call_soon_threadsafe(self._finish, unwanted, found)
-
-        self._worker.do(search)
+        self._pursuit.begin(lambda wanted: _SearchOutcome.of(start, seed, wanted), self._finish)
         self._tell()
 
-    def _finish(self, search: threading.Event, found: _SearchOutcome) -> None:
-        if search is not self._search:
-            return
-        self._search, self._found = None, found
+    def _finish(self, found: _SearchOutcome) -> None:
+        self._found = found
         self._current = self._recognised()
         self._tell()
 

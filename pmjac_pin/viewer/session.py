@@ -94,6 +94,11 @@ class Session:
         """The mechanism, with the parameters of now."""
         return self.design.mechanism
 
+    @property
+    def start(self) -> Configuration:
+        """From where motors go on: right before a pose at which a motion has ended, or the pose."""
+        return self._start
+
     def obey(self, command: PoseCommand) -> None:
         """Carry out a command of a page.
 

@@ -120,6 +120,11 @@ class Sheets:
         """Return which known sheet a pose is on, None where none has a cell that it leads to."""
         return self._among_known(list(self._leads(pose)))
 
+    def is_off(self, pose: Configuration) -> bool:
+        """Tell whether a pose leads to cells nearby which no known sheet has."""
+        leads = list(self._leads(pose))
+        return bool(leads) and self._among_known(leads) is None
+
     def away_from(self, q: Array, inward: Array) -> Configuration | None:
         """Return the pose some cells away along motor rates, as far as one mode leads so.
 

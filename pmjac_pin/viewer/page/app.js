@@ -11,6 +11,7 @@ import { adoptPicture, capture, frameOn, keepInView, resetView } from "./picture
 import { buildJacobian, copyJacobian, decimalsAt, showReadout } from "./readout.js";
 import { buildSections, showSections } from "./sections.js";
 import { buildReplay, restReplay, showReplay } from "./replay.js";
+import { buildSlice, listenToSlice, showPlace, showSlice } from "./slice.js";
 import { Sliders } from "./sliders.js";
 import { snapshot } from "./snapshot.js";
 import { say } from "./status.js";
@@ -42,11 +43,12 @@ function build(news) {
   decimals = decimalsAt(about.home);
   motors = new Sliders("motor", about.motors, {
     target: (index) => connection.heading?.[index] ?? state.values[index],
-    go: (values) => { restReplay(); connection.send({ command: "move", values }); },
+    go: moveMotors,
     free: () => connection.moving === null,
     restore: showMotors,
     complain,
   });
+  buildSlice(about.motors);
   buildParameters(about.parameters);
   buildReplay(about, {
     go: (values) => { motors.rest(); connection.send({ command: "moment", values }); },
@@ -78,6 +80,7 @@ function buildParameters(declared) {
 function show() {
   const { readout, notice } = state;
   showMotors();
+  showPlace(state.values);
   showParameters();
   showMoment();
   showTool(readout);
@@ -87,6 +90,11 @@ function show() {
   showOptions(state.drawn, connection.idle);
   $("pose").value = state.pose ?? "";
   say(notice.kind, notice.text, readout.warning, readout.beyond);
+}
+
+function moveMotors(values) {
+  restReplay();
+  connection.send({ command: "move", values });
 }
 
 function showMotors() {
@@ -142,7 +150,7 @@ connection = new Connection({
     if (mine) window.pmjac.updates += 1;
     window.pmjac.ready = true;
   },
-  modes: showModes,
+  told: { modes: showModes, slice: showSlice },
   refused(text) {
     motors.rest();
     restReplay();
@@ -159,6 +167,7 @@ $("pose").addEventListener("change", () => goTo({ command: "pose", name: $("pose
 $("reset").addEventListener("click", () => { resetView(); connection.send({ command: "frame" }); });
 $("snapshot").addEventListener("click", () => { if (capture()) snapshot(capture(), about, state); });
 listenToModes((command) => (command.command === "mode" ? goTo(command) : connection.send(command)));
+listenToSlice({ send: (command) => connection.send(command), go: (values) => { motors.rest(); moveMotors(values); } });
 listenToLoad(connection);
 listenToOptions((command) => connection.send(command));
 listenToAngles(show);

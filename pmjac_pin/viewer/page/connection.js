@@ -10,7 +10,8 @@ export class Connection {
 
   #delay = RETRY.first;
 
-  // `listener` has state(message, mine), modes(message), refused(message) and lost().
+  // `listener` has state(message, mine), refused(message), lost(), and `told`, with a function for
+  // each type of message that answers no command.
   constructor(listener) {
     this.listener = listener;
     this.#open();
@@ -70,8 +71,8 @@ export class Connection {
   }
 
   #receive(message) {
-    if (message.type === "modes") {
-      this.listener.modes(message);
+    if (message.type in this.listener.told) {
+      this.listener.told[message.type](message);
       return;
     }
     const mine = message.id !== null && message.id === this.#inFlight?.id;
