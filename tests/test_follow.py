@@ -262,6 +262,46 @@ def test_events_of_the_caller():
     ]
 
 
+def test_how_large_a_watched_number_is_does_not_count():
+    """Products of such values are 0: their signs are compared."""
+    arm = loaded("serial_2r")
+    home = arm.home.actuated
+    watched = {"first": lambda pose: 1e-200 * (pose.actuated[0] - home[0])}
+    [event] = pj.follow(arm, [home - 0.5, home + 0.7], events=watched).events
+    assert event.t == pytest.approx(0.5 / 1.2, abs=1e-10)
+    assert event.what == "first rises through zero"
+
+
+def test_what_turns_back_at_zero_does_not_pass_it():
+    arm = loaded("serial_2r")
+    home = np.zeros(2)
+    watched = {"first": lambda pose: pose.actuated[0]}
+    events = pj.follow(arm, [home - 0.5, home, home - 0.5], events=watched).events
+    [event] = [one for one in events if one.kind == "user"]
+    assert (event.t, event.what) == (1.0, "first rises to zero")
+
+
+@pytest.mark.parametrize("width", [0.05, 0.02, 0.01])
+@pytest.mark.parametrize("middle", [5.55, 1.3, 9.3])
+def test_a_short_motion_of_a_function_is_seen(middle, width):
+    """All nodes of one polynomial over the whole range see a function that rests."""
+    arm = loaded("serial_2r")
+    home = arm.home.actuated
+
+    def path(t):
+        return home + np.array([0.3 * np.exp(-(((t - middle) / width) ** 2)), 0.0])
+
+    trajectory = pj.follow(arm, path, times=(0.0, 10.0))
+    assert np.ptp(trajectory.actuated[:, 0]) > 0.2
+
+
+def test_a_short_jump_of_a_function_is_refused():
+    arm = loaded("serial_2r")
+    home = arm.home.actuated
+    with pytest.raises(pj.ArgumentError, match=r"not smooth near t = 5\.[47]"):
+        pj.follow(arm, lambda t: home + 0.3 * (5.4 < t < 5.7), times=(0.0, 10.0))
+
+
 def test_motors_that_loops_tie():
     machine = over_actuated_four_bar()
     led = pj.follow(loaded("four_bar"), [[0.9], [2.0]], samples=400)

@@ -8,6 +8,7 @@ import pinocchio as pin
 import pytest
 import transformed
 from mechanisms import CATALOGUE, loaded, random_closed
+from scipy.optimize import minimize
 
 import pmjac_pin as pj
 
@@ -269,6 +270,58 @@ def test_a_self_motion_is_the_least(rng):
         away, rows = wanted - found.actuated, found.configuration.jacobian().Jv_eq
         along = away - np.linalg.pinv(rows) @ rows @ away
         np.testing.assert_allclose(along, 0.0, atol=1e-9)
+
+
+def limited_arm(lengths, limits, home):
+    """An arm in a plane, its joints within limits."""
+    model, joint = pin.Model(), 0
+    for k, (lower, upper) in enumerate(limits):
+        place = pin.SE3(np.eye(3), np.array([lengths[k - 1] if k else 0.0, 0.0, 0.0]))
+        bounds = [np.array([one]) for one in (10.0, 10.0, lower, upper)]
+        joint = model.addJoint(joint, pin.JointModelRZ(), place, f"joint{k}", *bounds)
+    tip = pin.SE3(np.eye(3), np.array([lengths[-1], 0.0, 0.0]))
+    model.addFrame(pin.Frame("tip", joint, tip, pin.FrameType.OP_FRAME))
+    names = [f"joint{k}" for k in range(len(limits))]
+    return pj.Mechanism.from_pinocchio(model, [], names, "tip", home=home)
+
+
+def test_within_limits_a_self_motion_is_the_least_or_said_not_to_be():
+    """Beside another minimiser, of another kind, which starts from the answer."""
+    rng, least = np.random.default_rng(1), 0
+    while least < 20:
+        lengths, postures = rng.uniform(0.3, 1.0, 4), rng.uniform(-2.0, 2.0, 4)
+        limits = np.sort(rng.uniform(-2.0, 2.0, (4, 2)), axis=1)
+        inside = limits[:, :1] + rng.uniform(0.05, 0.95, (4, 2)) * np.ptp(limits, axis=1)[:, None]
+        arm = limited_arm(lengths, limits.tolist(), inside[:, 0])
+
+        def tip(q, lengths=lengths):
+            return lengths @ np.column_stack([np.cos(np.cumsum(q)), np.sin(np.cumsum(q))])
+
+        target = tip(inside[:, 1])
+        found = pj.reach(arm, {"x": target[0], "y": target[1]}, posture=postures)
+        if not found or "may move less" in found.message:
+            continue
+        assert not found.configuration.limits_violated
+        least += 1
+        other = minimize(
+            lambda q, wanted=postures: np.sum((q - wanted) ** 2),
+            found.actuated,
+            constraints=[{"type": "eq", "fun": lambda q, t=target, tip=tip: tip(q) - t}],
+            bounds=limits,
+            method="SLSQP",
+            options={"ftol": 1e-13},
+        )
+        meets = other.success and np.abs(tip(other.x) - target).max() < 1e-8
+        away = np.linalg.norm(found.actuated - postures)
+        assert not (meets and np.sqrt(other.fun) < away - 1e-5)
+
+
+def test_a_posture_beyond_a_limit_leads_up_to_it():
+    limits = [(-1.0, 1.0)] * 4
+    arm = limited_arm([1.0, 0.8, 0.6, 0.5], limits, [0.3, 0.4, 0.2, 0.1])
+    found = pj.reach(arm, {"x": 1.5, "y": 1.2}, posture=[5.0, 0.4, 0.2, 0.1])
+    assert found.message == "the target is met, straight"
+    np.testing.assert_array_equal(found.actuated[2:], 1.0)  # q₁ and q₂ follow from the target
 
 
 def test_pointing_and_headings():

@@ -99,7 +99,11 @@ def zero_beside(watched: Watched, t: float, start: float, end: float) -> float:
 def located(value: Callable[[float], float], start: float, end: float) -> float:
     """Return where a value is 0 between two parameters, at which its signs differ."""
     sharp = _SHARP * max(abs(start), abs(end), _SMALLEST_T)
-    if value(start) * value(end) > 0.0:
+    first, last = value(start), value(end)
+    if (first > 0.0 < last) or (first < 0.0 > last):
         raise ArithmeticError(f"no change of sign between t = {start!r} and {end!r}")
-    found: float = brentq(value, start, end, xtol=sharp, rtol=_RELATIVE)
+    if not (size := max(abs(first), abs(last))):
+        return start
+    # Products of very small values underflow, to what SciPy takes for no change of sign.
+    found: float = brentq(lambda t: value(t) / size, start, end, xtol=sharp, rtol=_RELATIVE)
     return found

@@ -8,6 +8,7 @@ from math import factorial
 from typing import Any
 
 import numpy as np
+from scipy.constants import golden
 
 from pmjac_pin.closing.motor_values import motor_table
 from pmjac_pin.errors import ArgumentError, quoted
@@ -18,6 +19,7 @@ from pmjac_pin.values.checks import as_numbers
 
 _DEGREE = 7  # of the polynomials that stand for a function
 _AGREES = 1e-12  # m or rad, or of its largest value: those with the function, in between
+_LOOKS = 256  # at a function, all over its range: a short motion between nodes is seen
 _FINEST = 24  # of the range, until a function is not smooth enough
 _JUMP = 1e-9  # m or rad: rounding makes smaller ones
 _LARGEST_TIME = 1e9
@@ -142,11 +144,15 @@ def _by_polynomials(
 
     least = (times[-1] - times[0]) * 2.0**-_FINEST
     waiting = list(zip(times[:-1].tolist(), times[1:].tolist(), strict=True))[::-1]
+    spread = np.sort(np.arange(1, _LOOKS + 1) * golden % 1.0)  # evenly, without a period
+    looks = times[0] + (times[-1] - times[0]) * spread
+    seen = np.array([at(t) for t in looks.tolist()])
     pieces: list[PathPiece] = []
     while waiting:
         start, end = waiting.pop()
         piece = _fitted_piece(at, start, end)
-        if piece is not None:
+        within = slice(*np.searchsorted(looks, [start, end]).tolist())
+        if piece is not None and _agrees(piece, looks[within], seen[within]):
             pieces.append(piece)
             continue
         middle = 0.5 * (start + end)
@@ -155,6 +161,12 @@ def _by_polynomials(
             raise ArgumentError(f"{message}: name where it has kinks in `times`")
         waiting += [(middle, end), (start, middle)]
     return pieces
+
+
+def _agrees(piece: PathPiece, times: Array, seen: Array) -> bool:
+    """Tell whether a piece has the values that were seen of its function."""
+    off = [np.abs(piece.values(t) - one).max() for t, one in zip(times.tolist(), seen, strict=True)]
+    return max(off, default=0.0) <= 2.0 * _AGREES * max(1.0, float(np.abs(seen).max(initial=0.0)))
 
 
 def _fitted_piece(at: Callable[[float], Array], start: float, end: float) -> PathPiece | None:

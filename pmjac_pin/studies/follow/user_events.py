@@ -44,14 +44,18 @@ class UserEvents:
         for name in self.functions:
             values = [self._value(name, stretch, t) for t in times]
             for k in range(_LOOKS):
-                if values[k] * values[k + 1] < 0.0 or (values[k + 1] == 0.0 and values[k]):
+                signs = np.sign(values[k]), np.sign(values[k + 1])  # products may underflow
+                if signs[0] and signs[0] != signs[1]:
                     yield self._event(name, stretch, times[k], times[k + 1])
 
     def _event(self, name: str, stretch: Stretch, start: float, end: float) -> Event:
         t = located(partial(self._value, name, stretch), start, end)
         turn = "rises" if self._value(name, stretch, start) < 0.0 else "falls"
+        how = (
+            "through" if self._value(name, stretch, end) else "to"
+        )  # where it goes on is not known
         pose = self.course.configuration(stretch.at(t).q)
-        return Event("user", t, pose, f"{name} {turn} through zero", name)
+        return Event("user", t, pose, f"{name} {turn} {how} zero", name)
 
     def _value(self, name: str, stretch: Stretch, t: float) -> float:
         pose = self.course.configuration(stretch.at(t).q)

@@ -2,11 +2,14 @@
 
 θ moves by J⁺ e towards the target and by (I − J⁺J)(θ₀ − θ) along the self-motion, until neither is
 left: there θ₀ − θ is in the range of Jᵀ, which is the condition for the least distance |θ₀ − θ|.
+Where motors are at limits, θ₀ − θ = Jᵀλ + μ, μ of these alone and outwards: a self-motion that
+leads a motor off its limit is gone as well.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from scipy.optimize import nnls
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.rates.factorisation import factorise
@@ -43,7 +46,7 @@ def least_motion(space: MotorSpace, point: Configuration, wanted: Array) -> Conf
         before = away
         step = towards + pace * along
         step *= min(1.0, LONGEST_STEP * space.length / norm(step))
-        trial = space.moved(point, step)
+        trial = space.moved(point, space.up_to_limits(point, step))
         if trial is None:
             if pace < _NOTHING_LEFT:
                 break
@@ -60,12 +63,24 @@ def is_least_motion(space: MotorSpace, point: Configuration, wanted: Array) -> b
 
 
 def _ways_on(space: MotorSpace, point: Configuration, wanted: Array) -> tuple[Array, Array]:
-    """Return the step towards the target, and the one along the self-motion, in m."""
+    """Return the step towards the target, and the one along the self-motion, in m.
+
+    The latter is what is nearest to the way to wanted values of all self-motions that lead no motor
+    beyond its limit: Moreau's decomposition, of which μ ≥ 0 is the other part.
+    """
     gap, rates = space.system(point)
     away = (wanted - point.actuated) / space.scale
-    held = np.logical_not(space.free(point, away))
-    rates = np.where(held, 0.0, rates)
+    inverse = _inverse(rates)
+    self_motions = np.eye(away.size) - inverse @ rates
+    along, barriers = self_motions @ away, space.barriers(point)
+    if not len(barriers):
+        return inverse @ gap, along
+    outwards = self_motions @ barriers.T
+    pressing, _ = nnls(outwards, along)
+    held = barriers[pressing > 0.0].any(axis=0)
+    return _inverse(np.where(held, 0.0, rates)) @ gap, along - outwards @ pressing
+
+
+def _inverse(rates: Array) -> Array:
     factors = factorise(rates, norm(rates), NO_MOTION)
-    inverse = factors.inverse(factors.rank)
-    along = np.where(held, 0.0, away)
-    return inverse @ gap, along - inverse @ (rates @ along)
+    return factors.inverse(factors.rank)

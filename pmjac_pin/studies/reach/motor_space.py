@@ -21,6 +21,8 @@ from pmjac_pin.values.ties import pivots
 #: Of the largest singular value: a tool's motion by the motors that counts as none.
 NO_MOTION = 1e-8
 
+_INTO_A_LIMIT = 1.0 + 1e-12  # of a step: where it ends is clipped
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MotorSpace:
@@ -85,11 +87,27 @@ class MotorSpace:
 
     def free(self, configuration: Configuration, step: Array) -> Array:
         """Return which motors a step may move, where limits do not hold them: bool, shape (n,)."""
-        if not self.limits:
-            return np.ones(step.size, dtype=bool)
-        (lower, upper), values = self._room, configuration.actuated
-        held = ((values <= lower) & (step < 0.0)) | ((values >= upper) & (step > 0.0))
+        held = (self.barriers(configuration) * step > 0.0).any(axis=0)
         return np.asarray(~held)
+
+    def barriers(self, configuration: Configuration) -> Array:
+        """Return the limits that motors are at, each as the step outwards, shape (k, n)."""
+        axes = np.eye(len(configuration.actuated))
+        if not self.limits:
+            return axes[:0]
+        (lower, upper), values = self._room, configuration.actuated
+        return np.vstack([axes[values >= upper], -axes[values <= lower]])
+
+    def up_to_limits(self, configuration: Configuration, step: Array) -> Array:
+        """Return a step, shortened to where it takes the first motor to a limit."""
+        if not self.limits:
+            return step
+        (lower, upper), values = self._room, configuration.actuated
+        left = np.where(step > 0.0, upper - values, lower - values) / self.scale
+        going = (left != 0.0) & (step != 0.0)
+        share = float(np.min(left[going] / step[going], initial=1.0))
+        shortened: Array = step * min(1.0, share * _INTO_A_LIMIT)
+        return shortened
 
 
 def with_leading_motors(mechanism: Mechanism) -> Mechanism:
