@@ -137,8 +137,9 @@ def _told(found: SliceMap) -> str:
     reached = sum(len(row) - row.count("0") for row in found.cells)
     counts = {kind: sum(curve.kind == kind for curve in found.curves) for kind in ("gain", "loss")}
     held = ", ".join(f"{name} = {value:.4g}" for name, value in found.drawn.held.items())
+    where = f", {held}" if held else ""
     return (
-        f"This assembly mode{f', {held}' if held else ''}: {reached} of {len(found.cells) ** 2} cells are "
+        f"This assembly mode{where}: {reached} of {len(found.cells) ** 2} cells are "
         f"reached; curves of gain: {counts['gain']}, of loss: {counts['loss']}. "
         "What is smaller than a cell may be missed."
     )
