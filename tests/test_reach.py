@@ -96,6 +96,69 @@ def test_a_machine_that_is_singular_at_home_starts_from_there():
     np.testing.assert_allclose(found.actuated, wanted.actuated, atol=1e-9)
 
 
+# --- Ways of the motors past singular poses of the tool's -----------------------------------------
+
+LEGS = np.array([[0.12341784, 0.21453378], [0.75866957, 0.0324598], [0.22517956, 0.43032779]])
+CORNERS = np.array([[0.0, 0.0], [-0.46960217, -0.39316454], [-0.24451585, -0.45161321]])
+
+
+def legs_of(place):
+    """The legs (3, 2) of a 3-RPR whose plate is at x, y, angle, and its corners from its middle."""
+    x, y, angle = place
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    corners = CORNERS @ turn.T
+    return corners + np.array([x, y]) - LEGS, corners
+
+
+def determinant(place):
+    """Of the lines of the legs, in Plücker coordinates: 0 where they meet in one point."""
+    legs, corners = legs_of(place)
+    along = legs / np.linalg.norm(legs, axis=1)[:, None]
+    moments = corners[:, 0] * along[:, 1] - corners[:, 1] * along[:, 0]
+    return np.linalg.det(np.column_stack([along, moments]))
+
+
+def plate_on_three_legs(place):
+    """The 3-RPR, its plate hung on the first leg."""
+    model, home = pin.Model(), {}
+    limits = [np.array([one]) for one in (10.0, 10.0, -50.0, 50.0)]
+    for k, leg in enumerate(legs_of(place)[0]):
+        base = pin.SE3(np.eye(3), np.array([*LEGS[k], 0.0]))
+        turn = model.addJoint(0, pin.JointModelRZ(), base, f"turn{k}", *limits)
+        end = model.addJoint(turn, pin.JointModelPX(), pin.SE3.Identity(), f"slide{k}", *limits)
+        home |= {f"turn{k}": np.arctan2(leg[1], leg[0]), f"slide{k}": np.linalg.norm(leg)}
+        if not k:
+            plate = model.addJoint(end, pin.JointModelRZ(), pin.SE3.Identity(), "plate", *limits)
+        ends = [(f"end{k}", end, np.zeros(2)), (f"corner{k}", plate, CORNERS[k])]
+        for name, joint, at in ends:
+            pose = pin.SE3(np.eye(3), np.array([*at, 0.0]))
+            model.addFrame(pin.Frame(name, joint, pose, pin.FrameType.OP_FRAME))
+    home["plate"] = place[2] - home["turn0"]
+    loops = [pj.PointLoop(frames=(f"corner{k}", f"end{k}")) for k in (1, 2)]
+    motors = ["slide0", "slide1", "slide2"]
+    rows = ["vx", "vy", "wz"]
+    return pj.Mechanism.from_pinocchio(model, loops, motors, "corner0", home=home, tool_rows=rows)
+
+
+@pytest.mark.parametrize(("share", "told"), [(0.04, "straight"), (1.0, "the motors lose it")])
+def test_motors_lead_past_singular_poses_of_the_straight_way(share, told):
+    """Where the lines of the legs meet in one point twice on the tool's way, that is told."""
+    start, end = (
+        np.array([0.192892687, 0.144578369, -0.0894170812]),
+        np.array([-2.753, 0.26, -3.09]),
+    )
+    ways = [determinant(start + share * s * (end - start)) for s in np.linspace(0.0, 1.0, 200)]
+    crossings = np.count_nonzero(np.diff(np.sign(ways)))
+    assert crossings == (0 if told == "straight" else 2)
+    place = start + share * (end - start)
+    target = pin.SE3(pin.exp3(np.array([0.0, 0.0, place[2]])), np.array([*place[:2], 0.0]))
+    found = pj.reach(plate_on_three_legs(start), target)
+    assert found.status == "reached"
+    assert found.message.endswith(told)
+    lengths = np.linalg.norm(legs_of(place)[0], axis=1)
+    np.testing.assert_allclose(found.actuated, lengths, rtol=0.0, atol=1e-9)
+
+
 # --- Out of reach ---------------------------------------------------------------------------------
 
 

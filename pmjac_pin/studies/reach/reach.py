@@ -19,6 +19,8 @@ from pmjac_pin.studies.reach.task import Task
 from pmjac_pin.studies.reach.tool_path import Stop, ToolPath, leads
 from pmjac_pin.values.checks import as_flag, check_kind
 
+_BY_MOTORS = "straight in motor values; on the tool's straight way the motors lose it"
+
 
 def reach(
     mechanism: Mechanism,
@@ -103,8 +105,11 @@ def _answer(asked: Asked) -> Reached:
             message = f"{_how_far(stop)} the motors lose the tool"
             return asked.told("singular", stop.configuration, stop.share, message)
         case "target":
-            met = asked.meets(stop.configuration)
-            return _met(asked, stop.configuration, "straight") if met else _off_the_way(asked, stop)
+            if not asked.meets(stop.configuration):
+                return _off_the_way(asked, stop)
+            return _met(
+                asked, stop.configuration, _BY_MOTORS if path.turns_over(stop) else "straight"
+            )
         case "end of the mode":
             return _off_the_way(asked, stop)
         case _:

@@ -3,8 +3,9 @@
 It is followed by the guarded continuation of `close` on the machine driven by its tool, so it stays
 on the working mode. At poses along it the machine's own motors are looked at: joints beyond their
 limits end the way where they reach these, and so does a pose at which the motors lose the tool.
-That no such pose lies between is seen by driving the machine itself by its motors from the start
-to the end, or from each pose looked at to the next: that has to lead to the same poses.
+That they never do is seen by driving the machine itself by its motors from the start to the end,
+or from each pose looked at to the next: that has to lead to the same poses. Where they lead to the
+end on a way of their own, past singular poses that the tool's straight way meets, that is told.
 """
 
 from __future__ import annotations
@@ -117,13 +118,13 @@ class ToolPath:
             self._known[share] = reached
             return Stop(self.driven.original(reached), share, "end of the mode")
 
-    def _samples(self, share: float) -> list[float]:
+    def _samples(self, share: float, fewest: int = _FEWEST) -> list[float]:
         """Return shares of poses to look at, up to one."""
         mechanism = self.driven.mechanism
         apart = mechanism.problem.difference(self._known[0.0].q, self._known[share].q)
         partition = mechanism.problem.partition
         lengths = norm(apart / partition.column_scale) / partition.length
-        count = int(min(max(math.ceil(lengths / _BETWEEN_LOOKS), _FEWEST), _MOST))
+        count = int(min(max(math.ceil(lengths / _BETWEEN_LOOKS), fewest), _MOST))
         shares = [share * k / count for k in range(1, count)] if share > 0.0 else []
         return [0.0, *shares, share]
 
@@ -165,6 +166,20 @@ class ToolPath:
                     return Stop(self.at(found), found, "lost by its motors")
         return None
 
+    def turns_over(self, stop: Stop) -> bool:
+        """Tell whether the straight way to a stop passes poses at which the motors lose the tool.
+
+        There det K* changes its sign, and motors do not lead from before to behind.
+        """
+        if not self.start.mechanism.problem.partition.passive.size:
+            return False
+        poses = [self.at(share) for share in self._samples(stop.share, 1)]
+        rates = [_passive_rates(pose) for pose in poses]
+        return any(
+            _changes_sign(*both) and not leads(*ends)
+            for both, ends in zip(pairwise(rates), pairwise(poses), strict=True)
+        )
+
     def _last_driven(self, one: float, other: float) -> float | None:
         """Return up to where motors lead the machine along; None where they do all the way.
 
@@ -205,6 +220,26 @@ class ToolPath:
 def _sigma(pose: Configuration) -> float:
     """Return the relative singular value of K* that the rank rests on."""
     return pose.singularity().smallest
+
+
+def _changes_sign(one: tuple[Array, Array], other: tuple[Array, Array]) -> bool:
+    """Tell whether det K* differs in its sign at two poses near each other.
+
+    K* may be of any shape and rank: K*₁ᵀ K*₂ + N₁ N₁ᵀ N₂ N₂ᵀ, with N what idles, is regular between
+    near poses as long as K* keeps its rank.
+    """
+    (first, idle), (second, idle_then) = one, other
+    related = first.T @ second + idle @ (idle.T @ idle_then) @ idle_then.T
+    return bool(np.linalg.slogdet(related)[0] < 0.0)
+
+
+def _passive_rates(pose: Configuration) -> tuple[Array, Array]:
+    """Return K*, without dimension, and what idles."""
+    mechanism = pose.mechanism
+    partition = mechanism.problem.partition
+    constraint = mechanism.kinematics.snapshot(pose.q).constraint_jacobian
+    rates = partition.scaled(constraint)[:, partition.passive]
+    return rates, np.linalg.svd(rates)[2][partition.passive_rank :].T
 
 
 def leads(one: Configuration, other: Configuration) -> bool:
