@@ -167,3 +167,20 @@ def test_as_a_dataset(five_bar_locus):
 def test_what_is_wrong_is_said(given, says):
     with pytest.raises(pj.PmjacError, match=says):
         pj.singularity_locus(loaded("five_bar"), **{"plane": ("theta1", "theta2"), **given})
+
+
+def test_a_home_right_beside_a_fold_is_on_a_mode_of_any_grid():
+    """Elbows 0.747 apart of 0.748: paths from there take many steps to the nearest cell."""
+    lengths = {"l0": 0.35, "l1": 0.327, "l2": 0.477, "l3": 0.271, "l4": 0.359}
+    locus = pj.singularity_locus(
+        pj.load("five_bar", lengths), ("theta1", "theta2"), kinds=["gain"], cells=21
+    )
+    assert len(locus.modes) == 2
+    assert len(locus.curves) > 1
+
+
+def test_a_window_that_is_not_reached_is_no_empty_locus():
+    """The second elbow may not be 0.9 from the first."""
+    window = {"theta1": (3.0, 3.2), "theta2": (-0.1, 0.1)}
+    with pytest.raises(pj.ArgumentError, match="no cell"):
+        pj.singularity_locus(loaded("five_bar"), ("theta1", "theta2"), window=window, cells=5)

@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from annuli import shared_area
-from mechanisms import loaded
+from mechanisms import Z, loaded, tree
 
 import pmjac_pin as pj
 
@@ -178,3 +178,25 @@ def test_as_a_dataset(bar_in_tool_space):
 def test_what_is_wrong_is_said(name, given, says):
     with pytest.raises(pj.PmjacError, match=says):
         pj.workspace(loaded(name), **{"plane": ("x", "y"), **given})
+
+
+def limited_arm(lower, upper):
+    """Two links of 1 whose second joint has narrow limits: the tip reaches a ring."""
+    continuous = ("theta1", "continuous", "ground", "first", (0, 0, 0), Z)
+    second = ("theta2", "revolute", "first", "second", (1.0, 0, 0), Z)
+    model = pin.buildModelFromXML(
+        tree(continuous, second, ("end", "fixed", "second", "tip", (1.0, 0, 0)))
+    )
+    model.lowerPositionLimit[-1], model.upperPositionLimit[-1] = lower, upper
+    home = {"theta1": 0.3, "theta2": 0.5 * (lower + upper)}
+    arm = pj.Mechanism.from_pinocchio(model, [], ["theta1", "theta2"], "tip", home=home)
+    return arm.with_tool("tip", rows=["vx", "vy"])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("turns", [0, -1])
+def test_a_ring_narrower_than_a_cell_of_the_first_look_is_within_the_window(turns):
+    lower, upper = 1.5 + 2.0 * np.pi * turns, 1.58 + 2.0 * np.pi * turns
+    found = pj.workspace(limited_arm(lower, upper), ("x", "y"), cells=121)
+    assert found.area == pytest.approx(2.0 * np.pi * (np.cos(lower) - np.cos(upper)), rel=1e-7)
+    assert "window" not in {piece.reason for piece in found.border}

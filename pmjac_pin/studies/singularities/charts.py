@@ -21,7 +21,7 @@ from pmjac_pin.errors import ArgumentError, ClosureError, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop, resolved_loop
-from pmjac_pin.studies.singularities.joint_limits import within_joint_limits
+from pmjac_pin.studies.singularities.joint_limits import limits_between, within_joint_limits
 from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
 from pmjac_pin.studies.singularities.sheets import Sheets
 from pmjac_pin.studies.singularities.singular_equations import (
@@ -29,7 +29,7 @@ from pmjac_pin.studies.singularities.singular_equations import (
     RateBlock,
     SingularEquations,
 )
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import Array, Mask
 
 TOOL_AXES = ("x", "y", "z")
 _GROWN, _COARSE = 4, 33  # times, and cells along each axis of a grid that finds the window
@@ -154,9 +154,7 @@ def _fitted_slice(
         if sheets.add(start) is None:
             continue
         cells, closed = sheets.known[0].cells, sheets.known[0].closed
-        reached = closed.copy()
-        q = cells.q[closed][:, : at.mechanism.nq]
-        reached[closed] = within_joint_limits(at.mechanism.coordinates, q)
+        reached = _beside_limits(at.mechanism.coordinates, cells.q[..., : at.mechanism.nq], closed)
         edge = reached.copy()
         edge[1:-1, 1:-1] = False
         if reached.any() and not edge.any():
@@ -167,6 +165,24 @@ def _fitted_slice(
     margin = _CELLS_AROUND * area.size / (_COARSE - 1)
     ends = zip(found.min(axis=0) - margin, found.max(axis=0) + margin, strict=True)
     return PlaneSlice.of(names, start, {**dict(zip(names, ends, strict=True)), **window})
+
+
+def _beside_limits(coordinates: JointCoordinates, q: Array, closed: Mask) -> Mask:
+    """Tell which closed cells (a, b) are within limits, or have a place that is before the next.
+
+    What limits leave may be narrower than a cell.
+    """
+    found = closed.copy()
+    found[closed] = within_joint_limits(coordinates, q[closed])
+    for axis in (0, 1):
+        poses, marks = np.moveaxis(q, axis, 0), np.moveaxis(found, axis, 0)
+        both = np.moveaxis(closed, axis, 0)
+        pairs: Mask = both[:-1] & both[1:]
+        between = np.zeros(pairs.shape, dtype=bool)
+        between[pairs] = limits_between(coordinates, poses[:-1][pairs], poses[1:][pairs])
+        marks[:-1] |= between
+        marks[1:] |= between
+    return found
 
 
 def _driven(names: tuple[str, str], at: Configuration) -> Mechanism:

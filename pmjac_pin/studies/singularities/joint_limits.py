@@ -20,11 +20,31 @@ def limited(coordinates: JointCoordinates) -> Index:
 
 def within_joint_limits(coordinates: JointCoordinates, q: Array) -> Mask:
     """Tell which poses (N, nq) have all joints within their limits, angles less full turns."""
+    inside = _share_with_limits(coordinates, q, q)
+    return np.asarray(inside.all(axis=1))
+
+
+def limits_between(coordinates: JointCoordinates, q: Array, other: Array) -> Mask:
+    """Tell between which poses (N, nq) and others each joint may be within its limits.
+
+    As values do that change by less than half a turn, and never back on the way.
+    """
+    return np.asarray(_share_with_limits(coordinates, q, other).all(axis=1))
+
+
+def _share_with_limits(coordinates: JointCoordinates, q: Array, other: Array) -> Mask:
+    """Tell which limited joints (N, k) have a value within limits from one pose to the other."""
     columns = limited(coordinates)
     values = coordinates.values_of(q, columns)
+    change = coordinates.values_of(other, columns) - values
     lower, upper = coordinates.lower[columns], coordinates.upper[columns]
-    turning = coordinates.angles[columns] & np.isfinite(lower)
+    angles = coordinates.angles[columns]
+    change[:, angles] -= _WHOLE_TURN * np.round(change[:, angles] / _WHOLE_TURN)
+    low, high = values + np.minimum(change, 0.0), values + np.maximum(change, 0.0)
+    turning = angles & np.isfinite(lower)
+    # The least turn of the upper end that is not below the lower limit.
     least = lower[turning] - _LENIENT
-    values[:, turning] = least + np.remainder(values[:, turning] - least, _WHOLE_TURN)
-    inside = (values >= lower - _LENIENT) & (values <= upper + _LENIENT)
-    return np.asarray(inside.all(axis=1))
+    turned = least + np.remainder(high[:, turning] - least, _WHOLE_TURN) - high[:, turning]
+    low[:, turning] += turned
+    high[:, turning] += turned
+    return np.asarray((high >= lower - _LENIENT) & (low <= upper + _LENIENT))

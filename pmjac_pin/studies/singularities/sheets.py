@@ -25,7 +25,7 @@ _ALIKE_POSES = 1e-6  # lengths or rad
 _CELLS_NEAR = 16  # cells near a pose, to tell on which sheet it is
 _STEPS_TO_CELLS = 6  # a path to a cell nearby takes one or two, but where it ends
 _CELLS_AWAY = (3.0, 2.0, 1.0, 0.5)
-_SOME_STEPS = 60  # away from a fold
+_SOME_STEPS = 60  # away from a fold, or from right beside one
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +105,7 @@ class Sheets:
 
     def add(self, start: Configuration) -> int | None:
         """Return which sheet a pose is on, a new one if it is on none; None where no cell is."""
-        leads = list(self._leads(start))
+        leads = list(self._leads(start)) or list(self._leads(start, _SOME_STEPS))
         known = self._among_known(leads)
         if known is None and leads:
             cells = self._many.grid(self._axes, start, enforce_limits=self._limits)
@@ -165,7 +165,9 @@ class Sheets:
         away[..., entries] = np.remainder(away[..., entries] + np.pi, 2.0 * np.pi) - np.pi
         return np.asarray(np.abs(away).max(axis=-1) <= _ALIKE_POSES * self._largest)
 
-    def _leads(self, pose: Configuration) -> Iterator[tuple[int, Array]]:
+    def _leads(
+        self, pose: Configuration, steps: int = _STEPS_TO_CELLS
+    ) -> Iterator[tuple[int, Array]]:
         """Yield the cells near a pose that straight paths from it reach, and q there."""
         place = self.area.places(pose.q)
         away = np.linalg.norm((self._values - place) / self.area.size, axis=-1).ravel()
@@ -175,7 +177,7 @@ class Sheets:
         for k, name in enumerate(self.area.names):
             targets[:, motors.index(name)] = self._values[..., k].ravel()[near]
         start = np.broadcast_to(pose.q, (near.size, pose.q.size))
-        reached = self._many._toward(targets, start, "motors", _STEPS_TO_CELLS, threads=1)
+        reached = self._many._toward(targets, start, "motors", steps, threads=1)
         for cell, q, status in zip(near.tolist(), reached.q, reached.status, strict=True):
             if status == Status.CLOSED:
                 yield cell, q

@@ -100,6 +100,8 @@ def singularity_locus(
     sheets = Sheets(drawn.area, _cells(cells))
     for mode in _begin(drawn) if modes is None else modes:
         sheets.add(drawn.lifted(mode))
+    if not sheets.known:
+        raise ArgumentError("no cell of the grid is reached: name a window around the pose")
     folds = LocusFinding(drawn.area, drawn.folds, sheets, drawn.fold_kind)
     _over_the_folds(folds, drawn.folds)
     found = [folds] if drawn.fold_kind in asked else []
