@@ -238,8 +238,10 @@ def _passive_rates(pose: Configuration) -> tuple[Array, Array]:
     mechanism = pose.mechanism
     partition = mechanism.problem.partition
     constraint = mechanism.kinematics.snapshot(pose.q).constraint_jacobian
-    rates = partition.scaled(constraint)[:, partition.passive]
-    return rates, np.linalg.svd(rates)[2][partition.passive_rank :].T
+    scaled = partition.scaled(constraint)
+    rates = scaled[:, partition.passive]
+    factors = partition.factorise(rates, partition.size_of(scaled))
+    return rates, factors.right[partition.passive_rank :].T
 
 
 def leads(one: Configuration, other: Configuration) -> bool:
