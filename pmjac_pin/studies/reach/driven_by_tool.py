@@ -27,16 +27,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from msgspec.structs import replace
 
-from pmjac_pin.closing.assembly import build_parts
 from pmjac_pin.closing.nearby_poses import nearby
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.frames import find_frame
-from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop, resolved_loop
+from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop
+from pmjac_pin.studies.led_machine import LedMachine
 from pmjac_pin.studies.reach.chosen_chains import chosen_chains, single_chains, whole_chains
 from pmjac_pin.studies.reach.goal import Goal, ToolGoal, tool_at
 from pmjac_pin.studies.reach.tool_chain import ToolChain
@@ -160,40 +158,19 @@ def _if_it_closes(
 def _mechanism(
     mechanism: Mechanism, chains: Sequence[ToolChain], goals: Sequence[ToolGoal]
 ) -> Mechanism:
-    model, spec, home = mechanism.model, mechanism.spec, mechanism.home.q
+    led, home = LedMachine(mechanism), mechanism.home.q
     welds: list[Loop] = []
-    loops = [resolved_loop(loop, mechanism.parameters) for loop in spec.loops]
-    motors: list[str] = []
     for chain, goal in zip(chains, goals, strict=True):
         carrier = 0
         for joint in chain.joints:
-            carrier = model.addJoint(carrier, joint.joint, joint.place, joint.name)
-            motors += [joint.name] * joint.driven
+            carrier = led.joint(carrier, joint.joint, joint.place, joint.name, driven=joint.driven)
         end = chain.end if chain.joints else chain.base * chain.end
         for frame, place in _held(mechanism, goal, home):
-            target = target_of(frame)
-            model.addFrame(pin.Frame(target, carrier, end * place, pin.FrameType.OP_FRAME), False)
+            target = led.frame(f"{frame} target", carrier, end * place)
             point = bool(goal.tool.points) or chain.turning == "free"
             welds.append((PointLoop if point else FrameLoop)(frames=(frame, target)))
     q = np.concatenate([home, *_chain_entries(mechanism, home, chains)])
-    driven = replace(
-        spec,
-        actuated=tuple(motors),
-        passive=None,
-        loops=(*welds, *loops),
-        poses={"home": JointCoordinates(model).pose(q)},
-        spherical=(),
-        helical={},
-        armature={},
-        parameters={},
-        enforce_limits=False,
-    )
-    return Mechanism(build_parts(model, driven, {}, mechanism.urdf, q))
-
-
-def target_of(frame: str) -> str:
-    """Return the name of the frame where a frame of the tool is to be."""
-    return f"{frame} target"
+    return led.closed(q, before=welds)
 
 
 def _chain_entries(mechanism: Mechanism, q: Array, chains: Sequence[ToolChain]) -> list[Array]:

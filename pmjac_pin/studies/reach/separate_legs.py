@@ -29,7 +29,7 @@ from pmjac_pin.studies.modes.aim import Aim
 from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
 from pmjac_pin.studies.modes.closed_pose import closed_pose
 from pmjac_pin.studies.modes.find import find_modes
-from pmjac_pin.studies.reach.driven_by_tool import DrivenByTool, target_of
+from pmjac_pin.studies.reach.driven_by_tool import DrivenByTool
 from pmjac_pin.studies.reach.motor_values_alike import of_other_values
 from pmjac_pin.studies.recut import recut
 from pmjac_pin.values.arrays import Array
@@ -178,7 +178,8 @@ def _carried(driven: DrivenByTool, q: Array) -> Array:
     model = mechanism.kinematics.model
     edge, tool = edges_of(model)[carrier], find_frame(model, frame)
     data = mechanism.kinematics.placed(q)
-    target = data.oMf[find_frame(model, target_of(frame)).index]
+    held = driven.mechanism.spec.loops[0].ends[1]
+    target = data.oMf[find_frame(model, held).index]
     entries = edge.entries(data.oMi[edge.parent].copy(), target * tool.placement.inverse())
     return mechanism.coordinates.q({carrier: entries}, q)
 

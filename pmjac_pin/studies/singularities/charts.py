@@ -13,14 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from msgspec.structs import replace
 
-from pmjac_pin.closing.assembly import build_parts
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ArgumentError, ClosureError, quoted
+from pmjac_pin.errors import ArgumentError, ClosureError
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.model.coordinates import JointCoordinates
-from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop, resolved_loop
+from pmjac_pin.model.loop_spec import FrameLoop, PointLoop
+from pmjac_pin.studies.led_machine import LedMachine
 from pmjac_pin.studies.singularities.joint_limits import within_joint_limits
 from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
 from pmjac_pin.studies.singularities.sheets import Sheets
@@ -34,7 +32,6 @@ from pmjac_pin.values.arrays import Array
 TOOL_AXES = ("x", "y", "z")
 _GROWN, _COARSE = 4, 33  # times, and cells along each axis of a grid that finds the window
 _CELLS_AROUND = 2.0  # of its cells: around what is reached
-_TARGET = "where the tool is to be"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -181,37 +178,19 @@ def _driven(names: tuple[str, str], at: Configuration) -> Mechanism:
 
 def _led(names: tuple[str, str], at: Configuration, pose: pin.SE3) -> Mechanism:
     mechanism = at.mechanism
-    frame, spec, model = mechanism.spec.tool.frame, mechanism.spec, mechanism.model
+    frame = mechanism.spec.tool.frame
     if not frame:
         raise ArgumentError("the tool's plane is of a tool that is one frame, not three points")
     values = [pose.translation[TOOL_AXES.index(name)] for name in names]
-    home = pose.translation.copy()
-    carrier = 0
+    home, led, carrier = pose.translation.copy(), LedMachine(mechanism), 0
     slides = {"x": pin.JointModelPX, "y": pin.JointModelPY, "z": pin.JointModelPZ}
     for name in names:
-        if name in mechanism.coordinates.names:
-            raise ArgumentError(f"a joint of {mechanism.name} is named {quoted(name)} already")
         home[TOOL_AXES.index(name)] = 0.0
-        carrier = model.addJoint(carrier, slides[name](), pin.SE3.Identity(), name)
-    target = pin.SE3(pose.rotation, home)
-    model.addFrame(pin.Frame(_TARGET, carrier, target, pin.FrameType.OP_FRAME), False)
+        carrier = led.joint(carrier, slides[name](), pin.SE3.Identity(), name)
+    target = led.frame(f"{frame} target", carrier, pin.SE3(pose.rotation, home))
     held = FrameLoop if mechanism.problem.partition.tool_rows.angular else PointLoop
-    loops: list[Loop] = [resolved_loop(loop, mechanism.parameters) for loop in spec.loops]
-    q = np.concatenate([at.q, values])
-    driven = replace(
-        spec,
-        actuated=names,
-        passive=None,
-        loops=(*loops, held(frames=(frame, _TARGET))),
-        poses={"home": JointCoordinates(model).pose(q)},
-        spherical=(),
-        helical={},
-        armature={},
-        parameters={},
-        enforce_limits=False,
-    )
     try:
-        found = Mechanism(build_parts(model, driven, {}, mechanism.urdf, q))
+        found = led.closed(np.concatenate([at.q, values]), after=[held(frames=(frame, target))])
     except ClosureError as error:
         raise ArgumentError(f"the tool cannot be led from there: {error}") from None
     if found.problem.partition.isolated or found.mobility != len(names):
