@@ -8,6 +8,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import pinocchio as pin
 
+from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.files.joint_dialects import listed
 from pmjac_pin.files.unused_name import unused_name
 from pmjac_pin.files.xml_text import written
@@ -89,8 +90,10 @@ def _sizes(shape: Element) -> dict[str, str]:
         case "cylinder" | "capsule":
             sizes = [number("radius"), number("length") / 2.0]
             return {"type": shape.tag, "size": written(sizes)}
-        case _:
+        case "mesh":
             return {}
+        case unknown:
+            raise ArgumentError(f"MJCF is told no shape of the kind {quoted(unknown)}")
 
 
 def _opens(file: Path) -> bool:

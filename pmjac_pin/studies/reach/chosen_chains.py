@@ -11,7 +11,7 @@ import pinocchio as pin
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.factorisation import factorise
 from pmjac_pin.studies.reach.goal import ToolGoal, tool_at
-from pmjac_pin.studies.reach.tool_chain import ToolChain
+from pmjac_pin.studies.reach.tool_chain import ChainTurning, ToolChain
 from pmjac_pin.studies.reach.tool_motions import ToolMotions, tool_motions
 from pmjac_pin.values.arrays import Array
 
@@ -60,7 +60,7 @@ def single_chains(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> tuple[Tool
     )
 
 
-def _held_turning(chain: ToolChain, goal: ToolGoal) -> str:
+def _held_turning(chain: ToolChain, goal: ToolGoal) -> ChainTurning:
     """Return what of a tool's turn is commanded: that it has none, where it never turns."""
     never = chain.turning == "free" and goal.task.turning == "orientation"
     return "none" if never and chain.slides == 3 else chain.turning
@@ -73,7 +73,8 @@ def _homes(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> list[pin.SE3]:
 def _of_all_rows(goal: ToolGoal, home: pin.SE3) -> ToolChain:
     """Return the chain of all rows of a task."""
     task = goal.task
-    turning = "swivel" if goal.tool.points and task.turning == "free" else task.turning
+    points = goal.tool.points and task.turning == "free"
+    turning: ChainTurning = "swivel" if points else task.turning
     slides = len(task.directions)
     axes = _completed(task.linear.T)
     return ToolChain(goal.tool, home, axes, slides, slides < 3, turning, np.array(task.axis))
@@ -83,6 +84,7 @@ def _split(goal: ToolGoal, home: pin.SE3, linear: Array, angular: Array) -> Tool
     """Return the chain of the ways in which a tool moves: linear (k, ·) and angular (a, ·)."""
     task, axis = goal.task, np.array(goal.task.axis)
     turning, count = task.turning, angular.shape[1]
+    chosen: ChainTurning
     if not count:
         chosen = "swivel" if goal.tool.points else "free"
     elif count == len(angular):

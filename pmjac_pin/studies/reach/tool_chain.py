@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Literal, TypeAlias, assert_never
 
 import numpy as np
 import pinocchio as pin
@@ -17,8 +18,13 @@ import pinocchio as pin
 from pmjac_pin.model.linkage import turned_to
 from pmjac_pin.model.rows import across
 from pmjac_pin.model.tool_spec import Tool
-from pmjac_pin.studies.reach.task import Turning, plane_axes
+from pmjac_pin.studies.reach.task import plane_axes
 from pmjac_pin.values.arrays import Array
+
+#: How what is led turns: as a task says, about one axis only, not at all, or with nobody leading.
+ChainTurning: TypeAlias = Literal[
+    "free", "heading", "pointing", "orientation", "hinge", "none", "swivel"
+]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,7 +81,7 @@ class ToolChain:
     axes: Array
     slides: int
     floats: bool
-    turning: Turning | str
+    turning: ChainTurning
     axis: Array
     singly: bool = False
 
@@ -164,7 +170,7 @@ class ToolChain:
             case "heading":
                 yield from self._heading()
             case _:
-                raise AssertionError(self.turning)
+                assert_never(self.turning)
 
     def _ball(self, driven: bool) -> Iterator[ChainJoint]:
         if self.singly:
