@@ -32,15 +32,13 @@ OTHERWISE = {
     "closing/levenberg_marquardt.py": {"svd"},  # a step that damping holds back
     "studies/modes/marks.py": {"qr"},  # the space of a joint's own motions, for many poses
     "studies/singularities/closest.py": {"eigh"},  # curvatures, of which none counts as zero
-    "studies/singularities/singular_equations.py": {"svd"},  # steps of a rank that is known
     "files/mjcf/actuators.py": {"matrix_rank"},  # of gears that a file gives, no pose's
     "studies/export/masses.py": {"eigh"},  # principal moments of bodies
     "studies/export/mjcf.py": {"eigh"},  # the same
     "studies/follow/bordered.py": {"svd"},  # how many directions beside the one that is lost
     "studies/follow/branching.py": {"svd", "qr", "eigh"},  # unit vectors, and signs of a form
-    "studies/follow/path_equations.py": {"svd"},  # rows and directions of a rank that is known
     "studies/follow/tool_losses.py": {"svd"},  # a singular value that is watched along a path
-    "studies/singularities/curve_equations.py": {"svd"},  # steps of a rank that is known
+    "studies/singularities/curve_equations.py": {"svd"},  # steps and ways of a rank that is known
     "studies/singularities/curve_tracing.py": {"svd"},  # the one way on along a curve
     "studies/singularities/sheets.py": {"svd"},  # where singular values are small: guesses
     "studies/modes/enclosed_modes.py": {"lstsq", "pinv"},  # guesses: what they are worth is proven

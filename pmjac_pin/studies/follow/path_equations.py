@@ -49,8 +49,9 @@ class PathEquations:
         if not (pace and rank):
             return None
         _, jacobian = course.mechanism.kinematics.loop_equations(q)
-        left, _, right = np.linalg.svd(partition.scaled(jacobian)[:, partition.passive])
-        return cls(course, piece, left[:, :rank].T, right[:rank].T, pace)
+        scaled = partition.scaled(jacobian)
+        factors = partition.factorise(scaled[:, partition.passive], partition.size_of(scaled))
+        return cls(course, piece, factors.left[:, :rank].T, factors.right[:rank].T, pace)
 
     @property
     def rank(self) -> int:

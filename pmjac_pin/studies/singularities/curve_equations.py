@@ -73,8 +73,10 @@ class CurveEquations(ABC):
         found = np.zeros((partition.column_scale.size, idle))
         if idle:
             snapshot = self.mechanism.kinematics.snapshot(point.q)
-            passive = partition.scaled(snapshot.constraint_jacobian)[:, partition.passive]
-            found[partition.passive] = np.linalg.svd(passive)[2][partition.passive_rank :].T
+            scaled = partition.scaled(snapshot.constraint_jacobian)
+            passive = scaled[:, partition.passive]
+            factors = partition.factorise(passive, partition.size_of(scaled))
+            found[partition.passive] = factors.right[partition.passive_rank :].T
         return found
 
     def moved(self, point: SingularPoint, step: Array) -> SingularPoint:

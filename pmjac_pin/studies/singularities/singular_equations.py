@@ -194,8 +194,10 @@ class SingularEquations(CurveEquations):
             raise ArgumentError("what folds is a gain: ask the machine driven by its tool")
         partition = self.partition
         constraint, slopes = self.slopes(point.q)
-        left = np.linalg.svd(constraint[:, partition.passive])[0][:, self.rank - 1 :]
-        turned, _, _ = np.linalg.svd(left.T @ constraint[:, partition.actuated])
+        size = partition.size_of(constraint)
+        factors = partition.factorise(constraint[:, partition.passive], size)
+        left = factors.left[:, self.rank - 1 :]
+        turned = partition.factorise(left.T @ constraint[:, partition.actuated], size).left
         w = left @ turned[:, 0]
         along = np.tensordot(point.u, slopes[partition.passive], axes=1)
         return Fold(w @ constraint[:, partition.actuated], float(w @ along @ point.u), w)
