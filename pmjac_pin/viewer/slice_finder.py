@@ -135,11 +135,14 @@ def _drawn_or_refusal(
 def _told(found: SliceMap) -> str:
     """Say what a map shows, and what it rests on."""
     reached = sum(len(row) - row.count("0") for row in found.cells)
+    cells = len(found.cells) ** 2
+    cut = sum(not curve.complete for curve in found.curves)
+    unfinished = f"; {cut} could not be followed to their ends" if cut else ""
     counts = {kind: sum(curve.kind == kind for curve in found.curves) for kind in ("gain", "loss")}
     held = ", ".join(f"{name} = {value:.4g}" for name, value in found.drawn.held.items())
     where = f", {held}" if held else ""
     return (
-        f"This assembly mode{where}: {reached} of {len(found.cells) ** 2} cells are "
-        f"reached; curves of gain: {counts['gain']}, of loss: {counts['loss']}. "
+        f"This assembly mode{where}: {reached} of {cells} cells are reached; "
+        f"curves of gain: {counts['gain']}, of loss: {counts['loss']}{unfinished}. "
         "What is smaller than a cell may be missed."
     )

@@ -133,7 +133,8 @@ def _curves(drawn: Chart, sheets: Sheets, wanted: Callable[[], bool]) -> Iterato
         for curve in finding.curves:
             if not finding.stays(curve):
                 places = drawn.area.places(curve.q).tolist()
-                yield SliceCurve(finding.kind, tuple((x, y) for x, y in places))
+                complete = not {"lost", "long"} & set(curve.ends)
+                yield SliceCurve(finding.kind, complete, tuple((x, y) for x, y in places))
 
 
 def _cells(sheet: SliceSheet, pose: Configuration) -> tuple[str, ...]:

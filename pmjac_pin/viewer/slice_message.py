@@ -10,9 +10,10 @@ from pmjac_pin.studies.singularities.singular_equations import Freed
 
 
 class SliceCurve(msgspec.Struct, frozen=True):
-    """A curve of singular poses, by the values of the two motors."""
+    """A curve of singular poses, by the values of the two motors; complete as of `LocusCurve`."""
 
     kind: Freed
+    complete: bool
     places: tuple[tuple[float, float], ...]
 
 
