@@ -442,6 +442,7 @@ def test_keyboard_alone(viewer, open_page):
     assert visited == [
         *buttons,
         *motors,
+        "slice-title",
         "design-title",
         "passive-title",
         "find-modes",
