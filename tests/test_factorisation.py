@@ -57,3 +57,13 @@ def test_what_bounds_call_certain_is_so_by_singular_values(size, rng):
     one_by_one = [bounds.regular(one, size) for one in inverse.tolist()]
     assert one_by_one == certain.tolist()
     assert [bounds.follows(one, size) for one in forbidden.tolist()] == follows.tolist()
+
+
+@pytest.mark.parametrize("share", [1e-80, 1e-100, 1e-160, 1e-200, 1e-300, 5e-324, 0.0])
+@pytest.mark.parametrize("rows", [2, 3])
+def test_a_matrix_that_is_singular_but_for_next_to_nothing_has_no_rank_there(rows, share):
+    """Squares of its inverse overflow, which is told to nobody."""
+    factors = factorise(np.eye(rows, 2) @ np.diag([1.0, share]), 1.0)
+    assert factors.rank == 1
+    assert factors.exceeds(1, 0.5)
+    assert not factors.surely_exceeds(0.5)

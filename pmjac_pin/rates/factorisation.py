@@ -54,17 +54,22 @@ class Factorisation:
     @found_once
     def _inverted(self) -> tuple[Array | None, float]:
         """A⁺ and a bound on σ_min, where that is above the tolerance for certain."""
-        rows, columns = self.matrix.shape
+        A = self.matrix
+        rows, columns = A.shape
         if rows < columns or not columns:
             return None, 0.0
         try:
-            inverse, length = _inverse(self.matrix) if rows == columns else _left(self.matrix)
+            inverse = np.linalg.inv(A if rows == columns else A.T.dot(A))
         except np.linalg.LinAlgError:
             return None, 0.0
-        bound = _SURELY / (length or math.inf)
+        # By the largest entry: squares may overflow.
+        length = columns * float(np.abs(inverse).max())
+        bound = _SURELY / ((length if rows == columns else math.sqrt(length)) or math.inf)
         resolved = _RESOLVED if rows == columns else _SQUARED
         least = max(self.tolerance, resolved) * max(self.size, norm(self.matrix))
-        return (inverse, bound) if bound > least else (None, 0.0)
+        if not bound > least:
+            return None, 0.0
+        return (inverse if rows == columns else _left(self.matrix, inverse)), bound
 
     @property
     def left(self) -> Array:
@@ -147,18 +152,11 @@ class Factorisation:
         return inverse
 
 
-def _inverse(matrix: Array) -> tuple[Array, float]:
-    """Return A⁻¹ and its norm, infinite where the squares overflow."""
-    inverse = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
-    return inverse, norm(inverse)
-
-
-def _left(matrix: Array) -> tuple[Array, float]:
-    """Return A⁺ = (AᵀA)⁻¹Aᵀ, improved by one step, and a bound on its norm: ‖(AᵀA)⁻¹‖^½."""
-    squared = np.linalg.inv(matrix.T.dot(matrix))
+def _left(matrix: Array, squared: Array) -> Array:
+    """Return A⁺ = (AᵀA)⁻¹Aᵀ of a given (AᵀA)⁻¹, improved by one step."""
     inverse = squared.dot(matrix.T)
     improved: Array = 2.0 * inverse - inverse.dot(matrix.dot(inverse))
-    return improved, math.sqrt(norm(squared))
+    return improved
 
 
 def factorise(matrix: Array, size: float, tolerance: float = RANK_TOLERANCE) -> Factorisation:
