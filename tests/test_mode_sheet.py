@@ -42,7 +42,7 @@ def many(few, count):
     again = -(-count // len(few))
     configurations, shares = few.configurations * again, few.shares * again
     return pj.AssemblyModes(
-        configurations[:count], shares[:count], few.starts, few.evidence, (None,) * count
+        configurations[:count], few.starts, few.evidence, shares[:count], (None,) * count
     )
 
 

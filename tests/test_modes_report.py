@@ -111,7 +111,7 @@ def test_a_singular_mode_has_no_sign():
     pose = mechanism.close([end])
     assert pose.singularity().is_singular
     modes = pj.AssemblyModes(
-        (pose,), (1.0,), 1, pj.Evidence("nothing", "by hand", 1.0, 0.5), (None,)
+        (pose,), 1, pj.Evidence("nothing", "by hand", 1.0, 0.5), (1.0,), (None,)
     )
     [mode] = make_modes_report(mechanism, [end], modes).modes
     assert (mode.singularity.kind, mode.sign) == ("gain", 0)

@@ -216,3 +216,17 @@ def test_dir_has_the_public_names_only():
         "__doc__", "__file__", "__name__", "__path__",
     ]  # fmt: skip
     assert {"load", "report", "plot", "stewart", "delta"} <= set(dir(pj))
+
+
+def test_working_modes_and_where_reach_came_to_show_their_motor_values():
+    chain = loaded("serial_2r")
+    target = chain.home.tool_pose().translation
+    modes, reached = pj.working_modes(chain, target), pj.reach(chain, target)
+    for value, poses in ((modes, list(modes)), (reached, [reached.configuration])):
+        numbers = [pytest.approx(pose.actuated, abs=5e-5) for pose in poses]
+        shown = cells(value)
+        assert [
+            list(map(float, shown[3 * k + 1 : 3 * k + 3])) for k in range(len(poses))
+        ] == numbers
+    far = pj.working_modes(chain, [10.0, 0.0, 0.0])
+    assert parsed(far._repr_html_()).find("h3").text == "0 working modes"

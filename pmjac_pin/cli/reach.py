@@ -59,7 +59,7 @@ def _modes(machine: Mechanism, target: Any, limits: bool, json: bool) -> Output:
     found = working_modes(machine, target, rng=0, limits=limits)
     if json:
         return f"{to_json(working_modes_told(machine, found))}\n"
-    return working_modes_blocks(machine, found)
+    return working_modes_blocks(found)
 
 
 def _target(text: str) -> Any:

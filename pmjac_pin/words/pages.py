@@ -12,6 +12,8 @@ from pmjac_pin.rates.singularity import Singularity
 from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.studies.check.diagnosis import Diagnosis
 from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
+from pmjac_pin.studies.reach.reached import Reached
+from pmjac_pin.studies.reach.working_modes import WorkingModes
 from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table
 from pmjac_pin.words.diagnosis_tables import diagnosis_blocks
 from pmjac_pin.words.html import html
@@ -20,6 +22,7 @@ from pmjac_pin.words.mechanism_page import mechanism_blocks
 from pmjac_pin.words.modes_tables import no_more
 from pmjac_pin.words.numbers import matrix_numbers
 from pmjac_pin.words.rate_blocks import jacobian_blocks, principal_blocks, rank_blocks
+from pmjac_pin.words.reach_tables import reached_blocks, working_modes_blocks
 from pmjac_pin.words.report import Report, report
 from pmjac_pin.words.tables import joints_table, matrix_blocks, report_blocks, title
 from pmjac_pin.words.terminal import plain_text
@@ -88,6 +91,8 @@ _PAGE_BLOCKS: Mapping[type, Callable[[Any], Iterable[Block]]] = {
     Report: report_blocks,
     Configuration: lambda configuration: _pose_page(report(configuration)),
     AssemblyModes: _modes_page,
+    WorkingModes: working_modes_blocks,
+    Reached: reached_blocks,
     LabelledMatrix: lambda matrix: [matrix.block()],
     Mechanism: mechanism_blocks,
     SplitJacobian: jacobian_blocks,

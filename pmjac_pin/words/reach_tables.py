@@ -48,12 +48,16 @@ def reached_blocks(found: Reached) -> Iterator[Block]:
     yield Paragraph(f"{found.evidence}.")
 
 
-def working_modes_blocks(mechanism: Mechanism, modes: WorkingModes) -> Iterator[Block]:
+def working_modes_blocks(modes: WorkingModes) -> Iterator[Block]:
     """Show the motor values of all working modes."""
     count = len(modes)
-    yield Heading(f"{mechanism.name}: {count} working mode{'s' * (count != 1)}")
+    title = f"{count} working mode{'s' * (count != 1)}"
     if count:
+        mechanism = modes[0].mechanism
+        yield Heading(f"{mechanism.name}: {title}")
         yield _motors(mechanism, list(modes), [str(k) for k in range(1, count + 1)])
+    else:
+        yield Heading(title)
     yield Paragraph(f"{modes.evidence}.")
 
 

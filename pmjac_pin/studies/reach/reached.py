@@ -9,12 +9,13 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.reach.goal import Miss
 from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.shown import Shown
 
 ReachStatus = Literal["reached", "at a limit", "out of reach", "singular", "on another branch"]
 
 
 @dataclass(frozen=True, eq=False)
-class Reached:
+class Reached(Shown):
     """What `reach` came to.
 
     Attributes

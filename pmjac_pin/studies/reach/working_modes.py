@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import overload
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.modes.aim import Aim
 from pmjac_pin.studies.modes.closed_pose import generator
 from pmjac_pin.studies.modes.find import find_modes
+from pmjac_pin.studies.modes.modes_found import ModesFound
 from pmjac_pin.studies.reach.driven import searched_by
 from pmjac_pin.studies.reach.driven_by_tool import DrivenByTool
 from pmjac_pin.studies.reach.goal import Goal, is_met
@@ -27,8 +27,8 @@ from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_flag, check_kind
 
 
-@dataclass(frozen=True, eq=False)
-class WorkingModes(Sequence[Configuration]):
+@dataclass(frozen=True, eq=False, repr=False)
+class WorkingModes(ModesFound):
     """The working modes of a machine at a target: a sequence of its Configurations, sorted alike.
 
     Attributes
@@ -41,30 +41,10 @@ class WorkingModes(Sequence[Configuration]):
         What it rests on that these are all.
     """
 
-    configurations: tuple[Configuration, ...]
-    starts: int
-    evidence: Evidence
-
     @property
     def actuated(self) -> Array:
         """The motor values of each mode, shape (k, n), m or rad."""
         return np.array([one.actuated for one in self.configurations])
-
-    @overload
-    def __getitem__(self, index: int) -> Configuration: ...
-    @overload
-    def __getitem__(self, index: slice) -> tuple[Configuration, ...]: ...
-    def __getitem__(self, index: int | slice) -> Configuration | tuple[Configuration, ...]:
-        return self.configurations[index]
-
-    def __len__(self) -> int:
-        return len(self.configurations)
-
-    def __iter__(self) -> Iterator[Configuration]:
-        return iter(self.configurations)
-
-    def __repr__(self) -> str:
-        return f"WorkingModes({len(self)} modes, {self.evidence})"
 
 
 def working_modes(
