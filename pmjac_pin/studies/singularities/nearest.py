@@ -34,7 +34,7 @@ def nearest_singularity(
     space: Space = "motors",
     weights: Mapping[str, float] | None = None,
     starts: int = 6,
-    rng: np.random.Generator | int = 0,
+    rng: np.random.Generator | int | None = None,
 ) -> NearestSingularity:
     """Return the singular pose that is nearest to a pose: an estimate, no proof.
 
@@ -55,8 +55,8 @@ def nearest_singularity(
         distance is of the weighted changes.
     starts : int
         Random directions, 0 or more.
-    rng : Generator or int
-        For these.
+    rng : Generator or int, optional
+        For these; a seed makes a generator, and none takes one that differs every time.
 
     Raises
     ------
@@ -74,7 +74,7 @@ def nearest_singularity(
 
     >>> import pmjac_pin as pj
     >>> arm = pj.load("serial_2r").close([0.3, 0.9])
-    >>> nearest = pj.nearest_singularity(arm)
+    >>> nearest = pj.nearest_singularity(arm, rng=0)
     >>> nearest.freed, round(nearest.distance, 9), nearest.unit
     ('loss', 0.9, 'rad')
     >>> round(nearest.motor_change["theta2"], 9)
