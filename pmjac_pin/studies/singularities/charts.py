@@ -45,15 +45,16 @@ class Chart:
         Of the machine itself.
     area : PlaneSlice
         Of the machine that the plane drives.
-    folds, inner : SingularEquations
-        Of the borders of sheets, and of what lies within them.
+    folds, inner : SingularEquations or None
+        Of the borders of sheets, and of what lies within them; None where there is no such thing:
+        chains without loops gain nothing, and without a tool nothing is lost.
     fold_kind, inner_kind : {"gain", "loss"}
         What these are of the machine itself.
     """
 
     at: Configuration
     area: PlaneSlice
-    folds: SingularEquations
+    folds: SingularEquations | None
     fold_kind: Freed
     inner: SingularEquations | None
     inner_kind: Freed
@@ -61,6 +62,12 @@ class Chart:
     def original(self, q: Array) -> Array:
         """Return q (..., nq) of the machine itself."""
         return q[..., : self.at.mechanism.nq]
+
+    @property
+    def equations(self) -> dict[Freed, SingularEquations]:
+        """What may be singular, by the kinds that there are."""
+        both = ((self.fold_kind, self.folds), (self.inner_kind, self.inner))
+        return {kind: equations for kind, equations in both if equations is not None}
 
     @property
     def in_tool_space(self) -> bool:
@@ -110,8 +117,11 @@ def chart(
     if tool and len(set(names)) == len(names) == 2:
         return _tool_chart((names[0], names[1]), at, window)
     area = PlaneSlice.of(plane, at, window)
+    partition = mechanism.problem.partition
+    loops = partition.passive_rank or partition.isolated
+    folds = SingularEquations(mechanism, "gain") if loops else None
     inner = None if mechanism.spec.tool.is_none else SingularEquations(mechanism, "loss")
-    return Chart(at, area, SingularEquations(mechanism, "gain"), "gain", inner, "loss")
+    return Chart(at, area, folds, "gain", inner, "loss")
 
 
 def _tool_chart(

@@ -102,13 +102,17 @@ class PlaneSlice:
         within = (places >= self.lower - slack) & (places <= self.upper + slack)
         return np.asarray(within.all(axis=-1))
 
-    def apart(self, q: Array, other: Array) -> float:
-        """Return how far two poses are from each other, lengths or rad, full turns aside."""
+    def way(self, q: Array, other: Array) -> Array:
+        """Return the motion (nv,) from one pose to another, lengths or rad, full turns aside."""
         problem, coordinates = self.mechanism.problem, self.mechanism.coordinates
         away = problem.difference(q, other)
         turning = coordinates.angles | coordinates.wraps
         away[turning] = np.remainder(away[turning] + np.pi, _ONE_TURN) - np.pi
-        return norm(away / (problem.partition.length * problem.partition.column_scale))
+        return np.asarray(away / (problem.partition.length * problem.partition.column_scale))
+
+    def apart(self, q: Array, other: Array) -> float:
+        """Return how far two poses are from each other, lengths or rad, full turns aside."""
+        return norm(self.way(q, other))
 
     def turned_back(self, q: Array) -> list[Array]:
         """Return the same pose at the other side of the window, where that is a full turn."""

@@ -173,10 +173,14 @@ class _Region:
 
 def _traced_border(drawn: Chart, sheets: Sheets, region: _Region) -> tuple[SmoothPiece, ...]:
     """Return the border of a region, in pieces."""
-    folds = LocusFinding(drawn.area, drawn.folds, sheets, drawn.fold_kind)
-    folds.seek(sheets.border_seeds(region.sheet, drawn.folds))
-    curves = [curve for curve in folds.curves if not folds.stays(curve)]
-    tracers, names = [folds.tracer] * len(curves), [str(drawn.fold_kind)] * len(curves)
+    curves: list[Traced] = []
+    tracers: list[Tracer] = []
+    names: list[str] = []
+    if drawn.folds is not None:
+        folds = LocusFinding(drawn.area, drawn.folds, sheets, drawn.fold_kind)
+        folds.seek(sheets.border_seeds(region.sheet, drawn.folds))
+        curves = [curve for curve in folds.curves if not folds.stays(curve)]
+        tracers, names = [folds.tracer] * len(curves), [str(drawn.fold_kind)] * len(curves)
     if region._limits:
         for name, curve, tracer in _limit_curves(drawn, sheets, region):
             names.append(name)
