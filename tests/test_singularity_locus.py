@@ -157,6 +157,11 @@ def test_as_a_dataset(five_bar_locus):
         ({"plane": ("theta1", "theta3")}, "theta2"),
         ({"plane": "theta1"}, "two motors"),
         ({"plane": ("theta1", "theta1")}, "two motors"),
+        ({"plane": ("x", "y", "z")}, "of two motors, .* got 'x', 'y', 'z'"),
+        ({"plane": ("x", "theta1")}, "one of each: 'x' is the tool's"),
+        ({"plane": ("theta1", "phi1")}, "'phi1', which is passive"),
+        ({"plane": ()}, "got none"),
+        ({"plane": 3}, "got 3"),
         ({"window": {"theta1": (2, 1)}}, "lower, upper"),
         ({"window": {"phi1": (1, 2)}}, "phi1"),
         ({"kinds": ["gained"]}, "did you mean 'gain'"),
@@ -170,6 +175,13 @@ def test_as_a_dataset(five_bar_locus):
 def test_what_is_wrong_is_said(given, says):
     with pytest.raises(pj.PmjacError, match=says):
         pj.singularity_locus(loaded("five_bar"), **{"plane": ("theta1", "theta2"), **given})
+
+
+@pytest.mark.parametrize("study", [pj.singularity_locus, pj.workspace])
+@pytest.mark.parametrize("plane", [("theta1", "phi1"), ("x", "y"), ("theta1",)])
+def test_a_mechanism_with_one_motor_has_no_plane(study, plane):
+    with pytest.raises(pj.ArgumentError, match="mobility 1, and moves over no plane: `follow`"):
+        study(loaded("four_bar"), plane)
 
 
 def test_a_home_right_beside_a_fold_is_on_a_mode_of_any_grid():

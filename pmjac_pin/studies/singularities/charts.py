@@ -21,6 +21,7 @@ from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.loop_spec import FrameLoop, PointLoop
 from pmjac_pin.studies.led_machine import LedMachine
 from pmjac_pin.studies.singularities.joint_limits import limits_between, within_joint_limits
+from pmjac_pin.studies.singularities.plane_names import TOOL_AXES, is_of_the_tool, plane_names
 from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
 from pmjac_pin.studies.singularities.sheets import Sheets
 from pmjac_pin.studies.singularities.singular_equations import (
@@ -30,7 +31,6 @@ from pmjac_pin.studies.singularities.singular_equations import (
 )
 from pmjac_pin.values.arrays import Array, Mask
 
-TOOL_AXES = ("x", "y", "z")
 _GROWN, _COARSE = 4, 33  # times, and cells along each axis of a grid that finds the window
 _CELLS_AROUND = 2.0  # of its cells: around what is reached
 
@@ -111,12 +111,11 @@ def chart(
     ------
     ArgumentError, UnknownNameError, NoToolError
     """
-    names = () if isinstance(plane, str) else tuple(plane)
     mechanism = at.mechanism
-    tool = names and all(name in TOOL_AXES and name not in mechanism.actuated for name in names)
-    if tool and len(set(names)) == len(names) == 2:
-        return _tool_chart((names[0], names[1]), at, window)
-    area = PlaneSlice.of(plane, at, window)
+    names = plane_names(plane, mechanism)
+    if is_of_the_tool(names[0], mechanism):
+        return _tool_chart(names, at, window)
+    area = PlaneSlice.of(names, at, window)
     partition = mechanism.problem.partition
     loops = partition.passive_rank or partition.isolated
     folds = SingularEquations(mechanism, "gain") if loops else None

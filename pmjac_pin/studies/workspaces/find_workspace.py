@@ -14,10 +14,11 @@ from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.assembled_poses import assembled_poses
 from pmjac_pin.studies.evidence import Evidence
-from pmjac_pin.studies.singularities.charts import TOOL_AXES, Chart, chart
+from pmjac_pin.studies.singularities.charts import Chart, chart
 from pmjac_pin.studies.singularities.curve_tracing import Traced, Tracer
 from pmjac_pin.studies.singularities.joint_limits import limited, within_joint_limits
 from pmjac_pin.studies.singularities.locus_finding import LocusFinding
+from pmjac_pin.studies.singularities.plane_names import TOOL_AXES
 from pmjac_pin.studies.singularities.sheets import Sheets, SliceSheet
 from pmjac_pin.studies.workspaces.border_pieces import SmoothPiece, border, pieces
 from pmjac_pin.studies.workspaces.limit_equations import LimitEquations
