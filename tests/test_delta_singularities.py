@@ -9,6 +9,7 @@ at 24 poses at most, each pair to either side and above or below the base, the t
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from math import acos, atan2, hypot, pi, sqrt
 
@@ -57,7 +58,7 @@ class Delta:
         return np.cross(AXLES, self.rods(point, thetas))
 
     def machine(self):
-        return pj.delta(self.base, self.arm, self.rod, self.plate)
+        return pj.delta(self.base, self.arm, self.rod, self.plate, home=1.2)
 
     def singularity(self, point, thetas):
         machine = self.machine()
@@ -139,7 +140,7 @@ def dependent_moments(delta, rng):
         return np.linalg.det(delta.moments(*pose(height)))
 
     heights = [h for h in np.linspace(-0.9, -0.2, 200) if pose(h) is not None]
-    for low, high in zip(heights, heights[1:], strict=False):
+    for low, high in itertools.pairwise(heights):
         if high - low < 0.01 and determinant(low) * determinant(high) < 0.0:
             root = brentq(determinant, low, high, xtol=1e-15)
             return pose(root), pose(root + 0.02) or pose(root - 0.02)
