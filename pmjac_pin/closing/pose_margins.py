@@ -75,12 +75,12 @@ class PoseMargins:
             ranks.rank,
             columns,
             scale,
-            _unit(ranks.free_motions / scale[:, None]),
-            _unit(ranks.idle_motions / scale[:, None]),
+            _as_basis(ranks.free_motions / scale[:, None]),
+            _as_basis(ranks.idle_motions / scale[:, None]),
             partition.length,
         )
         joints = self._joints(columns, partition.actuated, tool=False)
-        return _held(holding, [(one, one.wrenches * partition.row_scale) for one in joints])
+        return _margins_held(holding, [(one, one.wrenches * partition.row_scale) for one in joints])
 
     def _loss(self, ranks: Singularity) -> dict[str, JointMargin]:
         """Return those of motors: rows of [K K*] and of the locked tool hold them."""
@@ -101,10 +101,12 @@ class PoseMargins:
         of_tool = [(one.of_tool * tool.units[:, 0])[:, judged] for one in joints]
         of_loops = [one.wrenches * partition.row_scale for one in joints]
         rows = [np.hstack(both) for both in zip(of_loops, of_tool, strict=True)]
-        return _held(holding, list(zip(joints, rows, strict=True)))
+        return _margins_held(holding, list(zip(joints, rows, strict=True)))
 
 
-def _held(holding: Holding, joints: list[tuple[HeldJoint, Array]]) -> dict[str, JointMargin]:
+def _margins_held(
+    holding: Holding, joints: list[tuple[HeldJoint, Array]]
+) -> dict[str, JointMargin]:
     found = ((joint.name, holding.margin(joint, wrenches)) for joint, wrenches in joints)
     return {name: margin for name, margin in found if margin is not None}
 
@@ -115,6 +117,6 @@ def _only_idle(partition: Partition) -> bool:
     return still == partition.unfelt
 
 
-def _unit(motions: Array) -> Array:
+def _as_basis(motions: Array) -> Array:
     """Return independent motions as orthonormal columns."""
     return factorise(motions, 1.0).left[:, : motions.shape[1]]

@@ -21,7 +21,7 @@ JointMotionKind = Literal["turns", "turns any way", "slides"]
 
 _UNHELD = JointMargin(0.0, 0.0, 0.0)
 _NONE = 1e-9  # of a unit torque: force × length, or distance, that is rounding
-_MOVES = 1e-6  # of a motion on scaled rates: less is rounding
+_FREE_MOTION = 1e-6  # of a motion on scaled rates: less is rounding
 _PASSES = 1e-7  # of force × distance, or a unit torque: moment where the force passes through
 
 
@@ -94,10 +94,10 @@ class Holding:
             Of the scaled rows of M, between the bodies of the joint.
         """
         own = np.array([int(np.flatnonzero(self.columns == c)[0]) for c in joint.columns])
-        efforts = factorise(self.idle[own].T, 1.0, _MOVES).null_space
+        efforts = factorise(self.idle[own].T, 1.0, _FREE_MOTION).null_space
         if not efforts.shape[1]:
             return None
-        if norm(efforts.T @ self.gained[own]) > _MOVES:
+        if norm(efforts.T @ self.gained[own]) > _FREE_MOTION:
             return _UNHELD
         torques = np.zeros((self.columns.size, efforts.shape[1]))
         torques[own] = self.column_scale[own, None] * efforts

@@ -36,8 +36,8 @@ def tool_margins(
     found = {}
     for k, name in enumerate(partition.actuated_names):
         others = np.delete(motors, k, axis=0)
-        commanded = _spanned(tool, allowed @ _resting(others))
-        against = _spanned(tool, allowed @ _resting(motors[k : k + 1]))
+        commanded = _judged_span(tool, allowed @ _resting(others))
+        against = _judged_span(tool, allowed @ _resting(motors[k : k + 1]))
         borne = factorise(against, 1.0).left_null_space
         if commanded.shape[1] == borne.shape[1] == 1:
             twist, wrench = _on_six_rows(tool, commanded[:, 0]), _on_six_rows(tool, borne[:, 0])
@@ -49,7 +49,7 @@ def _resting(motors: Array) -> Array:
     return factorise(motors, 1.0).null_space
 
 
-def _spanned(tool: ToolMotion, motions: Array) -> Array:
+def _judged_span(tool: ToolMotion, motions: Array) -> Array:
     """Return orthonormal columns that span what motions do to the judged rows, dimensionless."""
     if not motions.shape[1]:
         return np.zeros((len(tool.rows.names), 0))

@@ -15,7 +15,7 @@ def margin_blocks(margins: Margins) -> Iterator[Block]:
     """Show how joints are held, one a row, and what work motors' wrenches do on the tool."""
     held = (("motors locked", margins.gain), ("tool locked", margins.loss))
     rows = tuple(
-        (name, how, *_numbers(one)) for how, by_name in held for name, one in by_name.items()
+        (name, how, *_margin_numbers(one)) for how, by_name in held for name, one in by_name.items()
     )
     if rows:
         columns = ("", "held with", "arm [m]", "angle [rad]", "transmission [rad]")
@@ -35,7 +35,7 @@ def margins_told(margins: Margins) -> dict[str, object]:
     }
 
 
-def _numbers(one: JointMargin) -> tuple[str, str, str]:
+def _margin_numbers(one: JointMargin) -> tuple[str, str, str]:
     transmission = "-" if math.isnan(one.transmission) else brief(one.transmission)
     arm = brief(one.arm) if math.isfinite(one.arm) else "infinite"
     return arm, brief(one.angle), transmission
