@@ -115,6 +115,9 @@ from .rates.ellipsoid import Ellipsoid as Ellipsoid
 from .rates.jacobian import (
     EquivalentJacobian as EquivalentJacobian,
 )
+from .rates.margins import JointMargin as JointMargin
+from .rates.margins import Margins as Margins
+from .rates.margins import ToolMargin as ToolMargin
 from .rates.motion import Motion as Motion
 from .rates.partition import Partition as Partition
 from .rates.polytope import Polytope as Polytope

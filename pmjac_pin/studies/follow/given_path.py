@@ -72,7 +72,7 @@ def path_of(
     table : callable
         Waypoints as a caller gives them ↦ numbers (N, n).
     """
-    ascending = None if times is None else _ascending(times)
+    ascending = None if times is None else ascending_times(times)
     if callable(path):
         pieces = _spline_pieces(path, ascending) or _by_polynomials(path, ascending, len(names))
     else:
@@ -81,7 +81,8 @@ def path_of(
     return MotorPath(tuple(pieces))
 
 
-def _ascending(times: Any) -> Array:
+def ascending_times(times: Any) -> Array:
+    """Return times as a caller gives them, or raise ArgumentError where they do not ascend."""
     found = np.atleast_1d(as_numbers(times, "times", _LARGEST_TIME))
     if found.ndim != 1 or found.size < 2 or not (np.diff(found) > 0.0).all():
         raise ArgumentError(f"times are two or more numbers that ascend, got {quoted(times)}")

@@ -121,7 +121,7 @@ def _goal(mechanism: Mechanism, target: Any, tool: ToolName, task: Task | None) 
     if isinstance(target, Mapping):
         _check_no_task(task, "single coordinates")
         return _coordinates_goal(own, _checked_coordinates(target))
-    pose = _given_pose(target)
+    pose = given_pose(target)
     if pose is not None:
         return ToolGoal(own, Task.pose() if task is None else task, pose)
     given = as_numbers(target, "a target")
@@ -148,7 +148,14 @@ def _of_three(task: Task, given: Array) -> tuple[Task, pin.SE3]:
     return task, pin.SE3(turn, np.zeros(3))
 
 
-def _given_pose(target: Any) -> pin.SE3 | None:
+def given_pose(target: Any) -> pin.SE3 | None:
+    """Return a pose as a caller gives it, None for what is no pin.SE3 and no 4x4 matrix.
+
+    Raises
+    ------
+    ArgumentError
+        A matrix of no rotation and translation.
+    """
     if isinstance(target, pin.SE3):
         matrix = target.homogeneous
     elif np.shape(target) != (4, 4):
