@@ -8,23 +8,25 @@ or ranks than the machine that was recorded, is left to the design's own mechani
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from pmjac_pin.algebra.singular_values import singular_values
 from pmjac_pin.algebra.tape_runner import run
+from pmjac_pin.closing.allowed_designs import allowed_designs
+from pmjac_pin.closing.blueprint import Blueprint
 from pmjac_pin.closing.closure_problem import CLOSURE_TOLERANCE, ROUNDING
 from pmjac_pin.closing.design_programs import DesignPrograms
 from pmjac_pin.closing.machine_size import (
+    BESIDE_ITSELF,
     NO_LENGTH,
     ROUNDING_OF_PLACES,
     SMALL,
-    BESIDE_ITSELF,
     invertible,
 )
 from pmjac_pin.closing.parts import Parts
-from pmjac_pin.closing.recorded_rates import DOUBTS
 from pmjac_pin.model.limits import beyond_limits
 from pmjac_pin.rates.rank_bounds import RankBounds
 from pmjac_pin.values.arrays import Array, Mask
@@ -51,8 +53,8 @@ class DesignHomes:
     q : ndarray, shape (d, nq)
     designs : ndarray, shape (d, k)
         What programs take of each.
-    length : ndarray, shape (d,)
-        Their characteristic lengths, m.
+    length, size : ndarray, shape (d,)
+        Their characteristic lengths, m, and the size of [K K*], dimensionless.
     certain : ndarray of bool, shape (d,)
         Whether each is the home pose of its own mechanism, K* of the same generic rank there.
     """
@@ -60,39 +62,72 @@ class DesignHomes:
     q: Array
     designs: Array
     length: Array
+    size: Array
     certain: Mask
 
 
-def design_homes(
-    programs: DesignPrograms, parts: Parts, beginning: tuple[Parts, Array | None], values: Array
-) -> DesignHomes:
-    """Return the home poses at values of the parameters.
+class DesignsOfFile:
+    """The designs that a file allows for one mechanism.
 
     Parameters
     ----------
-    programs : DesignPrograms
     parts : Parts
-        What was recorded.
-    beginning : (Parts, ndarray of shape (nq,) or None)
-        The machine at the parameters' defaults, and its home pose where it has one.
-    values : ndarray, shape (d, k)
-        Of the parameters that are inputs.
+        Of one of them.
+    blueprint : Blueprint
+    swept : iterable of str
+        The parameters that they differ in.
+
+    Attributes
+    ----------
+    programs : DesignPrograms
+
+    Raises
+    ------
+    ArgumentError
+        A machine that is not served.
     """
-    first, home_q = beginning
-    count, length = len(values), parts.problem.partition.length
-    if home_q is None or not count:
-        nothing = np.zeros((count, parts.model.nq)), programs.numbers(values, length)
-        return DesignHomes(*nothing, np.full(count, length), np.zeros(count, dtype=bool))
-    way = _Way(programs, parts, np.array([first.values[name] for name in programs.names]), home_q)
-    q, certain = way.at_once(values)
-    far = np.flatnonzero(~certain)
-    q[far], certain[far] = way.in_steps(values[far])
-    measured = _Measured.of(programs, parts, q, values)
-    designs = programs.numbers(values, measured.length)
-    certain &= measured.plain & _regular(programs, parts, q, designs, measured.length)
-    if parts.spec.enforce_limits:
-        certain &= ~beyond_limits(parts.coordinates, q)
-    return DesignHomes(q, designs, measured.length, certain)
+
+    def __init__(self, parts: Parts, blueprint: Blueprint, swept: Iterable[str]) -> None:
+        self._parts, self._blueprint = parts, blueprint
+        defaults = parts.spec.parameter_values()
+        others = [name for name, value in defaults.items() if parts.values[name] != value]
+        names = tuple(dict.fromkeys([*swept, *others]))
+        self.programs = DesignPrograms(parts, blueprint, names)
+
+    @cached_property
+    def _way(self) -> _Way | None:
+        """The way from the parameters' defaults; None where these have no home pose."""
+        first, home_q = self._blueprint.beginning
+        if home_q is None or not _is_measured_so(self.programs, self._parts):
+            return None
+        defaults = np.array([first.values[name] for name in self.programs.names])
+        return _Way(self.programs, self._parts, defaults, home_q)
+
+    def homes(self, swept: Array) -> DesignHomes:
+        """Return home poses at values (d, k) of the parameters that are swept."""
+        own = [self._parts.values[name] for name in self.programs.names[swept.shape[1] :]]
+        values = np.column_stack([swept, np.tile(own, (len(swept), 1))])
+        allowed = allowed_designs(self._blueprint, self.programs.names, values)
+        parts, programs, way = self._parts, self.programs, self._way
+        if way is None:
+            return _no_homes(programs, parts, values)
+        q, certain = way.at_once(values)
+        far = np.flatnonzero(~certain)
+        q[far], certain[far] = way.in_steps(values[far])
+        measured = _Measured.of(programs, parts, q, values)
+        designs = programs.numbers(values, measured.length)
+        size, regular = _regular(programs, parts, q, designs, measured.length)
+        certain &= allowed & measured.plain & regular
+        if parts.spec.enforce_limits:
+            certain &= ~beyond_limits(parts.coordinates, q)
+        return DesignHomes(q, designs, measured.length, size, certain)
+
+
+def _no_homes(programs: DesignPrograms, parts: Parts, values: Array) -> DesignHomes:
+    ones = np.ones(len(values))
+    length = parts.problem.partition.length * ones
+    q, designs = np.tile(parts.home_q, (len(values), 1)), programs.numbers(values, length)
+    return DesignHomes(q, designs, length, ones, np.zeros(len(values), dtype=bool))
 
 
 class _Way:
@@ -105,7 +140,7 @@ class _Way:
         self._defaults, self._home_q = defaults, home_q
         self._length = parts.problem.partition.length  # of all, here: steps are judged alike
         designs = programs.numbers(defaults[None], self._length)
-        self._smallest = float(self._nearness(home_q[None], designs)[0])
+        self._smallest = float(programs.nearness(np.vstack([home_q[:, None], designs.T]))[0])
 
     def at_once(self, values: Array) -> tuple[Array, Mask]:
         """Return home poses that one step leads to, and which are certain."""
@@ -131,7 +166,8 @@ class _Way:
         size = np.linalg.norm(moved, axis=0)
         missed = np.linalg.norm(moved - expected / scale, axis=0)
         good = closed & (size <= farthest) & ((missed <= straight * size) | (size <= _HARDLY))
-        return q, good & (self._nearness(q, designs) >= _LEAST_SHARE * self._smallest)
+        nearness = self._programs.nearness(np.vstack([q.T, designs.T]))
+        return q, good & (nearness >= _LEAST_SHARE * self._smallest)
 
     def _closed(self, q: Array, designs: Array) -> tuple[Array, Array, Mask]:
         """Return where Newton's method leads to, its first step, and where that closes loops."""
@@ -147,15 +183,6 @@ class _Way:
             if not (found[nq] > ROUNDING).any():
                 break
         return q, expected, found[nq] <= CLOSURE_TOLERANCE
-
-    def _nearness(self, q: Array, designs: Array) -> Array:
-        """Return the smallest singular value of K*, beside the size of [K K*]."""
-        partition = self._parts.problem.partition
-        told = run(self._programs.measures, np.vstack([q.T, designs.T]))
-        entries = told[DOUBTS + 6 * partition.actuated.size + 15 :]
-        like = entries.reshape(-1, partition.passive.size, len(q))
-        nearness: Array = singular_values(like, (partition.passive_rank - 1,))[0] / told[2]
-        return nearness
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -173,9 +200,7 @@ class _Measured:
     plain: Mask
 
     @classmethod
-    def of(
-        cls, programs: DesignPrograms, parts: Parts, q: Array, values: Array
-    ) -> _Measured:
+    def of(cls, programs: DesignPrograms, parts: Parts, q: Array, values: Array) -> _Measured:
         """Measure designs at their home poses."""
         designs = programs.numbers(values, parts.problem.partition.length)
         told = run(programs.sizes, np.vstack([q.T, designs.T]))
@@ -196,6 +221,13 @@ class _Measured:
         return cls(np.array(exact), plain)
 
 
+def _is_measured_so(programs: DesignPrograms, parts: Parts) -> bool:
+    """Tell whether the machine that was recorded has the length that is measured so."""
+    own = np.array([[parts.values[name] for name in programs.names]])
+    length, known = _Measured.of(programs, parts, parts.home_q[None], own).length[0], parts.problem
+    return bool(abs(length - known.partition.length) <= _SAME_LENGTH * length)
+
+
 def _mean(arms: Array) -> Array:
     mean: Array = (arms * arms).sum(axis=0) / arms.sum(axis=0)
     return mean
@@ -203,11 +235,11 @@ def _mean(arms: Array) -> Array:
 
 def _regular(
     programs: DesignPrograms, parts: Parts, q: Array, designs: Array, length: Array
-) -> Mask:
-    """Tell where loops are closed, K* has all its rank, and follows K: there, and so nearby."""
+) -> tuple[Array, Mask]:
+    """Return the size of [K K*], and where loops are closed, K* has full rank and follows K."""
     partition = parts.problem.partition
     told = run(programs.jacobian, np.vstack([q.T, designs.T]))
     gap, inverse, size, forbidden = told[:4]
     bounds = RankBounds.of(partition)
     certain = bounds.regular(inverse, size) & bounds.follows(forbidden, size)
-    return np.asarray(certain & (gap <= CLOSURE_TOLERANCE * length))
+    return size, np.asarray(certain & (gap <= CLOSURE_TOLERANCE * length))

@@ -11,6 +11,7 @@ Served are machines from files whose loops have no gears, and K* as many columns
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -20,18 +21,21 @@ import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.programs import PROGRAMS, Recording, Term, objects
+from pmjac_pin.algebra.singular_values import singular_values
 from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.algebra.tape_runner import run
 from pmjac_pin.closing.arms import Arms, arms_of
 from pmjac_pin.closing.blueprint import Blueprint
 from pmjac_pin.closing.parts import Parts
 from pmjac_pin.closing.recorded_dimensions import RecordedDimensions
-from pmjac_pin.closing.recorded_rates import RecordedRates
+from pmjac_pin.closing.recorded_rates import DOUBTS, RecordedRates
 from pmjac_pin.closing.recorded_step import LEG_STAGES, leg, leg_inputs
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.kinematics.dimensions import Dimensions
 from pmjac_pin.kinematics.joint_steps import between
 from pmjac_pin.kinematics.recorded import Recorder
 from pmjac_pin.model.frames import find_frame
+from pmjac_pin.model.loop_between_frames import LoopBetweenFrames
 from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.model.rows import Distance
 from pmjac_pin.rates.sparse_qr import norm
@@ -146,7 +150,21 @@ class DesignPrograms:
             rods = sum(rows.start <= row < rows.stop for row in loops.rods)
             ends.append(rods + sum(self._turning(end.columns).size for end in pair))
         stops = np.cumsum([0, *ends]).tolist()
-        return tuple(slice(*pair) for pair in zip(stops[:-1], stops[1:], strict=True))
+        return tuple(slice(*pair) for pair in itertools.pairwise(stops))
+
+    def nearness(self, poses: Array) -> Array:
+        """Return the smallest singular value of K*, beside the size of [K K*], shape (b,).
+
+        Parameters
+        ----------
+        poses : ndarray, shape (nq + inputs, b)
+            And the design of each.
+        """
+        partition, told = self._parts.problem.partition, run(self.measures, poses)
+        entries = told[DOUBTS + 6 * partition.actuated.size + 15 :]
+        like = entries.reshape(-1, partition.passive.size, poses.shape[1])
+        nearness: Array = singular_values(like, (partition.passive_rank - 1,))[0] / told[2]
+        return nearness
 
     def rates(self, design: Sequence[Any]) -> RecordedRates:
         """Return what records, at numbers of a design."""
@@ -190,8 +208,8 @@ class DesignPrograms:
 
     def _rods(self, values: Mapping[str, Any]) -> dict[int, Any]:
         rods, row = {}, 0
-        for loop in self._parts.spec.loops:
-            for block in loop.rows(values):  # type: ignore[union-attr] - none is a gear
+        for loop in self._loops:
+            for block in loop.rows(values):
                 if isinstance(block, Distance):
                     rods[row] = block.length
                 row += len(block.names)
@@ -218,18 +236,22 @@ class DesignPrograms:
         return [*found, *places, *rates.recorder.at(q).position]
 
     def _frames_of_loops(self) -> list[list[Any]]:
-        spec, model = self._parts.spec, self._parts.model
-        return [[find_frame(model, name) for name in loop.frames] for loop in spec.loops]
+        model = self._parts.model
+        return [[find_frame(model, name) for name in loop.frames] for loop in self._loops]
+
+    @property
+    def _loops(self) -> list[LoopBetweenFrames]:
+        return [loop for loop in self._parts.spec.loops if not isinstance(loop, JointLoop)]
 
     def _turning(self, columns: Any) -> Any:
         return columns[self._parts.coordinates.rotational[columns]]
 
     def _check_loops(self) -> None:
-        """Raise where loops are geared, or their rows change with parameters otherwise than rods."""
+        """Raise where loops are geared, or parameters change their rows but for a rod's length."""
         parts, partition = self._parts, self._parts.problem.partition
-        for loop in parts.spec.loops:
-            if isinstance(loop, JointLoop):
-                raise ArgumentError("loops of geared joints are not recorded for all designs")
+        if len(self._loops) < len(parts.spec.loops):
+            raise ArgumentError("loops of geared joints are not recorded for all designs")
+        for loop in self._loops:
             moved = set(loop.parameter_names) & set(self.names)
             if moved and not all(isinstance(rows, Distance) for rows in loop.rows(parts.values)):
                 raise ArgumentError(f"{sorted(moved)} change rows otherwise than by a rod's length")
@@ -237,6 +259,11 @@ class DesignPrograms:
         regular = len(ranks) == 1 and partition.tool_full and not partition.isolated
         if not (regular and partition.passive.size):
             raise ArgumentError("passive joints do not follow the motors by loops alone")
+        ends = parts.kinematics.loops.ends
+        if not all(sum(self._turning(end.columns).size for end in pair) for pair in ends):
+            raise ArgumentError("a loop in which nothing turns is measured otherwise")
+        if parts.problem.given_tolerance:
+            raise ArgumentError("with a tolerance of its own a machine is for itself")
         if parts.place.any() or set(partition.loop_sizes) != {partition.length}:
             raise ArgumentError("a machine far from the origin, or with small loops, is for itself")
 

@@ -124,10 +124,10 @@ class PathsToWalk:
     ) -> PathsToWalk:
         """Return paths that are not walked yet."""
         count = len(start)
-        own = np.zeros((count, 0)) if design is None else design
-        given = (start, *map(np.ascontiguousarray, (displacement, target, own)))
+        given = (start, np.ascontiguousarray(displacement), np.ascontiguousarray(target))
+        own = np.ascontiguousarray(np.zeros((count, 0)) if design is None else design)
         whole = np.zeros((2, count), dtype=np.int64)
-        return cls(*given, np.empty(start.shape), *np.zeros((2, count)), *whole)
+        return cls(*given, own, np.empty(start.shape), *np.zeros((2, count)), *whole)
 
 
 class KernelWalk:

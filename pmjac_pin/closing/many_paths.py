@@ -149,6 +149,7 @@ class Walker:
         target: Array,
         go_on: GoOn,
         most_steps: int = closure.MOST_STEPS,
+        *,
         design: Array | None = None,
     ) -> Paths:
         """Walk from closed poses.

@@ -70,6 +70,7 @@ class PathsInLanes:
         target: Array,
         go_on: GoOn,
         most_steps: int = closure.MOST_STEPS,
+        *,
         design: Array | None = None,
     ) -> Paths:
         """Walk from closed poses.

@@ -65,9 +65,7 @@ class RecordedDimensions:
             values,
         )
 
-    def _placed(
-        self, chains: _Carried
-    ) -> tuple[dict[int, Placement], dict[int, Placement]]:
+    def _placed(self, chains: _Carried) -> tuple[dict[int, Placement], dict[int, Placement]]:
         """Return the placements of joints and of frames, by Pinocchio's indices."""
         model, turned = self._parts.model, self._turned
         joints, frames = {}, {}
@@ -84,7 +82,9 @@ class RecordedDimensions:
     def _named_frames(self) -> Iterator[tuple[int, str]]:
         """Yield the frames that loops and tool rest on, with what the URDF calls them."""
         spec, model = self._parts.spec, self._parts.model
-        names = [name for loop in spec.loops if not isinstance(loop, JointLoop) for name in loop.frames]
+        names = [
+            name for loop in spec.loops if not isinstance(loop, JointLoop) for name in loop.frames
+        ]
         for name in [*names, *spec.tool.names]:
             yield find_frame(model, name).index, name
 
@@ -147,7 +147,7 @@ class _Chains:
         """Return where all of them are at values of the parameters."""
         moved = dict(self._moved(values))
         here = Placement.of(pin.SE3.Identity())
-        found = _Carried({link: ("", here) for link in self._urdf.links}, {}, {})
+        found = _Carried(dict.fromkeys(self._urdf.links, ("", here)), {}, {})
         waiting = {joint.child: joint for joint in self._urdf.joints}
         for link in self._urdf.links:
             above = []

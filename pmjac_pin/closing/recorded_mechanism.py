@@ -8,7 +8,7 @@ many is counted, not timed: the same calls give the same bits.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cached_property
 from typing import TYPE_CHECKING, Generic, TypeVar
 
@@ -20,6 +20,8 @@ from pmjac_pin.values.arrays import Array
 if TYPE_CHECKING:
     from pmjac_pin.algebra.recordings import Recordings
     from pmjac_pin.algebra.tape import Tape
+    from pmjac_pin.closing.blueprint import Blueprint
+    from pmjac_pin.closing.design_homes import DesignsOfFile
     from pmjac_pin.closing.one_path import Ahead, OnePath
     from pmjac_pin.closing.one_pose import KnownPose, OnePose
     from pmjac_pin.closing.recorded_motion import RecordedMotion
@@ -146,6 +148,15 @@ class RecordedMechanism:
         if frame not in self._jacobians:
             self._jacobians[frame] = self.rates.jacobian_tape(frame)
         return self._jacobians[frame]
+
+    def designs(self, blueprint: Blueprint, swept: Iterable[str]) -> DesignsOfFile | None:
+        """Return designs that differ in some parameters; None for machines that are not served."""
+        from pmjac_pin.closing.design_homes import DesignsOfFile  # noqa: PLC0415
+
+        try:
+            return DesignsOfFile(self._parts, blueprint, swept) if self.walks else None
+        except ArgumentError:
+            return None
 
     def _serves_many(self) -> bool:
         return "walking" in self.__dict__

@@ -147,7 +147,7 @@ class RecordedRates:
     @property
     def arrival_inputs(self) -> int:
         """How many numbers `arrival_tape` is a function of."""
-        return self.recorder.nq + self.recorder.nv + self.partition.actuated.size
+        return int(self.recorder.nq + self.recorder.nv + self.partition.actuated.size)
 
     def arrival(self, inputs: Sequence[Term]) -> list[Any]:
         """Record `arrival_tape`."""

@@ -53,7 +53,7 @@ def leg_tape(loops: RecordedRates, arms: Arms) -> Tape:
 
 def leg_inputs(recorder: Recorder) -> int:
     """Return how many numbers `leg_tape` is a function of."""
-    return 2 * recorder.nq + 2 * recorder.nv + 2
+    return int(2 * recorder.nq + 2 * recorder.nv + 2)
 
 
 def leg(loops: RecordedRates, arms: Arms, inputs: Sequence[Term]) -> list[Any]:

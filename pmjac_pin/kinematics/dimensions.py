@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.algebra.arrays import Numbers

@@ -123,7 +123,6 @@ class Recorder:
             turned=tuple((rows, axes[..., 0]) for rows, axes in turned),
         )
 
-
     def motions(self, q: Sequence[Term], frames: Sequence[Frame]) -> list[FrameMotion]:
         """Record where frames are at entries of q, and how they move."""
         poses = _poses_at(self._loops.tree, q)
