@@ -53,7 +53,7 @@ class Designs:
         """Return designs that differ in some parameters; None for machines that are not served."""
         if mechanism.blueprint is None:
             return None
-        designs = mechanism._recorded.designs(mechanism.blueprint, swept)
+        designs = mechanism.recorded.designs(mechanism.blueprint, swept)
         return None if designs is None else cls(mechanism, designs)
 
     def at(self, values: Array, which: Index) -> DesignBatch:

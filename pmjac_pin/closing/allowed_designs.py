@@ -36,12 +36,12 @@ def allowed_designs(blueprint: Blueprint, names: Sequence[str], values: Array) -
             sizes[key] = sizes[key] + np.outer(coefficients, delta)
     for size in sizes.values():
         allowed &= (size > 0.0).all(axis=0)
-    for rod in _rods(blueprint, columns):
+    for rod in _rod_lengths(blueprint, columns):
         allowed &= (rod >= SMALLEST) & (rod <= LARGEST)
     return allowed
 
 
-def _rods(blueprint: Blueprint, values: Mapping[str, Any]) -> list[Array]:
+def _rod_lengths(blueprint: Blueprint, values: Mapping[str, Any]) -> list[Array]:
     """Return the lengths of rods."""
     return [
         np.asarray(rows.length)

@@ -31,14 +31,14 @@ from pmjac_pin.model.limits import beyond_limits
 from pmjac_pin.rates.rank_bounds import RankBounds
 from pmjac_pin.values.arrays import Array, Mask
 
-_STEPS = 12  # on the way from the defaults: as many as a single design takes at least
+_STEPS_OF_HOME = 12  # on the way from the defaults: as many as a single design takes at least
 _MOST_CORRECTIONS = 12  # of Newton's method: what takes more is not near
 # Half of what a single design is asked for, of one step and of the whole way: lengths or rad, and
 # shares of a step.
 _FARTHEST, _STRAIGHT = 0.15, 0.12
 _NEAR, _NEARLY_STRAIGHT = 0.05, 0.05
-_HARDLY = 5e-7
-_LEAST_SHARE = 0.5  # of the smallest singular value of K* at first
+_HARDLY_MOVED = 5e-7
+_STAYS_REGULAR = 0.5  # of the smallest singular value of K* at first
 _SAME_LENGTH = 1e-9  # relative: of a design's own length
 _LEAST_LENGTH = 1e-3  # beside the places of frames and tool: a machine with such arms is spherical
 _ROOM = 0.1  # of what rounding may be before a tolerance becomes larger
@@ -116,7 +116,7 @@ class DesignsOfFile:
         q[far], certain[far] = way.in_steps(values[far])
         measured = _Measured.of(programs, parts, q, values)
         designs = programs.numbers(values, measured.length)
-        size, regular = _regular(programs, parts, q, designs, measured.length)
+        size, regular = _regular_homes(programs, parts, q, designs, measured.length)
         certain &= allowed & measured.plain & regular
         if parts.spec.enforce_limits:
             certain &= ~beyond_limits(parts.coordinates, q)
@@ -150,8 +150,8 @@ class _Way:
     def in_steps(self, values: Array) -> tuple[Array, Mask]:
         """Return home poses that some steps lead to, and which are certain."""
         q, certain = np.tile(self._home_q, (len(values), 1)), np.ones(len(values), dtype=bool)
-        for step in range(1, _STEPS + 1 if len(values) else 1):
-            between = self._defaults + step / _STEPS * (values - self._defaults)
+        for step in range(1, _STEPS_OF_HOME + 1 if len(values) else 1):
+            between = self._defaults + step / _STEPS_OF_HOME * (values - self._defaults)
             q, good = self._stepped(q, between, _FARTHEST, _STRAIGHT)
             certain &= good
         return q, certain
@@ -165,9 +165,9 @@ class _Way:
         moved = run(self._programs.between, np.vstack([before.T, q.T])) / scale
         size = np.linalg.norm(moved, axis=0)
         missed = np.linalg.norm(moved - expected / scale, axis=0)
-        good = closed & (size <= farthest) & ((missed <= straight * size) | (size <= _HARDLY))
+        good = closed & (size <= farthest) & ((missed <= straight * size) | (size <= _HARDLY_MOVED))
         nearness = self._programs.nearness(np.vstack([q.T, designs.T]))
-        return q, good & (nearness >= _LEAST_SHARE * self._smallest)
+        return q, good & (nearness >= _STAYS_REGULAR * self._smallest)
 
     def _closed(self, q: Array, designs: Array) -> tuple[Array, Array, Mask]:
         """Return where Newton's method leads to, its first step, and where that closes loops."""
@@ -207,8 +207,8 @@ class _Measured:
         loops = programs.arms_of_loops
         arms, places = told[: loops[-1].stop], told[loops[-1].stop :].reshape(-1, 3, len(q))
         with np.errstate(all="ignore"):
-            each = np.array([_mean(arms[own]) for own in loops])
-            length = _mean(arms)
+            each = np.array([_weighted_mean(arms[own]) for own in loops])
+            length = _weighted_mean(arms)
         farthest = np.abs(places).max(axis=(0, 1))
         rounding = ROUNDING_OF_PLACES * farthest
         plain = np.isfinite(length) & (each > 2.0 * SMALL * length).all(axis=0)
@@ -228,12 +228,12 @@ def _is_measured_so(programs: DesignPrograms, parts: Parts) -> bool:
     return bool(abs(length - known.partition.length) <= _SAME_LENGTH * length)
 
 
-def _mean(arms: Array) -> Array:
+def _weighted_mean(arms: Array) -> Array:
     mean: Array = (arms * arms).sum(axis=0) / arms.sum(axis=0)
     return mean
 
 
-def _regular(
+def _regular_homes(
     programs: DesignPrograms, parts: Parts, q: Array, designs: Array, length: Array
 ) -> tuple[Array, Mask]:
     """Return the size of [K K*], and where loops are closed, K* has full rank and follows K."""

@@ -231,7 +231,7 @@ class DesignPrograms:
             found += [rods[row] for row in rods if rows.start <= row < rows.stop]
             for end, motion in zip(pair, rates.recorder.motions(q, frames), strict=True):
                 turning = self._turning(end.columns)
-                found += _distances(motion.jacobian[:, turning, 0])
+                found += _recorded_distances(motion.jacobian[:, turning, 0])
                 places += motion.position[:, 0].tolist()
         return [*found, *places, *rates.recorder.at(q).position]
 
@@ -247,14 +247,10 @@ class DesignPrograms:
         return columns[self._parts.coordinates.rotational[columns]]
 
     def _check_loops(self) -> None:
-        """Raise where loops are geared, or parameters change their rows but for a rod's length."""
+        """Raise where loops or scales are of a kind that is not served."""
         parts, partition = self._parts, self._parts.problem.partition
         if len(self._loops) < len(parts.spec.loops):
             raise ArgumentError("loops of geared joints are not recorded for all designs")
-        for loop in self._loops:
-            moved = set(loop.parameter_names) & set(self.names)
-            if moved and not all(isinstance(rows, Distance) for rows in loop.rows(parts.values)):
-                raise ArgumentError(f"{sorted(moved)} change rows otherwise than by a rod's length")
         ranks = {partition.passive.size, partition.passive_rank, partition.constraint_rank}
         regular = len(ranks) == 1 and partition.tool_full and not partition.isolated
         if not (regular and partition.passive.size):
@@ -268,7 +264,7 @@ class DesignPrograms:
             raise ArgumentError("a machine far from the origin, or with small loops, is for itself")
 
 
-def _distances(motions: Numbers) -> list[Any]:
+def _recorded_distances(motions: Numbers) -> list[Any]:
     """Return how far a point is from the axes that turn it, as `Size` does."""
     found = []
     for linear, angular in zip(motions[:3].T, motions[3:].T, strict=True):

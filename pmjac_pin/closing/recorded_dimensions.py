@@ -23,11 +23,11 @@ from pmjac_pin.files.urdf.placed_numbers import Origin, origins_of
 from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.kinematics.dimensions import Dimensions, Placement
 from pmjac_pin.model.frames import find_frame
-from pmjac_pin.model.loop_spec import JointLoop
+from pmjac_pin.model.loop_spec import DistanceLoop, JointLoop
 from pmjac_pin.model.spec import MechanismSpec
 
 _SAME = 1e-12  # m, or of an axis: by which a product of origins is Pinocchio's placement
-_ROUNDING = 1e-15  # of an axis
+_AXIS_ROUNDING = 1e-15  # of an axis
 
 
 class RecordedDimensions:
@@ -56,7 +56,18 @@ class RecordedDimensions:
         self._check(self._placed(own))
 
     def at(self, values: Mapping[str, Any]) -> Dimensions:
-        """Return the dimensions at values of the parameters, doubles or recorded numbers."""
+        """Return the dimensions at values of the parameters, doubles or recorded numbers.
+
+        Raises
+        ------
+        ArgumentError
+            A recorded value that changes a loop's rows otherwise than by the length of a rod.
+        """
+        recorded = {name for name, value in values.items() if isinstance(value, Term)}
+        for loop in self._parts.spec.loops:
+            moved = set() if isinstance(loop, JointLoop) else recorded & loop.parameter_names
+            if moved and not isinstance(loop, DistanceLoop):
+                raise ArgumentError(f"{sorted(moved)} change loops otherwise than a rod's length")
         joints, frames = self._placed(self._chains.at(values))
         model = self._parts.model
         return Dimensions(
@@ -174,11 +185,11 @@ class _Chains:
             for move, delta in shifts.get(name, ()):
                 xyz = [a + delta * k for a, k in zip(xyz, move.xyz, strict=True)]
                 rpy = [a + delta * k for a, k in zip(rpy, move.rpy, strict=True)]
-            place = Placement(_turned(rpy), objects(xyz))
+            place = Placement(_roll_pitch_yaw(rpy), objects(xyz))
             yield name, place * self._locked[name] if name in self._locked else place
 
 
-def _turned(rpy: list[Any]) -> Numbers:
+def _roll_pitch_yaw(rpy: list[Any]) -> Numbers:
     """Return the rotation of roll, pitch and yaw, of doubles or recorded numbers."""
     rotation: Numbers = np.eye(3).astype(object)
     for axis, angle in enumerate(rpy):
@@ -204,7 +215,7 @@ def _placement(origin: Origin) -> pin.SE3:
 def _without_rounding(entries: Any) -> Any:
     """Return entries of rotations, those that are 0, 1 or −1 but for rounding made so."""
     whole = np.rint(entries)
-    return np.where(np.abs(entries - whole) <= _ROUNDING, whole, entries)
+    return np.where(np.abs(entries - whole) <= _AXIS_ROUNDING, whole, entries)
 
 
 def _where_fixed(place: Placement, known: pin.SE3) -> Placement:

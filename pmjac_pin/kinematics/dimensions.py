@@ -26,6 +26,7 @@ class Placement:
 
     Examples
     --------
+    >>> import numpy as np
     >>> up = Placement(np.eye(3), np.array([0.0, 0.0, 1.0]))
     >>> (up * up).translation.tolist()
     [0.0, 0.0, 2.0]

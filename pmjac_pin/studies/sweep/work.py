@@ -93,6 +93,8 @@ class SweepWork:
             seen = SeenPoses(many, many.close(targets, enforced(self.enforce_limits)))
             self._put(found, which, seen)
             left.append(which[~seen.known()])
+            for name in self.measures:
+                found[name][left[-1]] = VARIABLES[name].nothing
         return np.concatenate(left)
 
     def _put(self, found: dict[str, NDArray[Any]], which: Index, seen: SeenPoses) -> None:
