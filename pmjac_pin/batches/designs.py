@@ -140,6 +140,11 @@ class DesignBatch:
         return moving
 
     @property
+    def at_rest(self) -> Array:
+        """The motors' values at home, shape (N, n)."""
+        return self.of.mechanism.coordinates.values_of(self._start, self._motors)
+
+    @property
     def _programs(self) -> DesignPrograms:
         return self.of.programs
 

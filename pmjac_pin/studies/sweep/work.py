@@ -40,6 +40,8 @@ class SweepWork:
         Of `VARIABLES`.
     labels : mapping
         Of the axes that are not those of the points.
+    designs : int
+        How many different values the parameters have, or at least.
     guess : str
         The pose that all paths begin at.
     enforce_limits : bool or "all"
@@ -51,6 +53,7 @@ class SweepWork:
     parameters: tuple[str, ...]
     measures: tuple[str, ...]
     labels: Mapping[str, Sequence[str]]
+    designs: int
     guess: str
     enforce_limits: bool | str
 
@@ -64,7 +67,8 @@ class SweepWork:
         for parameters, which in self._machines(values, left):
             if (mechanism := _machine_at(self.machine, parameters)) is not None:
                 many = batch_of(mechanism, which.size)
-                targets = self._targets(mechanism, values, which)
+                at_rest = mechanism.pose(self.guess).actuated
+                targets = self._targets(mechanism, at_rest, values, which)
                 poses = many.close(
                     targets, self.guess, enforce_limits=self.enforce_limits, threads=1
                 )
@@ -77,19 +81,15 @@ class SweepWork:
         every = np.arange(count)
         if not self.parameters or self.guess != "home":
             return every
-        mechanism = _unpickled_machine(self.machine)
-        left = []
+        mechanism, left = _unpickled_machine(self.machine), []
+        few = self.designs < _enough_designs(mechanism)
+        designs = None if few else _designs_of(self.machine, self.parameters)
+        if designs is None:
+            return every
         for start in range(0, count, PIECE):
             which = every[start : start + PIECE]
-            table, design = self._designs(values, which)
-            designs = None
-            if len(table) >= _enough_designs(mechanism):
-                designs = _designs_of(self.machine, self.parameters)
-            if designs is None:
-                left.append(which)
-                continue
-            many = designs.at(table, design)
-            targets = self._targets(mechanism, values, which)
+            many = designs.at(*self._designs(values, which))
+            targets = self._targets(mechanism, many.at_rest, values, which)
             seen = SeenPoses(many, many.close(targets, enforced(self.enforce_limits)))
             self._put(found, which, seen)
             left.append(which[~seen.known()])
@@ -118,9 +118,12 @@ class SweepWork:
         for k, row in enumerate(rows.tolist()):
             yield tuple(zip(self.parameters, row, strict=True)), which[design == k]
 
-    def _targets(self, mechanism: Mechanism, values: Mapping[str, Array], which: Index) -> Array:
-        """Return the motors' values, of home where they are not swept."""
-        targets = np.tile(mechanism.pose(self.guess).actuated, (which.size, 1))
+    def _targets(
+        self, mechanism: Mechanism, at_rest: Array, values: Mapping[str, Array], which: Index
+    ) -> Array:
+        """Return the motors' values, as they are at rest where they are not swept."""
+        targets = np.empty((which.size, len(mechanism.actuated)))
+        targets[:] = at_rest
         for name in self.motors:
             targets[:, mechanism.actuated.index(name)] = values[name][which]
         return targets
