@@ -116,6 +116,27 @@ class Bends:
         ]
         return MotionSeries([np.ones_like(a1), a1, e2, e3, e4], arms)
 
+    def straight(self, q: Array, speeds: Array) -> MotionSeries:
+        """Return the series, up to s², along a motion of constant rates: speeds (groups,)."""
+        turn, slide = self._above.dot(speeds), self._inside.dot(speeds)
+        length = self._lengths + self._lies.dot(self._root((q * q).dot(self._values))) + slide
+        square = 0.5 * turn * turn
+        arms = [length, turn * length + slide, square * length + turn * slide]
+        return MotionSeries([np.ones_like(turn), turn, square], arms)
+
+    def bending(self, motion: MotionSeries) -> tuple[Array, Array]:
+        """Return bounds on the second derivatives of η and ∂η/∂v, shapes (p,) and (p, nv)."""
+        residual, rates = self._sums.dot(motion.arms[2]), self._rates(motion, 2)
+        if self._rods.size:
+            block = self._distances
+            g1, g2 = (self._gaps(arm) for arm in motion.arms[1:3])
+            c0, c1 = (self._rates(motion, order, block) for order in range(2))
+            length = self._rods + g1
+            residual[block] = 2.0 * length * g2 + g1 * g1
+            product = length[:, None] * rates[block] + g1[:, None] * c1 + g2[:, None] * c0
+            rates[block] = 2.0 * product
+        return self._by_row(2.0 * residual), self._by_row(2.0 * rates)
+
     def residual(self, motion: MotionSeries) -> Array:
         """Return a bound on the fourth derivative of η, shape (p,)."""
         bound = 24.0 * self._sums.dot(motion.arms[4])
