@@ -29,6 +29,7 @@ lets K* change by as much more as such a motion bends it.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -40,7 +41,7 @@ from pmjac_pin.closing.closed import Closed
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.model.joint_kinds import kind_of
 from pmjac_pin.rates.partition import Partition
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.values.lapack import solved
 
 QUADRATIC = 3**0.5 / 216.0  # of |f‴|: f between its values at 0, ½ and 1
@@ -201,7 +202,7 @@ class StepGuard:
         change = sizes.dot(left_out)
         for measured in changes:
             change += np.abs(measured)
-        identity = np.eye(len(change))
+        identity, ones = _identity(len(change))
         if (gains := solved(identity - change, sizes)) is None:
             return False
         open_by = step.open_by
@@ -216,7 +217,7 @@ class StepGuard:
         else:
             return False
         change += sizes.dot(within)
-        weights = solved(identity - MARGIN * change, np.ones(len(change)))
+        weights = solved(identity - MARGIN * change, ones)
         return weights is not None and bool((weights >= 1.0).all())
 
     def _within(self, step: _ScaledStep, tube: Array, mixed: Array | None) -> Array:
@@ -228,3 +229,9 @@ class StepGuard:
         bound = partition.scaled(self._bends.within(step.motion, reach))
         bound = bound.take(partition.passive, axis=1)
         return bound if mixed is None else bound.dot(mixed)
+
+
+@cache
+def _identity(count: int) -> tuple[Array, Array]:
+    """Return the identity and a vector of ones."""
+    return read_only(np.eye(count)), read_only(np.ones(count))
