@@ -11,6 +11,8 @@ import pytest
 from mechanisms import loaded
 
 import pmjac_pin as pj
+from pmjac_pin.closing.arms import without_arms
+from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.step_guard import StepGuard
 
 NOTHING = np.full(1, 1e9)
@@ -281,6 +283,16 @@ def judged(mechanism, target, monkeypatch):
         guard.covers_straight(problem, *ends[0][:2])
         guard.covers(problem, *ends[0])
     return ends[0], known[0], known[1]
+
+
+def test_ends_alone_prove_nothing_of_joints_that_are_not_known():
+    mechanism = loaded("four_bar")
+    problem, model = mechanism.problem, mechanism.kinematics.model
+    near = mechanism.close(mechanism.home.actuated + 1e-3)
+    ends = [closed_point(problem, pose.q.copy()) for pose in (mechanism.home, near)]
+    assert mechanism.step_guard.covers_straight(problem, *ends)
+    unknown = StepGuard(model, without_arms(model, len(mechanism.rows)))
+    assert not unknown.covers_straight(problem, *ends)
 
 
 @pytest.mark.parametrize(

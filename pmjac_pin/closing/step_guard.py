@@ -79,7 +79,7 @@ class StepGuard:
         Of its loops.
     """
 
-    __slots__ = ("_bends", "_curved", "_curves", "_model")
+    __slots__ = ("_bends", "_bounded", "_curved", "_curves", "_model")
 
     def __init__(self, model: pin.Model, arms: Arms) -> None:
         self._model, self._bends = model, Bends(arms)
@@ -88,6 +88,7 @@ class StepGuard:
             kind = kind_of(joint)
             self._curves[joint.idx_v : joint.idx_v + joint.nv] = kind is None or kind.curved
         self._curved = bool(self._curves.any())
+        self._bounded = len(arms.rates) > 0
 
     def covers(
         self,
@@ -150,13 +151,14 @@ class StepGuard:
     def covers_straight(self, problem: ClosureProblem, start: Closed, end: Closed) -> bool:
         """Tell whether the ends alone prove the path regular, its motors moving straight.
 
-        False where that is not tried: of motors whose steps do not add up, and idle motions.
+        False where that is not tried: of motors whose steps do not add up, of idle motions, and of
+        joints that are not known, where nothing bounds what lies between.
         """
         partition = problem.partition
         passive = partition.passive
         if partition.passive_rank < passive.size or not passive.size:
             return not passive.size
-        if self._curved and self._curves[partition.actuated].any():
+        if not self._bounded or (self._curved and self._curves[partition.actuated].any()):
             return False
         way = pin.difference(self._model, start.q, end.q)
         motion = self._bends.straight(start.q, self._bends.speeds(way))
