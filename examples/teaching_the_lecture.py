@@ -33,7 +33,7 @@ for leg, (length, phi) in enumerate(zip(legs, leaning, strict=True)):
 
 # %%
 # **The loops.** The platform is an equilateral triangle with sides √3 A: three equations η = 0.
-# Their derivatives are K by the motors and K* by the passive angles (26), (27).
+# Their derivatives are K by the motors and K* by the passive angles.
 sides = [(0, 1), (1, 2), (2, 0)]
 eta = [np.sum((S[i] - S[j]) ** 2) - 3 * A**2 for i, j in sides]
 K, K_star = np.zeros((3, 3)), np.zeros((3, 3))
