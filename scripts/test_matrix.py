@@ -115,7 +115,9 @@ def tried(python: str, versions: str, wheel: Path) -> Cell:
 def _installed(environment: Path, python: str, versions: str, wheel: Path) -> str:
     """Install into an environment; return what went wrong."""
     uv = [sys.executable, "-m", "uv"]
-    what = [f"pmjac_pin[all] @ {wheel.as_uri()}", *TOOLS]
+    # Named, each is a direct one: only of these uv takes the lowest.
+    direct = [f"{name}>={lowest}" for name, lowest in declared().items()]
+    what = [f"pmjac_pin[all] @ {wheel.as_uri()}", *direct, *TOOLS]
     how = ["--only-binary", ":all:", "--resolution", RESOLUTIONS[versions]]
     into = ["--python", str(environment / "bin" / "python")]
     for command in (
