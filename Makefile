@@ -4,7 +4,7 @@ BIN := .venv/bin
 # Else each of the many processes that tests start compiles the package anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test slow lowest bench screenshots readme lint clean
+.PHONY: demo test slow dist matrix bench screenshots readme lint clean
 
 demo: .venv/ready
 	$(BIN)/pmjac demo
@@ -16,8 +16,11 @@ slow: .venv/ready
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[peers]'
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile -m slow --durations=8
 
-lowest:
-	$(PYTHON) scripts/test_lowest_versions.py
+dist: .venv/release
+	$(BIN)/python scripts/build_distributions.py
+
+matrix: dist
+	$(BIN)/python scripts/test_matrix.py
 
 bench: .venv/ready
 	$(BIN)/python benchmarks/bench_start.py
@@ -61,4 +64,8 @@ clean:
 .venv/ready: pyproject.toml
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	touch $@
+
+.venv/release: .venv/ready
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[release]'
 	touch $@
