@@ -73,7 +73,7 @@ def poses(mechanism: pj.Mechanism) -> pj.Configuration:
 
 def programs(mechanism: pj.Mechanism) -> object:
     """Record what many poses need."""
-    return mechanism._recorded.walking, mechanism._recorded.measures
+    return mechanism.recorded.walking, mechanism.recorded.measures
 
 
 def row(name: str, clock: Clock) -> str:

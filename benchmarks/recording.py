@@ -7,7 +7,7 @@ import pmjac_pin as pj
 
 def recorded(mechanism: pj.Mechanism) -> pj.Mechanism:
     """Let the next call record what single poses need."""
-    known = mechanism._recorded
+    known = mechanism.recorded
     for earned in (known._pose, known._path, known._slopes, known._motion):
         earned._left = 1
     return mechanism
@@ -15,7 +15,7 @@ def recorded(mechanism: pj.Mechanism) -> pj.Mechanism:
 
 def unrecorded(mechanism: pj.Mechanism) -> pj.Mechanism:
     """Let no call record anything."""
-    known = mechanism._recorded
+    known = mechanism.recorded
     for earned in (known._pose, known._path, known._slopes, known._motion):
         earned._left = 1 << 60
     return mechanism

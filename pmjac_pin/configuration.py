@@ -92,14 +92,14 @@ class Configuration(LoadedPose, Shown):
         cls, mechanism: Mechanism, point: Closed, iterations: int, problem: ClosureProblem
     ) -> Configuration:
         """Make the configuration where a path ended, on the branch with the problem's ranks."""
-        known = {"_point": point, "_problem": problem}
+        known = {"_point": point, "problem": problem}
         return cls._certified(mechanism, point.q, iterations, point.gap, **known)
 
     @classmethod
     def _of_q(cls, mechanism: Mechanism, q: Array, iterations: int = 0) -> Configuration:
         """Make the configuration of a given q, or raise ClosureError when its loops are open."""
         parts = mechanism._parts
-        if (known := mechanism._recorded.pose(q)) is not None:
+        if (known := mechanism.recorded.pose(q)) is not None:
             return cls._certified(mechanism, q, iterations, known.gap, _known=known)
         snapshot = parts.kinematics.snapshot(q)
         gap, tolerance = parts.problem.gap(snapshot.residual), parts.problem.tolerance
@@ -235,7 +235,7 @@ class Configuration(LoadedPose, Shown):
         if tool is not None:
             return self.with_tool(tool).jacobian(frame)
         self._need_tool()
-        name, known, partition = frame_name(frame), self._known, self._problem.partition
+        name, known, partition = frame_name(frame), self._known, self.problem.partition
         find: Callable[[], EquivalentJacobian]
         if known is not None and partition is self._parts.problem.partition:
             J_eq, find = known.J_eq(name), functools.partial(self._whole, name)
@@ -281,7 +281,7 @@ class Configuration(LoadedPose, Shown):
     def _eliminated(self, frame: FrameName) -> tuple[Array, Callable[[], EquivalentJacobian]]:
         """Return J_eq by singular values, and what has all matrices; or say why there is none."""
         constraint, tool = self._jacobians(self._snapshot, frame)
-        partition = self._problem.partition
+        partition = self.problem.partition
         rates, J_eq = eliminated(tool, partition, self._loop_rates, self.singularity)
         whole = functools.partial(
             EquivalentJacobian, constraint, tool, frame, partition, rates, J_eq
@@ -309,7 +309,7 @@ class Configuration(LoadedPose, Shown):
         """
         name = frame_name(frame)
         constraint, tool = self._jacobians(self._snapshot, name)
-        partition = self._problem.partition
+        partition = self.problem.partition
         if self._parts.spec.tool.is_none:
             tool = np.full_like(tool, np.nan)
         return SplitJacobian(
@@ -332,7 +332,7 @@ class Configuration(LoadedPose, Shown):
 
     @found_once
     def _singularity(self) -> Singularity:
-        problem, snapshot = self._problem, self._snapshot
+        problem, snapshot = self.problem, self._snapshot
         rows = problem.partition.tool_rows
         return analyse_singularity(
             snapshot.constraint_jacobian,
@@ -355,24 +355,24 @@ class Configuration(LoadedPose, Shown):
 
     @found_once
     def _known(self) -> KnownPose | None:
-        return self.mechanism._recorded.pose(self.q)
+        return self.mechanism.recorded.pose(self.q)
 
     def _motion_by_home(self, rates: Array) -> tuple[Array, Array, Array] | None:
         """Return what motor rates lead to by a program, None where nothing is certain."""
-        recorded = None if self._known is None else self.mechanism._recorded.motion()
+        recorded = None if self._known is None else self.mechanism.recorded.motion()
         return None if recorded is None else recorded.at(self.q, rates)
 
     @found_once
     def _point(self) -> Closed:
-        return closed_point(self._problem, self.q)
+        return closed_point(self.problem, self.q)
 
     @found_once
     def _loop_rates(self) -> LoopRates:
-        home, here = self._parts.problem, self._problem
+        home, here = self._parts.problem, self.problem
         return self._by_home if here is home else self._rates_by(here)
 
     @found_once
-    def _problem(self) -> ClosureProblem:
+    def problem(self) -> ClosureProblem:
         """The closure problem, with the generic ranks of the branch that this pose lies on."""
         parts = self._parts
         if self._known is not None:  # with home's ranks

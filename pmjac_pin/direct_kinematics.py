@@ -57,9 +57,9 @@ def close(
 
 def _end_of_path(mechanism: Mechanism, start: Configuration, values: Array) -> Configuration:
     """Return where the path from a closed pose to motor values ends, or say why it does not."""
-    problem, ahead = start._problem, None
+    problem, ahead = start.problem, None
     if problem is mechanism._parts.problem:
-        ahead = mechanism._recorded.path(start.q, values)
+        ahead = mechanism.recorded.path(start.q, values)
     if ahead is None:
         path = _walked(mechanism, start, values)
     else:
@@ -78,11 +78,11 @@ def _end_of_path(mechanism: Mechanism, start: Configuration, values: Array) -> C
 def _walked(mechanism: Mechanism, start: Configuration, values: Array) -> Followed:
     """Walk from a closed pose to motor values by singular values."""
     parts = mechanism._parts
-    problem, motors = start._problem, parts.problem.partition.actuated
+    problem, motors = start.problem, parts.problem.partition.actuated
     displacement = parts.coordinates.motion_to(start.q, motors, values)
     if problem is not parts.problem:
         parts = replace(parts, problem=problem)
-    return walk(parts, mechanism._step_guard, start._point, displacement, values)
+    return walk(parts, mechanism.step_guard, start._point, displacement, values)
 
 
 def check_limits(mechanism: Mechanism, values: Array) -> None:
@@ -152,7 +152,7 @@ def _stopped(
     mechanism: Mechanism, values: Array, start: Configuration, path: Followed
 ) -> ClosureError:
     """Build the error of a path that ended early, with the best pose at the target itself."""
-    parts, problem = mechanism._parts, start._problem
+    parts, problem = mechanism._parts, start.problem
     reached = Configuration._of_point(mechanism, path.point, path.iterations, problem)
     at_target = parts.coordinates.with_values(path.point.q, problem.partition.actuated, values)
     best = assemble(problem, at_target, motor_weights(problem, 0.0))

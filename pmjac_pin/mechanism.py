@@ -305,12 +305,13 @@ class Mechanism(MechanismSiblings, Shown):
         return Configuration._of_q(self, self._checked(q))
 
     @cached_property
-    def _recorded(self) -> RecordedMechanism:
+    def recorded(self) -> RecordedMechanism:
+        """Programs of the mechanism, recorded when they are needed: for many poses, and for one."""
         recordings = None if self.blueprint is None else self.blueprint.recordings
         return RecordedMechanism(self._parts, recordings)
 
     @cached_property
-    def _slopes(self) -> SlopesAlongMotions | None:
+    def slopes(self) -> SlopesAlongMotions | None:
         """How Jacobians change along motions; None where joints are not in the table of joints."""
         # Second derivatives are imported with the first of them.
         from pmjac_pin.kinematics.slopes import SlopesAlongMotions  # noqa: PLC0415
@@ -322,7 +323,8 @@ class Mechanism(MechanismSiblings, Shown):
             return None
 
     @cached_property
-    def _step_guard(self) -> StepGuard:
+    def step_guard(self) -> StepGuard:
+        """What tells whether K* stays regular along a step."""
         parts = self._parts
         try:
             arms = arms_of(parts.model, parts.spec.loops, parts.values)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 from msgspec.structs import replace
 
@@ -15,13 +15,14 @@ from pmjac_pin.model.pinocchio_model import checked_tool
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.values.checks import as_names
 
+Kept = TypeVar("Kept")
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MechanismSiblings(MechanismValue):
     """A mechanism that makes others of itself, reading nothing again."""
 
-    # What was made of it once, by what it was asked for.
-    _siblings: dict[Hashable, Any] = field(default_factory=dict)
+    _made: dict[Hashable, Any] = field(default_factory=dict)
 
     def with_tool(
         self,
@@ -141,12 +142,21 @@ class MechanismSiblings(MechanismValue):
         """Return the machine as another specification has it; made once."""
         if spec == self.spec:
             return self
-        if key not in self._siblings:
-            parts = self._parts
-            built = build_parts(parts.standing, spec, parts.values, parts.urdf, parts.home_q)
-            blueprint = self.blueprint and self.blueprint.of(spec)
-            self._siblings[key] = type(self)(
-                built, notes=self.notes, unread=self.unread, blueprint=blueprint
-            )
-        sibling: Self = self._siblings[key]
-        return sibling
+        return self.made_once(key, lambda: self._as_of(spec))
+
+    def _as_of(self, spec: MechanismSpec) -> Self:
+        parts = self._parts
+        built = build_parts(parts.standing, spec, parts.values, parts.urdf, parts.home_q)
+        blueprint = self.blueprint and self.blueprint.of(spec)
+        return type(self)(built, notes=self.notes, unread=self.unread, blueprint=blueprint)
+
+    def made_once(self, key: Hashable, make: Callable[[], Kept]) -> Kept:
+        """Return what was made of the mechanism under a key; made now where it was not yet.
+
+        It is kept as long as the mechanism is, so a key says nothing that there is no end of, such
+        as a pose.
+        """
+        if key not in self._made:
+            self._made[key] = make()
+        kept: Kept = self._made[key]
+        return kept

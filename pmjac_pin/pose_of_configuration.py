@@ -93,7 +93,7 @@ class PoseOfConfiguration:
     def slopes(self, motions: Array) -> tuple[Array, Array]:
         """Return how the constraint and the tool Jacobian change along motions, (nv, k)."""
         here = self.configuration
-        along = here.mechanism._recorded.slopes() or here.mechanism._slopes
+        along = here.mechanism.recorded.slopes() or here.mechanism.slopes
         if along is not None:
             found = along.at(here.q, motions)
             return found.constraint, found.tool(self.frame)

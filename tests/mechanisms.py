@@ -78,7 +78,7 @@ def loaded(name):
 
     What it learns by being used, its programs and its closed poses, each test begins without.
     """
-    return replace(_once(name), _poses={}, _siblings={})
+    return replace(_once(name), _poses={}, _made={})
 
 
 @cache

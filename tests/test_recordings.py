@@ -29,7 +29,7 @@ def tapes(recorded):
 
 def assert_same_programs(mechanism, rng):
     alone = replace(mechanism, blueprint=None, _poses={})
-    for one, fresh in zip(tapes(mechanism._recorded), tapes(alone._recorded), strict=True):
+    for one, fresh in zip(tapes(mechanism.recorded), tapes(alone.recorded), strict=True):
         inputs = rng.normal(size=(fresh.inputs, 5))
         with np.errstate(all="ignore"):
             np.testing.assert_array_equal(run(one, inputs), run(fresh, inputs))
@@ -66,10 +66,10 @@ def test_the_third_sibling_is_not_recorded(monkeypatch):
         return mechanism.with_parameters(values)
 
     first, second, third = map(sibling, (1.0, 1.01, 1.02))
-    tapes(first._recorded)
-    kept = tapes(second._recorded)
+    tapes(first.recorded)
+    kept = tapes(second.recorded)
     monkeypatch.setattr(Recording, "term", None)
-    for one, other in zip(tapes(third._recorded), kept, strict=True):
+    for one, other in zip(tapes(third.recorded), kept, strict=True):
         assert one.code is other.code
 
 
@@ -99,7 +99,7 @@ def scanned(mechanism, rng):
 @pytest.mark.parametrize("name", WITH_PARAMETERS)
 def test_a_scan_plans_its_programs_once(name, rng, planned):
     """At first one that is forgotten, then one that is kept; but for two numbers that may meet."""
-    programs = [tapes(design._recorded) for design in scanned(pj.load(name), rng)]
+    programs = [tapes(design.recorded) for design in scanned(pj.load(name), rng)]
     assert len(planned) <= 2 * len(programs[0]) + 2
 
 

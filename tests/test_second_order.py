@@ -247,14 +247,14 @@ def test_at_a_singular_pose_nothing_is_half_computed():
 def test_recorded_programs_and_complex_steps_are_one(name, rng):
     """Forward mode over a program, and complex steps over the kinematics: nothing in common."""
     configuration = somewhere(name, rng)
-    recorded = configuration.mechanism._recorded
+    recorded = configuration.mechanism.recorded
     if path_kernel() is None:
         pytest.skip("no kernel was built")
     for _ in range(30):
         known = recorded.slopes()
     motions = rng.normal(size=(configuration.mechanism.nv, 3))
     one, other = (
-        each.at(configuration.q, motions) for each in (known, configuration.mechanism._slopes)
+        each.at(configuration.q, motions) for each in (known, configuration.mechanism.slopes)
     )
     size = max(1.0, np.abs(other.constraint).max(initial=0.0))
     np.testing.assert_allclose(one.constraint, other.constraint, atol=1e-13 * size)
@@ -267,9 +267,9 @@ def test_a_recorded_motion_is_that_of_the_matrices(name, rng):
     """One program for G, its change and the drift; by slopes and by singular values without."""
     configuration = somewhere(name, rng)
     mechanism, n = configuration.mechanism, len(configuration.mechanism.actuated)
-    if path_kernel() is None or mechanism._recorded._one_pose() is None:
+    if path_kernel() is None or mechanism.recorded._one_pose() is None:
         pytest.skip("no kernel was built, or ranks decide at each pose")
-    motion = mechanism._recorded._recorded_motion()
+    motion = mechanism.recorded._recorded_motion()
     jacobian = configuration.jacobian()
     for _ in range(3):
         rates, accelerations = rng.normal(size=(2, n))
@@ -287,7 +287,7 @@ def test_a_motion_is_recorded_when_it_is_asked_for_often(rng):
     if path_kernel() is None:
         pytest.skip("no kernel was built")
     found = [mechanism.close([0.9]).motion([1.5], [0.5]).acceleration for _ in range(400)]
-    assert mechanism._recorded.motion() is not None
+    assert mechanism.recorded.motion() is not None
     np.testing.assert_allclose(found[-1], found[0], atol=1e-12)
 
 
@@ -313,7 +313,7 @@ def test_of_every_kind_of_loop_and_joint(kind, joint, rng):
     allowed = right[np.count_nonzero(values > 1e-9 * values[0]) :].T
     v = allowed @ rng.normal(size=allowed.shape[1])
     v /= np.linalg.norm(v)
-    gamma = mechanism._slopes.at(configuration.q, v[:, None]).constraint[0] @ v
+    gamma = mechanism.slopes.at(configuration.q, v[:, None]).constraint[0] @ v
     h = 2e-3
 
     def eta(t):

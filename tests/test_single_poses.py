@@ -134,7 +134,7 @@ def test_what_is_not_certain_is_said_by_singular_values():
         mechanism.configuration(flat.q).jacobian()
     with pytest.raises(pj.ClosureError, match="are open by"):
         mechanism.configuration(flat.q + 0.1)
-    assert mechanism._recorded._pose() is not None
+    assert mechanism.recorded._pose() is not None
 
 
 def test_half_a_turn_away_is_open():
@@ -148,7 +148,7 @@ def test_half_a_turn_away_is_open():
     for joint in range(mechanism.nv):
         v = np.zeros(mechanism.nv)
         v[joint] = np.pi
-        assert mechanism._recorded.pose(mechanism.problem.integrate(home, v)) is None
+        assert mechanism.recorded.pose(mechanism.problem.integrate(home, v)) is None
 
 
 def test_the_other_matrices_are_found_when_asked_for():
@@ -175,7 +175,7 @@ def test_without_a_kernel_nothing_is_recorded(monkeypatch):
     mechanism = recorded(loaded("four_bar"))
     pose = mechanism.close([1.0])
     assert pose._known is None
-    assert not {"rates", "point", "step"} & set(vars(mechanism._recorded))
+    assert not {"rates", "point", "step"} & set(vars(mechanism.recorded))
     np.testing.assert_allclose(pose.q, loaded("four_bar").close([1.0]).q, atol=0.0)
 
 
@@ -191,14 +191,14 @@ def test_joints_that_pinocchio_alone_knows_are_closed_without():
     tied = pj.load("five_bar", actuated=["theta1", "theta2", "phi1"])
     for mechanism in map(recorded, (tied, pj.load("five_bar", actuated=["theta1"]))):
         assert mechanism.configuration(mechanism.home.q)._known is None
-        assert mechanism._recorded._path() is None
+        assert mechanism.recorded._path() is None
 
 
 def test_few_calls_record_nothing():
     mechanism = loaded("stewart_gough")
     for _ in range(20):
         mechanism.close(mechanism.home.actuated).jacobian()
-    assert not {"rates", "point", "step"} & set(vars(mechanism._recorded))
+    assert not {"rates", "point", "step"} & set(vars(mechanism.recorded))
 
 
 def test_many_calls_record_once_and_pickles_record_anew():
@@ -206,10 +206,10 @@ def test_many_calls_record_once_and_pickles_record_anew():
     for _ in range(200):
         mechanism.configuration(mechanism.home.q)
         mechanism.close([1.0])
-    assert mechanism._recorded._pose() is not None
-    assert mechanism._recorded._path() is not None
+    assert mechanism.recorded._pose() is not None
+    assert mechanism.recorded._path() is not None
     again = pickle.loads(pickle.dumps(mechanism))
-    assert again._recorded._path() is None
+    assert again.recorded._path() is None
     np.testing.assert_allclose(again.close([1.0]).q, mechanism.close([1.0]).q, atol=1e-14)
 
 
@@ -274,13 +274,13 @@ def test_endless_motors_go_the_shorter_way(joint, rng):
         found, expected = (
             one.close([value], enforce_limits=False) for one in (mechanism, by_values)
         )
-        assert mechanism._recorded._path() is not None
+        assert mechanism.recorded._path() is not None
         np.testing.assert_allclose(found.q, expected.q, atol=1e-11)
         again = mechanism.close([value + 0.3], found)
         np.testing.assert_allclose(again.q, by_values.close([value + 0.3], expected).q, atol=1e-11)
     inexact = found.q.copy()
     inexact[:2] *= 1.0 + 1e-9  # Pinocchio takes it as it is
-    assert mechanism._recorded.pose(inexact) is None
+    assert mechanism.recorded.pose(inexact) is None
 
 
 def test_balls_turn_as_pinocchio_turns_them(rng):
@@ -289,7 +289,7 @@ def test_balls_turn_as_pinocchio_turns_them(rng):
         found, expected = (
             one.close([value], enforce_limits=False) for one in (mechanism, by_values)
         )
-        assert mechanism._recorded._path() is not None
+        assert mechanism.recorded._path() is not None
         np.testing.assert_allclose(found.q, expected.q, atol=1e-11)
         J_eqs = [one.configuration(found.q).jacobian().J_eq for one in (mechanism, by_values)]
         np.testing.assert_allclose(*J_eqs, atol=1e-11)

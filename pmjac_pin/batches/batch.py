@@ -87,7 +87,7 @@ class Batch:
         self.runs_on = "NumPy" if tape_kernel() is None else "kernel"
         if compiled:
             self.runs_on = "compiled programs"
-        self._recorded = mechanism._recorded
+        self._recorded = mechanism.recorded
         self._closing = Closing.of(mechanism, self._compiled)
         self._judge = Judge(mechanism, self._recorded.rates.partition)
 

@@ -40,9 +40,9 @@ class Closing:
     @classmethod
     def of(cls, mechanism: Mechanism, compiled: CompiledPrograms | None = None) -> Closing:
         """Record what is needed, and compile it; nothing where motors are of several freedoms."""
-        if not mechanism._recorded.walks:
+        if not mechanism.recorded.walks:
             return cls(mechanism, None)
-        tapes, library = mechanism._recorded.walking, many_paths_kernel()
+        tapes, library = mechanism.recorded.walking, many_paths_kernel()
         known = mechanism.problem, mechanism.coordinates
         lanes = None
         if library is not None:

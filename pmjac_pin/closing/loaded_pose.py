@@ -35,7 +35,7 @@ class LoadedPose:
     if TYPE_CHECKING:
         q: Array
         _loop_rates: LoopRates
-        _problem: ClosureProblem
+        problem: ClosureProblem
 
         @property
         def _parts(self) -> Parts: ...
@@ -110,7 +110,7 @@ class LoadedPose:
         >>> pj.load("ur5").home.dynamics().mass_matrix.shape
         (6, 6)
         """
-        tree, partition = self._parts.kinematics, self._problem.partition
+        tree, partition = self._parts.kinematics, self.problem.partition
         motion = self.motion(self._motor_rates(rates))
         (G, idle), still = motion.ways, 0.0 * motion.v
         forces = [tree.efforts(self.q, still, still), tree.efforts(self.q, motion.v, motion.bias)]
@@ -171,7 +171,7 @@ class LoadedPose:
         >>> bool(abs(home.statics(pushed).efforts).max() < 1e-12)  # where one loop holds them
         True
         """
-        refuse_singular(self._loop_rates, self._problem.partition, self.singularity)
+        refuse_singular(self._loop_rates, self.problem.partition, self.singularity)
         model, name = self._parts.kinematics.model, frame_name(frame)
         loads = [self._held_springs({} if springs is None else springs)]
         if as_flag(gravity, "gravity"):
@@ -180,12 +180,12 @@ class LoadedPose:
             if not isinstance(wrench, Mapping):
                 self._need_tool()
             loads += held_wrenches(self._parts, self.q, wrench, name)
-        return balanced(np.array(loads), self._loop_rates, self._problem.partition)
+        return balanced(np.array(loads), self._loop_rates, self.problem.partition)
 
     def _held_springs(self, springs: Springs) -> Array:
         return spring_efforts(self._parts.coordinates, self.q, springs)
 
     def _motor_rates(self, given: MotorValues | None) -> Array:
         if given is None:
-            return np.zeros(self._problem.partition.actuated.size)
+            return np.zeros(self.problem.partition.actuated.size)
         return motor_rates(self._parts.spec, self._parts.coordinates, given)

@@ -122,7 +122,7 @@ def certify(configuration: Configuration) -> Certificate:
         equations = _equations(mechanism)
     except ArgumentError as error:
         return _no_certificate(str(error))
-    names, partition = mechanism.rows, configuration._problem.partition
+    names, partition = mechanism.rows, configuration.problem.partition
     # Where A is beyond all bounds, so are Y and Z₁, and nothing is proven.
     with precise(), np.errstate(over="ignore", invalid="ignore"):
         return _certified(equations, configuration.q, partition, names)

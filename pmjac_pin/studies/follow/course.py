@@ -46,8 +46,8 @@ class Course:
         cls, start: Configuration, path: MotorPath, shown: Mechanism | None = None
     ) -> Course:
         """Return that of a path that begins at a closed pose."""
-        problem, mechanism = start._problem, start.mechanism
-        driven = lead(problem, start._point)
+        problem, mechanism = start.problem, start.mechanism
+        driven = lead(problem, closed_point(problem, start.q))
         return cls(mechanism, path, problem, driven, mechanism if shown is None else shown)
 
     @property

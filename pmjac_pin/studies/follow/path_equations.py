@@ -110,7 +110,7 @@ class PathEquations:
 
     def _jacobian_slopes(self, q: Array, motions: Array) -> Array:
         mechanism, problem = self.course.mechanism, self.course.problem
-        if (slopes := mechanism._slopes) is not None:
+        if (slopes := mechanism.slopes) is not None:
             return slopes.at(q, motions).constraint
         found = []
         for motion in motions.T:

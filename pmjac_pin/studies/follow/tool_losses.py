@@ -156,7 +156,7 @@ def what_is_lost(course: Course, start: Configuration) -> SingularValueSigns | N
     None where motors do not decide alone what the tool does, or nothing is passive.
     """
     partition = course.shown.problem.partition
-    if course.shown._slopes is None:
+    if course.shown.slopes is None:
         return None
     if course.by_tool:
         rank = partition.passive_rank
@@ -171,7 +171,7 @@ def what_is_lost(course: Course, start: Configuration) -> SingularValueSigns | N
 
 def _slopes_along(mechanism: Mechanism, q: Array, motion: Array) -> Slopes:
     """Return how Jacobians change along a motion (nv,), by a program where one is recorded."""
-    by = mechanism._recorded.slopes() or mechanism._slopes
+    by = mechanism.recorded.slopes() or mechanism.slopes
     if by is None:
         raise ArgumentError(f"{mechanism.name} has a joint that is not in the table of joints")
     return by.at(q, motion[:, None])

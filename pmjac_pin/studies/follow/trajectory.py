@@ -206,17 +206,15 @@ def acceleration_along(pose: Configuration, v: Array, motors: Array) -> Array:
 
     NaN where v is, or where a joint is not in the table of joints.
     """
-    slopes, partition = pose.mechanism._slopes, pose._problem.partition
+    slopes, partition = pose.mechanism.slopes, pose.problem.partition
     if slopes is None or not np.isfinite(v).all():
         return np.full(v.size, np.nan)
-    slope, jacobian = (
-        slopes.at(pose.q, v[:, None]).constraint[0],
-        pose._snapshot.constraint_jacobian,
-    )
+    slope = slopes.at(pose.q, v[:, None]).constraint[0]
+    jacobian = pose.split_jacobian().constraint_jacobian
     found = np.zeros(v.size)
     found[partition.actuated] = motors
     opening = jacobian[:, partition.actuated] @ motors + slope @ v
-    following = following_rates(opening[:, None], pose._loop_rates, partition)
+    following = following_rates(opening[:, None], partition.loop_rates(jacobian), partition)
     found[partition.passive] = following[:, 0]
     return found
 

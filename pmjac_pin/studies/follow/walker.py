@@ -94,7 +94,7 @@ class CourseWalker:
             course, piece, start, PathPose(end, point, course.velocity(point, piece, end))
         )
         aside = course.aside(piece, start.t, end)
-        covered = course.mechanism._step_guard.covers(
+        covered = course.mechanism.step_guard.covers(
             problem, start.point, point, *step.rates(), aside=aside
         )
         return step if covered else None

@@ -125,15 +125,13 @@ def _once(
     goals: Sequence[ToolGoal],
     chains: Callable[[Mechanism, Sequence[ToolGoal]], tuple[ToolChain, ...] | None],
 ) -> DrivenByTool | None:
-    key = (chains.__name__, *((goal.tool, goal.task) for goal in goals))
-    if key not in mechanism._siblings:
+    def made() -> DrivenByTool | None:
         chosen = chains(mechanism, goals)
         rigid = all(_is_rigid(mechanism, goal) for goal in goals)
-        mechanism._siblings[key] = (
-            _if_it_closes(mechanism, chosen, goals) if chosen and rigid else None
-        )
-    found: DrivenByTool | None = mechanism._siblings[key]
-    return found
+        return _if_it_closes(mechanism, chosen, goals) if chosen and rigid else None
+
+    key = (chains.__name__, *((goal.tool, goal.task) for goal in goals))
+    return mechanism.made_once(key, made)
 
 
 def _is_rigid(mechanism: Mechanism, goal: ToolGoal) -> bool:

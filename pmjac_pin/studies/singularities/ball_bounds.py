@@ -48,7 +48,7 @@ class BallBounds:
         configuration: Configuration,
         kept: tuple[Index, Index] | None = None,
     ) -> None:
-        partition = configuration._problem.partition
+        partition = configuration.problem.partition
         at, count = equations.at(configuration.q), partition.passive.size
         residual = equations.residual(at, configuration.q)
         around = equations.around(at, _RADII, partition.length)

@@ -8,7 +8,7 @@ of [K K*].
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -186,11 +186,13 @@ def _beside_limits(coordinates: JointCoordinates, q: Array, closed: Mask) -> Mas
 def _driven(names: tuple[str, str], at: Configuration) -> Mechanism:
     """Return the machine whose tool two slides lead from where it is, turning as `at` has it."""
     mechanism, pose = at.mechanism, at.tool_pose()
-    key = ("tool plane", names, at.q.tobytes())
-    known: dict[Hashable, Mechanism] = mechanism._siblings
-    if key not in known:
-        known[key] = _led(names, at, pose)
-    return known[key]
+    last: dict[bytes, Mechanism] = mechanism.made_once(("tool plane", names), dict)
+    known = last.get(whose := at.q.tobytes())
+    if known is None:
+        known = _led(names, at, pose)
+        last.clear()
+        last[whose] = known
+    return known
 
 
 def _led(names: tuple[str, str], at: Configuration, pose: pin.SE3) -> Mechanism:

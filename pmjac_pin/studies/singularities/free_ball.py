@@ -113,7 +113,7 @@ def singularity_free(configuration: Configuration, *, most_cells: int = 1) -> Si
     check_kind(configuration, Configuration)
     if not (isinstance(most_cells, int) and most_cells >= 1):
         raise ArgumentError(f"most_cells is a whole number ≥ 1, got {quoted(most_cells)}")
-    mechanism, partition = configuration.mechanism, configuration._problem.partition
+    mechanism, partition = configuration.mechanism, configuration.problem.partition
     slides = all(unit == "m" for unit in partition.units_of(partition.actuated))
     unit: Literal["m", "rad"] = "m" if slides else "rad"
     if not partition.passive_rank:

@@ -97,7 +97,7 @@ def nearest_singularity(
 def _equations_of(configuration: Configuration, kind: Freed | None) -> list[SingularEquations]:
     """Return the equations of the kind that is asked for, of all that there are for None."""
     mechanism = configuration.mechanism
-    if configuration._problem is not mechanism.problem:
+    if configuration.problem is not mechanism.problem:
         told = "the pose is on a branch of more motions than home has"
         raise ArgumentError(f"{told}: ask a mechanism whose home is on this branch")
     if kind is not None:

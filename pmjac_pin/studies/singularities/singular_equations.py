@@ -112,7 +112,7 @@ class SingularEquations(CurveEquations):
         partition, self.freed, self._block = self.partition, freed, block
         if partition.isolated:
             raise ArgumentError(f"of {mechanism.name} no generic rank is known, nothing drops")
-        if (slopes := mechanism._slopes) is None:
+        if (slopes := mechanism.slopes) is None:
             raise ArgumentError(f"{mechanism.name} has a joint that is not in the table of joints")
         self._by_complex_steps = slopes
         self._tool = partition.tool_rows.linear + partition.tool_rows.angular
@@ -208,7 +208,7 @@ class SingularEquations(CurveEquations):
 
     def _slopes_at(self, q: Array, snapshot: Snapshot) -> tuple[Array, Array]:
         partition, nv = self.partition, self.partition.column_scale.size
-        by = self.mechanism._recorded.slopes() or self._by_complex_steps
+        by = self.mechanism.recorded.slopes() or self._by_complex_steps
         changed = by.at(q, self._strides)
         constraint = partition.scaled(snapshot.constraint_jacobian)
         slopes = partition.scaled(changed.constraint)[:, self._rows, self.columns]
