@@ -5,6 +5,7 @@ BIN := .venv/bin
 unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo test slow dist matrix bench screenshots readme lint clean
+.PHONY: demo test slow lowest bench screenshots readme docs lint clean
 
 demo: .venv/ready
 	$(BIN)/pmjac demo
@@ -53,6 +54,12 @@ readme: .venv/ready
 	$(BIN)/python scripts/update_readme.py
 	$(BIN)/python docs/draw_architecture.py
 
+# The site in build/site, of pages and notebooks that are run. Once its tools are there, no network is used.
+docs: .venv/docs
+	rm -rf build/site build/site_source build/site_doctrees
+	$(BIN)/python docs/website/stage.py build/site_source
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m sphinx -W --keep-going -q -j 2 -c docs/website -d build/site_doctrees build/site_source build/site
+
 lint: .venv/ready
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -68,4 +75,6 @@ clean:
 
 .venv/release: .venv/ready
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[release]'
+.venv/docs: .venv/ready
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
 	touch $@
