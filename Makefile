@@ -4,8 +4,7 @@ BIN := .venv/bin
 # Else each of the many processes that tests start compiles the package anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test slow dist matrix bench screenshots readme lint clean
-.PHONY: demo test slow lowest bench screenshots readme docs lint clean
+.PHONY: demo test slow dist matrix bench screenshots readme docs lint clean
 
 demo: .venv/ready
 	$(BIN)/pmjac demo
@@ -75,6 +74,8 @@ clean:
 
 .venv/release: .venv/ready
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[release]'
+	touch $@
+
 .venv/docs: .venv/ready
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
 	touch $@

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
+from pmjac_pin.algebra.one_thread import on_one_thread
 from pmjac_pin.batches.batch import Batch
 from pmjac_pin.batches.results import Status
 from pmjac_pin.configuration import Configuration
@@ -34,6 +35,7 @@ _CELLS_OFF = 2.0  # cells: from the border to a cell beside it
 _JOINTS = 1e-6  # of the window: ends of pieces that meet
 
 
+@on_one_thread
 def workspace(
     mechanism: Mechanism,
     plane: Sequence[str],
@@ -112,13 +114,13 @@ def workspace(
         units=drawn.area.units,
         held=drawn.held,
         mode=_mode_name(drawn, sheets, number),
-        first=axes[0],
-        second=axes[1],
+        first=axes[0] + drawn.origin[0],
+        second=axes[1] + drawn.origin[1],
         reached=region.reached,
         q=np.where(region.reached[..., None], drawn.original(region.sheet.cells.q), np.nan),
         measure=name or "",
         values=_values(drawn, region, name),
-        border=tuple(BorderPiece(one.places, one.what) for one in found),
+        border=tuple(BorderPiece(drawn.in_world(one.places), one.what) for one in found),
         area=sum(one.area() for one in found) if closed else float("nan"),
         evidence=_workspace_evidence(found, closed, cells),
     )
