@@ -77,6 +77,40 @@ def test_five_bar_turns_about_its_elbows_where_these_coincide(five_bar_locus):
     }
 
 
+def test_loss_touches_gain_where_an_arm_is_folded_in_line_with_both_distal_links(five_bar_locus):
+    """The machine folds there, so that a curve of loss through the pose turns back along the gain.
+
+    The tip is 0.1 behind the first pivot, the other elbow 0.5, and 0.3 from its own pivot.
+    """
+    expected = []
+    for theta1 in (np.arccos(-0.25 / 0.3), -np.arccos(-0.25 / 0.3)):
+        elbow = -0.5 * np.array([np.cos(theta1), np.sin(theta1)]) - [0.3, 0.0]
+        assert np.linalg.norm(elbow) == pytest.approx(0.3, abs=1e-12)
+        theta2 = np.arctan2(elbow[1], elbow[0])
+        mirrored = np.remainder(2.0 * np.pi - np.array([theta2, theta1]), 2.0 * np.pi) - np.pi
+        expected += [(theta1, theta2), mirrored]
+    found = [p.place for p in five_bar_locus.marked("branch point") if p.kind == "gain"]
+    assert len(found) == len(expected) == 4
+    for place in expected:
+        assert np.abs(np.array(found) - place).max(axis=1).min() < 1e-7
+
+
+@pytest.mark.slow
+def test_curves_of_mirror_images_lie_on_each_other_and_do_not_cross():
+    """The 3-RPS is its own mirror image in its base: poses over and under it have the same legs."""
+    mechanism = loaded("three_rps")
+    locus = pj.singularity_locus(mechanism, ("l1", "l2"), kinds=["gain"], cells=41)
+    on_each_other = 0
+    for curve in locus.curves:
+        others = [one for one in locus.curves if one is not curve]
+        on_each_other += any(
+            max(np.linalg.norm(one.places - place, axis=1).min() for place in curve.places) < 0.05
+            for one in others
+        )
+    assert on_each_other > 2
+    assert not locus.marked("crossing")
+
+
 def test_3rpr_gains_where_the_lines_of_its_legs_meet(cuspidal_locus):
     mechanism, corners = cuspidal_locus.at.mechanism, platform_corners()
     for curve in cuspidal_locus.curves:

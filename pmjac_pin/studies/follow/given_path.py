@@ -26,7 +26,7 @@ _FINEST = 24  # of the range, until a function is not smooth enough
 _JUMP = 1e-9  # m or rad: rounding makes smaller ones
 _LARGEST_TIME = 1e9
 _TOLD_APART = 1e-9  # of the parameter, ten times what events are located to
-_ROUNDING = 1e-13  # of the largest one
+_ROUNDED = 1e-13  # of the largest one
 
 
 def motor_path(mechanism: Mechanism, path: Any, times: Any = None) -> MotorPath:
@@ -72,7 +72,7 @@ def path_of(
     table : callable
         Waypoints as a caller gives them ↦ numbers (N, n).
     """
-    ascending = None if times is None else _ascending(times)
+    ascending = None if times is None else ascending_times(times)
     if callable(path):
         pieces = _spline_pieces(path, ascending) or _by_polynomials(path, ascending, len(names))
     else:
@@ -81,7 +81,8 @@ def path_of(
     return MotorPath(tuple(pieces))
 
 
-def _ascending(times: Any) -> Array:
+def ascending_times(times: Any) -> Array:
+    """Return times as a caller gives them, or raise ArgumentError where they do not ascend."""
     found = np.atleast_1d(as_numbers(times, "times", _LARGEST_TIME))
     if found.ndim != 1 or found.size < 2 or not (np.diff(found) > 0.0).all():
         raise ArgumentError(f"times are two or more numbers that ascend, got {quoted(times)}")
@@ -91,7 +92,7 @@ def _ascending(times: Any) -> Array:
 
 def _check_apart(times: Array) -> None:
     """Raise ArgumentError where an event between two times could not be told from them."""
-    nearest = max(_TOLD_APART, _ROUNDING * float(np.abs(times).max(initial=0.0)))
+    nearest = max(_TOLD_APART, _ROUNDED * float(np.abs(times).max(initial=0.0)))
     near = np.flatnonzero(np.diff(times) < nearest)
     if near.size:
         one, other = times[near[0] : near[0] + 2].tolist()

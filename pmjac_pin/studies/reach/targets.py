@@ -121,18 +121,18 @@ def _goal(mechanism: Mechanism, target: Any, tool: ToolName, task: Task | None) 
     if isinstance(target, Mapping):
         _check_no_task(task, "single coordinates")
         return _coordinates_goal(own, _checked_coordinates(target))
-    pose = _given_pose(target)
+    pose = given_pose(target)
     if pose is not None:
         return ToolGoal(own, Task.pose() if task is None else task, pose)
     given = as_numbers(target, "a target")
     if given.shape != (3,):
         poses = "a pose (pin.SE3 or a 4x4 matrix), a position of three numbers"
         wanted = f"{poses}, or coordinates by name, as {{'x': 0.2, 'y': 0.4}}"
-        raise ArgumentError(f"a target is {wanted}; got {_counted(given)}")
+        raise ArgumentError(f"a target is {wanted}; got {_how_many(given)}")
     return ToolGoal(own, *_of_three(Task.position() if task is None else task, given))
 
 
-def _counted(given: Array) -> str:
+def _how_many(given: Array) -> str:
     return f"{given.size} numbers" if given.ndim == 1 else f"numbers of shape {given.shape}"
 
 
@@ -148,7 +148,14 @@ def _of_three(task: Task, given: Array) -> tuple[Task, pin.SE3]:
     return task, pin.SE3(turn, np.zeros(3))
 
 
-def _given_pose(target: Any) -> pin.SE3 | None:
+def given_pose(target: Any) -> pin.SE3 | None:
+    """Return a pose as a caller gives it, None for what is no pin.SE3 and no 4x4 matrix.
+
+    Raises
+    ------
+    ArgumentError
+        A matrix of no rotation and translation.
+    """
     if isinstance(target, pin.SE3):
         matrix = target.homogeneous
     elif np.shape(target) != (4, 4):

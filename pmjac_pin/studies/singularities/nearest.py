@@ -10,6 +10,7 @@ from types import MappingProxyType
 import numpy as np
 import pinocchio as pin
 
+from pmjac_pin.algebra.one_thread import on_one_thread
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError, PmjacError, quoted
 from pmjac_pin.studies.modes.closed_pose import generator
@@ -27,6 +28,7 @@ _SHY = 1e-6  # of the way: where a straight way ends that is to lead to the sing
 _NEAR_ENOUGH = 2e-2  # rad or lengths between there and the singular pose
 
 
+@on_one_thread
 def nearest_singularity(
     configuration: Configuration,
     *,

@@ -6,13 +6,16 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
+from pmjac_pin.algebra.one_thread import on_one_thread
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, did_you_mean, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.modes.find import assembly_modes
 from pmjac_pin.studies.singularities.charts import Chart, chart
+from pmjac_pin.studies.singularities.curve_crossings import curve_crossings, curve_touchings
 from pmjac_pin.studies.singularities.curve_tracing import Traced, Tracer
+from pmjac_pin.studies.singularities.cusps import cusps
 from pmjac_pin.studies.singularities.locus import (
     LocusCurve,
     LocusMark,
@@ -20,7 +23,6 @@ from pmjac_pin.studies.singularities.locus import (
     SingularityLocus,
 )
 from pmjac_pin.studies.singularities.locus_finding import LocusFinding
-from pmjac_pin.studies.singularities.locus_marks import curve_crossings, cusps
 from pmjac_pin.studies.singularities.sheets import Sheets
 from pmjac_pin.studies.singularities.singular_equations import Freed, SingularEquations
 from pmjac_pin.values.arrays import Array, norm
@@ -30,6 +32,7 @@ _BOTH_KINDS: tuple[Freed, ...] = ("gain", "loss")
 _MOST_SHEETS = 64
 
 
+@on_one_thread
 def singularity_locus(
     mechanism: Mechanism,
     plane: Sequence[str],
@@ -193,14 +196,18 @@ def _locus(
         mark: LocusMark = "branch point" if one.meets else "crossing"
         kind = told[one.curves[0]].kind
         points.append(_special(mark, drawn, one.first.q, one.curves, kind))
+    for one in curve_touchings(tracers, curves):
+        touch: LocusMark = "branch point" if one.meets else "touching"
+        kind = told[one.curves[0]].kind
+        points.append(_special(touch, drawn, one.first.q, one.curves, kind))
     area = drawn.area
     return SingularityLocus(
         at=drawn.at,
         plane=area.names,
         units=area.units,
         held=drawn.held,
-        lower=area.lower,
-        upper=area.upper,
+        lower=drawn.in_world(area.lower),
+        upper=drawn.in_world(area.upper),
         curves=tuple(told),
         points=tuple(points),
         modes=tuple(
@@ -214,7 +221,7 @@ def _locus(
 def _special(
     mark: LocusMark, drawn: Chart, q: Array, curves: tuple[int, ...], kind: Freed
 ) -> LocusPoint:
-    return LocusPoint(mark, drawn.area.places(q), drawn.original(q), curves, kind)
+    return LocusPoint(mark, drawn.in_world(drawn.area.places(q)), drawn.original(q), curves, kind)
 
 
 def _told(drawn: Chart, finding: LocusFinding, curve: Traced) -> LocusCurve:
@@ -224,7 +231,7 @@ def _told(drawn: Chart, finding: LocusFinding, curve: Traced) -> LocusCurve:
     tangents = np.array([one.tangent[area.columns] for one in curve.points])
     return LocusCurve(
         kind=finding.kind,
-        places=area.places(curve.q),
+        places=drawn.in_world(area.places(curve.q)),
         q=drawn.original(curve.q),
         directions=tangents * stride,
         is_closed=curve.is_closed,

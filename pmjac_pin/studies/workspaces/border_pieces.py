@@ -8,8 +8,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pmjac_pin.studies.singularities.curve_crossings import curve_crossings
 from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
-from pmjac_pin.studies.singularities.locus_marks import curve_crossings
+from pmjac_pin.studies.singularities.plane_curve import (
+    arc_length,
+    cubic_at,
+    from_cubics,
+    place_rate,
+    unit_ways,
+    wedge,
+)
 from pmjac_pin.values.arrays import Array
 
 _TURNING_STEPS = 80
@@ -20,7 +28,6 @@ _SAMPLED = 12  # places of a piece, to see whether it lies on another
 _OF_A_CUBIC = 1.0 / 192.0  # R θ⁴, twice what a cubic over an arc is off by
 _TO_BOTH_SIDES = 2e-3  # of the window: to both sides of a piece
 _OF_WHAT_IS_CLEAR = 0.3  # of what is between it and the next one
-_FOOT_STEPS = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,8 +55,8 @@ class SmoothPiece:
     def middle(self) -> tuple[Array, Array]:
         """A place within and the direction there."""
         k = (len(self.places) - 1) // 2
-        place, direction = _hermite(*self.places[k : k + 2], *self.directions[k : k + 2])
-        return place, direction
+        place, rate = cubic_at(self.places[k : k + 2], self.directions[k : k + 2], 0.5)
+        return place, rate / np.linalg.norm(rate)
 
     def area(self) -> float:
         """Return ½ ∮ (x dy − y dx) along it, by a cubic over each chord."""
@@ -94,19 +101,12 @@ class _CutPlace:
 
 def _corner_cuts(tracer: Tracer, curve: Traced) -> Iterator[_CutPlace]:
     """Yield where the place turns back."""
-    ways = [_way(tracer, one) for one in curve.points]
+    ways = [place_rate(tracer, one) for one in curve.points]
     for k, (first, second) in enumerate(zip(curve.points, curve.points[1:], strict=False)):
         if ways[k] @ ways[k + 1] < 0.0:
             found = _turning(tracer, first, second, ways[k])
             if found is not None:
                 yield _CutPlace(k, *found)
-
-
-def _way(tracer: Tracer, one: OnCurve) -> Array:
-    """Return how the place changes along a curve, m or rad."""
-    area, partition = tracer.area, tracer.equations.partition
-    scale = partition.length * partition.column_scale[area.columns]
-    return np.asarray(scale * one.tangent[area.columns])
 
 
 def _turning(
@@ -121,7 +121,7 @@ def _turning(
         if here is None or point is None:
             return found
         found = share, tracer.area.places(point.q)
-        low, high = (share, high) if _way(tracer, here) @ way > 0.0 else (low, share)
+        low, high = (share, high) if place_rate(tracer, here) @ way > 0.0 else (low, share)
         if high - low < 1e-9:
             break
     return found
@@ -148,9 +148,7 @@ def _pieces_of(
 ) -> Iterator[SmoothPiece]:
     """Yield the pieces of a curve; those of a closed one begin at its first cut."""
     places = tracer.area.places(curve.q)
-    ways = np.array([_way(tracer, one) for one in curve.points])
-    sizes = np.linalg.norm(ways, axis=1, keepdims=True)
-    ways = ways / np.where(sizes > 0.0, sizes, 1.0)
+    ways = unit_ways(np.array([place_rate(tracer, one) for one in curve.points]))
     order = sorted(cuts, key=lambda one: (one.after, one.share))
     last = len(places) - 1
     if curve.is_closed and order:
@@ -195,10 +193,10 @@ def _within_chord(
     """Return the piece between two cuts of one chord: on its cubic, where it does not turn back."""
     chord = end.place - begin.place
     straight = chord / np.linalg.norm(chord)
-    found = [_hermite(*places, *ways, cut.share)[1] for cut in (begin, end)]
-    if ways[0] @ ways[1] <= 0.0 or min(way @ straight for way in found) <= 0.0:
-        found = [straight, straight]
-    return SmoothPiece(np.vstack([begin.place, end.place]), np.array(found), name)
+    found = np.array([cubic_at(places, ways, cut.share)[1] for cut in (begin, end)])
+    if ways[0] @ ways[1] <= 0.0 or (found @ straight <= 0.0).any():
+        found = np.array([straight, straight])
+    return SmoothPiece(np.vstack([begin.place, end.place]), unit_ways(found), name)
 
 
 def _first_way(chord: Array, way: Array) -> Array:
@@ -258,46 +256,13 @@ def _off_by(piece: SmoothPiece) -> float:
 
 
 def _from_piece(place: Array, piece: SmoothPiece) -> float:
-    """Return how far a place is from a piece: from the cubic over the chord that is nearest."""
-    first, chord = piece.places[:-1], np.diff(piece.places, axis=0)
-    share = ((place - first) * chord).sum(axis=1) / np.maximum((chord**2).sum(axis=1), 1e-300)
-    share = np.clip(share, 0.0, 1.0)
-    away = np.linalg.norm(first + share[:, None] * chord - place, axis=1)
-    k = int(np.argmin(away))
-    ends = (*piece.places[k : k + 2], *piece.directions[k : k + 2])
-    nearest, way = _hermite(*ends, float(share[k]))
-    for _ in range(_FOOT_STEPS):
-        step = (place - nearest) @ way / np.sqrt(max(chord[k] @ chord[k], 1e-300))
-        share[k] = min(max(share[k] + step, 0.0), 1.0)
-        nearest, way = _hermite(*ends, float(share[k]))
-    return float(np.linalg.norm(nearest - place))
-
-
-def _arc_length(first: Array, second: Array, begin: Array, end: Array) -> float:
-    """Return the length of the arc over a chord, as of a circle."""
-    chord = float(np.linalg.norm(second - first))
-    half = 0.5 * np.arccos(np.clip(begin @ end, -1.0, 1.0))
-    return chord * float(half / np.sin(half)) if half > 1e-9 else chord
-
-
-def _hermite(
-    first: Array, second: Array, begin: Array, end: Array, share: float = 0.5
-) -> tuple[Array, Array]:
-    """Return a place on a cubic over a chord, and its direction there."""
-    length, chord, t = _arc_length(first, second, begin, end), second - first, share
-    m0, m1 = length * begin - chord, length * end - chord
-    place = first + t * chord + t * (1.0 - t) * ((1.0 - t) * m0 - t * m1)
-    rate = chord + (1.0 - t) * (1.0 - 3.0 * t) * m0 - t * (2.0 - 3.0 * t) * m1
-    return place, rate / np.linalg.norm(rate)
+    """Return how far a place is from a piece."""
+    return from_cubics(place, piece.places, piece.directions)
 
 
 def _swept(first: Array, second: Array, begin: Array, end: Array) -> float:
     """Return ½ ∫ (x dy − y dx) along a cubic: the chord's, and what is beside it."""
-    length = _arc_length(first, second, begin, end)
+    length = arc_length(first, second, begin, end)
     m0, m1, chord = length * begin, length * end, second - first
-    beside = (_wedge(m0, chord) + _wedge(chord, m1)) / 10.0 - _wedge(m0, m1) / 60.0
-    return 0.5 * _wedge(first, second) + beside
-
-
-def _wedge(a: Array, b: Array) -> float:
-    return float(a[0] * b[1] - a[1] * b[0])
+    beside = (wedge(m0, chord) + wedge(chord, m1)) / 10.0 - wedge(m0, m1) / 60.0
+    return 0.5 * wedge(first, second) + beside
