@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -128,3 +129,49 @@ class PlaneCurve:
     def distance(self, place: Array, chords: Index) -> float:
         """Return how far a place is from the cubic over the nearest of some chords."""
         return from_cubics(place, self.places, self.ways, chords)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CurveChord:
+    """A chord of a curve.
+
+    Attributes
+    ----------
+    curve : PlaneCurve
+    number : int
+    """
+
+    curve: PlaneCurve
+    number: int
+
+    @property
+    def ends(self) -> Sequence[OnCurve]:
+        """The points where it begins and ends."""
+        return self.curve.traced.points[self.number : self.number + 2]
+
+    def at(self, share: float) -> OnCurve | None:
+        """Return the point of the curve at a share of the chord, its tangent from end to end."""
+        tracer, (first, second) = self.curve.tracer, self.ends
+        point = tracer.between(first, second, share)
+        if point is None:
+            return None
+        chord = tracer.chord(first.point, second.point)
+        # Where curves meet there is more than one way on: that from end to end will do.
+        return tracer.on_curve(point, chord) or OnCurve(point, chord, 0.0)
+
+    def bend(self) -> float:
+        """Return by how much the curve bends to the left from end to end, rad."""
+        first, second = self.curve.ways[self.number : self.number + 2]
+        return float(np.arctan2(wedge(first, second), first @ second))
+
+    def place(self, one: OnCurve) -> Array:
+        """Return where a point is, in shares of the window."""
+        area = self.curve.tracer.area
+        return np.asarray(area.places(one.point.q) / area.size)
+
+    def rate(self, one: OnCurve) -> Array:
+        """Return how the place changes with the share."""
+        tracer = self.curve.tracer
+        chord = tracer.chord(self.ends[0].point, self.ends[1].point)
+        along = float(chord @ chord / (one.tangent @ chord))
+        return place_rate(tracer, one) / tracer.area.size * along

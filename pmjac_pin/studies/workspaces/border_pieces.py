@@ -18,6 +18,7 @@ from pmjac_pin.studies.singularities.plane_curve import (
     unit_ways,
     wedge,
 )
+from pmjac_pin.studies.workspaces.slanting_crossings import slanting_crossings
 from pmjac_pin.values.arrays import Array
 
 _TURNING_STEPS = 80
@@ -81,7 +82,8 @@ def pieces(
         What each is.
     """
     cuts = [list(_corner_cuts(*pair)) for pair in zip(tracers, curves, strict=True)]
-    for one in curve_crossings(tracers, curves):
+    both = curve_crossings(tracers, curves), slanting_crossings(tracers, curves)
+    for one in itertools.chain(*both):
         for number, point in zip(one.curves, (one.first, one.second), strict=True):
             found = _placed(tracers[number], curves[number], point.q)
             if found is not None:
