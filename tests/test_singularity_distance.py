@@ -277,3 +277,56 @@ def test_a_number_of_cells_is_a_whole_number(cells):
         pj.singularity_free(loaded("five_bar").home, most_cells=cells)
     with pytest.raises(pj.ArgumentError):
         pj.singularity_free(loaded("five_bar"))
+
+
+LOSSES = ("five_bar", "serial_2r", "ur5", "slider_crank", "humanoid_ankle", "planar_3rrr", "delta")
+
+
+def motions_of_all(pose):
+    """The smallest singular value of [K K*] above the judged rows of the tool, per unit rates."""
+    partition = pose.mechanism.problem.partition
+    split = pose.split_jacobian(partition.tool_rows.axes)
+    rows = partition.tool_rows.linear + partition.tool_rows.angular
+    matrix = np.vstack([split.constraint_jacobian, split.tool_jacobian[rows]])
+    values = np.linalg.svd(matrix, compute_uv=False)
+    return values[partition.constraint_rank + partition.tool_rank - 1]
+
+
+@pytest.mark.parametrize("name", mechanisms.mostly_slow(LOSSES, ("five_bar", "ur5")))
+def test_within_what_is_proven_the_tool_loses_nothing(name, rng):
+    home = loaded(name).home
+    proven, gains = (pj.singularity_free(home, kind=kind) for kind in ("loss", "gain"))
+    assert proven
+    assert 0.0 < proven.radius <= gains.radius
+    assert proven.evidence.kind == "proof"
+    assert f"moves in {home.mechanism.problem.partition.tool_rank} ways" in str(proven.evidence)
+    nearest = pj.nearest_singularity(home, kind="loss", starts=2)
+    if nearest:
+        assert proven.radius < max(map(abs, nearest.motor_change.values()))
+    least = motions_of_all(home)
+    for _ in range(20):
+        way = rng.uniform(-1.0, 1.0, home.actuated.size)
+        motors = home.actuated + proven.radius * way / np.abs(way).max()
+        there = home.mechanism.close(motors, guess=home, enforce_limits=False)
+        assert there.singularity().kind == "regular"
+        assert motions_of_all(there) > 0.2 * least
+
+
+def test_of_an_arm_the_loss_where_its_elbow_is_stretched_bounds_the_proof():
+    """Nothing may be proven beyond: θ₂ is 0 there."""
+    arm = loaded("serial_2r")
+    for elbow in (1.0, 0.1, 0.01):
+        proven = pj.singularity_free(arm.close([0.5, elbow]), kind="loss")
+        assert 0.0 < proven.radius < elbow
+    assert not pj.singularity_free(arm.close([0.5, 0.0]), kind="loss")
+
+
+def test_losses_are_proven_by_cells_too():
+    home = loaded("five_bar").home
+    one, many = (pj.singularity_free(home, kind="loss", most_cells=n) for n in (1, 40))
+    assert many.radius > 1.4 * one.radius
+    with pytest.raises(pj.ArgumentError, match="kind is gain or loss, got 'both'"):
+        pj.singularity_free(home, kind="both")
+    assert (
+        "three points span" in pj.singularity_free(loaded("three_rps_ss").home, kind="loss").failed
+    )
