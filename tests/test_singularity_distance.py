@@ -330,3 +330,37 @@ def test_losses_are_proven_by_cells_too():
     assert (
         "three points span" in pj.singularity_free(loaded("three_rps_ss").home, kind="loss").failed
     )
+
+
+ORDERS = [("five_bar", "gain"), ("slider_crank", "loss"), ("serial_2r", "loss"), ("ankle", "gain")]
+ORDERS += [("bennett", "gain"), ("planar_3rrr", "loss"), ("ur5", "loss"), ("delta_rods", "loss")]
+ORDERS += [("head_6rss", "gain"), ("agile_eye", "loss"), ("stewart_gough", "gain")]
+
+
+@pytest.mark.parametrize(("name", "kind"), mechanisms.mostly_slow(ORDERS, ORDERS[:3]))
+def test_along_polynomials_more_is_proven_and_it_holds(name, kind, rng):
+    """Nothing in it is singular, and all poses are as near as is said; ranks and signs are kept."""
+    home = loaded(name).home
+    one, two = (pj.singularity_free(home, kind=kind, order=order) for order in (1, 2))
+    assert two.evidence.kind == "proof"
+    assert two.radius > 1.3 * one.radius
+    nearest = pj.nearest_singularity(home, kind=kind, starts=3)
+    if nearest:
+        assert two.radius < max(map(abs, nearest.motor_change.values()))
+    partition = home.mechanism.problem.partition
+    slides = np.array([unit == "m" for unit in partition.units_of(partition.passive)])
+    scale = np.where(slides, partition.length, 1.0)
+    least = motions_of_all(home)
+    for _ in range(40):
+        way = rng.uniform(-1.0, 1.0, home.actuated.size)
+        motors = home.actuated + two.radius * way / np.abs(way).max()
+        there = home.mechanism.close(motors, guess=home, enforce_limits=False)
+        assert there.singularity().kind in {"regular", *({"loss"} if kind == "gain" else set())}
+        assert kind == "gain" or motions_of_all(there) > 0.01 * least
+        moved = np.abs(there.passive - home.passive) / scale
+        assert moved.max(initial=0.0) <= two.passive_radius
+
+
+def test_an_order_is_one_or_two():
+    with pytest.raises(pj.ArgumentError, match="order is 1 or 2, got 3"):
+        pj.singularity_free(loaded("five_bar").home, order=3)

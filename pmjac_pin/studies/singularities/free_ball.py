@@ -17,6 +17,7 @@ from pmjac_pin.studies.certificates.tool_rates import ToolRates
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.singularities.ball_bounds import BallBounds
 from pmjac_pin.studies.singularities.free_cells import FreeCells
+from pmjac_pin.studies.singularities.series_ball import SeriesBall
 from pmjac_pin.studies.singularities.singular_equations import FREED, Freed
 from pmjac_pin.values.checks import check_kind
 
@@ -89,7 +90,11 @@ class SingularityFree:
 
 
 def singularity_free(
-    configuration: Configuration, *, kind: Freed = "gain", most_cells: int = 1
+    configuration: Configuration,
+    *,
+    kind: Freed = "gain",
+    most_cells: int = 1,
+    order: Literal[1, 2] = 1,
 ) -> SingularityFree:
     """Return how far motors may move from a pose with no singularity met: a proof.
 
@@ -106,6 +111,9 @@ def singularity_free(
         the tool lose a motion, on the judged rows.
     most_cells : int
         How many steps may be tried, 1 or more; some 30 ms each.
+    order : {1, 2}
+        Of the polynomials along which the one step about the pose goes: with 2 it goes further,
+        where machines have no gears, and takes up to seconds.
 
     Returns
     -------
@@ -115,7 +123,7 @@ def singularity_free(
     Raises
     ------
     ArgumentError
-        No such kind or number.
+        No such kind, number or order.
     NoToolError
         No loss, and no frame is named as the tool.
 
@@ -130,6 +138,8 @@ def singularity_free(
     check_kind(configuration, Configuration)
     if kind not in FREED:
         raise ArgumentError(f"kind is gain or loss, got {quoted(kind)}")
+    if order not in (1, 2):
+        raise ArgumentError(f"order is 1 or 2, got {quoted(order)}")
     if not (isinstance(most_cells, int) and most_cells >= 1):
         raise ArgumentError(f"most_cells is a whole number ≥ 1, got {quoted(most_cells)}")
     mechanism, partition = configuration.mechanism, configuration.problem.partition
@@ -147,9 +157,14 @@ def singularity_free(
             tool = ToolRates(mechanism, equations.unknowns) if kind == "loss" else None
             bounds = BallBounds(equations, configuration, tool=tool)
             radius, passive = bounds.largest()
+            groups = equations.unknowns.groups[:, : partition.passive.size]
+            if radius and order > 1 and _in_series(equations, partition):
+                series = SeriesBall(configuration, bounds.kept, groups, tool)
+                radius, passive = max((radius, passive), series.largest(radius))
             cells = FreeCells(equations, configuration, bounds, most_cells, tool)
             if radius and most_cells > 1 and _one_by_one(equations, bounds, partition):
-                radius, passive = max((radius, passive), cells.grown(_HALF_A_CELL * radius))
+                half = _HALF_A_CELL * bounds.largest()[0]
+                radius, passive = max((radius, passive), cells.grown(half))
     except ArgumentError as error:
         return SingularityFree(0.0, unit, 0.0, partition.passive_rank, kind, str(error))
     rows, taken = bounds.kept
@@ -169,7 +184,17 @@ def singularity_free(
     )
 
 
+def _in_series(equations: LoopEquations, partition: Partition) -> bool:
+    """Tell whether motors' values are numbers of one freedom each, and no gears tie joints."""
+    return not equations.geared and _single_motors(equations, partition)
+
+
+def _single_motors(equations: LoopEquations, partition: Partition) -> bool:
+    motors = equations.unknowns.groups[:, partition.passive.size :]
+    return bool(motors.sum(axis=1).max() <= 1.0)
+
+
 def _one_by_one(equations: LoopEquations, bounds: BallBounds, partition: Partition) -> bool:
     """Tell whether each motor is a freedom of its own and nothing idles: else one step is all."""
-    single = equations.unknowns.groups[:, partition.passive.size :].sum(axis=1).max() <= 1.0
-    return bool(single) and bounds.kept[1].size == partition.passive.size
+    single = _single_motors(equations, partition)
+    return single and bounds.kept[1].size == partition.passive.size
