@@ -364,3 +364,32 @@ def test_along_polynomials_more_is_proven_and_it_holds(name, kind, rng):
 def test_an_order_is_one_or_two():
     with pytest.raises(pj.ArgumentError, match="order is 1 or 2, got 3"):
         pj.singularity_free(loaded("five_bar").home, order=3)
+
+
+@pytest.mark.parametrize("number", [2, 3])
+def test_what_motors_meet_stands_before_what_is_nearer_on_another_mode(number):
+    """Arm 2 is folded 0.02 or 0.19 rad away with the tip on the other side of the elbows."""
+    here = mechanisms.random_poses("five_bar", 4, 6)[number]
+    gain, loss = (pj.nearest_singularity(here, kind=kind, starts=3) for kind in ("gain", "loss"))
+    assert (gain.straight, loss.straight) == (True, False)
+    assert loss.distance < gain.distance
+    either = pj.nearest_singularity(here, starts=3)
+    assert (either.freed, either.straight) == ("gain", True)
+    assert either.distance == pytest.approx(gain.distance, rel=1e-9)
+
+    def side(pose):
+        """The sign of the area from elbow to elbow to tip: the assembly mode."""
+        at = pose.joint_values
+        one, other = (
+            np.array([x, 0.0]) + 0.3 * unit(at[name])
+            for x, name in ((0, "theta1"), (0.3, "theta2"))
+        )
+        tip = pose.tool_pose().translation[:2]
+        return np.sign(np.linalg.det([other - one, tip - one]))
+
+    assert side(
+        either.configuration.mechanism.close(
+            here.actuated + 0.9 * np.array([*either.motor_change.values()]), guess=here
+        )
+    ) == side(here)
+    assert side(loss.configuration) == -side(here)

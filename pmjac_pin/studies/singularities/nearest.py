@@ -90,7 +90,8 @@ def nearest_singularity(
     measure = ChangeFrom(configuration, space, weights or {})
     begun = [configuration.q, *_starts(configuration, starts, generator(rng))]
     found = [_nearest_of(configuration, one, measure, begun) for one in equations]
-    return min(found, key=lambda one: one.distance)
+    # One on another assembly mode is none that motors meet, however near their values are.
+    return min(found, key=lambda one: (not one.straight, one.distance))
 
 
 def _equations_of(configuration: Configuration, kind: Freed | None) -> list[SingularEquations]:
