@@ -30,7 +30,10 @@ def main() -> None:
         home = pj.load(name).home
         kinds = ("gain", "loss") if home.problem.partition.passive_rank else ("loss",)
         for kind in kinds:
-            both = [pj.nearest_singularity(home, kind=one) for one in kinds[: 1 + (kind == "loss")]]
+            both = [
+                pj.nearest_singularity(home, kind=one, rng=0)
+                for one in kinds[: 1 + (kind == "loss")]
+            ]
             far = min(max(map(abs, one.motor_change.values())) for one in both if one)
             found = []
             for order in (1, 2):

@@ -300,7 +300,7 @@ def test_within_what_is_proven_the_tool_loses_nothing(name, rng):
     assert 0.0 < proven.radius <= gains.radius
     assert proven.evidence.kind == "proof"
     assert f"moves in {home.mechanism.problem.partition.tool_rank} ways" in str(proven.evidence)
-    nearest = pj.nearest_singularity(home, kind="loss", starts=2)
+    nearest = pj.nearest_singularity(home, kind="loss", starts=2, rng=0)
     if nearest:
         assert proven.radius < max(map(abs, nearest.motor_change.values()))
     least = motions_of_all(home)
@@ -344,7 +344,7 @@ def test_along_polynomials_more_is_proven_and_it_holds(name, kind, rng):
     one, two = (pj.singularity_free(home, kind=kind, order=order) for order in (1, 2))
     assert two.evidence.kind == "proof"
     assert two.radius > 1.3 * one.radius
-    nearest = pj.nearest_singularity(home, kind=kind, starts=3)
+    nearest = pj.nearest_singularity(home, kind=kind, starts=3, rng=0)
     if nearest:
         assert two.radius < max(map(abs, nearest.motor_change.values()))
     partition = home.mechanism.problem.partition
@@ -370,10 +370,10 @@ def test_an_order_is_one_or_two():
 def test_what_motors_meet_stands_before_what_is_nearer_on_another_mode(number):
     """Arm 2 is folded 0.02 or 0.19 rad away with the tip on the other side of the elbows."""
     here = mechanisms.random_poses("five_bar", 4, 6)[number]
-    gain, loss = (pj.nearest_singularity(here, kind=kind, starts=3) for kind in ("gain", "loss"))
+    gain, loss = (pj.nearest_singularity(here, kind=kind, starts=0) for kind in ("gain", "loss"))
     assert (gain.straight, loss.straight) == (True, False)
     assert loss.distance < gain.distance
-    either = pj.nearest_singularity(here, starts=3)
+    either = pj.nearest_singularity(here, starts=0)
     assert (either.freed, either.straight) == ("gain", True)
     assert either.distance == pytest.approx(gain.distance, rel=1e-9)
 
