@@ -23,7 +23,7 @@ from pmjac_pin.model.joint_kind import JointMotion
 from pmjac_pin.studies.certificates.tool_rates import ToolRates
 from pmjac_pin.values.arrays import Array
 
-_ORDER = 2
+_DEGREE_KEPT = 2
 _ALL_WAYS = 2.0  # more than √3: of three slides, and of axes that turn
 
 #: Coefficients of a matrix by their exponents: at the pose below the order, else over the cube.
@@ -76,7 +76,7 @@ class RateSeries:
         single = {link.column for link in self._tree.links.values() if link.kind.nv == 1}
         if self._loops.couplings or not single.issuperset(motors):
             raise ArgumentError("gears, or motors of several freedoms")
-        self._algebra = SeriesAlgebra(len(motors), _ORDER)
+        self._algebra = SeriesAlgebra(len(motors), _DEGREE_KEPT)
         self._variables = [
             self._algebra.variable(
                 k, Intervals(np.array([[0.0, -1.0]]), np.array([[0.0, 1.0]])), _exactly(1.0)
@@ -111,7 +111,7 @@ class RateSeries:
                 residual.put(where, block.rows.value.each(lambda term: term[:, 0]))
                 loops.put((where, list(block.rows.columns)), block.rows.rates)
                 if block.cosine is not None:
-                    cosine = min(cosine, _least(block.cosine.value))
+                    cosine = min(cosine, _least_cosine(block.cosine.value))
         rows = _Collected((0, self._nv), constant)
         if self._tool is not None:
             count, columns, rates = self._tool.rows_of(poses)
@@ -181,7 +181,7 @@ class _Collected:
     def put(self, where: Any, block: Series | None) -> None:
         """Write the coefficients of a block (..., 2): of the pose, or all over the cube."""
         for exponents, term in block.terms.items() if block is not None else ():
-            part = 1 if sum(exponents) == _ORDER else 0
+            part = 1 if sum(exponents) == _DEGREE_KEPT else 0
             ends = self._ends.setdefault(exponents, (np.zeros(self._shape), np.zeros(self._shape)))
             for side, end in zip(ends, (term.lower, term.upper), strict=True):
                 side[where] = end[..., part if end.shape[-1] > 1 else 0]
@@ -199,6 +199,6 @@ def _full(value: float) -> Array:
     return np.full((1, 2), value)
 
 
-def _least(cosine: Series) -> float:
+def _least_cosine(cosine: Series) -> float:
     """Return a lower bound on a series over the cube: its first coefficient there is all of it."""
     return float(np.asarray(cosine.value.lower).min())

@@ -32,7 +32,7 @@ from pmjac_pin.values.arrays import Array, Index
 
 _TO_DOUBLE, _TIMES = 4, 24  # steps until ρ is twice as large, and in all
 _ROUNDS, _WIDER = 3, 1.2
-_TURNS = 3.0  # more than 2
+_BY_TURNS = 3.0  # more than 2
 _WEIGHED = 8  # times: a weight for each unknown by which ‖I − A M‖ is nearly least
 _LEAST_RADIUS = 1e-3  # of the largest
 
@@ -157,7 +157,7 @@ class SeriesBall:
     def _holds(self, around: SeriesRates, E: Array, radii: Array) -> bool:
         """Tell whether there is one closed pose only, and loops and tool keep their rank."""
         Z = float(OUTWARDS * (OUTWARDS * (E @ radii) / radii).max(initial=0.0))
-        turned = _TURNS * OUTWARDS * radii.max(initial=0.0)
+        turned = _BY_TURNS * OUTWARDS * radii.max(initial=0.0)
         alone = OUTWARDS * (Z + (1.0 + Z) * turned) < 1.0
         return alone and around.cosine > 0.0 and (self._tool is None or self._keeps(around))
 
@@ -165,11 +165,13 @@ class SeriesBall:
         """Tell whether as many rows of loops and tool stay independent as at the pose."""
         unit = Intervals.exact(self._unit)
         both = {
-            key: _stacked(around.loops, around.tool, key, self._here) * unit
+            key: _loops_above_tool(around.loops, around.tool, key, self._here) * unit
             for key in {**around.loops, **around.tool}
         }
         partition = self._partition
-        middle = _stacked(self._here.loops, self._here.tool, self._constant, self._here).middle
+        middle = _loops_above_tool(
+            self._here.loops, self._here.tool, self._constant, self._here
+        ).middle
         scale = np.concatenate(
             [partition.row_scale, np.ones(len(middle) - partition.row_scale.size)]
         )
@@ -196,7 +198,7 @@ def _away_from_identity(A: Array, terms: Coefficients, constant: Exponents) -> A
     return largest_sizes(found.values())
 
 
-def _stacked(
+def _loops_above_tool(
     loops: Coefficients, tool: Coefficients, key: Exponents, here: SeriesRates
 ) -> Intervals:
     """Return coefficients of the loops' rows above those of the tool's."""
