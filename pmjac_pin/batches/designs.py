@@ -50,7 +50,13 @@ class Designs:
 
     @classmethod
     def of(cls, mechanism: Mechanism, swept: Iterable[str]) -> Designs | None:
-        """Return designs that differ in some parameters; None for machines that are not served."""
+        """Return designs that differ in some parameters; None for machines that are not served.
+
+        Raises
+        ------
+        NoToolError
+        """
+        mechanism.need_tool()
         if mechanism.blueprint is None:
             return None
         designs = mechanism.recorded.designs(mechanism.blueprint, swept)
