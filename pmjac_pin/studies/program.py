@@ -86,7 +86,9 @@ def program(
     name, names = frame_name(frame), _parameter_names(mechanism, parameters)
     mechanism.home.jacobian()
     recording = Recording(mechanism.nq + len(names))
-    rates = _recorded_rates(mechanism, dict(zip(names, recording.inputs[mechanism.nq :], strict=True)))
+    rates = _recorded_rates(
+        mechanism, dict(zip(names, recording.inputs[mechanism.nq :], strict=True))
+    )
     kinematics = rates.recorder.at(recording.inputs[: mechanism.nq])
     (eta, by_v), found = kinematics.in_world(), rates.equivalent(kinematics, name)
     partition = rates.partition
@@ -180,8 +182,8 @@ class Program:
         """
         if parameters is None:
             parameters = [self.mechanism.parameters[name] for name in self.parameters]
-        poses = _given_rows("q", q, self.mechanism.nq)
-        designs = _given_rows("parameters", parameters, len(self.parameters))
+        poses = _checked_rows("q", q, self.mechanism.nq)
+        designs = _checked_rows("parameters", parameters, len(self.parameters))
         try:
             leading = np.broadcast_shapes(poses.shape[:-1], designs.shape[:-1])
         except ValueError:
@@ -270,7 +272,7 @@ class Program:
         yield "of K_star without dimension; and where forbidden and felt are 0, if there are any."
 
 
-def _given_rows(name: str, given: ArrayLike, count: int) -> Array:
+def _checked_rows(name: str, given: ArrayLike, count: int) -> Array:
     rows = as_numbers(given, name)
     if not rows.ndim or rows.shape[-1] != count:
         raise ArgumentError(f"{name} of shape (..., {count}) expected, got {rows.shape}")

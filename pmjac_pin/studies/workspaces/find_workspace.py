@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
+from pmjac_pin.algebra.one_thread import on_one_thread
 from pmjac_pin.batches.batch import Batch
 from pmjac_pin.batches.results import Status
 from pmjac_pin.configuration import Configuration
@@ -14,10 +15,11 @@ from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.assembled_poses import assembled_poses
 from pmjac_pin.studies.evidence import Evidence
-from pmjac_pin.studies.singularities.charts import TOOL_AXES, Chart, chart
+from pmjac_pin.studies.singularities.charts import Chart, chart
 from pmjac_pin.studies.singularities.curve_tracing import Traced, Tracer
 from pmjac_pin.studies.singularities.joint_limits import limited, within_joint_limits
 from pmjac_pin.studies.singularities.locus_finding import LocusFinding
+from pmjac_pin.studies.singularities.plane_names import TOOL_AXES
 from pmjac_pin.studies.singularities.sheets import Sheets, SliceSheet
 from pmjac_pin.studies.workspaces.border_pieces import SmoothPiece, border, pieces
 from pmjac_pin.studies.workspaces.limit_equations import LimitEquations
@@ -30,9 +32,10 @@ _CELLS_TRIED = 9  # cells near a place, from which it is walked to
 _STEPS_TO_BORDER = 300  # to a place right beside the border
 _HELD = 1e-9  # m, rad, or of a rotation: poses of one slice
 _CELLS_OFF = 2.0  # cells: from the border to a cell beside it
-_JOINTS = 1e-6  # of the window: ends of pieces that meet
+_MEETING = 1e-6  # of the window: ends of pieces that meet
 
 
+@on_one_thread
 def workspace(
     mechanism: Mechanism,
     plane: Sequence[str],
@@ -111,13 +114,13 @@ def workspace(
         units=drawn.area.units,
         held=drawn.held,
         mode=_mode_name(drawn, sheets, number),
-        first=axes[0],
-        second=axes[1],
+        first=axes[0] + drawn.origin[0],
+        second=axes[1] + drawn.origin[1],
         reached=region.reached,
         q=np.where(region.reached[..., None], drawn.original(region.sheet.cells.q), np.nan),
         measure=name or "",
         values=_values(drawn, region, name),
-        border=tuple(BorderPiece(one.places, one.what) for one in found),
+        border=tuple(BorderPiece(drawn.in_world(one.places), one.what) for one in found),
         area=sum(one.area() for one in found) if closed else float("nan"),
         evidence=_workspace_evidence(found, closed, cells),
     )
@@ -173,10 +176,14 @@ class _Region:
 
 def _traced_border(drawn: Chart, sheets: Sheets, region: _Region) -> tuple[SmoothPiece, ...]:
     """Return the border of a region, in pieces."""
-    folds = LocusFinding(drawn.area, drawn.folds, sheets, drawn.fold_kind)
-    folds.seek(sheets.border_seeds(region.sheet, drawn.folds))
-    curves = [curve for curve in folds.curves if not folds.stays(curve)]
-    tracers, names = [folds.tracer] * len(curves), [str(drawn.fold_kind)] * len(curves)
+    curves: list[Traced] = []
+    tracers: list[Tracer] = []
+    names: list[str] = []
+    if drawn.folds is not None:
+        folds = LocusFinding(drawn.area, drawn.folds, sheets, drawn.fold_kind)
+        folds.seek(sheets.border_seeds(region.sheet, drawn.folds))
+        curves = [curve for curve in folds.curves if not folds.stays(curve)]
+        tracers, names = [folds.tracer] * len(curves), [str(drawn.fold_kind)] * len(curves)
     if region._limits:
         for name, curve, tracer in _limit_curves(drawn, sheets, region):
             names.append(name)
@@ -220,9 +227,9 @@ def _window_pieces(drawn: Chart, curves: Sequence[Traced]) -> Iterator[SmoothPie
         chord = last - first
         share = (stops - first) @ chord / (chord @ chord)
         off = np.abs(stops - first - share[:, None] * chord).max(axis=1, initial=0.0)
-        cuts = share[(off <= _JOINTS * area.size.max()) & (share > 0.0) & (share < 1.0)]
+        cuts = share[(off <= _MEETING * area.size.max()) & (share > 0.0) & (share < 1.0)]
         row = [0.0, *sorted(cuts.tolist()), 1.0]
-        row = [row[0], *(b for a, b in itertools.pairwise(row) if b - a > _JOINTS)]
+        row = [row[0], *(b for a, b in itertools.pairwise(row) if b - a > _MEETING)]
         way = chord / np.linalg.norm(chord)
         for begin, end in itertools.pairwise(row):
             places = first + np.array([[begin], [0.5 * (begin + end)], [end]]) * chord
@@ -236,7 +243,7 @@ def _closes(found: Sequence[SmoothPiece], size: Array) -> bool:
     begins = np.array([one.places[0] for one in found])
     ends = np.array([one.places[-1] for one in found])
     apart = np.abs(begins[:, None] - ends[None]).max(axis=-1) / size.max()
-    return bool((apart.min(axis=0) <= _JOINTS).all() and (apart.min(axis=1) <= _JOINTS).all())
+    return bool((apart.min(axis=0) <= _MEETING).all() and (apart.min(axis=1) <= _MEETING).all())
 
 
 def _covers(found: Sequence[SmoothPiece], drawn: Chart, region: _Region) -> bool:
