@@ -1,9 +1,11 @@
-"""Build what is released, and see that it is whole: ``python scripts/build_distributions.py``.
+"""Build what is released, and see that it is whole.
 
-Into dist go the source distribution, and the wheel that is built from it. The wheel has the kernels
-for this platform; auditwheel says from which Linux on they run, and names it so. Then both are
-looked at by twine, and installed: the wheel as it is, and the source distribution where there is no
-C compiler, so that NumPy does the kernels' work.
+    python scripts/build_distributions.py [FOLDER]
+
+Into the folder, dist where none is named, go the source distribution, and the wheel that is built
+from it. The wheel has the kernels for this platform; auditwheel says from which Linux on they run,
+and names it so. Then both are looked at by twine, and installed: the wheel as it is, and the source
+distribution where there is no C compiler, so that NumPy does the kernels' work.
 """
 
 from __future__ import annotations
@@ -85,17 +87,17 @@ def used(built: Path, what: Sequence[str] = ()) -> str:
         return run(python, "-W", "error", "-c", USED, folder=Path(folder)).strip()
 
 
-def main() -> None:
+def main(into: Path) -> None:
     """Build, look at and use what is released."""
-    DIST.mkdir(exist_ok=True)
-    for old in (*DIST.glob("*.whl"), *DIST.glob("*.tar.gz")):
+    into.mkdir(exist_ok=True)
+    for old in (*into.glob("*.whl"), *into.glob("*.tar.gz")):
         old.unlink()
-    source = source_distribution(DIST)
+    source = source_distribution(into)
     with tempfile.TemporaryDirectory() as folder:
         built = wheel(source, Path(folder))
         if built.name.endswith("-any.whl"):
             raise SystemExit("no C compiler: the wheel has no kernels")
-        released = for_many_linuxes(built, DIST)
+        released = for_many_linuxes(built, into)
     print(run("twine", "check", "--strict", source, released).strip())
     print(f"{released.name}: installed, its batches run on {used(released)}")
     with tempfile.TemporaryDirectory() as folder:
@@ -104,4 +106,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    main(Path(sys.argv[1]).resolve() if sys.argv[1:] else DIST)
