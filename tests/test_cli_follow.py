@@ -81,7 +81,7 @@ def test_poses_are_written_and_nothing_is_replaced(way, tmp_path, capsys):
     assert json.loads((tmp_path / "poses.json").read_text())["status"] == "end"
 
 
-@pytest.mark.parametrize("argument", [[], ["--json"]])
+@pytest.mark.parametrize("argument", [[], ["--json"], ["--certified"]])
 def test_an_interrupt_keeps_what_is_done(way, tmp_path, capsys, monkeypatch, argument):
     seen, out = [], tmp_path / "poses.csv"
 
@@ -95,7 +95,9 @@ def test_an_interrupt_keeps_what_is_done(way, tmp_path, capsys, monkeypatch, arg
     assert run("four_bar", "--waypoints", way, "-o", out, *argument) == 130
     rows = list(csv.DictReader(out.read_text().splitlines()))
     assert float(rows[-1]["t"]) == seen[-1]
-    assert "interrupted" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert "interrupted" in told
+    assert (f"proof: up to t = {seen[-1]:.9g} " in told) == ("--certified" in argument)
 
 
 @pytest.mark.parametrize(

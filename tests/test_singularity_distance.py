@@ -41,7 +41,7 @@ def elbows(thetas):
 
 def test_of_a_five_bar_the_elbows_are_as_far_apart_as_both_distal_links_are_long(rng):
     home = loaded("five_bar").home
-    nearest = pj.nearest_singularity(home, kind="gain")
+    nearest = pj.nearest_singularity(home, kind="gain", rng=0)
     theta = home.actuated
     starts = theta + rng.uniform(-1.5, 1.5, (12, 2))
     by_hand = local_minima(
@@ -56,7 +56,7 @@ def test_of_a_five_bar_the_elbows_are_as_far_apart_as_both_distal_links_are_long
 def test_of_a_five_bar_an_arm_is_stretched_or_folded(rng):
     """The tip 0.7 or 0.1 from a motor, along its link, and as far from the other elbow as ever."""
     home = loaded("five_bar").home
-    nearest = pj.nearest_singularity(home, kind="loss")
+    nearest = pj.nearest_singularity(home, kind="loss", rng=0)
     theta, by_hand = home.actuated, []
     for arm, reach in ((0, 0.7), (0, -0.1), (1, 0.7), (1, -0.1)):
 
@@ -74,14 +74,14 @@ def test_of_a_five_bar_an_arm_is_stretched_or_folded(rng):
 
 def test_of_a_2r_arm_the_elbow_is_stretched_or_folded():
     for elbow in (0.9, -1.3, 2.4):
-        nearest = pj.nearest_singularity(loaded("serial_2r").close([0.3, elbow]))
+        nearest = pj.nearest_singularity(loaded("serial_2r").close([0.3, elbow]), rng=0)
         assert (nearest.freed, nearest.straight) == ("loss", True)
         assert nearest.distance == pytest.approx(min(abs(elbow), pi - abs(elbow)), abs=1e-9)
 
 
 def test_of_a_slider_crank_driven_by_its_piston_it_is_a_dead_centre():
     home = with_motors(loaded("slider_crank"), ["x"]).home
-    nearest = pj.nearest_singularity(home, kind="gain")
+    nearest = pj.nearest_singularity(home, kind="gain", rng=0)
     x = home.actuated[0]
     assert (nearest.unit, nearest.straight) == ("m", True)
     assert nearest.distance == pytest.approx(min(1.2 - x, x - 0.6), abs=1e-9)
@@ -93,7 +93,7 @@ def test_of_a_four_bar_it_is_the_end_of_the_cranks_range():
     machine = pj.load("four_bar", dict(zip(("l0", "l1", "l2", "l3"), lengths, strict=True)))
     limit, _ = hand.four_bar_crank_limit(lengths)
     home = machine.home
-    nearest = pj.nearest_singularity(home)
+    nearest = pj.nearest_singularity(home, rng=0)
     assert nearest.freed == "gain"
     assert nearest.distance == pytest.approx(limit - home.actuated[0], abs=1e-9)
     assert 0.0 < pj.singularity_free(home).radius < nearest.distance
@@ -116,7 +116,7 @@ def test_of_a_3rpr_the_legs_lines_meet(rng):
     by_hand = local_minima(
         lambda p: lengths_and_lines(p)[0] - home.actuated, lambda p: lengths_and_lines(p)[1], starts
     )[0]
-    nearest = pj.nearest_singularity(home, kind="gain")
+    nearest = pj.nearest_singularity(home, kind="gain", rng=0)
     assert nearest.unit == "m"
     assert nearest.distance == pytest.approx(by_hand, abs=1e-6)
 
@@ -125,7 +125,7 @@ def test_of_a_3rpr_the_legs_lines_meet(rng):
 @pytest.mark.parametrize("name", mechanisms.mostly_slow(GAINS, ("five_bar",)))
 def test_what_is_found_is_closed_singular_and_stationary(name, space):
     for here in mechanisms.random_poses(name, 4, 2):
-        nearest = pj.nearest_singularity(here, kind="gain", space=space, starts=3)
+        nearest = pj.nearest_singularity(here, kind="gain", space=space, starts=3, rng=0)
         found = nearest.configuration.singularity()
         assert found.gained > 0
         assert found.smallest < 1e-10
@@ -141,7 +141,7 @@ def test_what_is_found_is_closed_singular_and_stationary(name, space):
 @pytest.mark.parametrize("name", mechanisms.mostly_slow(GAINS, ("five_bar",)))
 def test_no_singularity_is_met_nearer_on_straight_ways(name, rng):
     home = loaded(name).home
-    nearest = pj.nearest_singularity(home, kind="gain")
+    nearest = pj.nearest_singularity(home, kind="gain", rng=0)
     assert nearest.straight
     for way in rng.normal(size=(12, home.actuated.size)):
         target = home.actuated + 0.95 * nearest.distance * way / np.linalg.norm(way)
@@ -171,7 +171,7 @@ def test_what_is_proven_is_less_than_what_is_found(name):
     home = loaded(name).home
     proven, nearest = (
         pj.singularity_free(home),
-        pj.nearest_singularity(home, kind="gain", starts=2),
+        pj.nearest_singularity(home, kind="gain", starts=2, rng=0),
     )
     assert proven.unit == nearest.unit
     assert 0.0 < proven.radius <= max(map(abs, nearest.motor_change.values()))
@@ -193,7 +193,7 @@ def test_with_many_cells_more_is_proven_and_it_holds_all_over_the_box(name, cell
     one, many = pj.singularity_free(home), pj.singularity_free(home, most_cells=cells)
     assert many.radius > 1.4 * one.radius
     assert one.cells == 1 < many.cells <= cells
-    if nearest := pj.nearest_singularity(home, kind="gain", starts=3):
+    if nearest := pj.nearest_singularity(home, kind="gain", starts=3, rng=0):
         assert many.radius < max(map(abs, nearest.motor_change.values()))
     partition = home.mechanism.problem.partition
     slides = np.array([unit == "m" for unit in partition.units_of(partition.passive)])
@@ -223,7 +223,7 @@ def test_beside_a_singularity_little_is_proven_and_at_it_nothing():
     machine = pj.load("four_bar", sizes)
     radii = [pj.singularity_free(machine.close([limit - d])).radius for d in (1e-1, 1e-3, 1e-5)]
     assert all(0.0 < r < d for r, d in zip(radii, (1e-1, 1e-3, 1e-5), strict=True))
-    at = pj.nearest_singularity(machine.home).configuration
+    at = pj.nearest_singularity(machine.home, rng=0).configuration
     nothing = pj.singularity_free(at)
     assert not nothing
     assert nothing.evidence.kind == "nothing"
@@ -232,17 +232,17 @@ def test_beside_a_singularity_little_is_proven_and_at_it_nothing():
 def test_what_weighs_more_is_moved_less():
     """A five-bar's elbows come apart by one motor more than by the other; joints have names too."""
     home = loaded("five_bar").home
-    even = pj.nearest_singularity(home, kind="gain")
-    heavy = pj.nearest_singularity(home, kind="gain", weights={"theta1": 5.0})
+    even = pj.nearest_singularity(home, kind="gain", rng=0)
+    heavy = pj.nearest_singularity(home, kind="gain", weights={"theta1": 5.0}, rng=0)
     first, second = heavy.motor_change.values()
     assert abs(first) < abs(even.motor_change["theta1"]) < abs(second)
     assert heavy.distance == pytest.approx(np.hypot(5.0 * first, second), abs=1e-9)
     assert even.distance < heavy.distance < 5.0 * even.distance
     with pytest.raises(pj.UnknownNameError, match="unknown motor 'thet1'; did you mean 'theta1'"):
-        pj.nearest_singularity(home, weights={"thet1": 1.0})
+        pj.nearest_singularity(home, weights={"thet1": 1.0}, rng=0)
     with pytest.raises(pj.UnknownNameError, match="unknown motor 'phi1'"):
-        pj.nearest_singularity(home, weights={"phi1": 1.0})
-    assert pj.nearest_singularity(home, kind="gain", space="joints", weights={"phi1": 2.0})
+        pj.nearest_singularity(home, weights={"phi1": 1.0}, rng=0)
+    assert pj.nearest_singularity(home, kind="gain", space="joints", weights={"phi1": 2.0}, rng=0)
 
 
 def test_an_arm_without_loops_is_free_of_them():
@@ -250,7 +250,7 @@ def test_an_arm_without_loops_is_free_of_them():
 
 
 def test_none_is_found_where_there_is_none():
-    none = pj.nearest_singularity(loaded("bennett").home, kind="gain", starts=2)
+    none = pj.nearest_singularity(loaded("bennett").home, kind="gain", starts=2, rng=0)
     assert not none
     assert (none.configuration, none.distance, none.straight) == (None, np.inf, False)
     assert none.evidence.kind == "nothing"

@@ -3,6 +3,7 @@
 import numpy as np
 import pinocchio as pin
 import pytest
+import transformed
 from annuli import shared_area
 from mechanisms import Z, loaded, tree
 
@@ -200,3 +201,47 @@ def test_a_ring_narrower_than_a_cell_of_the_first_look_is_within_the_window(turn
     found = pj.workspace(limited_arm(lower, upper), ("x", "y"), cells=121)
     assert found.area == pytest.approx(2.0 * np.pi * (np.cos(lower) - np.cos(upper)), rel=1e-7)
     assert "window" not in {piece.reason for piece in found.border}
+
+
+def test_far_from_the_origin_it_reaches_the_same(bar_in_tool_space):
+    far = pin.SE3(np.eye(3), np.array([1e4, -2e4, 0.0]))
+    moved = transformed.moved(loaded("five_bar"), far).with_tool("tip", rows=["vx", "vy"])
+    found = pj.workspace(moved, ("x", "y"), cells=21)
+    assert found.area == pytest.approx(bar_in_tool_space.area, rel=1e-7)
+    places = np.vstack([piece.places for piece in found.border])
+    near = np.vstack([piece.places for piece in bar_in_tool_space.border])
+    for ends in (np.min, np.max):
+        assert ends(places, axis=0) - far.translation[:2] == pytest.approx(
+            ends(near, axis=0), abs=1e-3
+        )
+    for a, b in np.argwhere(found.reached)[::60]:
+        place = moved.configuration(found.q[a, b]).tool_pose().translation
+        assert place[:2] == pytest.approx([found.first[a], found.second[b]], abs=1e-10)
+
+
+def delta_reaches(delta, x, y, z):
+    """Which places a delta's arms reach: the rod's end is where its elbow's circle may be."""
+    values = delta.parameters
+    found = np.ones(np.broadcast(x, y).shape, dtype=bool)
+    for k in range(3):
+        turn = 2.0 * np.pi * k / 3.0
+        ahead = np.cos(turn) * x + np.sin(turn) * y + values["plate"] - values["base"]
+        aside = -np.sin(turn) * x + np.cos(turn) * y
+        reach = np.sqrt(np.maximum(values["rod"] ** 2 - aside**2, 0.0))
+        away = np.hypot(ahead, z)
+        found &= (np.abs(aside) < values["rod"]) & (away < values["arm"] + reach)
+        found &= away > np.abs(values["arm"] - reach)
+    return found
+
+
+@pytest.mark.slow
+def test_a_delta_reaches_what_all_its_arms_do():
+    """At its corners two arms are in line at once: no curve leads through there that turns."""
+    delta = loaded("delta")
+    found = pj.workspace(delta, ("x", "y"), cells=31, limits=False)
+    z = delta.home.joint_values["platform"][2]
+    axes = [np.linspace(axis[0], axis[-1], 2000) for axis in (found.first, found.second)]
+    counted = delta_reaches(delta, axes[0][:, None], axes[1], z).sum()
+    cell = (axes[0][1] - axes[0][0]) * (axes[1][1] - axes[1][0])
+    assert found.area == pytest.approx(counted * cell, rel=1e-3)
+    assert {piece.reason for piece in found.border} == {"loss"}

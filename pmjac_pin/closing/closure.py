@@ -95,6 +95,8 @@ def follow(
         step = 0.5 * stride
         if candidate is None or not is_invertible(candidate, partition):
             continue
+        if last and guard.covers_straight(problem, point, candidate):
+            return Followed(candidate, 1.0, iterations + candidate.iterations)
         arriving = path_velocity(candidate, displacement, partition)
         if not guard.covers(problem, point, candidate, tangent, arriving * stride):
             continue

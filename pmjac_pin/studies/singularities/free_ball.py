@@ -106,7 +106,8 @@ def singularity_free(configuration: Configuration, *, most_cells: int = 1) -> Si
     --------
     >>> import pmjac_pin as pj
     >>> home = pj.load("five_bar").home
-    >>> proven, nearest = pj.singularity_free(home), pj.nearest_singularity(home, kind="gain")
+    >>> nearest = pj.nearest_singularity(home, kind="gain", rng=0)
+    >>> proven = pj.singularity_free(home)
     >>> 0.03 < proven.radius < nearest.distance
     True
     """

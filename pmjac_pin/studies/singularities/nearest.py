@@ -10,6 +10,7 @@ from types import MappingProxyType
 import numpy as np
 import pinocchio as pin
 
+from pmjac_pin.algebra.one_thread import on_one_thread
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError, PmjacError, quoted
 from pmjac_pin.studies.modes.closed_pose import generator
@@ -27,6 +28,7 @@ _SHY = 1e-6  # of the way: where a straight way ends that is to lead to the sing
 _NEAR_ENOUGH = 2e-2  # rad or lengths between there and the singular pose
 
 
+@on_one_thread
 def nearest_singularity(
     configuration: Configuration,
     *,
@@ -34,7 +36,7 @@ def nearest_singularity(
     space: Space = "motors",
     weights: Mapping[str, float] | None = None,
     starts: int = 6,
-    rng: np.random.Generator | int = 0,
+    rng: np.random.Generator | int | None = None,
 ) -> NearestSingularity:
     """Return the singular pose that is nearest to a pose: an estimate, no proof.
 
@@ -55,8 +57,8 @@ def nearest_singularity(
         distance is of the weighted changes.
     starts : int
         Random directions, 0 or more.
-    rng : Generator or int
-        For these.
+    rng : Generator or int, optional
+        For these; a seed makes a generator, and none takes one that differs every time.
 
     Raises
     ------
@@ -74,7 +76,7 @@ def nearest_singularity(
 
     >>> import pmjac_pin as pj
     >>> arm = pj.load("serial_2r").close([0.3, 0.9])
-    >>> nearest = pj.nearest_singularity(arm)
+    >>> nearest = pj.nearest_singularity(arm, rng=0)
     >>> nearest.freed, round(nearest.distance, 9), nearest.unit
     ('loss', 0.9, 'rad')
     >>> round(nearest.motor_change["theta2"], 9)

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pmjac_pin.studies.singularities.curve_crossings import curve_crossings
 from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
-from pmjac_pin.studies.singularities.locus_marks import curve_crossings
+from pmjac_pin.studies.singularities.plane_curve import arc_length, place_rate, unit_ways, wedge
 from pmjac_pin.values.arrays import Array
 
 _TURNING_STEPS = 80
@@ -92,19 +93,12 @@ class _CutPlace:
 
 def _corner_cuts(tracer: Tracer, curve: Traced) -> Iterator[_CutPlace]:
     """Yield where the place turns back."""
-    ways = [_way(tracer, one) for one in curve.points]
+    ways = [place_rate(tracer, one) for one in curve.points]
     for k, (first, second) in enumerate(zip(curve.points, curve.points[1:], strict=False)):
         if ways[k] @ ways[k + 1] < 0.0:
             found = _turning(tracer, first, second, ways[k])
             if found is not None:
                 yield _CutPlace(k, *found)
-
-
-def _way(tracer: Tracer, one: OnCurve) -> Array:
-    """Return how the place changes along a curve, m or rad."""
-    area, partition = tracer.area, tracer.equations.partition
-    scale = partition.length * partition.column_scale[area.columns]
-    return np.asarray(scale * one.tangent[area.columns])
 
 
 def _turning(
@@ -119,7 +113,7 @@ def _turning(
         if here is None or point is None:
             return found
         found = share, tracer.area.places(point.q)
-        low, high = (share, high) if _way(tracer, here) @ way > 0.0 else (low, share)
+        low, high = (share, high) if place_rate(tracer, here) @ way > 0.0 else (low, share)
         if high - low < 1e-9:
             break
     return found
@@ -146,9 +140,7 @@ def _pieces_of(
 ) -> Iterator[SmoothPiece]:
     """Yield the pieces of a curve; those of a closed one begin at its first cut."""
     places = tracer.area.places(curve.q)
-    ways = np.array([_way(tracer, one) for one in curve.points])
-    sizes = np.linalg.norm(ways, axis=1, keepdims=True)
-    ways = ways / np.where(sizes > 0.0, sizes, 1.0)
+    ways = unit_ways(np.array([place_rate(tracer, one) for one in curve.points]))
     order = sorted(cuts, key=lambda one: (one.after, one.share))
     ends = [_CutPlace(0, 0.0, places[0]), *order, _CutPlace(len(places) - 2, 1.0, places[-1])]
     found = []
@@ -227,16 +219,9 @@ def _from_line(place: Array, places: Array) -> float:
     return float(np.linalg.norm(nearest - place, axis=1).min())
 
 
-def _arc_length(first: Array, second: Array, begin: Array, end: Array) -> float:
-    """Return the length of the arc over a chord, as of a circle."""
-    chord = float(np.linalg.norm(second - first))
-    half = 0.5 * np.arccos(np.clip(begin @ end, -1.0, 1.0))
-    return chord * float(half / np.sin(half)) if half > 1e-9 else chord
-
-
 def _hermite(first: Array, second: Array, begin: Array, end: Array) -> tuple[Array, Array]:
     """Return the middle of a cubic and its direction there."""
-    length = _arc_length(first, second, begin, end)
+    length = arc_length(first, second, begin, end)
     place = 0.5 * (first + second) + 0.125 * length * (begin - end)
     direction = 1.5 * (second - first) - 0.25 * length * (begin + end)
     return place, direction / np.linalg.norm(direction)
@@ -244,11 +229,7 @@ def _hermite(first: Array, second: Array, begin: Array, end: Array) -> tuple[Arr
 
 def _swept(first: Array, second: Array, begin: Array, end: Array) -> float:
     """Return ½ ∫ (x dy − y dx) along a cubic: the chord's, and what is beside it."""
-    length = _arc_length(first, second, begin, end)
+    length = arc_length(first, second, begin, end)
     m0, m1, chord = length * begin, length * end, second - first
-    beside = (_wedge(m0, chord) + _wedge(chord, m1)) / 10.0 - _wedge(m0, m1) / 60.0
-    return 0.5 * _wedge(first, second) + beside
-
-
-def _wedge(a: Array, b: Array) -> float:
-    return float(a[0] * b[1] - a[1] * b[0])
+    beside = (wedge(m0, chord) + wedge(chord, m1)) / 10.0 - wedge(m0, m1) / 60.0
+    return 0.5 * wedge(first, second) + beside

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
+from pmjac_pin.algebra.one_thread import on_one_thread
 from pmjac_pin.batches.batch import Batch
 from pmjac_pin.batches.results import Status
 from pmjac_pin.configuration import Configuration
@@ -14,10 +15,11 @@ from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.assembled_poses import assembled_poses
 from pmjac_pin.studies.evidence import Evidence
-from pmjac_pin.studies.singularities.charts import TOOL_AXES, Chart, chart
+from pmjac_pin.studies.singularities.charts import Chart, chart
 from pmjac_pin.studies.singularities.curve_tracing import Traced, Tracer
 from pmjac_pin.studies.singularities.joint_limits import limited, within_joint_limits
 from pmjac_pin.studies.singularities.locus_finding import LocusFinding
+from pmjac_pin.studies.singularities.plane_names import TOOL_AXES
 from pmjac_pin.studies.singularities.sheets import Sheets, SliceSheet
 from pmjac_pin.studies.workspaces.border_pieces import SmoothPiece, border, pieces
 from pmjac_pin.studies.workspaces.limit_equations import LimitEquations
@@ -33,6 +35,7 @@ _CELLS_OFF = 2.0  # cells: from the border to a cell beside it
 _JOINTS = 1e-6  # of the window: ends of pieces that meet
 
 
+@on_one_thread
 def workspace(
     mechanism: Mechanism,
     plane: Sequence[str],
@@ -111,13 +114,13 @@ def workspace(
         units=drawn.area.units,
         held=drawn.held,
         mode=_mode_name(drawn, sheets, number),
-        first=axes[0],
-        second=axes[1],
+        first=axes[0] + drawn.origin[0],
+        second=axes[1] + drawn.origin[1],
         reached=region.reached,
         q=np.where(region.reached[..., None], drawn.original(region.sheet.cells.q), np.nan),
         measure=name or "",
         values=_values(drawn, region, name),
-        border=tuple(BorderPiece(one.places, one.what) for one in found),
+        border=tuple(BorderPiece(drawn.in_world(one.places), one.what) for one in found),
         area=sum(one.area() for one in found) if closed else float("nan"),
         evidence=_workspace_evidence(found, closed, cells),
     )
@@ -173,10 +176,14 @@ class _Region:
 
 def _traced_border(drawn: Chart, sheets: Sheets, region: _Region) -> tuple[SmoothPiece, ...]:
     """Return the border of a region, in pieces."""
-    folds = LocusFinding(drawn.area, drawn.folds, sheets, drawn.fold_kind)
-    folds.seek(sheets.border_seeds(region.sheet, drawn.folds))
-    curves = [curve for curve in folds.curves if not folds.stays(curve)]
-    tracers, names = [folds.tracer] * len(curves), [str(drawn.fold_kind)] * len(curves)
+    curves: list[Traced] = []
+    tracers: list[Tracer] = []
+    names: list[str] = []
+    if drawn.folds is not None:
+        folds = LocusFinding(drawn.area, drawn.folds, sheets, drawn.fold_kind)
+        folds.seek(sheets.border_seeds(region.sheet, drawn.folds))
+        curves = [curve for curve in folds.curves if not folds.stays(curve)]
+        tracers, names = [folds.tracer] * len(curves), [str(drawn.fold_kind)] * len(curves)
     if region._limits:
         for name, curve, tracer in _limit_curves(drawn, sheets, region):
             names.append(name)
