@@ -11,6 +11,7 @@ distribution where there is no C compiler, so that NumPy does the kernels' work.
 from __future__ import annotations
 
 import os
+import platform
 import subprocess
 import sys
 import tarfile
@@ -72,7 +73,10 @@ def for_many_linuxes(built: Path, folder: Path) -> Path:
     """Name a wheel after the oldest Linux that its kernels run on; elsewhere leave it as it is."""
     if not sys.platform.startswith("linux"):
         return built.rename(folder / built.name)
-    run("auditwheel", "repair", "-w", folder, built)
+    # Not older, though no symbol asks for more: kernels choose by the processor when they are
+    # loaded, which older systems' loaders cannot do, and auditwheel does not look for.
+    oldest = f"manylinux_2_17_{platform.machine()}"
+    run("auditwheel", "repair", "--plat", oldest, "--only-plat", "-w", folder, built)
     (named,) = folder.glob("*.whl")
     return named
 
