@@ -105,7 +105,7 @@ class PoseOfConfiguration:
     def margins(self, ranks: Singularity) -> Margins:
         """Return the margins of the pose, of its ranks."""
         here = self.configuration
-        return PoseMargins(here.mechanism._parts, here._problem.partition, here.q).found(ranks)
+        return PoseMargins(here.mechanism._parts, here.problem.partition, here.q).found(ranks)
 
     def _by_differences(self, motions: Array) -> tuple[Array, Array]:
         """Return the same of joints that only Pinocchio knows, to half of the digits."""

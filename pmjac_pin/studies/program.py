@@ -86,7 +86,9 @@ def program(
     name, names = frame_name(frame), _parameter_names(mechanism, parameters)
     mechanism.home.jacobian()
     recording = Recording(mechanism.nq + len(names))
-    rates = _rates(mechanism, dict(zip(names, recording.inputs[mechanism.nq :], strict=True)))
+    rates = _recorded_rates(
+        mechanism, dict(zip(names, recording.inputs[mechanism.nq :], strict=True))
+    )
     kinematics = rates.recorder.at(recording.inputs[: mechanism.nq])
     (eta, by_v), found = kinematics.in_world(), rates.equivalent(kinematics, name)
     partition = rates.partition
@@ -115,7 +117,7 @@ def _parameter_names(mechanism: Mechanism, given: Iterable[str]) -> tuple[str, .
     return names
 
 
-def _rates(mechanism: Mechanism, values: Mapping[str, Term]) -> RecordedRates:
+def _recorded_rates(mechanism: Mechanism, values: Mapping[str, Term]) -> RecordedRates:
     if not values or mechanism.blueprint is None:
         return mechanism.recorded.rates
     return mechanism.recorded.rates_at(mechanism.blueprint, values)
@@ -180,8 +182,8 @@ class Program:
         """
         if parameters is None:
             parameters = [self.mechanism.parameters[name] for name in self.parameters]
-        poses = _rows("q", q, self.mechanism.nq)
-        designs = _rows("parameters", parameters, len(self.parameters))
+        poses = _checked_rows("q", q, self.mechanism.nq)
+        designs = _checked_rows("parameters", parameters, len(self.parameters))
         try:
             leading = np.broadcast_shapes(poses.shape[:-1], designs.shape[:-1])
         except ValueError:
@@ -270,7 +272,7 @@ class Program:
         yield "of K_star without dimension; and where forbidden and felt are 0, if there are any."
 
 
-def _rows(name: str, given: ArrayLike, count: int) -> Array:
+def _checked_rows(name: str, given: ArrayLike, count: int) -> Array:
     rows = as_numbers(given, name)
     if not rows.ndim or rows.shape[-1] != count:
         raise ArgumentError(f"{name} of shape (..., {count}) expected, got {rows.shape}")

@@ -128,11 +128,11 @@ def _goal(mechanism: Mechanism, target: Any, tool: ToolName, task: Task | None) 
     if given.shape != (3,):
         poses = "a pose (pin.SE3 or a 4x4 matrix), a position of three numbers"
         wanted = f"{poses}, or coordinates by name, as {{'x': 0.2, 'y': 0.4}}"
-        raise ArgumentError(f"a target is {wanted}; got {_counted(given)}")
+        raise ArgumentError(f"a target is {wanted}; got {_how_many(given)}")
     return ToolGoal(own, *_of_three(Task.position() if task is None else task, given))
 
 
-def _counted(given: Array) -> str:
+def _how_many(given: Array) -> str:
     return f"{given.size} numbers" if given.ndim == 1 else f"numbers of shape {given.shape}"
 
 

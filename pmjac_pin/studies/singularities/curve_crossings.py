@@ -24,7 +24,7 @@ _ONE_POINT = 1e-5  # lengths or rad: where branches meet, Newton tells poses no 
 _ON_A_CUBIC = 1e-3  # of a chord: what cubics over smooth chords tell no better
 _NEAR_CHORDS = 0.3  # of a chord: between curves that may touch
 _TOUCHING = 1e-8  # of the window: between places where curves touch
-_ALONG = 0.3  # rad: between chords that may touch
+_ALONGSIDE = 0.3  # rad: between chords that may touch
 _PARALLEL_AT_TOUCH = 1e-9  # rad, and of the window
 _ABOUT = 6  # chords to both sides of one
 _OVER_THE_END = 0.5  # of a chord: where Newton still counts as on it
@@ -192,7 +192,7 @@ def _chords_side_by_side(one: PlaneCurve, other: PlaneCurve) -> Iterator[tuple[i
         if (
             one.is_smooth(k)
             and other.is_smooth(m)
-            and abs(wedge(one.ways[k], other.ways[m])) <= _ALONG
+            and abs(wedge(one.ways[k], other.ways[m])) <= _ALONGSIDE
             and not any(_is_on(one, n, other, m) for n in (k - 1, k + 1) if n >= 0)
         ):
             yield k, m, np.array([0.0, other.from_chords(one.places[k])[0][m]])

@@ -21,7 +21,7 @@ _MOST_BEND = 0.3  # more may be another curve
 _OFF = 0.15  # of a step: how far Newton may lead from its end
 _LONGEST_CURVE = 20_000
 _FOOT_STEPS = 8
-_AT_REST = 1e-6  # of a tangent: what joints have of it at a pose at which u turns alone
+_TURNING_ALONE = 1e-6  # of a tangent: what joints have of it at a pose at which u turns alone
 _ON_CURVE = 1e-5  # of the way between two points that follow each other
 
 
@@ -114,7 +114,7 @@ class Tracer:
         Nor is there one of poses where several motions come free at once, and u turns among them.
         """
         start = self.on_curve(seed)
-        if start is None or norm(start.tangent[: self._nv]) <= _AT_REST:
+        if start is None or norm(start.tangent[: self._nv]) <= _TURNING_ALONE:
             return None
         forward, end = self._onward(start)
         if end == "closed":

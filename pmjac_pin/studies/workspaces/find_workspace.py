@@ -32,7 +32,7 @@ _CELLS_TRIED = 9  # cells near a place, from which it is walked to
 _STEPS_TO_BORDER = 300  # to a place right beside the border
 _HELD = 1e-9  # m, rad, or of a rotation: poses of one slice
 _CELLS_OFF = 2.0  # cells: from the border to a cell beside it
-_JOINTS = 1e-6  # of the window: ends of pieces that meet
+_MEETING = 1e-6  # of the window: ends of pieces that meet
 
 
 @on_one_thread
@@ -227,9 +227,9 @@ def _window_pieces(drawn: Chart, curves: Sequence[Traced]) -> Iterator[SmoothPie
         chord = last - first
         share = (stops - first) @ chord / (chord @ chord)
         off = np.abs(stops - first - share[:, None] * chord).max(axis=1, initial=0.0)
-        cuts = share[(off <= _JOINTS * area.size.max()) & (share > 0.0) & (share < 1.0)]
+        cuts = share[(off <= _MEETING * area.size.max()) & (share > 0.0) & (share < 1.0)]
         row = [0.0, *sorted(cuts.tolist()), 1.0]
-        row = [row[0], *(b for a, b in itertools.pairwise(row) if b - a > _JOINTS)]
+        row = [row[0], *(b for a, b in itertools.pairwise(row) if b - a > _MEETING)]
         way = chord / np.linalg.norm(chord)
         for begin, end in itertools.pairwise(row):
             places = first + np.array([[begin], [0.5 * (begin + end)], [end]]) * chord
@@ -243,7 +243,7 @@ def _closes(found: Sequence[SmoothPiece], size: Array) -> bool:
     begins = np.array([one.places[0] for one in found])
     ends = np.array([one.places[-1] for one in found])
     apart = np.abs(begins[:, None] - ends[None]).max(axis=-1) / size.max()
-    return bool((apart.min(axis=0) <= _JOINTS).all() and (apart.min(axis=1) <= _JOINTS).all())
+    return bool((apart.min(axis=0) <= _MEETING).all() and (apart.min(axis=1) <= _MEETING).all())
 
 
 def _covers(found: Sequence[SmoothPiece], drawn: Chart, region: _Region) -> bool:
