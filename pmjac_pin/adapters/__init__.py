@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-import lazy_loader
+import lazy_loader  # type: ignore[import-untyped]
 
 from pmjac_pin.errors import MissingDependencyError
 

@@ -16,7 +16,7 @@ from pmjac_pin.values.checks import check_kind
 with importing("casadi"):
     import casadi
 
-_OPERATIONS = {
+_OPERATIONS: Any = {
     "+": casadi.plus, "-": casadi.minus, "*": casadi.times, "/": casadi.rdivide,
     "neg": lambda x: -x, "sin": casadi.sin, "cos": casadi.cos, "sqrt": casadi.sqrt,
     "abs": casadi.fabs, "max": casadi.fmax, "atan2": casadi.atan2, "copysign": casadi.copysign,
@@ -51,9 +51,9 @@ def function(program: Program, name: str | None = None) -> casadi.Function:
     def value(operand: Operand) -> Any:
         return known[operand.index] if isinstance(operand, Term) else operand
 
-    for term in program.recording.terms:
-        if term.operation == "input":
-            known.append(q[term.operands[0]])
+    for index, term in enumerate(program.recording.terms):
+        if term.operation == "input":  # the first of them
+            known.append(q[index])
         else:
             known.append(_OPERATIONS[term.operation](*map(value, term.operands)))
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 
 from pmjac_pin.adapters import importing
 from pmjac_pin.errors import ArgumentError, unknown_name
@@ -41,6 +43,12 @@ class TransmissionActuation(crocoddyl.ActuationModelAbstract):
         No such joint, one of several degrees of freedom, one named twice, too few or too many.
     ClosureError, LimitError, SingularError
         Later, from a solver: as `Transmission.at_joints`, from home.
+
+    Warns
+    -----
+    RuntimeWarning
+        Crocoddyl was built for another Pinocchio: its own dynamics are wrong, as of one without
+        gravity.
     """
 
     def __init__(
@@ -59,6 +67,7 @@ class TransmissionActuation(crocoddyl.ActuationModelAbstract):
         driven = [f"{names[0]}/{m}" for names, t in transmissions.items() for m in t.motors]
         self.motors = (*driven, *direct)
         super().__init__(state, len(self.motors))
+        _warn_of_other_builds()
         self._transmissions, self._direct = dict(transmissions), tuple(direct)
 
     def calc(self, data: Any, x: Array, u: Array) -> None:
@@ -108,3 +117,18 @@ def _place(model: Any, name: str) -> tuple[int, int]:
     if (joint.nq, joint.nv) != (1, 1):
         raise ArgumentError(f"joint {name!r} has no single value")
     return joint.idx_q, joint.idx_v
+
+
+def _warn_of_other_builds() -> None:
+    """Warn where Crocoddyl and Pinocchio do not agree on how a pendulum falls."""
+    arm = pin.buildSampleModelManipulator()
+    state, still = crocoddyl.StateMultibody(arm), np.zeros(arm.nv)
+    actuation = crocoddyl.ActuationModelFull(state)
+    costs = crocoddyl.CostModelSum(state, arm.nv)
+    falling = crocoddyl.DifferentialActionModelFreeFwdDynamics(state, actuation, costs)
+    found, q = falling.createData(), np.full(arm.nq, 0.5)
+    falling.calc(found, np.concatenate([q, still]), still)
+    if not np.allclose(found.xout, pin.aba(arm, arm.createData(), q, still, still), rtol=1e-6):
+        wrong = f"Crocoddyl {crocoddyl.__version__} was built for another Pinocchio than"
+        todo = "its dynamics are wrong, gravity is missing; install builds of each other's version"
+        warnings.warn(f"{wrong} {pin.__version__}: {todo}", RuntimeWarning, stacklevel=3)

@@ -20,7 +20,7 @@ with importing("jax"):
     import jax
     import jax.numpy as jnp
 
-_OPERATIONS = {
+_OPERATIONS: Any = {
     "+": jnp.add, "-": jnp.subtract, "*": jnp.multiply, "/": jnp.divide, "neg": jnp.negative,
     "sin": jnp.sin, "cos": jnp.cos, "sqrt": jnp.sqrt, "abs": jnp.abs, "max": jnp.maximum,
     "copysign": jnp.copysign, "atan2": jnp.arctan2, "round": jnp.rint,
