@@ -52,7 +52,8 @@ int main()
   auto loader = exported_plugin();
   std::cout.precision(17);
   std::cout << refused(*loader) << std::endl;
-  auto plugin = loader->load({{{"pitch", 1.0, 0.2}, {"roll", 1.0, -0.1}}, {{"1", 3.0}, {"2", -2.0}}});
+  auto plugin = loader->load(
+    {{{"pitch", 1.0, 0.2}, {"roll", 1.0, -0.1}}, {{"1", 3.0}, {"2", -2.0}}});
   double joints[3][2], motors[3][2];
   const char * kinds[] = {"position", "velocity", "effort"};
   std::vector<JointHandle> of_joints;
@@ -64,8 +65,9 @@ int main()
     }
   }
   plugin->configure(of_joints, of_motors);
-  int back;
-  while (std::cin >> back) {
+  double way;
+  while (std::cin >> way) {
+    const bool back = way != 0.0;
     auto & given = back ? motors : joints;
     auto & found = back ? joints : motors;
     for (auto & kind : given) {std::cin >> kind[0] >> kind[1];}
@@ -127,6 +129,14 @@ def test_what_is_no_pose_is_no_number(run, back):
     assert found[0, 0] != 0
     assert np.isnan(found[0, 1:]).all()
     assert back or found[1, 0] == 0
+
+
+def test_one_motor_and_one_joint(tmp_path):
+    table = pj.transmission_table(pj.load("four_bar"), {"phi1": (2.2, 2.4)}, points=5)
+    (tmp_path / "bar.h").write_text(table.c("bar"))
+    (tmp_path / "bar.cpp").write_text(ros2_control.source(table, "bar.h", "bar"))
+    command = ["g++", *OPTIONS, f"-I{STUB}", "-fsyntax-only", str(tmp_path / "bar.cpp")]
+    subprocess.run(command, check=True)
 
 
 def test_a_header_that_cannot_be_included():
