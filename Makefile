@@ -14,6 +14,7 @@ test: .venv/ready
 
 slow: .venv/ready
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[peers,release]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[adapters,peers]'
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile -m slow --durations=8
 
 dist: .venv/release
