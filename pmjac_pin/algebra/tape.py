@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.algebra.programs import Operand, Recording, Term
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import Array, read_only
 
 #: What instructions do; the last three are a·b + c, a·b − c and c − a·b.
 INSTRUCTIONS = (
@@ -121,8 +121,8 @@ class _Writer:
         for term, name, operands in steps:
             self._compute(term, name, operands)
         return Tape(
-            code=np.array(self._code, dtype=np.int32).reshape(-1, 5),
-            constants=np.array(list(self._constants), dtype=float),
+            code=read_only(np.array(self._code, dtype=np.int32).reshape(-1, 5)),
+            constants=read_only(np.array(list(self._constants), dtype=float)),
             slots=self._count,
             inputs=len(self._recording.inputs),
             outputs=len(self._outputs),
