@@ -28,6 +28,7 @@ _AS_LONG = 1e-2  # of a piece's length: by how much those differ that lie on eac
 _SAMPLED = 12  # places of a piece, to see whether it lies on another
 _OF_A_CUBIC = 1.0 / 192.0  # R θ⁴, twice what a cubic over an arc is off by
 _TO_BOTH_SIDES = 2e-3  # of the window: to both sides of a piece
+_ON_IT = 1e-8  # of the window: places on a curve, but for what cubics over it are off by
 _OF_WHAT_IS_CLEAR = 0.3  # of what is between it and the next one
 
 
@@ -230,8 +231,9 @@ def border(
     kept: list[SmoothPiece] = []
     for piece in single:
         place, way = piece.middle
-        # Nothing else is so near: what is on one side here is so all along the piece.
-        clear = min((_from_piece(place, one) for one in single if one is not piece), default=np.inf)
+        # Nothing else is so near, but what lies on it: one side here is so all along the piece.
+        away = [_from_piece(place, one) for one in single if one is not piece]
+        clear = min((one for one in away if one > _ON_IT * size.max()), default=np.inf)
         aside = min(_TO_BOTH_SIDES * float(size.max()), _OF_WHAT_IS_CLEAR * clear)
         left = aside * np.array([-way[1], way[0]])
         on_left, on_right = reached(place + left), reached(place - left)

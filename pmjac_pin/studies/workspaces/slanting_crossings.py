@@ -20,6 +20,7 @@ _NEAR = 0.05  # of a chord: chords tell well enough where those cross that are f
 _BEYOND = 0.5  # of a chord: cubics tell sides no better
 _FEET = 4  # Newton steps to the foot of a place on a curve
 _CLOSE = 1e-13  # of a chord
+_APART = 1e-9  # of the window: what is nearer all along lies on each other, but for rounding
 
 
 def slanting_crossings(tracers: Sequence[Tracer], curves: Sequence[Traced]) -> Iterator[Crossing]:
@@ -69,9 +70,13 @@ def _crossing(mine: CurveChord, theirs: CurveChord) -> tuple[OnCurve, OnCurve] |
         return np.nan if found is None else found[2]
 
     ends = -_BEYOND, 1.0 + _BEYOND
-    if not side(ends[0]) * side(ends[1]) <= 0.0:
+    before, after = (side(share) for share in ends)
+    if not (before * after < 0.0 and min(abs(before), abs(after)) > _APART):
         return None
-    found = _foot(mine, theirs, brentq(side, *ends, xtol=_CLOSE))
+    try:
+        found = _foot(mine, theirs, brentq(side, *ends, xtol=_CLOSE))
+    except ValueError:  # between there is no such point of the one curve or of the other
+        return None
     return None if found is None else found[:2]
 
 
