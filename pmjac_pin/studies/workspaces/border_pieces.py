@@ -163,7 +163,7 @@ def _pieces_of(
         inner = np.arange(begin.after + 1, end.after + 1)
         if curve.is_closed and order and number == len(spans) - 1:  # over its start, once
             inner = np.concatenate([np.arange(begin.after + 1, last), np.arange(end.after + 1)])
-        piece = _between(begin, end, places[inner], ways[inner], tracer.area.size.max())
+        piece = _between_cuts(begin, end, places[inner], ways[inner], tracer.area.size.max())
         if piece is not None:
             yield SmoothPiece(*piece, name)
         elif not _is_at(end.place, begin.place, tracer.area.size.max()):
@@ -171,7 +171,7 @@ def _pieces_of(
             yield _within_chord(begin, end, places[ends_of], ways[ends_of], name)
 
 
-def _between(
+def _between_cuts(
     begin: _CutPlace, end: _CutPlace, inner: Array, along: Array, size: float
 ) -> tuple[Array, Array] | None:
     """Return places and directions from one cut to another; None where no point is between."""
