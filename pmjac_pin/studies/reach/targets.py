@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from pmjac_pin.errors import ArgumentError, did_you_mean, quoted
+from pmjac_pin.errors import ArgumentError, did_you_mean, quoted, unknown_name
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.pinocchio_model import checked_tool
@@ -84,10 +84,8 @@ def _named_goals(
     if all(name in _COORDINATES for name in target):
         _check_no_task(task, "single coordinates")
         return (_coordinates_goal(_checked_frames(mechanism, tool), target),)
-    if all(name in mechanism.coordinates.names for name in target) and all(
-        np.ndim(value) == 0 and not isinstance(value, pin.SE3 | Mapping)
-        for value in target.values()
-    ):
+    if all(np.ndim(one) == 0 and not isinstance(one, pin.SE3 | Mapping) for one in target.values()):
+        _check_joints(mechanism, target)
         _check_no_task(task, "values of joints")
         return (_joint_goal(mechanism, target),)
     if tool is not None:
@@ -98,6 +96,17 @@ def _named_goals(
 def _check_no_task(task: Task | None, what: str) -> None:
     if task is not None:
         raise ArgumentError(f"{what} say themselves what counts: leave `task` and `mask` out")
+
+
+def _check_joints(mechanism: Mechanism, target: Mapping[str, Any]) -> None:
+    joints = mechanism.coordinates.names
+    for name in target:
+        if name not in joints and name not in _COORDINATES:
+            raise unknown_name("coordinate or joint", name, (*_COORDINATES, *joints))
+    mixed = [name for name in target if name not in joints]
+    if mixed:
+        wanted = "a target names coordinates of the tool or joints, not both"
+        raise ArgumentError(f"{wanted}: {quoted(mixed[0])} is the tool's")
 
 
 def _joint_goal(mechanism: Mechanism, target: Mapping[str, Any]) -> JointGoal:

@@ -9,7 +9,7 @@ import numpy as np
 from pmjac_pin.studies.workspaces.border_pieces import SmoothPiece
 from pmjac_pin.values.arrays import Array
 
-_JOINTS = 1e-6  # of the largest extent: ends of pieces that meet
+_ENDS_MEET = 1e-6  # of the largest extent: ends of pieces that meet
 _CELLS_OFF = 2.0  # cells: from the border to a cell beside it
 _AT_ENDS = 4.0  # cells: by which areas differ at a border of hardly any length
 
@@ -54,8 +54,8 @@ def _open_end(found: Sequence[SmoothPiece], in_world: Callable[[Array], Array]) 
         (apart.min(axis=1), begins, "begins", "ends"),
     ):
         k = int(np.argmax(away))
-        if away[k] > _JOINTS * size:
-            at = f"{found[k].what!r} {does} at {_told(in_world(places[k]))}"
+        if away[k] > _ENDS_MEET * size:
+            at = f"{found[k].what!r} {does} at {_place_told(in_world(places[k]))}"
             return f"{at}, and the nearest that {other} is {away[k]:.2g} off"
     return ""
 
@@ -67,9 +67,8 @@ def _uncovered(
     along = np.vstack([_with_places_between(one.places / cell) for one in found])
     for place in beside:
         if np.abs(along - place / cell).max(axis=1).min() > _CELLS_OFF:
-            return (
-                f"no piece is near the cell at {_told(in_world(place))}, the last one reached there"
-            )
+            at = _place_told(in_world(place))
+            return f"no piece is near the cell at {at}, the last one reached there"
     return ""
 
 
@@ -82,7 +81,7 @@ def _otherwise_than_cells(found: Sequence[SmoothPiece], reached: float, cell: Ar
     return f"it encloses {inside:.4g} cells, and {reached:.4g} are reached"
 
 
-def _told(place: Array) -> str:
+def _place_told(place: Array) -> str:
     return f"({place[0]:.4g}, {place[1]:.4g})"
 
 

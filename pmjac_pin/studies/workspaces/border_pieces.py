@@ -28,6 +28,7 @@ _AS_LONG = 1e-2  # of a piece's length: by how much those differ that lie on eac
 _SAMPLED = 12  # places of a piece, to see whether it lies on another
 _OF_A_CUBIC = 1.0 / 192.0  # R θ⁴, twice what a cubic over an arc is off by
 _TO_BOTH_SIDES = 2e-3  # of the window: to both sides of a piece
+_ON_IT = 1e-8  # of the window: places on a curve, but for what cubics over it are off by
 _OF_WHAT_IS_CLEAR = 0.3  # of what is between it and the next one
 
 
@@ -162,7 +163,7 @@ def _pieces_of(
         inner = np.arange(begin.after + 1, end.after + 1)
         if curve.is_closed and order and number == len(spans) - 1:  # over its start, once
             inner = np.concatenate([np.arange(begin.after + 1, last), np.arange(end.after + 1)])
-        piece = _between(begin, end, places[inner], ways[inner], tracer.area.size.max())
+        piece = _between_cuts(begin, end, places[inner], ways[inner], tracer.area.size.max())
         if piece is not None:
             yield SmoothPiece(*piece, name)
         elif not _is_at(end.place, begin.place, tracer.area.size.max()):
@@ -170,7 +171,7 @@ def _pieces_of(
             yield _within_chord(begin, end, places[ends_of], ways[ends_of], name)
 
 
-def _between(
+def _between_cuts(
     begin: _CutPlace, end: _CutPlace, inner: Array, along: Array, size: float
 ) -> tuple[Array, Array] | None:
     """Return places and directions from one cut to another; None where no point is between."""
@@ -230,8 +231,9 @@ def border(
     kept: list[SmoothPiece] = []
     for piece in single:
         place, way = piece.middle
-        # Nothing else is so near: what is on one side here is so all along the piece.
-        clear = min((_from_piece(place, one) for one in single if one is not piece), default=np.inf)
+        # Nothing else is so near, but what lies on it: one side here is so all along the piece.
+        away = [_from_piece(place, one) for one in single if one is not piece]
+        clear = min((one for one in away if one > _ON_IT * size.max()), default=np.inf)
         aside = min(_TO_BOTH_SIDES * float(size.max()), _OF_WHAT_IS_CLEAR * clear)
         left = aside * np.array([-way[1], way[0]])
         on_left, on_right = reached(place + left), reached(place - left)

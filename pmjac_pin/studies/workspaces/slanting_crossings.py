@@ -16,10 +16,11 @@ from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Trace
 from pmjac_pin.studies.singularities.plane_curve import CurveChord, PlaneCurve, cubic_at, wedge
 from pmjac_pin.values.arrays import Array, norm
 
-_NEAR = 0.05  # of a chord: chords tell well enough where those cross that are farther apart
-_BEYOND = 0.5  # of a chord: cubics tell sides no better
-_FEET = 4  # Newton steps to the foot of a place on a curve
+_ALMOST_ON = 0.05  # of a chord: chords tell well enough where those cross that are farther apart
+_BEYOND_CHORD = 0.5  # of a chord: cubics tell sides no better
+_NEWTON_TO_FOOT = 4  # Newton steps to the foot of a place on a curve
 _CLOSE = 1e-13  # of a chord
+_SIDES_APART = 1e-9  # of the window: what is nearer all along lies on each other, but for rounding
 
 
 def slanting_crossings(tracers: Sequence[Tracer], curves: Sequence[Traced]) -> Iterator[Crossing]:
@@ -47,7 +48,7 @@ def _changing_sides(one: PlaneCurve, other: PlaneCurve) -> Iterator[tuple[int, i
     sides = [_side(place, other) for place in one.places]
     for k in range(len(one.lengths)):
         (here, m), (there, _) = sides[k : k + 2]
-        if max(abs(here), abs(there)) <= _NEAR * one.lengths[k] and here * there <= 0.0:
+        if max(abs(here), abs(there)) <= _ALMOST_ON * one.lengths[k] and here * there <= 0.0:
             yield k, m
 
 
@@ -68,10 +69,14 @@ def _crossing(mine: CurveChord, theirs: CurveChord) -> tuple[OnCurve, OnCurve] |
         found = _foot(mine, theirs, share)
         return np.nan if found is None else found[2]
 
-    ends = -_BEYOND, 1.0 + _BEYOND
-    if not side(ends[0]) * side(ends[1]) <= 0.0:
+    ends = -_BEYOND_CHORD, 1.0 + _BEYOND_CHORD
+    before, after = (side(share) for share in ends)
+    if not (before * after < 0.0 and min(abs(before), abs(after)) > _SIDES_APART):
         return None
-    found = _foot(mine, theirs, brentq(side, *ends, xtol=_CLOSE))
+    try:
+        found = _foot(mine, theirs, brentq(side, *ends, xtol=_CLOSE))
+    except ValueError:  # between there is no such point of the one curve or of the other
+        return None
     return None if found is None else found[:2]
 
 
@@ -80,7 +85,7 @@ def _foot(
 ) -> tuple[OnCurve, OnCurve, float] | None:
     """Return a point of one curve, its foot on the other, and how far to the left of that it is."""
     one, other, along = mine.at(share), theirs.at(0.5), 0.5
-    for _ in range(_FEET):
+    for _ in range(_NEWTON_TO_FOOT):
         if one is None or other is None:
             return None
         rate = theirs.rate(other)
