@@ -4,7 +4,7 @@ BIN := .venv/bin
 # Else each of the many processes that tests start compiles the package anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test slow lowest bench screenshots readme lint clean
+.PHONY: demo test slow dist matrix bench screenshots readme docs lint clean
 
 demo: .venv/ready
 	$(BIN)/pmjac demo
@@ -13,11 +13,14 @@ test: .venv/ready
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 -m "not slow"
 
 slow: .venv/ready
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[peers]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[adapters,peers,release]'
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile -m slow --durations=8
 
-lowest:
-	$(PYTHON) scripts/test_lowest_versions.py
+dist: .venv/release
+	$(BIN)/python scripts/build_distributions.py
+
+matrix: dist
+	$(BIN)/python scripts/test_matrix.py
 
 bench: .venv/ready
 	$(BIN)/python benchmarks/bench_start.py
@@ -28,6 +31,7 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/bench_sweep.py
 	$(BIN)/python benchmarks/bench_parameters.py
 	$(BIN)/python benchmarks/bench_error.py
+	$(BIN)/python benchmarks/bench_free.py
 	$(BIN)/python benchmarks/bench_dynamics.py
 	$(BIN)/python benchmarks/bench_polytope.py
 	$(BIN)/python benchmarks/bench_workspace.py
@@ -50,6 +54,12 @@ readme: .venv/ready
 	$(BIN)/python scripts/update_readme.py
 	$(BIN)/python docs/draw_architecture.py
 
+# The site in build/site, of pages and notebooks that are run. Once its tools are there, no network is used.
+docs: .venv/docs
+	rm -rf build/site build/site_source build/site_doctrees
+	$(BIN)/python docs/website/stage.py build/site_source
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m sphinx -W --keep-going -q -j 2 -c docs/website -d build/site_doctrees build/site_source build/site
+
 lint: .venv/ready
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -61,4 +71,12 @@ clean:
 .venv/ready: pyproject.toml
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	touch $@
+
+.venv/release: .venv/ready
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[release]'
+	touch $@
+
+.venv/docs: .venv/ready
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
 	touch $@

@@ -3,9 +3,9 @@
 Points of the five-bar's locus of gain, one curve traced and then all with seeds and modes sought,
 beside SciPy's root finder on its closed equation, the elbows two distal links apart; maps of
 500 x 500 cells of motor space, the smallest singular value of K* at each, beside the five-bar's
-closed form in NumPy. In seconds of the processor, in turn; ratios are what counts. Workspaces of the
-tool with their borders, and a hexapod's nearest singularity, with the threads of BLAS that studies
-leave it and with all that there are.
+closed form in NumPy. In seconds of the processor, in turn; ratios are what counts. Workspaces of
+the tool with their borders, and a hexapod's nearest singularity, with the threads of BLAS that
+studies leave it and with all that there are.
 """
 
 from __future__ import annotations

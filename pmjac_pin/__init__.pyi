@@ -1,5 +1,6 @@
 # What `import pmjac_pin` offers, by its names there; each is imported when it is asked for.
 
+from . import adapters as adapters
 from .batches.batch import Batch as Batch
 from .batches.batch import batch as batch
 from .batches.results import ManyClosed as ManyClosed
@@ -115,6 +116,9 @@ from .rates.ellipsoid import Ellipsoid as Ellipsoid
 from .rates.jacobian import (
     EquivalentJacobian as EquivalentJacobian,
 )
+from .rates.margins import JointMargin as JointMargin
+from .rates.margins import Margins as Margins
+from .rates.margins import ToolMargin as ToolMargin
 from .rates.motion import Motion as Motion
 from .rates.partition import Partition as Partition
 from .rates.polytope import Polytope as Polytope
@@ -181,6 +185,8 @@ from .studies.transmissions.transmission_table import (
 )
 from .studies.workspaces.find_workspace import workspace as workspace
 from .studies.workspaces.workspace import Workspace as Workspace
+from .viewer.static_scene import StaticScene as StaticScene
+from .viewer.static_scene import static_scene as static_scene
 from .viewer.viewer import Viewer as Viewer
 from .viewer.viewer import view as view
 from .words.labelled_matrix import LabelledMatrix as LabelledMatrix

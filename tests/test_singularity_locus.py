@@ -228,9 +228,17 @@ def test_as_a_dataset(five_bar_locus):
         ({"plane": ("theta1", "theta3")}, "theta2"),
         ({"plane": "theta1"}, "two motors"),
         ({"plane": ("theta1", "theta1")}, "two motors"),
+        ({"plane": ("x", "y", "z")}, "of two motors, .* got 'x', 'y', 'z'"),
+        ({"plane": ("x", "theta1")}, "one of each: 'x' is the tool's"),
+        ({"plane": ("theta1", "phi1")}, "'phi1', which is passive"),
+        ({"plane": ()}, "got none"),
+        ({"plane": 3}, "got 3"),
         ({"window": {"theta1": (2, 1)}}, "lower, upper"),
         ({"window": {"phi1": (1, 2)}}, "phi1"),
-        ({"kinds": ["gained"]}, "kinds"),
+        ({"kinds": ["gained"]}, "did you mean 'gain'"),
+        ({"kinds": "gain"}, r"in a list: \['gain'\]; got 'gain'"),
+        ({"kinds": []}, "got none"),
+        ({"kinds": 3}, "got 3"),
         ({"cells": 1}, "cells"),
         ({"at": 3}, "at"),
     ],
@@ -238,6 +246,13 @@ def test_as_a_dataset(five_bar_locus):
 def test_what_is_wrong_is_said(given, says):
     with pytest.raises(pj.PmjacError, match=says):
         pj.singularity_locus(loaded("five_bar"), **{"plane": ("theta1", "theta2"), **given})
+
+
+@pytest.mark.parametrize("study", [pj.singularity_locus, pj.workspace])
+@pytest.mark.parametrize("plane", [("theta1", "phi1"), ("x", "y"), ("theta1",)])
+def test_a_mechanism_with_one_motor_has_no_plane(study, plane):
+    with pytest.raises(pj.ArgumentError, match="mobility 1, and moves over no plane: `follow`"):
+        study(loaded("four_bar"), plane)
 
 
 def test_a_home_right_beside_a_fold_is_on_a_mode_of_any_grid():
@@ -255,3 +270,49 @@ def test_a_window_that_is_not_reached_is_no_empty_locus():
     window = {"theta1": (3.0, 3.2), "theta2": (-0.1, 0.1)}
     with pytest.raises(pj.ArgumentError, match="no cell"):
         pj.singularity_locus(loaded("five_bar"), ("theta1", "theta2"), window=window, cells=5)
+
+
+def test_an_arm_loses_where_its_elbow_is_in_line():
+    """det J = l1 l2 sin θ2, l1 = 1 and l2 = 0.8: by default, a chain gains nothing."""
+    arm = loaded("serial_2r")
+    locus = pj.singularity_locus(arm, ("theta1", "theta2"), cells=15)
+    assert {curve.kind for curve in locus.curves} == {"loss"}
+    bends = sorted(np.unique(np.round(curve.places[:, 1], 9)).tolist() for curve in locus.curves)
+    assert bends == [[-round(np.pi, 9)], [0.0], [round(np.pi, 9)]]
+
+
+@pytest.mark.parametrize("cells", [15, 41])
+def test_a_circle_of_the_tool_is_one_curve_that_closes(cells):
+    """Once around an arm's base the first joint has made a full turn."""
+    locus = pj.singularity_locus(loaded("serial_2r"), ("x", "y"), cells=cells)
+    radii = [np.linalg.norm(curve.places, axis=1) for curve in locus.curves]
+    assert sorted(radius.mean().round(9) for radius in radii) == [0.2, 1.8]
+    assert max(np.ptp(radius) for radius in radii) < 1e-10
+    assert all(curve.is_closed for curve in locus.curves)
+
+
+def test_a_ur5_loses_where_its_determinant_vanishes():
+    """det J = a2 a3 sin θ3 sin θ5 (a2 cos θ2 + a3 cos θ23 + d5 sin θ234)."""
+    arm = loaded("ur5")
+    locus = pj.singularity_locus(arm, arm.actuated[1:3], cells=21)
+    second, third, fourth = np.vstack([curve.q for curve in locus.curves])[:, 1:4].T
+    shoulder = (
+        0.425 * np.cos(second)
+        + 0.39225 * np.cos(second + third)
+        - 0.09465 * np.sin(second + third + fourth)
+    )
+    assert max(np.abs(np.sin(third)).max(), np.abs(shoulder).max()) > 0.1  # both factors are met
+    assert np.abs(np.sin(third) * shoulder).max() < 1e-10
+    assert min(np.abs(np.sin(third)).min(), np.abs(shoulder).min()) < 1e-10
+
+
+def test_kinds_that_a_mechanism_cannot_have_are_told():
+    with pytest.raises(pj.ArgumentError, match="no loops, and gains nothing: ask for 'loss'"):
+        pj.singularity_locus(loaded("serial_2r"), ("theta1", "theta2"), kinds=["gain"])
+    whole = loaded("five_bar")
+    spec, home = whole.spec, whole.home.q
+    bar = pj.Mechanism.from_pinocchio(whole.model, spec.loops, spec.actuated, home=home)
+    locus = pj.singularity_locus(bar, ("theta1", "theta2"), cells=15)
+    assert {curve.kind for curve in locus.curves} == {"gain"}
+    with pytest.raises(pj.NoToolError):
+        pj.singularity_locus(bar, ("theta1", "theta2"), kinds=["loss"])

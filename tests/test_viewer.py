@@ -167,6 +167,32 @@ def test_names_are_escaped(name):
     assert set(tags[0][1]) == {"srcdoc", "title", "sandbox", "style"}
 
 
+OBJECT_NAMES = re.compile(rb"[0-9a-f]{8}-[0-9a-f]{4}-4[0-9a-f]{3}-[89ab][0-9a-f]{3}-[0-9a-f]{12}")
+
+
+def test_a_static_scene_is_what_a_viewer_saves(mechanism, tmp_path):
+    scene = pj.static_scene(mechanism.close([1.9]), angular=True)
+    with pj.view(mechanism.close([1.9]), open_browser=False, port=0, angular=True) as viewer:
+        saved = viewer._still()
+    assert [OBJECT_NAMES.sub(b"", command) for command in scene.commands] == [
+        OBJECT_NAMES.sub(b"", command) for command in saved.commands
+    ]
+    assert (scene.facts, scene.framing) == (saved.facts, saved.framing)
+    assert len(pj.static_scene(mechanism.close([1.9])).commands) < len(scene.commands)
+    scene.save(tmp_path / "scene.html")
+    assert (tmp_path / "scene.html").read_text(encoding="utf-8") == scene.html()
+
+
+def test_a_static_scene_in_a_notebook_has_no_link(mechanism):
+    html = pj.static_scene(mechanism.home)._repr_html_()
+    assert html.startswith("<iframe srcdoc=")
+    assert "<a " not in html
+    with pytest.raises(pj.ArgumentError, match=re.escape("mechanism.home")):
+        pj.static_scene(mechanism)
+    with pytest.raises(pj.ArgumentError, match="linear"):
+        pj.static_scene(mechanism.home, linear=2)
+
+
 def test_the_browser_is_opened_when_asked_and_never_in_tests(mechanism, monkeypatch, caplog):
     opened = []
     monkeypatch.setattr(viewer_module.webbrowser, "open", lambda url: bool(opened.append(url)) or 1)

@@ -12,7 +12,7 @@ from functools import wraps
 from threading import Lock
 from typing import Any, ParamSpec, TypeVar
 
-Given = ParamSpec("Given")
+Answer = ParamSpec("Answer")
 Found = TypeVar("Found")
 
 
@@ -43,7 +43,7 @@ class _OneThread:
 _ONE_THREAD = _OneThread()
 
 
-def on_one_thread(of: Callable[Given, Found]) -> Callable[Given, Found]:
+def on_one_thread(of: Callable[Answer, Found]) -> Callable[Answer, Found]:
     """Return a function that leaves BLAS one thread while it is called, from any threads.
 
     Examples
@@ -56,7 +56,7 @@ def on_one_thread(of: Callable[Given, Found]) -> Callable[Given, Found]:
     """
 
     @wraps(of)
-    def held(*args: Given.args, **kwargs: Given.kwargs) -> Found:
+    def held(*args: Answer.args, **kwargs: Answer.kwargs) -> Found:
         with _ONE_THREAD:
             return of(*args, **kwargs)
 

@@ -31,11 +31,10 @@ from pmjac_pin.viewer.messages import (
     encode,
 )
 from pmjac_pin.viewer.mode_finder import ModeFinder
-from pmjac_pin.viewer.pose_facts import pose_facts
 from pmjac_pin.viewer.scene import solids_of
 from pmjac_pin.viewer.session import Session
 from pmjac_pin.viewer.slice_finder import SliceFinder
-from pmjac_pin.viewer.static_page import Picture
+from pmjac_pin.viewer.static_scene import StaticScene
 
 _MOST_TRIES = 3  # of other parameters, while other pages move the motors
 _logger = logging.getLogger(__name__)
@@ -103,12 +102,9 @@ class Hub:
         self._slice = SliceFinder(session, self._tell_slice)
         canvas.update(session.scene().items)
 
-    def picture(self) -> Picture:
+    def still(self) -> StaticScene:
         """Return what is shown now, framed anew."""
-        commands = [command for _, command in self.canvas.commands()]
-        session = self.session
-        facts = pose_facts(session.configuration)
-        return Picture(session.mechanism.name, facts, commands, session.framing())
+        return StaticScene.of(self.session, self.canvas)
 
     def add_page(self, page: object, send: Send) -> None:
         """Tell a page that has just been opened everything."""

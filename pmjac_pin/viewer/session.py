@@ -59,6 +59,11 @@ class Session:
         The first pose.
     options : SceneOptions
 
+    Raises
+    ------
+    ArgumentError
+        What is to be shown is no configuration.
+
     Attributes
     ----------
     design : Design
@@ -78,6 +83,10 @@ class Session:
     """
 
     def __init__(self, configuration: Configuration, options: SceneOptions) -> None:
+        if not isinstance(configuration, Configuration):
+            kind = type(configuration).__name__
+            hint = "; its home pose is mechanism.home" if kind == "Mechanism" else ""
+            raise ArgumentError(f"a viewer shows a Configuration, got a {kind}{hint}")
         self.design = Design.of(configuration.mechanism)
         self.configuration = configuration
         self.options = options

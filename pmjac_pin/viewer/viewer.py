@@ -18,7 +18,7 @@ from pmjac_pin.viewer.hub import Hub
 from pmjac_pin.viewer.scene import SceneOptions
 from pmjac_pin.viewer.server import Server
 from pmjac_pin.viewer.session import Session
-from pmjac_pin.viewer.static_page import Picture, notebook_frame, save_page
+from pmjac_pin.viewer.static_scene import StaticScene
 
 if TYPE_CHECKING:
     from typing import Self
@@ -51,10 +51,6 @@ class Viewer:
     def __init__(
         self, configuration: Configuration, options: SceneOptions, port: int | None = None
     ) -> None:
-        if not isinstance(configuration, Configuration):
-            kind = type(configuration).__name__
-            hint = "; its home pose is mechanism.home" if kind == "Mechanism" else ""
-            raise ArgumentError(f"a viewer shows a Configuration, got a {kind}{hint}")
         session = Session(configuration, options)
         self._name = session.mechanism.name
         self._hub = Hub(session, Canvas())
@@ -121,7 +117,7 @@ class Viewer:
         OutputError
             The file cannot be written, or it is none but a folder, a device or a pipe.
         """
-        save_page(self._picture(), path)
+        self._still().save(path)
 
     def close(self) -> None:
         """End the server; return when it has ended. May be repeated."""
@@ -136,17 +132,18 @@ class Viewer:
         """Whether the server has ended."""
         return not self._server.running
 
-    def _picture(self) -> Picture:
+    def _still(self) -> StaticScene:
         try:
-            return self._server.call(lambda hub: hub.picture())
+            return self._server.call(lambda hub: hub.still())
         except PmjacError:
             if not self.closed:
                 raise
-            return self._hub.picture()  # nothing changes any more
+            return self._hub.still()  # nothing changes any more
 
     def _repr_html_(self) -> str:
         """Return a still picture for a notebook: it is kept with the notebook."""
-        return notebook_frame(self._picture(), None if self.closed else self.url)
+        live = f'<a href="{self.url}" target="_blank">live page</a>'
+        return self._still().notebook_frame("a still picture" if self.closed else live)
 
     def __enter__(self) -> Self:
         return self

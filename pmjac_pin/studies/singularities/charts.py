@@ -21,6 +21,7 @@ from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.loop_spec import FrameLoop, PointLoop
 from pmjac_pin.studies.led_machine import LedMachine
 from pmjac_pin.studies.singularities.joint_limits import limits_between, within_joint_limits
+from pmjac_pin.studies.singularities.plane_names import TOOL_AXES, is_of_the_tool, plane_names
 from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
 from pmjac_pin.studies.singularities.sheets import Sheets
 from pmjac_pin.studies.singularities.singular_equations import (
@@ -30,7 +31,6 @@ from pmjac_pin.studies.singularities.singular_equations import (
 )
 from pmjac_pin.values.arrays import Array, Mask
 
-TOOL_AXES = ("x", "y", "z")
 _GROWN, _COARSE = 4, 33  # times, and cells along each axis of a grid that finds the window
 _CELLS_AROUND = 2.0  # of its cells: around what is reached
 
@@ -45,8 +45,9 @@ class Chart:
         Of the machine itself.
     area : PlaneSlice
         Of the machine that the plane drives.
-    folds, inner : SingularEquations
-        Of the borders of sheets, and of what lies within them.
+    folds, inner : SingularEquations or None
+        Of the borders of sheets, and of what lies within them; None where there is no such thing:
+        chains without loops gain nothing, and without a tool nothing is lost.
     fold_kind, inner_kind : {"gain", "loss"}
         What these are of the machine itself.
     origin : ndarray, shape (2,)
@@ -56,7 +57,7 @@ class Chart:
 
     at: Configuration
     area: PlaneSlice
-    folds: SingularEquations
+    folds: SingularEquations | None
     fold_kind: Freed
     inner: SingularEquations | None
     inner_kind: Freed
@@ -69,6 +70,12 @@ class Chart:
     def original(self, q: Array) -> Array:
         """Return q (..., nq) of the machine itself."""
         return q[..., : self.at.mechanism.nq]
+
+    @property
+    def equations(self) -> dict[Freed, SingularEquations]:
+        """What may be singular, by the kinds that there are."""
+        both = ((self.fold_kind, self.folds), (self.inner_kind, self.inner))
+        return {kind: equations for kind, equations in both if equations is not None}
 
     @property
     def in_tool_space(self) -> bool:
@@ -111,14 +118,16 @@ def chart(
     ------
     ArgumentError, UnknownNameError, NoToolError
     """
-    names = () if isinstance(plane, str) else tuple(plane)
     mechanism = at.mechanism
-    tool = names and all(name in TOOL_AXES and name not in mechanism.actuated for name in names)
-    if tool and len(set(names)) == len(names) == 2:
-        return _tool_chart((names[0], names[1]), at, window)
-    area = PlaneSlice.of(plane, at, window)
+    names = plane_names(plane, mechanism)
+    if is_of_the_tool(names[0], mechanism):
+        return _tool_chart(names, at, window)
+    area = PlaneSlice.of(names, at, window)
+    partition = mechanism.problem.partition
+    loops = partition.passive_rank or partition.isolated
+    folds = SingularEquations(mechanism, "gain") if loops else None
     inner = None if mechanism.spec.tool.is_none else SingularEquations(mechanism, "loss")
-    return Chart(at, area, SingularEquations(mechanism, "gain"), "gain", inner, "loss", np.zeros(2))
+    return Chart(at, area, folds, "gain", inner, "loss", np.zeros(2))
 
 
 def _tool_chart(

@@ -21,7 +21,7 @@ _MOST_BEND = 0.3  # more may be another curve
 _OFF = 0.15  # of a step: how far Newton may lead from its end
 _LONGEST_CURVE = 20_000
 _FOOT_STEPS = 8
-_AT_REST = 1e-6  # of a tangent: what joints have of it at a pose at which u turns alone
+_TURNING_ALONE = 1e-6  # of a tangent: what joints have of it at a pose at which u turns alone
 _ON_CURVE = 1e-5  # of the way between two points that follow each other
 
 
@@ -105,11 +105,8 @@ class Tracer:
         return self.corrected(ahead, norm(chord))
 
     def chord(self, first: SingularPoint, second: SingularPoint) -> Array:
-        """Return the step (nv + k,) that leads from one point to another."""
-        equations = self.equations
-        stride = equations.partition.length * equations.partition.column_scale
-        away = equations.problem.difference(first.q, second.q) / stride
-        return np.concatenate([away, second.u - first.u])
+        """Return the step (nv + k,) that leads from one point to another, without full turns."""
+        return np.concatenate([self.area.way(first.q, second.q), second.u - first.u])
 
     def trace(self, seed: SingularPoint) -> Traced | None:
         """Trace the curve through a singular point both ways; None where none leads through it.
@@ -117,7 +114,7 @@ class Tracer:
         Nor is there one of poses where several motions come free at once, and u turns among them.
         """
         start = self.on_curve(seed)
-        if start is None or norm(start.tangent[: self._nv]) <= _AT_REST:
+        if start is None or norm(start.tangent[: self._nv]) <= _TURNING_ALONE:
             return None
         forward, end = self._onward(start)
         if end == "closed":
@@ -176,7 +173,7 @@ class Tracer:
         chord = self.chord(first.point, second.point)[: self._nv]
         length, share, here = chord @ chord, 0.0, first.point
         for _ in range(_FOOT_STEPS):
-            away = self._turns_aside(self.chord(here, point)[: self._nv])
+            away = self.chord(here, point)[: self._nv]
             if away @ away <= (_ON_CURVE * _ON_CURVE) * length:
                 return share
             share += float(away @ chord / length)
@@ -197,23 +194,19 @@ class Tracer:
         nearest = min(apart, key=apart.__getitem__)
         if apart[nearest] <= 1e-9:
             return True
-        for first in range(max(0, nearest - 1), min(nearest + 1, len(curve.points) - 1)):
-            if self.foot(curve.points[first], curve.points[first + 1], point) is not None:
-                return True
-        return False
+        chords = len(curve.points) - 1
+        beside = [nearest - 1, nearest]
+        if curve.is_closed:  # where it begins, it ends
+            beside = [k % chords for k in beside]
+        return any(
+            self.foot(curve.points[k], curve.points[k + 1], point) is not None
+            for k in beside
+            if 0 <= k < chords
+        )
 
     def _longest(self, places: Array) -> float:
         """Return the longest step between points of a curve in the plane, m or rad."""
         return float(np.abs(np.diff(places, axis=0)).max(initial=0.0)) + 1e-9
-
-    def _turns_aside(self, away: Array) -> Array:
-        """Return a step without full turns of angles."""
-        coordinates, partition = self.area.mechanism.coordinates, self.equations.partition
-        stride = partition.length * partition.column_scale
-        turning = coordinates.angles | coordinates.wraps
-        turn = 2.0 * np.pi / stride[turning]
-        away[turning] = np.remainder(away[turning] + 0.5 * turn, turn) - 0.5 * turn
-        return away
 
     def _border(self, here: OnCurve, ahead: OnCurve) -> Iterator[OnCurve]:
         """Yield the point where the curve leaves the window, unless it is there already."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from pmjac_pin.algebra.one_thread import on_one_thread
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.errors import ArgumentError, did_you_mean, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.modes.find import assembly_modes
@@ -40,7 +40,7 @@ def singularity_locus(
     *,
     at: str | Configuration = "home",
     window: Mapping[str, tuple[float, float]] | None = None,
-    kinds: Iterable[Freed] = _BOTH_KINDS,
+    kinds: Iterable[Freed] | None = None,
     cells: int = 81,
     modes: Iterable[Configuration] | None = None,
 ) -> SingularityLocus:
@@ -65,8 +65,9 @@ def singularity_locus(
     window : mapping of str to (float, float), optional
         The range of each, m or rad; by default their limits, of an angle [−π, π] at most, and of
         the tool what is reached within the joints' limits.
-    kinds : iterable of {"gain", "loss"}
-        Which singularities: type II, type I.
+    kinds : iterable of {"gain", "loss"}, optional
+        Which singularities: type II, type I; by default those that the mechanism may have. A chain
+        without loops gains nothing, one without a tool loses nothing.
     cells : int
         Of the grid, along each axis.
     modes : iterable of Configuration, optional
@@ -80,7 +81,7 @@ def singularity_locus(
     Raises
     ------
     ArgumentError, UnknownNameError, NoToolError
-        No such motors or range; a loss without a tool.
+        No such motors or range; a loss without a tool, a gain without loops.
 
     References
     ----------
@@ -99,20 +100,21 @@ def singularity_locus(
     start = mechanism.pose(at) if isinstance(at, str) else at
     if not isinstance(start, Configuration) or start.mechanism != mechanism:
         raise ArgumentError(f"`at` is a pose of the mechanism or its name, got {quoted(at)}")
-    asked = _kinds(kinds)
+    given = None if kinds is None else _checked_kinds(kinds)
+    number = _cells(cells)
     drawn = chart(plane, start, window)
-    sheets = Sheets(drawn.area, _cells(cells))
+    asked = _asked(drawn, given)
+    sheets = Sheets(drawn.area, number)
     for mode in _begin(drawn) if modes is None else modes:
         sheets.add(drawn.lifted(mode))
     if not sheets.known:
         raise ArgumentError("no cell of the grid is reached: name a window around the pose")
-    folds = LocusFinding(drawn.area, drawn.folds, sheets, drawn.fold_kind)
-    _over_the_folds(folds, drawn.folds)
-    found = [folds] if drawn.fold_kind in asked else []
-    if drawn.inner_kind in asked:
-        if drawn.inner is None:
-            mechanism.need_tool()
-            raise ArgumentError(f"{mechanism.name} has no loops: it gains nothing")
+    found = []
+    if drawn.folds is not None:
+        folds = LocusFinding(drawn.area, drawn.folds, sheets, drawn.fold_kind)
+        _over_the_folds(folds, drawn.folds)
+        found += [folds] if drawn.fold_kind in asked else []
+    if drawn.inner is not None and drawn.inner_kind in asked:
         within = LocusFinding(drawn.area, drawn.inner, sheets, drawn.inner_kind)
         for sheet in sheets.known:
             within.seek(sheets.inner_seeds(sheet, drawn.inner))
@@ -133,11 +135,29 @@ def _begin(drawn: Chart) -> Iterable[Configuration]:
     return assembly_modes(drawn.at.mechanism, drawn.at.actuated, rng=0, limits=False)
 
 
-def _kinds(kinds: Iterable[Freed]) -> tuple[Freed, ...]:
-    given = () if isinstance(kinds, str) else tuple(kinds)
-    if not given or any(kind not in _BOTH_KINDS for kind in given):
-        raise ArgumentError(f"`kinds` are some of 'gain' and 'loss', got {quoted(kinds)}")
+def _checked_kinds(kinds: Iterable[Freed]) -> tuple[Freed, ...]:
+    wanted = "`kinds` are some of 'gain' and 'loss', in a list"
+    if isinstance(kinds, str) or not isinstance(kinds, Iterable):
+        hint = f": [{kinds!r}]" if kinds in _BOTH_KINDS else ""
+        raise ArgumentError(f"{wanted}{hint}; got {quoted(kinds)}")
+    given = tuple(kinds)
+    for kind in given:
+        if kind not in _BOTH_KINDS:
+            raise ArgumentError(f"{wanted}; got {quoted(kind)}{did_you_mean(kind, _BOTH_KINDS)}")
+    if not given:
+        raise ArgumentError(f"{wanted}; got none")
     return given
+
+
+def _asked(drawn: Chart, given: Sequence[Freed] | None) -> tuple[Freed, ...]:
+    """Return the kinds that are asked for, by default those that there are."""
+    mechanism, there = drawn.at.mechanism, drawn.equations
+    asked = tuple(there) if given is None else tuple(given)
+    if not asked or ("loss" in asked and "loss" not in there):
+        mechanism.need_tool()
+    if "gain" in asked and "gain" not in there:
+        raise ArgumentError(f"{mechanism.name} has no loops, and gains nothing: ask for 'loss'")
+    return asked
 
 
 def _over_the_folds(folds: LocusFinding, equations: SingularEquations) -> None:
