@@ -15,6 +15,7 @@ _REACHED = "#DCE9F3"
 _LIGHTER = 0.3  # of viridis: its darkest part would hide lines and letters
 _CONTOURS = 6
 _LONG_ENOUGH = 0.4  # of the map: contours with a value on them
+_FROM_THE_BORDER = 3.0  # times as near as to another value
 _ONE_COLOUR = 1e-9  # of the largest: a map of one colour
 _OUTSIDE = 2  # cells: as far as the map goes on beneath what the border cuts off
 
@@ -60,25 +61,32 @@ def _contours(axes: Any, found: Workspace, whole: Any) -> Any:
     lines = axes.contour(
         found.first, found.second, inside, levels=levels, colors="black", linewidths=0.4
     )
-    at = list(_label_places(lines, np.array([np.ptp(found.first), np.ptp(found.second)])))
+    size = np.array([np.ptp(found.first), np.ptp(found.second)])
+    border = np.vstack([np.zeros((0, 2)), *(piece.places for piece in found.border)])
+    at = list(_label_places(lines, size, border))
     if at:
         axes.clabel(lines, fontsize=SMALL_LETTERS - 1.5, inline_spacing=1.5, fmt="%g", manual=at)
     return lines
 
 
-def _label_places(lines: Any, size: Array) -> Iterator[Array]:
-    """Yield where the values of contours have room: on the longest of each, far from the others."""
+def _label_places(lines: Any, size: Array, border: Array) -> Iterator[Array]:
+    """Yield where the values of contours have room: far from each other and from the border."""
     placed: list[Array] = []
     for segments in lines.allsegs:
-        longest = max(segments, key=_length, default=np.zeros((0, 2)))
-        if _length(longest / size) < _LONG_ENOUGH:
+        long = [one for one in segments if _length(one / size) >= _LONG_ENOUGH]
+        if not long:
             continue
-        away = [
-            min((float(np.linalg.norm((p - q) / size)) for q in placed), default=1.0)
-            for p in longest
-        ]
-        placed.append(longest[int(np.argmax(away))])
+        places = np.vstack(long)
+        room = _FROM_THE_BORDER * _nearest(places / size, border / size)
+        room = np.minimum(room, _nearest(places / size, np.array(placed).reshape(-1, 2) / size))
+        placed.append(places[int(np.argmax(room))])
         yield placed[-1]
+
+
+def _nearest(places: Array, others: Array) -> Array:
+    """Return how far each place is from the nearest of others, (N,); 1 where there are none."""
+    away = np.linalg.norm(places[:, None] - others[None], axis=-1)
+    return np.asarray(away.min(axis=1, initial=1.0))
 
 
 def _length(places: Array) -> float:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLUMN = 3.5  # inches
+PRINTED = 300.0  #: dots per inch
 LETTERS, SMALL_LETTERS = 8.0, 7.0  # points
 _FLATTEST, _HIGHEST = 0.5, 1.3  # height by width of the axes
 _BESIDE, _COLOUR_BAR, _BELOW, _LINE = 0.6, 0.75, 0.4, 0.155  # inches: around the axes
