@@ -13,6 +13,7 @@ test: .venv/ready
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 -m "not slow"
 
 slow: .venv/ready
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[peers,release]'
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[adapters,peers]'
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile -m slow --durations=8
 
@@ -31,6 +32,7 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/bench_sweep.py
 	$(BIN)/python benchmarks/bench_parameters.py
 	$(BIN)/python benchmarks/bench_error.py
+	$(BIN)/python benchmarks/bench_free.py
 	$(BIN)/python benchmarks/bench_dynamics.py
 	$(BIN)/python benchmarks/bench_polytope.py
 	$(BIN)/python benchmarks/bench_workspace.py
