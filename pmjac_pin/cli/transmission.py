@@ -107,7 +107,7 @@ def transmission_command(
             save_figure(plot_transmission(table.map, given), path)
         elif Path(path).suffix == _PLUGIN:
             source = ros2_control.source(table, header, name)
-            write_files({path: source.encode()}, replace=force)
+            write_files({Path(path): source.encode()}, replace=force)
         else:
             table.save(path, name=name, force=force)
     return [*blocks, *map(Verbatim, paths)]
