@@ -88,7 +88,7 @@ def test_a_name_for_the_header_and_limits_of_the_motors(tmp_path, monkeypatch, c
         (["--joints", "pitch"], "as many joints as motors, 2, got 1"),
         (
             [*OVER, "-o", "ankle.txt"],
-            r"ankle.txt: what is written ends in one of .h, .npz, .csv, .png",
+            r"ankle.txt: what is written ends in one of .h, .npz, .csv, .cpp, .png",
         ),
         ([*OVER, "-o", "nowhere/ankle.h"], "there is no folder"),
         ([*OVER, "-o", "mine.h"], "mine.h: exists already; --force replaces it"),
