@@ -18,7 +18,7 @@ from mechanisms import loaded
 
 import pmjac_pin as pj
 
-LIBRARIES = ("casadi", "crocoddyl", "jax", "mink", "pink", "tsid")
+LIBRARIES = ("casadi", "crocoddyl", "jax", "mink", "pink")
 DIFFERENT = ("four_bar", "three_rps_ss", "bennett", "agile_eye")
 PAGE = Path(__file__).parent.parent / "docs" / "adapters.md"
 slow = pytest.mark.slow  # the libraries are installed with the slow tests only
@@ -57,7 +57,7 @@ def test_without_its_library_an_adapter_says_what_to_install(name):
 def test_examples(name):
     failed, tried = doctest.testmod(adapter(name), optionflags=doctest.ELLIPSIS)
     assert not failed
-    assert tried or name in {"crocoddyl", "mink", "tsid"}  # on the page
+    assert tried or name in {"crocoddyl", "mink"}  # on the page
 
 
 @slow

@@ -16,7 +16,7 @@ from pmjac_pin.values.checks import check_kind
 with importing("casadi"):
     import casadi
 
-_OPERATIONS: Any = {
+_IN_CASADI: Any = {
     "+": casadi.plus, "-": casadi.minus, "*": casadi.times, "/": casadi.rdivide,
     "neg": lambda x: -x, "sin": casadi.sin, "cos": casadi.cos, "sqrt": casadi.sqrt,
     "abs": casadi.fabs, "max": casadi.fmax, "atan2": casadi.atan2, "copysign": casadi.copysign,
@@ -55,7 +55,7 @@ def function(program: Program, name: str | None = None) -> casadi.Function:
         if term.operation == "input":  # the first of them
             known.append(q[index])
         else:
-            known.append(_OPERATIONS[term.operation](*map(value, term.operands)))
+            known.append(_IN_CASADI[term.operation](*map(value, term.operands)))
 
     def matrix(numbers: Numbers) -> Any:
         found = casadi.SX(*np.atleast_2d(numbers.T).T.shape)

@@ -58,7 +58,7 @@ class TransmissionActuation(crocoddyl.ActuationModelAbstract):
         direct: Sequence[str] = (),
     ) -> None:
         joints = [name for names in transmissions for name in names]
-        self._at = {name: _place(state.pinocchio, name) for name in [*joints, *direct]}
+        self._at = {name: _entries_of(state.pinocchio, name) for name in [*joints, *direct]}
         if len(self._at) < len(joints) + len(direct):
             raise ArgumentError("a joint is driven twice")
         for names, geared in transmissions.items():
@@ -109,7 +109,7 @@ class TransmissionActuation(crocoddyl.ActuationModelAbstract):
             yield transmission.at_joints(x[list(in_q)]), list(in_v), columns
 
 
-def _place(model: Any, name: str) -> tuple[int, int]:
+def _entries_of(model: Any, name: str) -> tuple[int, int]:
     """Return where a joint of one degree of freedom is in q and in v."""
     if not model.existJointName(name):
         raise unknown_name("joint", name, list(model.names)[1:])

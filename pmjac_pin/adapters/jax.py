@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from pmjac_pin.adapters import importing
-from pmjac_pin.algebra.waves import Waves
+from pmjac_pin.algebra.array_program import ArrayProgram
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.studies.program import Program
 from pmjac_pin.values.checks import check_kind
@@ -20,7 +20,7 @@ with importing("jax"):
     import jax
     import jax.numpy as jnp
 
-_OPERATIONS: Any = {
+_IN_JAX: Any = {
     "+": jnp.add, "-": jnp.subtract, "*": jnp.multiply, "/": jnp.divide, "neg": jnp.negative,
     "sin": jnp.sin, "cos": jnp.cos, "sqrt": jnp.sqrt, "abs": jnp.abs, "max": jnp.maximum,
     "copysign": jnp.copysign, "atan2": jnp.arctan2, "round": jnp.rint,
@@ -64,7 +64,10 @@ def function(
         raise ArgumentError(f"JAX computes in single precision: {told}, or dtype='float32'")
     shapes = {name: array.shape for name, array in program.outputs.items()}
     terms = [x for array in program.outputs.values() for x in array.ravel()]
-    waves, ends = Waves.of(program.recording, terms), np.cumsum([*map(np.prod, shapes.values())])
+    waves, ends = (
+        ArrayProgram.of(program.recording, terms),
+        np.cumsum([*map(np.prod, shapes.values())]),
+    )
     count, nq = waves.constants.size, len(program.inputs)
 
     def at(q: Any) -> dict[str, Any]:
@@ -73,7 +76,7 @@ def function(
         known = known.at[..., :count].set(waves.constants).at[..., count : count + nq].set(given)
         end = count + nq
         for operation, places in waves.steps:
-            found = _OPERATIONS[operation](*(known[..., place] for place in places))
+            found = _IN_JAX[operation](*(known[..., place] for place in places))
             known = known.at[..., end : (end := end + found.shape[-1])].set(found)
         parts = jnp.split(known[..., waves.outputs], ends[:-1], axis=-1)
         return {

@@ -10,7 +10,7 @@ from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.studies.transmissions.transmission_table import TransmissionTable
 from pmjac_pin.values.checks import check_kind
 
-_TEMPLATE = Path(__file__).with_name("ros2_control.cpp")
+_PLUGIN_SOURCE = Path(__file__).with_name("ros2_control.cpp")
 
 
 def source(table: TransmissionTable, header: str, name: str | None = None) -> str:
@@ -46,7 +46,7 @@ def source(table: TransmissionTable, header: str, name: str | None = None) -> st
         raise ArgumentError(f"header is the name of a file to include; got {quoted(header)}")
     mechanism = table.transmission.by_motors.name
     prefix = function_name(mechanism if name is None else name, C_WORDS, name is None)
-    return Template(_TEMPLATE.read_text(encoding="utf-8")).substitute(
+    return Template(_PLUGIN_SOURCE.read_text(encoding="utf-8")).substitute(
         type=f"{prefix}_transmission",
         name=prefix,
         NAME=prefix.upper(),

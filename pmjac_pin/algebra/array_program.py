@@ -14,7 +14,7 @@ from pmjac_pin.values.arrays import Array, Index
 
 
 @dataclass(frozen=True, eq=False)
-class Waves:
+class ArrayProgram:
     """A program over one array of numbers: constants, inputs, then what each step finds.
 
     Attributes
@@ -32,7 +32,7 @@ class Waves:
     --------
     >>> recording = Recording(2)
     >>> x, y = recording.inputs
-    >>> waves = Waves.of(recording, [(x + 2.0) * (y + 3.0)])
+    >>> waves = ArrayProgram.of(recording, [(x + 2.0) * (y + 3.0)])
     >>> [(operation, [k.tolist() for k in where]) for operation, where in waves.steps]
     [('+', [[0, 1], [2, 3]]), ('*', [[4], [5]])]
     >>> waves.constants.tolist(), waves.outputs.tolist(), waves.size
@@ -45,27 +45,27 @@ class Waves:
     size: int
 
     @classmethod
-    def of(cls, recording: Recording, outputs: Sequence[Operand]) -> Waves:
+    def of(cls, recording: Recording, outputs: Sequence[Operand]) -> ArrayProgram:
         """Return the steps that compute some terms, and nothing else."""
-        terms = _needed(recording, outputs)
+        terms = _needed_terms(recording, outputs)
         operands = [x for term in terms for x in term.operands]
         constants = list(dict.fromkeys(x for x in [*operands, *outputs] if not isinstance(x, Term)))
         places: dict[Operand, int] = {x: k for k, x in enumerate([*constants, *recording.inputs])}
         steps = []
-        for operation, alike in _alike(terms):
+        for operation, alike in _in_waves(terms):
             columns = zip(*(term.operands for term in alike), strict=True)
-            steps.append((operation, tuple(_at(places, column) for column in columns)))
+            steps.append((operation, tuple(_numbers_of(places, column) for column in columns)))
             places |= {term: len(places) + k for k, term in enumerate(alike)}
         numbers = np.array(constants, dtype=float)
-        return cls(numbers, tuple(steps), _at(places, outputs), len(places))
+        return cls(numbers, tuple(steps), _numbers_of(places, outputs), len(places))
 
 
-def _needed(recording: Recording, outputs: Sequence[Operand]) -> list[Term]:
+def _needed_terms(recording: Recording, outputs: Sequence[Operand]) -> list[Term]:
     counts = uses(recording, [x.index for x in outputs if isinstance(x, Term)])
     return [x for x in recording.terms if counts[x.index] and x.operation != "input"]
 
 
-def _alike(terms: Sequence[Term]) -> list[tuple[Operation, list[Term]]]:
+def _in_waves(terms: Sequence[Term]) -> list[tuple[Operation, list[Term]]]:
     """Return terms by their operation, after all those that they wait for."""
     waves: dict[Operand, int] = {}
     found: dict[tuple[int, Operation], list[Term]] = defaultdict(list)
@@ -75,5 +75,5 @@ def _alike(terms: Sequence[Term]) -> list[tuple[Operation, list[Term]]]:
     return [(operation, alike) for (_, operation), alike in sorted(found.items())]
 
 
-def _at(places: dict[Operand, int], operands: Sequence[Operand]) -> Index:
+def _numbers_of(places: dict[Operand, int], operands: Sequence[Operand]) -> Index:
     return np.array([places[x] for x in operands], dtype=np.intp)
