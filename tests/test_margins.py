@@ -253,6 +253,36 @@ def test_at_a_singular_pose_they_are_zero():
     assert found.smallest_arm.value < 1e-6
 
 
+def legs_nearly_parallel(turn):
+    """A 3-RPR whose plate is as large as its base, beside it and turned by little; its legs."""
+    machine, middle = pj.load("planar_3rpr", {"a": 0.5, "b": 0.5}), np.array([0.4, 0.1])
+    starts = [0.5 * unit(2 * pi * k / 3) for k in range(3)]
+    ends = [middle + 0.5 * unit(2 * pi * k / 3 + turn) for k in range(3)]
+    q = [*middle, np.cos(turn), np.sin(turn)]
+    for start, end in zip(starts, ends, strict=True):
+        along = end - start
+        q += [np.arctan2(along[1], along[0]) - np.arctan2(-start[1], -start[0]), np.hypot(*along)]
+    lines = [(end, end - start) for start, end in zip(starts, ends, strict=True)]
+    return machine.configuration(np.array(q)), lines
+
+
+def test_legs_that_are_almost_parallel_meet_far_away_and_hold_nothing_where_ranks_say_so():
+    pose, lines = legs_nearly_parallel(1e-3)
+    found = margins_of(pose)
+    for k, (end, along) in enumerate(lines):
+        others = meeting(*(line for j, line in enumerate(lines) if j != k))
+        assert found.tool[f"l{k + 1}"].value == pytest.approx(from_line(others, end, along))
+        assert found.tool[f"l{k + 1}"].value > 0.1
+    assert max(one.arm for one in found.gain.values()) < 1e-2
+    pose, lines = legs_nearly_parallel(1e-6)
+    assert pose.singularity().kind == "gain"
+    others = meeting(*lines[:2])
+    assert from_line(others, *lines[2]) > 0.1
+    found = margins_of(pose)
+    assert max(one.value for one in found.tool.values()) < 1e-6
+    assert max(one.arm for one in found.gain.values()) == 0.0
+
+
 def of_all(found):
     return {
         (kind, name): one

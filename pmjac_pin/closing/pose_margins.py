@@ -49,7 +49,8 @@ class PoseMargins:
         tool = {}
         whole = self._partition.factorise(self._scaled, self._partition.size_of(self._scaled))
         if not self._parts.spec.tool.is_none:
-            tool = tool_margins(whole.null_space, self._tool, self._partition, self._pose)
+            at_rest = self._partition.passive.size - ranks.rank
+            tool = tool_margins(whole.null_space, at_rest, self._tool, self._partition, self._pose)
         if self._parts.kinematics.loops.couplings:
             return Margins(tool=MappingProxyType(tool))
         return Margins(

@@ -17,7 +17,11 @@ _NO_AXIS = 1e-9  # of the other part, over the length: a turn, or a force, that 
 
 
 def tool_margins(
-    allowed: Array, tool: ToolMotion, partition: Partition, pose: tuple[Array, Array]
+    allowed: Array,
+    at_rest: int,
+    tool: ToolMotion,
+    partition: Partition,
+    pose: tuple[Array, Array],
 ) -> dict[str, ToolMargin]:
     """Return each motor's, by its name; none of a motor that does not move the tool alone.
 
@@ -25,6 +29,8 @@ def tool_margins(
     ----------
     allowed : ndarray, shape (nv, a)
         Orthonormal columns, on scaled rates: what loops allow.
+    at_rest : int
+        How many of these motions the pose's rank of K* leaves with the motors at rest.
     tool : ToolMotion
     partition : Partition
     pose : tuple of ndarray, shapes (3, 3) and (3,)
@@ -32,7 +38,7 @@ def tool_margins(
     """
     if not partition.row_scale.size or partition.tool_rank < len(tool.rows.names):
         return {}
-    motors = allowed[partition.actuated]
+    motors = _of_rank(allowed[partition.actuated], allowed.shape[1] - at_rest)
     found = {}
     for k, name in enumerate(partition.actuated_names):
         others = np.delete(motors, k, axis=0)
@@ -43,6 +49,13 @@ def tool_margins(
             twist, wrench = _on_six_rows(tool, commanded[:, 0]), _on_six_rows(tool, borne[:, 0])
             found[name] = _margin(twist, wrench, tool.length, pose)
     return found
+
+
+def _of_rank(matrix: Array, rank: int) -> Array:
+    """Return the matrix of this rank that is nearest to it: motors rest where ranks say so."""
+    factors = factorise(matrix, 1.0)
+    kept: Array = factors.left[:, :rank] * factors.singular_values[:rank] @ factors.right[:rank]
+    return kept
 
 
 def _resting(motors: Array) -> Array:
