@@ -469,6 +469,10 @@ BAD = {
     "no coordinate": (lambda m: pj.reach(m, {"tip": {"u": 1.0}}), "coordinates"),
     "empty": (lambda m: pj.reach(m, {}), "names nothing"),
     "tools": (lambda m: pj.reach(m, [[0, 0, 0]], tool=["tip", "tip2"]), "2 tools"),
+    "one tool twice": (
+        lambda m: pj.reach(m, [[0, 0.4, 0], [0, 0.3, 0]], tool=["tip", "tip"]),
+        "the tool 'tip' has two targets",
+    ),
     "task": (lambda m: pj.reach(m, [0, 0, 0], task=pj.Task.pose()), "give a pose"),
     "mask and task": (
         lambda m: pj.reach(m, [0, 0, 0], task=pj.Task.position(), mask=[1, 1, 1, 0, 0, 0]),

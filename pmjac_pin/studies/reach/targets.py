@@ -64,6 +64,8 @@ def _several(target: Any, tool: ToolName) -> tuple[Any, ...] | None:
         return None
     if shape[0] != len(tool):
         raise ArgumentError(f"{len(tool)} tools, {quoted(tuple(tool))}, and {shape[0]} targets")
+    if twice := [name for name in tool if list(tool).count(name) > 1]:
+        raise ArgumentError(f"the tool {quoted(twice[0])} has two targets: give it one")
     return tuple(tool)
 
 

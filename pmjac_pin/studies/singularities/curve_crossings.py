@@ -7,14 +7,13 @@ is looked at further only where the ends of the one are off the other's cubics.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from pmjac_pin.studies.singularities.curve_equations import SingularPoint
 from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
-from pmjac_pin.studies.singularities.plane_curve import PlaneCurve, place_rate, unit_ways, wedge
+from pmjac_pin.studies.singularities.plane_curve import CurveChord, PlaneCurve, unit_ways, wedge
 from pmjac_pin.values.arrays import Array, Mask
 
 _NEWTON = 12
@@ -39,44 +38,6 @@ class Crossing(NamedTuple):
     meets: bool
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Chord:
-    """A chord of a curve."""
-
-    curve: PlaneCurve
-    number: int
-
-    @property
-    def ends(self) -> Sequence[OnCurve]:
-        return self.curve.traced.points[self.number : self.number + 2]
-
-    def at(self, share: float) -> OnCurve | None:
-        """Return the point of the curve at a share of the chord, its tangent from end to end."""
-        tracer, (first, second) = self.curve.tracer, self.ends
-        point = tracer.between(first, second, share)
-        if point is None:
-            return None
-        chord = tracer.chord(first.point, second.point)
-        # Where curves meet there is more than one way on: that from end to end will do.
-        return tracer.on_curve(point, chord) or OnCurve(point, chord, 0.0)
-
-    def bend(self) -> float:
-        """Return by how much the curve bends to the left from end to end, rad."""
-        first, second = self.curve.ways[self.number : self.number + 2]
-        return float(np.arctan2(wedge(first, second), first @ second))
-
-    def place(self, one: OnCurve) -> Array:
-        area = self.curve.tracer.area
-        return np.asarray(area.places(one.point.q) / area.size)
-
-    def rate(self, one: OnCurve) -> Array:
-        """Return how the place changes with the share."""
-        tracer = self.curve.tracer
-        chord = tracer.chord(self.ends[0].point, self.ends[1].point)
-        along = float(chord @ chord / (one.tangent @ chord))
-        return place_rate(tracer, one) / tracer.area.size * along
-
-
 def curve_crossings(tracers: Sequence[Tracer], curves: Sequence[Traced]) -> Iterator[Crossing]:
     """Yield where curves cross in the plane; `meets` where they do in joint space as well.
 
@@ -91,7 +52,7 @@ def curve_crossings(tracers: Sequence[Tracer], curves: Sequence[Traced]) -> Iter
         for j, other in enumerate(drawn[i:], start=i):
             for k, m, shares in _crossing_chords(one.places, other.places, same=i == j):
                 if not _lies_along(one, k, other, m):
-                    found = _refined(_Chord(one, k), _Chord(other, m), shares)
+                    found = _refined(CurveChord(one, k), CurveChord(other, m), shares)
                     yield from _told_crossing(found, (i, j))
 
 
@@ -108,7 +69,7 @@ def curve_touchings(tracers: Sequence[Tracer], curves: Sequence[Traced]) -> Iter
     for i, one in enumerate(drawn):
         for j, other in enumerate(drawn[i:], start=i):
             for k, m, shares in _chords_side_by_side(one, other):
-                found = _touching(_Chord(one, k), _Chord(other, m), shares)
+                found = _touching(CurveChord(one, k), CurveChord(other, m), shares)
                 yield from _told_crossing(found, (i, j))
 
 
@@ -158,7 +119,7 @@ def _is_on(one: PlaneCurve, n: int, other: PlaneCurve, m: int) -> bool:
 
 
 def _refined(
-    mine: _Chord, theirs: _Chord, shares: Array
+    mine: CurveChord, theirs: CurveChord, shares: Array
 ) -> tuple[SingularPoint, SingularPoint, float] | None:
     """Return the two poses at which two curves are at one place, by Newton along both."""
     for _ in range(_NEWTON):
@@ -176,7 +137,9 @@ def _refined(
     return None
 
 
-def _both(mine: _Chord, one: OnCurve, other: OnCurve) -> tuple[SingularPoint, SingularPoint, float]:
+def _both(
+    mine: CurveChord, one: OnCurve, other: OnCurve
+) -> tuple[SingularPoint, SingularPoint, float]:
     return one.point, other.point, mine.curve.tracer.area.apart(one.point.q, other.point.q)
 
 
@@ -211,7 +174,7 @@ def _least_around(values: Array) -> Mask:
 
 
 def _touching(
-    mine: _Chord, theirs: _Chord, shares: Array
+    mine: CurveChord, theirs: CurveChord, shares: Array
 ) -> tuple[SingularPoint, SingularPoint, float] | None:
     """Return the two poses at one place where two curves have one tangent.
 

@@ -19,6 +19,7 @@ _FIRST_STEP, _LARGEST_STEP, _SMALLEST_STEP = 0.01, 0.1, 1e-6  # lengths or rad
 _BEND = 0.12  # rad, between the tangents of two points that follow each other
 _MOST_BEND = 0.3  # more may be another curve
 _OFF = 0.15  # of a step: how far Newton may lead from its end
+_STEPS_ASIDE = 2.0  # of a step: all of Newton's together
 _LONGEST_CURVE = 20_000
 _FOOT_STEPS = 8
 _TURNING_ALONE = 1e-6  # of a tangent: what joints have of it at a pose at which u turns alone
@@ -102,7 +103,8 @@ class Tracer:
         """Return the point of the curve that is such a share of the way from one to the next."""
         chord = self.chord(first.point, second.point)
         ahead = self.equations.moved(first.point, share * chord)
-        return self.corrected(ahead, norm(chord))
+        size = norm(chord)
+        return self.equations.corrected(ahead, self.area.held, size, chord / size)
 
     def chord(self, first: SingularPoint, second: SingularPoint) -> Array:
         """Return the step (nv + k,) that leads from one point to another, without full turns."""
@@ -148,7 +150,9 @@ class Tracer:
 
     def _step(self, here: OnCurve, step: float) -> OnCurve | None:
         ahead = self.equations.moved(here.point, step * here.tangent)
-        found = self.corrected(ahead, _OFF * step)
+        # Beside a branch point Newton's first steps are longer than all of the way that is left.
+        most, held = _STEPS_ASIDE * step, self.area.held
+        found = self.equations.corrected(ahead, held, most, here.tangent)
         if found is None or norm(self.chord(ahead, found)) > _OFF * step:
             return None
         found = self.equations.turned(found)
