@@ -10,7 +10,6 @@ import pmjac_pin as pj
 from pmjac_pin.algebra.programs import Recording
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import run
-from pmjac_pin.closing.recorded_dimensions import RecordedDimensions
 
 CHAIN = """<robot name="chain"><link name="base"/>
 <joint name="lead" type="revolute"><parent link="base"/><child link="arm"/>
@@ -68,7 +67,7 @@ moves = [
 def assert_placed_alike(mechanism, values):
     """What is recorded, at these values, is where the machine with these has its joints."""
     machine, names = mechanism.with_parameters(values), tuple(mechanism.parameters)
-    dimensions = RecordedDimensions(mechanism._parts, mechanism.blueprint)
+    dimensions = mechanism.recorded.dimensions(mechanism.blueprint)
     recording = Recording(len(names))
     found = dimensions.at(dict(zip(names, recording.inputs, strict=True)))
     model = machine.kinematics.model
