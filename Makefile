@@ -13,8 +13,7 @@ test: .venv/ready
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 -m "not slow"
 
 slow: .venv/ready
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[peers,release]'
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[adapters,peers]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[adapters,peers,release]'
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile -m slow --durations=8
 
 dist: .venv/release
