@@ -12,7 +12,7 @@ from functools import wraps
 from threading import Lock
 from typing import Any, ParamSpec, TypeVar
 
-Answer = ParamSpec("Answer")
+Asked = ParamSpec("Asked")
 Found = TypeVar("Found")
 
 
@@ -43,7 +43,7 @@ class _OneThread:
 _ONE_THREAD = _OneThread()
 
 
-def on_one_thread(of: Callable[Answer, Found]) -> Callable[Answer, Found]:
+def on_one_thread(of: Callable[Asked, Found]) -> Callable[Asked, Found]:
     """Return a function that leaves BLAS one thread while it is called, from any threads.
 
     Examples
@@ -57,7 +57,7 @@ def on_one_thread(of: Callable[Answer, Found]) -> Callable[Answer, Found]:
     """
 
     @wraps(of)
-    def held(*args: Answer.args, **kwargs: Answer.kwargs) -> Found:
+    def held(*args: Asked.args, **kwargs: Asked.kwargs) -> Found:
         with _ONE_THREAD:
             return of(*args, **kwargs)
 

@@ -17,12 +17,12 @@ _CONTOURS = 6
 _LONG_ENOUGH = 0.4  # of the map: contours with a value on them
 _FROM_THE_BORDER = 3.0  # times as near as to another value
 _ONE_COLOUR = 1e-9  # of the largest: a map of one colour
-_OUTSIDE = 2  # cells: as far as the map goes on beneath what the border cuts off
+_UNREACHED = 2  # cells: as far as the map goes on beneath what the border cuts off
 
 
 def draw_measure(figure: Any, axes: Any, found: Workspace) -> None:
     """Draw the map of a measure, or what is reached in one colour, cut off at the border."""
-    outline = _outline(found)
+    outline = _outlines(found)
     values = found.values if found.measure else np.where(found.reached, 1.0, np.nan)
     if outline is not None:
         values = _continued(values)
@@ -73,23 +73,23 @@ def _label_places(lines: Any, size: Array, border: Array) -> Iterator[Array]:
     """Yield where the values of contours have room: far from each other and from the border."""
     placed: list[Array] = []
     for segments in lines.allsegs:
-        long = [one for one in segments if _length(one / size) >= _LONG_ENOUGH]
+        long = [one for one in segments if _length_of_run(one / size) >= _LONG_ENOUGH]
         if not long:
             continue
         places = np.vstack(long)
-        room = _FROM_THE_BORDER * _nearest(places / size, border / size)
-        room = np.minimum(room, _nearest(places / size, np.array(placed).reshape(-1, 2) / size))
+        room = _FROM_THE_BORDER * _least_gap(places / size, border / size)
+        room = np.minimum(room, _least_gap(places / size, np.array(placed).reshape(-1, 2) / size))
         placed.append(places[int(np.argmax(room))])
         yield placed[-1]
 
 
-def _nearest(places: Array, others: Array) -> Array:
+def _least_gap(places: Array, others: Array) -> Array:
     """Return how far each place is from the nearest of others, (N,); 1 where there are none."""
     away = np.linalg.norm(places[:, None] - others[None], axis=-1)
     return np.asarray(away.min(axis=1, initial=1.0))
 
 
-def _length(places: Array) -> float:
+def _length_of_run(places: Array) -> float:
     return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
 
 
@@ -102,11 +102,11 @@ def _continued(values: Array) -> Array:
         return values
     away, (i, j) = distance_transform_edt(unknown, return_indices=True)
     return (
-        np.where(away <= _OUTSIDE * 2**0.5, values[i, j], np.nan) if not unknown.all() else values
+        np.where(away <= _UNREACHED * 2**0.5, values[i, j], np.nan) if not unknown.all() else values
     )
 
 
-def _outline(found: Workspace) -> Any:
+def _outlines(found: Workspace) -> Any:
     """Return the border as a path, None where it does not close."""
     if not np.isfinite(found.area):
         return None

@@ -31,8 +31,8 @@ _GREEK = frozenset(
     )
 )
 _SYMBOL = re.compile(rf"({'|'.join(sorted(_GREEK))}|[A-Za-z])_?(\d*)")
-_TURN = 2.0 * np.pi
-_MARGIN = 0.05  # of what is drawn
+_FULL_TURN = 2.0 * np.pi
+_EDGE = 0.05  # of what is drawn
 
 
 class Drawn(NamedTuple):
@@ -141,9 +141,9 @@ def around(places: Sequence[Array], lower: Array, upper: Array, units: Sequence[
         return lower, upper
     every = np.vstack(list(places))
     low, high = every.min(axis=0), every.max(axis=0)
-    margin = _MARGIN * float((high - low).max())
+    margin = _EDGE * float((high - low).max())
     low, high = np.maximum(low - margin, lower), np.minimum(high + margin, upper)
-    whole = (np.abs(upper - lower - _TURN) < 1e-9) & (np.array(units) == "rad")
+    whole = (np.abs(upper - lower - _FULL_TURN) < 1e-9) & (np.array(units) == "rad")
     empty = ~(high > low)
     return np.where(whole | empty, lower, low), np.where(whole | empty, upper, high)
 
@@ -156,7 +156,7 @@ def _place_ticks(axis: Any, unit: str, extent: float) -> None:
     """Put ticks at round values, of angles over much of a turn at parts of π."""
     from matplotlib.ticker import FuncFormatter, MaxNLocator, MultipleLocator  # noqa: PLC0415
 
-    if unit == "rad" and extent > 0.75 * _TURN:
+    if unit == "rad" and extent > 0.75 * _FULL_TURN:
         axis.set_major_locator(MultipleLocator(np.pi / 2.0))
         axis.set_major_formatter(FuncFormatter(_of_pi))
     else:

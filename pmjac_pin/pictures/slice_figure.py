@@ -66,7 +66,7 @@ def plot_locus(locus: SingularityLocus) -> Figure:
     drawn = Drawn(locus.plane, locus.units, lower, upper)
     figure, axes = paper_axes(drawn, locus_entries(locus), colour_bar=False)
     draw_locus(axes, locus, drawn, COLUMN)
-    add_legend(figure, axes, _held(locus))
+    add_legend(figure, axes, _held_values(locus))
     return figure
 
 
@@ -115,7 +115,7 @@ def plot_workspace(found: Workspace, locus: SingularityLocus | None = None) -> F
     draw_border(axes, found)
     if locus is not None:
         draw_locus(axes, locus, drawn, COLUMN, HALO)
-    add_legend(figure, axes, _held(found))
+    add_legend(figure, axes, _held_values(found))
     return figure
 
 
@@ -125,7 +125,7 @@ def _reached(found: Workspace) -> Array:
     return np.column_stack([found.first[first], found.second[second]])
 
 
-def _held(found: SingularityLocus | Workspace) -> str:
+def _held_values(found: SingularityLocus | Workspace) -> str:
     """Return what is held, for the legend's title."""
     units = found.at.mechanism.units
     return held_in_words(

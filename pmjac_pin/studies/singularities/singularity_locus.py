@@ -30,7 +30,7 @@ from pmjac_pin.values.checks import check_kind
 
 _BOTH_KINDS: tuple[Freed, ...] = ("gain", "loss")
 _MOST_SHEETS = 64
-_MEETING = 1e-4  # the smallest singular value at an end: there it falls to 0 with the way left
+_MEET = 1e-4  # the smallest singular value at an end: there it falls to 0 with the way left
 
 
 @on_one_thread
@@ -226,7 +226,7 @@ def _locus(
 def _ends_in_branch_points(curve: Traced) -> Iterator[OnCurve]:
     """Yield the ends beyond which no step led, but where more than one way leads on."""
     for end, name in zip((curve.points[0], curve.points[-1]), curve.ends, strict=True):
-        if name == "lost" and end.regular <= _MEETING:
+        if name == "lost" and end.regular <= _MEET:
             yield end
 
 
