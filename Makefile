@@ -4,7 +4,7 @@ BIN := .venv/bin
 # Else each of the many processes that tests start compiles the package anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test slow lowest bench screenshots readme docs lint clean
+.PHONY: demo test slow dist matrix bench screenshots readme docs lint clean
 
 demo: .venv/ready
 	$(BIN)/pmjac demo
@@ -13,11 +13,14 @@ test: .venv/ready
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 -m "not slow"
 
 slow: .venv/ready
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[peers]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[adapters,peers,release]'
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile -m slow --durations=8
 
-lowest:
-	$(PYTHON) scripts/test_lowest_versions.py
+dist: .venv/release
+	$(BIN)/python scripts/build_distributions.py
+
+matrix: dist
+	$(BIN)/python scripts/test_matrix.py
 
 bench: .venv/ready
 	$(BIN)/python benchmarks/bench_start.py
@@ -28,6 +31,7 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/bench_sweep.py
 	$(BIN)/python benchmarks/bench_parameters.py
 	$(BIN)/python benchmarks/bench_error.py
+	$(BIN)/python benchmarks/bench_free.py
 	$(BIN)/python benchmarks/bench_dynamics.py
 	$(BIN)/python benchmarks/bench_polytope.py
 	$(BIN)/python benchmarks/bench_workspace.py
@@ -67,6 +71,10 @@ clean:
 .venv/ready: pyproject.toml
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	touch $@
+
+.venv/release: .venv/ready
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[release]'
 	touch $@
 
 .venv/docs: .venv/ready

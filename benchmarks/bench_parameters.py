@@ -5,6 +5,9 @@ loops are closed: home, and the poses beside it that tell the ranks. Beside that
 with each design, and the share of closing in both. All are seconds of the processor's, so that
 others who work beside it count little.
 
+Then sweeps over all parameters: designs whose poses are found together, what is recorded for them
+included, beside as many that are built one by one, for some numbers of poses a design.
+
 python benchmarks/bench_parameters.py
 """
 
@@ -19,9 +22,11 @@ from scipy.optimize import differential_evolution
 
 import pmjac_pin as pj
 from pmjac_pin.closing import assembly, blueprint, generic_ranks
+from pmjac_pin.studies.sweep import work
 
 NAMES = ("four_bar", "five_bar", "three_rps", "stewart_gough", "delta")
 ROUNDS, POSES, SHARE = 15, 10, 0.05
+POSES_OF_DESIGNS, SWEEPS, MOVED = (1, 10, 100, 1000), 3, 0.03  # the last in m or rad
 CLOSING = (
     (blueprint, "followed"),
     (assembly, "assemble_pose"),
@@ -102,6 +107,41 @@ def row(name: str, clock: Clock) -> str:
     )
 
 
+def swept(mechanism: pj.Mechanism, designs: int, poses: int, *, together: bool) -> float:
+    """Return seconds for each design of a sweep, whatever was recorded before forgotten."""
+    rng, enough = np.random.default_rng(0), work._enough_designs
+    table = [one.default for one in mechanism.spec.parameters.values()]
+    table = table * (1.0 + SHARE * rng.uniform(-1.0, 1.0, (designs, len(table))))
+    motors = mechanism.home.actuated + MOVED * rng.uniform(
+        -1.0, 1.0, (designs * poses, len(mechanism.actuated))
+    )
+    samples = dict(zip(mechanism.parameters, np.repeat(table, poses, axis=0).T, strict=True))
+    samples |= dict(zip(mechanism.actuated, motors.T, strict=True))
+    work._designs_of.cache_clear()
+    work._machine_at.cache_clear()
+    work._enough_designs = enough if together else lambda _: np.inf
+    try:
+        start = time.process_time()
+        pj.sweep(mechanism, samples=samples, workers=1)
+        return (time.process_time() - start) / designs
+    finally:
+        work._enough_designs = enough
+
+
+def sweeps(name: str) -> str:
+    """Return a line of the second table."""
+    mechanism, told = pj.load(name), f"{name:14}"
+    for poses in POSES_OF_DESIGNS:
+        one_by_one, together = [], []
+        for _ in range(SWEEPS):
+            one_by_one.append(swept(mechanism, max(3, 60 // poses), poses, together=False))
+            together.append(swept(mechanism, max(100, 2000 // poses), poses, together=True))
+        ratio = statistics.median(a / b for a, b in zip(one_by_one, together, strict=True))
+        times = [1e3 * statistics.median(one) for one in (one_by_one, together)]
+        told += f" {times[0]:8.2f} {times[1]:7.3f} {ratio:6.0f}"
+    return told
+
+
 def optimum() -> tuple[int, float, pj.Mechanism]:
     """Make a four-bar's coupler point go straight; return designs, seconds and the best."""
     mechanism = pj.load("four_bar")
@@ -134,6 +174,10 @@ def main() -> None:
         print(f"{'':14} " + " ".join(f"{word:>8}" for word in line))
     for name in NAMES:
         print(row(name, clock))
+    print("\nSweeps: ms a design one by one, together, and times sooner, by poses a design")
+    print(f"{'':14} " + " ".join(f"{poses:>23}" for poses in POSES_OF_DESIGNS))
+    for name in NAMES:
+        print(sweeps(name))
     count, seconds, best = optimum()
     told = ", ".join(f"{name} = {value:.3f}" for name, value in best.parameters.items())
     print(f"\nscipy, four_bar: {count} designs of {POSES} poses, {seconds:.1f} s: {told}")

@@ -1,5 +1,6 @@
 # What `import pmjac_pin` offers, by its names there; each is imported when it is asked for.
 
+from . import adapters as adapters
 from .batches.batch import Batch as Batch
 from .batches.batch import batch as batch
 from .batches.results import ManyClosed as ManyClosed
@@ -115,6 +116,9 @@ from .rates.ellipsoid import Ellipsoid as Ellipsoid
 from .rates.jacobian import (
     EquivalentJacobian as EquivalentJacobian,
 )
+from .rates.margins import JointMargin as JointMargin
+from .rates.margins import Margins as Margins
+from .rates.margins import ToolMargin as ToolMargin
 from .rates.motion import Motion as Motion
 from .rates.partition import Partition as Partition
 from .rates.polytope import Polytope as Polytope

@@ -342,6 +342,7 @@ class Configuration(LoadedPose, Shown):
             loops=self._loop_rates,
             tool_pose=(snapshot.axes_of(rows), snapshot.position + self._parts.place),
             slopes=PoseOfConfiguration(self, rows.axes).slopes,
+            find_margins=PoseOfConfiguration(self, rows.axes).margins,
         )
 
     def _need_tool(self) -> None:

@@ -15,7 +15,7 @@ from pmjac_pin.model.pinocchio_model import checked_tool
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.values.checks import as_names
 
-Kept = TypeVar("Kept")
+MadeOnce = TypeVar("MadeOnce")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -150,7 +150,7 @@ class MechanismSiblings(MechanismValue):
         blueprint = self.blueprint and self.blueprint.of(spec)
         return type(self)(built, notes=self.notes, unread=self.unread, blueprint=blueprint)
 
-    def made_once(self, key: Hashable, make: Callable[[], Kept]) -> Kept:
+    def made_once(self, key: Hashable, make: Callable[[], MadeOnce]) -> MadeOnce:
         """Return what was made of the mechanism under a key; made now where it was not yet.
 
         It is kept as long as the mechanism is, so a key says nothing that there is no end of, such
@@ -158,5 +158,5 @@ class MechanismSiblings(MechanismValue):
         """
         if key not in self._made:
             self._made[key] = make()
-        kept: Kept = self._made[key]
+        kept: MadeOnce = self._made[key]
         return kept

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pmjac_pin.closing.pose_margins import PoseMargins
 from pmjac_pin.model.frames import carrying_columns, find_frame
 from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.rates.error_estimate import EPS
@@ -16,7 +17,9 @@ from pmjac_pin.values.arrays import Array, Mask, norm
 if TYPE_CHECKING:
     from pmjac_pin.configuration import Configuration
     from pmjac_pin.model.twist_frame import FrameName
+    from pmjac_pin.rates.margins import Margins
     from pmjac_pin.rates.partition import LoopRates
+    from pmjac_pin.rates.singularity import Singularity
 
 
 _PLACES = 16.0  # units in the last place of a length: what chains of joints add up to
@@ -98,6 +101,11 @@ class PoseOfConfiguration:
             found = along.at(here.q, motions)
             return found.constraint, found.tool(self.frame)
         return self._by_differences(motions)
+
+    def margins(self, ranks: Singularity) -> Margins:
+        """Return the margins of the pose, of its ranks."""
+        here = self.configuration
+        return PoseMargins(here.mechanism._parts, here.problem.partition, here.q).found(ranks)
 
     def _by_differences(self, motions: Array) -> tuple[Array, Array]:
         """Return the same of joints that only Pinocchio knows, to half of the digits."""

@@ -38,6 +38,7 @@ CATALOGUE = (
 )
 OPEN = ("serial_2r", "ur5")
 CLOSED = tuple(name for name in CATALOGUE if name not in OPEN)
+PARAMETRISED = tuple(name for name in CATALOGUE if name not in {"stewart_gough_dietmaier", "ur5"})
 
 
 NON_GRASHOF = (4.0, 3.0, 2.5, 2.0)

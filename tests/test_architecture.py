@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import inspect
 import re
 from collections import defaultdict
 from pathlib import Path
@@ -10,6 +11,7 @@ from pathlib import Path
 import pytest
 from draw_architecture import DRAWING, IMPORTS, PACKAGE, direct, drawing, levels, rooms
 
+import pmjac_pin as pj
 from pmjac_pin.model.loop_spec import LOOP_KINDS, JointLoop
 
 ROOT = Path(__file__).parent.parent
@@ -107,3 +109,17 @@ def test_the_table_of_loops_has_their_rows_and_keys(row):
         loop = LOOP_KINDS[kind](**{name: given[name] for name in fields if name in given})
         blocks = [] if isinstance(loop, JointLoop) else loop.rows({})
         assert sum(len(block.names) for block in blocks) == int(row[2]) - (not blocks)
+
+
+def test_what_is_random_takes_rng_and_none_by_default():
+    """As in SciPy: a seed makes a generator, and none takes one that differs every time."""
+    public = [getattr(pj, name) for name in pj.__all__]
+    functions = [one for one in public if inspect.isfunction(one)]
+    methods = [way for one in public if isinstance(one, type) for way in vars(one).values()]
+    defaults = [
+        given["rng"].default
+        for one in [*functions, *filter(inspect.isfunction, methods)]
+        if "rng" in (given := inspect.signature(one).parameters)
+    ]
+    assert len(defaults) > 3
+    assert set(defaults) == {None}

@@ -96,6 +96,29 @@ def test_no_derivative_along_a_cubic_curve_exceeds_its_bound(case, rng):
     assert closest > 0.05
 
 
+@pytest.mark.slow
+def test_no_derivative_along_a_straight_motion_exceeds_its_bound(case, rng):
+    """The second of η and of its rates; and a single joint nearly reaches them."""
+    model, loops, values = case
+    closest = 0.0
+    for trial in range(6):
+        q = random_q(model, rng)
+        bends = Bends(closed_rods(arms_of(model, loops, values), model, loops, values, q))
+        way = rng.normal(size=model.nv) * rng.choice([0.3, 1.0])
+        if trial % 3 == 0:
+            way *= np.eye(model.nv)[rng.integers(model.nv)]
+        motion = bends.straight(q, bends.speeds(way))
+        found = [rates(model, loops, values, pin.integrate(model, q, s * way)) for s in NODES]
+        of_rows = largest_derivative([residual for _, residual in found], 2)
+        of_rates = largest_derivative([jacobian for jacobian, _ in found], 2)
+        open_by, left_out = bends.bending(motion)
+        noise = 1e-6 * (1.0 + np.abs(way).sum() ** 2)
+        assert (of_rows <= open_by + noise).all()
+        assert (of_rates <= left_out + noise).all()
+        closest = max(closest, (of_rows / (open_by + 30 * noise)).max())
+    assert closest > 0.05
+
+
 def test_rates_change_no_more_than_bounded_within_a_reach(case, rng):
     model, loops, values = case
     for _ in range(6):

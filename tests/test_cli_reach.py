@@ -45,6 +45,25 @@ def test_the_exit_status_says_whether_it_got_there(command, status, told, capsys
     assert told in capsys.readouterr().out
 
 
+def test_a_mask_says_what_counts(capsys):
+    pose = "0.3,0.2,0.4,0.1,0.2,0.3"
+    assert main(["reach", "ur5", "--target", pose, "--mask", "1,1,1,0,0,0", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    found = pj.reach(pj.load("ur5"), [0.3, 0.2, 0.4])
+    assert list(told["actuated"].values()) == found.actuated.tolist()
+    for mask in ("1,1,1", "1,1,1,0,0,2", "vx,vy"):
+        assert main(["reach", "ur5", "--target", pose, "--mask", mask]) == 2
+        assert "1 or 0 for each of vx,vy,vz,wx,wy,wz" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("target", ["0.2,0.4", "0.2", "1,2,3,4", "1,2,3,4,5,6,7"])
+def test_how_many_numbers_are_wanted_is_told(target, capsys):
+    assert main(["reach", "five_bar", "--target", target]) == 2
+    told = capsys.readouterr().err
+    assert "--target takes x,y,z, or x,y,z,roll,pitch,yaw, or some by name, such as x=0.2" in told
+    assert told.rstrip().endswith(f"numbers: {target}")
+
+
 def test_what_is_no_target_is_told_in_one_line(capsys):
     for target in ("0.1,0.2", "tip", "u=3", "1,2,3,inf,0,0"):
         assert main(["reach", "five_bar", "--target", target]) == 2

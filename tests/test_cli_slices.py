@@ -62,6 +62,8 @@ def test_a_locus_as_json_in_a_window(capsys):
         ([*LOCUS[:-2], "--kinds", "lost"], "kinds"),
         (["locus", "five_bar", "--plane", "theta1"], "two motors"),
         (["locus", "five_bar", "--plane", "theta1,theta9"], "theta9"),
+        (["locus", "serial_2r", "--plane", "x,theta1"], "one of each"),
+        (["workspace", "four_bar", "--plane", "x,y"], "mobility 1"),
     ],
 )
 def test_what_is_wrong_is_told_in_one_line(words, message, capsys):

@@ -18,6 +18,10 @@ EXTRAS = PROJECT["optional-dependencies"]
 OPTIONAL = ("mjcf", "plot", "sweep", "table", "view")
 REQUIREMENTS = [*PROJECT["dependencies"], *(one for name in OPTIONAL for one in EXTRAS[name])]
 
+PYTHONS = {
+    one.rpartition(" ")[2] for one in PROJECT["classifiers"] if re.search(r"Python :: 3\.", one)
+}
+
 #: What is imported under another name than it is installed.
 IMPORTED_AS = {
     "lazy-loader": "lazy_loader",
@@ -60,9 +64,10 @@ def test_each_requirement_states_its_lowest_version():
         assert re.fullmatch(r"[\w-]+>=\d+(\.\d+)+", requirement), requirement
 
 
-def test_the_script_takes_exactly_these():
-    script = runpy.run_path(str(ROOT / "scripts" / "test_lowest_versions.py"))
-    assert script["lowest"]() == [requirement.replace(">=", "==") for requirement in REQUIREMENTS]
+def test_the_matrix_takes_exactly_these():
+    script = runpy.run_path(str(ROOT / "scripts" / "test_matrix.py"))
+    assert script["declared"]() == dict(one.split(">=") for one in REQUIREMENTS)
+    assert set(script["PYTHONS"]) == PYTHONS
     assert all((ROOT / "tests" / name).is_file() for name in script["TESTS"])
 
 

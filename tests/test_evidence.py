@@ -49,7 +49,9 @@ STUDIES = {
     pj.OperationModes: lambda machine, theta: homotopy_of(machine.name).operation_modes(),
     pj.ParameterHomotopy: lambda machine, theta: homotopy_of(machine.name),
     pj.Proof: pj.prove,
-    pj.NearestSingularity: lambda machine, theta: pj.nearest_singularity(machine.home, starts=1),
+    pj.NearestSingularity: lambda machine, theta: pj.nearest_singularity(
+        machine.home, starts=1, rng=0
+    ),
     pj.SingularityFree: lambda machine, theta: pj.singularity_free(machine.home),
     pj.Trajectory: motors_to_and_fro,
     pj.Reached: lambda machine, theta: pj.reach(machine, machine.close(theta).tool_pose()),

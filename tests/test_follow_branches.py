@@ -197,3 +197,12 @@ def test_a_path_that_stays_open_has_no_homecoming():
 def test_a_full_turn_comes_home():
     turn = pj.follow(loaded("four_bar"), [[-3.0], [2.0 * pi - 3.0]])
     assert turn.homecoming.same_mode
+
+
+@pytest.mark.parametrize("off", [3e-11, -5e-10])
+def test_a_path_that_is_closed_but_for_rounding_has_come_home(off):
+    five = loaded("five_bar")
+    home = five.home.actuated
+    way = pj.follow(five, [home, home + 0.1, home + off])
+    assert way.reached
+    assert str(way.homecoming).startswith("closed in motor values, ends on the same assembly mode")

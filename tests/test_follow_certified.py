@@ -12,7 +12,7 @@ import pmjac_pin as pj
 from pmjac_pin.studies.follow.course import Course
 from pmjac_pin.studies.follow.given_path import motor_path
 from pmjac_pin.studies.follow.step import CoveredStep, PathPose, hermite
-from pmjac_pin.studies.follow.tubes import proven_tubes
+from pmjac_pin.studies.follow.tubes import PathProof
 
 SLOW = pytest.mark.slow
 SIZES = (0.3, 1e-4, 1e-6, 1e-8)
@@ -86,6 +86,13 @@ def test_folds_of_spatial_machines_are_proven_up_to(name):
     assert way.t[-1] - way.steps[len(way.radii)] < 1e-6
 
 
+def proof_of(steps):
+    proof = PathProof(steps[0].course, steps[0].start)
+    for step in steps:
+        proof.takes(step)
+    return proof
+
+
 def at(course, theta, phi):
     """The closed pose of a four-bar with these angles of crank and rocker."""
     mechanism = course.mechanism
@@ -115,11 +122,11 @@ def test_a_jump_is_never_proven(size, width):
     for k in (0, 1):
         for last in (0, 1):
             ends = at(course, thetas[0], before[k]), at(course, thetas[1], after[last])
-            tubes = proven_tubes(course, [CoveredStep(course, piece, *ends)])
+            proof = proof_of([CoveredStep(course, piece, *ends)])
             if k == last:
                 continue
-            assert tubes.failed
-            assert not tubes.radii.size
+            assert proof.failed
+            assert not proof.radii
 
 
 def test_the_same_without_a_jump_is_proven():
@@ -130,7 +137,7 @@ def test_the_same_without_a_jump_is_proven():
     angles = [rocker_angles(lengths, theta) for theta in (3.0, 3.05)]
     for k in (0, 1):
         ends = at(course, 3.0, angles[0][k]), at(course, 3.05, angles[1][k])
-        assert not proven_tubes(course, [CoveredStep(course, path.pieces[0], *ends)]).failed
+        assert not proof_of([CoveredStep(course, path.pieces[0], *ends)]).failed
 
 
 def test_steps_that_do_not_hang_together_are_not_proven():
@@ -146,9 +153,9 @@ def test_steps_that_do_not_hang_together_are_not_proven():
         CoveredStep(course, path.pieces[0], poses[0][0], poses[0][1]),
         CoveredStep(course, path.pieces[0], poses[1][1], poses[1][2]),
     ]
-    tubes = proven_tubes(course, steps)
-    assert "do not meet at t = 3.05" in tubes.failed
-    assert len(tubes.radii) == 1
+    proof = proof_of(steps)
+    assert "do not meet at t = 3.05" in proof.failed
+    assert len(proof.radii) == 1
 
 
 def test_up_to_a_fold():
@@ -191,3 +198,58 @@ def test_a_path_of_high_degree_is_proven_on_itself():
         tip = pose.tool_pose().translation[:2]
         for end in ends:
             assert np.linalg.norm(tip - end) == pytest.approx(0.4, abs=1e-12)
+
+
+@pytest.mark.parametrize("done", [1, 5])
+def test_what_was_walked_before_an_interrupt_is_proven(done):
+    five, told = loaded("five_bar"), []
+
+    def progress(t, end):
+        told.append(t)
+        if len(told) == done:
+            raise KeyboardInterrupt
+
+    whole = pj.follow(five, wavy(five), times=(0.0, 3.0), certified=True)
+    with pytest.raises(pj.Interrupted) as raised:
+        pj.follow(five, wavy(five), times=(0.0, 3.0), certified=True, progress=progress)
+    kept = raised.value.done
+    assert (kept.status, kept.evidence.kind) == ("interrupted", "proof")
+    assert kept.t[-1] == told[-1]
+    assert f"up to t = {told[-1]:.9g} " in kept.evidence.statement
+    np.testing.assert_array_equal(kept.radii, whole.radii[:done])
+    np.testing.assert_array_equal(kept.steps, whole.steps[: done + 1])
+
+
+def test_an_interrupt_within_a_proof_keeps_what_is_proven(monkeypatch):
+    """Steps are walked, and their events found, before they are proven."""
+    five, takes, seen = loaded("five_bar"), PathProof.takes, []
+
+    def interrupted(proof, step):
+        seen.append(step)
+        if len(seen) == 4:
+            raise KeyboardInterrupt
+        return takes(proof, step)
+
+    monkeypatch.setattr(PathProof, "takes", interrupted)
+    with pytest.raises(pj.Interrupted) as raised:
+        pj.follow(five, wavy(five), times=(0.0, 3.0), certified=True)
+    kept = raised.value.done
+    assert kept.t[-1] == seen[-1].start.t
+    assert len(kept.radii) == len(kept.steps) - 1 == 3
+
+
+def test_where_nothing_proves_on_the_walk_stops(monkeypatch):
+    five, takes, seen = loaded("five_bar"), PathProof.takes, []
+
+    def failing(proof, step):
+        seen.append(step)
+        if len(seen) == 4:
+            proof.failed = "nothing proves where the path goes on"
+        return takes(proof, step)
+
+    monkeypatch.setattr(PathProof, "takes", failing)
+    way = pj.follow(five, wavy(five), times=(0.0, 3.0), certified=True)
+    assert (way.status, way.reason) == ("not proven", "nothing proves where the path goes on")
+    assert way.t[-1] == seen[-1].start.t
+    assert len(seen) == 4
+    assert len(way.radii) == len(way.steps) - 1 == 3

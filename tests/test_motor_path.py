@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from mechanisms import loaded
-from scipy.interpolate import BSpline, CubicSpline, PchipInterpolator, make_interp_spline
+from scipy.interpolate import BSpline, CubicSpline, PchipInterpolator, PPoly, make_interp_spline
 
 import pmjac_pin as pj
 from pmjac_pin.studies.follow.given_path import motor_path
@@ -64,6 +64,18 @@ def test_a_function_is_met_by_polynomials():
         assert piece.accelerations(t) == pytest.approx(bends, abs=1e-6)
 
 
+@pytest.mark.parametrize("width", [1e-2, 1e-5, 1e-8])
+def test_a_narrow_range_has_the_rates_of_its_function(width):
+    """What is rounding of values is no acceleration: over the square of the range it would be."""
+    path = motor_path(five_bar(), wave, (0.0, width, 2.0 * width, 1.0))
+    for piece in path.pieces[:2]:
+        assert piece.rates(piece.start) == pytest.approx([0.6, 0.0], abs=1e-14 / width + width)
+        assert piece.accelerations(piece.start) == pytest.approx(
+            [-1.2 * np.sin(2.0 * piece.start), -0.3 * np.cos(piece.start)],
+            abs=min(1e-13 / width**2, 0.31),
+        )
+
+
 def test_a_kink_is_named_or_refused():
     def kinked(t):
         return [1.0 + 0.1 * abs(t - 1.0 / 3.0), 2.0]
@@ -90,6 +102,12 @@ def test_waypoints_by_name_and_their_times():
         ([[0.9, 1.9]], None, "two waypoints"),
         (VALUES, [0.0, 1.0], "4 waypoints and 2 times"),
         (VALUES, [0.0, 1.0, 1.0, 2.0], "ascend"),
+        (VALUES[:3], [0.0, 1e-300, 1.0], "1e-09 apart or more, got 0.0 and 1e-300: leave one out"),
+        (VALUES[:3], [0.0, 5e-324, 1.0], "apart or more"),
+        (wave, [0.0, 1e-20, 1.0], "apart or more"),
+        (VALUES[:3], [1e8, 1e8 + 1e-6, 1e8 + 1.0], "1e-05 apart or more"),
+        (PPoly(np.ones((1, 2, 2)), [0.0, 1e-300, 1.0]), None, "apart or more"),
+        (PPoly([[[1e308, 0.0]], [[0.9, 1.9]]], [0.0, 2.0]), None, r"must be 1e\+09 or less"),
         ([[0.9], [1.0]], None, r"shape \(N, 2\)"),
         (wave, None, "needs `times`"),
         (lambda t: [t], (0.0, 1.0), "is 2 values"),

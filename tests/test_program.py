@@ -8,7 +8,7 @@ import subprocess
 
 import numpy as np
 import pytest
-from mechanisms import CATALOGUE, loaded, mostly_slow
+from mechanisms import CATALOGUE, PARAMETRISED, loaded, mostly_slow
 
 import pmjac_pin as pj
 
@@ -54,9 +54,9 @@ def in_c(recorded, folder):
     subprocess.run(["cc", *OPTIONS, str(source), "-o", str(library), "-lm"], check=True)
     function = ctypes.CDLL(str(library)).written
 
-    def at(q):
+    def at(*given):
         found = {key: np.full(array.shape, np.nan) for key, array in recorded.outputs.items()}
-        arrays = [np.ascontiguousarray(q), *(array for array in found.values() if array.size)]
+        arrays = [*map(np.ascontiguousarray, given), *(one for one in found.values() if one.size)]
         function(*(array.ctypes.data_as(ctypes.c_void_p) for array in arrays))
         return found
 
@@ -107,6 +107,72 @@ def test_in_every_frame(name, frame, rng):
     recorded = pj.program(mechanism, frame)
     for configuration in poses(mechanism, rng):
         check(recorded(configuration.q), configuration, frame)
+
+
+def designs(mechanism, rng):
+    """A few machines of lengths within 3 % that have a Jacobian, and these lengths."""
+    for _ in range(3):
+        values = {
+            name: value + 0.03 * (abs(value) or 0.1) * rng.uniform(-1.0, 1.0)
+            for name, value in mechanism.parameters.items()
+        }
+        machine = mechanism.with_parameters(values)
+        try:
+            machine.home.jacobian()
+        except pj.NoJacobianError:  # a spatial loop of four hinges moves with special lengths alone
+            continue
+        yield machine, np.array(list(values.values()))
+
+
+@pytest.mark.parametrize("name", mostly_slow(PARAMETRISED))
+def test_of_every_mechanism_with_parameters(name, rng, tmp_path):
+    mechanism = loaded(name)
+    recorded = pj.program(mechanism, parameters=mechanism.parameters)
+    assert recorded.parameters == tuple(mechanism.parameters)
+    written = in_python(recorded.numpy("written"))
+    functions = [recorded, lambda *given: written(*map(np.asarray, given))]
+    if shutil.which("cc") is not None:
+        functions.append(in_c(recorded, tmp_path))
+    for machine, values in designs(mechanism, rng):
+        for configuration in poses(machine, rng):
+            for function in functions:
+                found = dict(function(configuration.q, values))
+                if "sigma" in found:  # by the scales of one of the machines: it bounds no other's
+                    found["sigma"] = 1e-9 * found["sigma"]
+                check(found, configuration)
+
+
+def test_parameters_that_are_not_named_stay(rng):
+    mechanism = loaded("four_bar").with_parameters(l2=3.2)
+    recorded = pj.program(mechanism, parameters=["l3", "l1"])
+    poses, lengths = np.tile(mechanism.home.q, (4, 1)), rng.uniform(0.9, 1.1, (3, 1, 2)) * [3.5, 1]
+    found = recorded(poses, lengths)
+    assert found["eta"].shape == (3, 4, 3)
+    written = in_python(recorded.numpy("written"))(poses, lengths)
+    np.testing.assert_allclose(found["eta"], written["eta"], atol=1e-14)
+    own = recorded(mechanism.home.q)
+    np.testing.assert_allclose(own["J_eq"], mechanism.home.jacobian().J_eq, atol=1e-13)
+    # Of the residual by hand: the crank's and the coupler's tip against the rocker's.
+    angles, (l3, l1) = dict(zip(recorded.inputs, mechanism.home.q, strict=True)), lengths[1, 0]
+    coupler = np.exp(1j * (angles["theta1"] + angles["phi2"]))
+    gap = l1 * np.exp(1j * angles["theta1"]) + 3.2 * coupler - 4.0
+    gap -= l3 * np.exp(1j * angles["phi1"])
+    np.testing.assert_allclose(found["eta"][1, 2], [gap.real, gap.imag, 0.0], atol=1e-13)
+
+
+def test_parameters_that_there_are_none_of():
+    mechanism = loaded("four_bar")
+    with pytest.raises(pj.UnknownNameError, match="did you mean 'l1'"):
+        pj.program(mechanism, parameters=["l11"])
+    with pytest.raises(pj.ArgumentError, match="one twice"):
+        pj.program(mechanism, parameters=["l1", "l1"])
+    with pytest.raises(pj.ArgumentError, match="a list of names"):
+        pj.program(mechanism, parameters="l1")
+    recorded = pj.program(mechanism, parameters=["l1", "l2"])
+    with pytest.raises(pj.ArgumentError, match=r"parameters of shape \(\.\.\., 2\) expected"):
+        recorded(mechanism.home.q, [1.0])
+    with pytest.raises(pj.ArgumentError, match="as many designs as poses expected, or one"):
+        recorded(np.tile(mechanism.home.q, (4, 1)), np.ones((3, 2)))
 
 
 def test_where_there_is_no_jacobian():

@@ -11,6 +11,7 @@ from mechanisms import CATALOGUE, loaded, random_closed
 from scipy.optimize import minimize
 
 import pmjac_pin as pj
+from pmjac_pin.model.tool_rows import TWIST_ROWS
 
 TURN = pin.SE3(pin.exp3(np.array([0.4, -1.1, 0.7])), np.array([0.2, -0.1, 0.4]))
 FAR = pin.SE3(np.eye(3), np.array([5.1e6, -4.3e6, 120.0]))
@@ -429,6 +430,29 @@ def test_several_tools_at_once(named):
         np.testing.assert_allclose(there, target, atol=1e-9)
 
 
+@pytest.mark.parametrize("mask", [[1, 0, 1, 0, 0, 0], [1, 1, 1, 1, 1, 0], [0, 1, 0, 0, 0, 1]])
+def test_a_mask_is_the_task_of_its_rows(mask):
+    arm = loaded("ur5")
+    target = arm.close(arm.home.actuated + 0.1).tool_pose()
+    rows = [name for name, counts in zip(TWIST_ROWS, mask, strict=True) if counts]
+    found = pj.reach(arm, target, mask=np.array(mask, dtype=bool))
+    by_rows = pj.reach(arm, target, task=pj.Task.of(rows))
+    assert found.status == by_rows.status == "reached"
+    np.testing.assert_array_equal(found.actuated, by_rows.actuated)
+    whole = pj.reach(arm, target)
+    assert np.abs(found.actuated - whole.actuated).max() > 1e-3  # what is free moves less
+
+
+def test_a_mask_tells_working_modes_what_counts():
+    """The five-bar's position has 4; a coupler that is turned as wanted leaves one of its arm."""
+    bar = loaded("five_bar")
+    target = bar.home.tool_pose()
+    count = {True: 2, False: 4}
+    for turned, modes in count.items():
+        found = pj.working_modes(bar, target, mask=[1, 1, 0, 0, 0, turned], rng=0)
+        assert (len(found), found.evidence.kind) == (modes, "proof")
+
+
 def test_an_ankles_joints_are_its_transmissions(rng):
     ankle = loaded("humanoid_ankle")
     transmission = pj.transmission(ankle, ["pitch", "roll"])
@@ -439,12 +463,31 @@ def test_an_ankles_joints_are_its_transmissions(rng):
 
 
 BAD = {
-    "shape": (lambda m: pj.reach(m, [1.0, 2.0]), "shape"),
+    "two numbers": (lambda m: pj.reach(m, [1.0, 2.0]), "coordinates by name.*; got 2 numbers"),
+    "shape": (lambda m: pj.reach(m, np.ones((3, 2))), "shape"),
     "no rotation": (lambda m: pj.reach(m, np.ones((4, 4))), "rotation"),
     "no coordinate": (lambda m: pj.reach(m, {"tip": {"u": 1.0}}), "coordinates"),
     "empty": (lambda m: pj.reach(m, {}), "names nothing"),
     "tools": (lambda m: pj.reach(m, [[0, 0, 0]], tool=["tip", "tip2"]), "2 tools"),
+    "one tool twice": (
+        lambda m: pj.reach(m, [[0, 0.4, 0], [0, 0.3, 0]], tool=["tip", "tip"]),
+        "the tool 'tip' has two targets",
+    ),
     "task": (lambda m: pj.reach(m, [0, 0, 0], task=pj.Task.pose()), "give a pose"),
+    "mask and task": (
+        lambda m: pj.reach(m, [0, 0, 0], task=pj.Task.position(), mask=[1, 1, 1, 0, 0, 0]),
+        "`task` and `mask`",
+    ),
+    "five booleans": (lambda m: pj.reach(m, [0, 0, 0], mask=[True] * 5), "six booleans, of vx"),
+    "no booleans": (lambda m: pj.reach(m, [0, 0, 0], mask=[1, 2, 0, 0, 0, 0]), "six booleans"),
+    "mask of text": (lambda m: pj.reach(m, [0, 0, 0], mask="111000"), "six booleans"),
+    "mask of nothing": (lambda m: pj.reach(m, [0, 0, 0], mask=[False] * 6), "leaves nothing"),
+    "mask of a turn": (lambda m: pj.reach(m, [0, 0, 0], mask=[1, 1, 1, 0, 0, 1]), "give a pose"),
+    "mask of a coordinate": (lambda m: pj.reach(m, {"x": 0.2}, mask=[1, 1, 1, 0, 0, 0]), "`mask`"),
+    "task of joints": (
+        lambda m: pj.reach(m, {"theta1": 0.2}, task=pj.Task.position()),
+        "values of joints say themselves",
+    ),
     "text": (lambda m: pj.reach(m, "far"), "shape|numbers"),
     "machine": (lambda m: pj.reach("five_bar", [0, 0, 0]), "Mechanism"),
     "posture": (lambda m: pj.reach(m, [0, 0.4, 0], posture=[1.0]), "expected"),

@@ -91,6 +91,19 @@ def test_sizes_determinant_and_parameters(homes, name):
         assert entry["default"] == declared.default
 
 
+def assert_margins_told(told, margins):
+    """Numbers are those of the margins, what is infinite or not a number is null."""
+    for kind in ("gain", "loss"):
+        by_name = getattr(margins, kind)
+        assert [one.pop("joint") for one in told[kind]] == list(by_name)
+        for one, margin in zip(told[kind], by_name.values(), strict=True):
+            numbers = {name: getattr(margin, name) for name in ("arm", "angle", "transmission")}
+            assert one == {n: x if math.isfinite(x) else None for n, x in numbers.items()}
+    assert told["tool"] == [
+        {"motor": name, "value": one.value, "unit": one.unit} for name, one in margins.tool.items()
+    ]
+
+
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_singularity_and_singular_values(homes, name):
     configuration = homes[name]
@@ -111,6 +124,8 @@ def test_singularity_and_singular_values(homes, name):
                 assert value == []
             case "free_screws" | "lost_screws":
                 assert value == []
+            case "margins":
+                assert_margins_told(value, singularity.margins)
             case "gosselin_angeles" | "constraint_singularity" | "architecture_singularity":
                 assert value == getattr(singularity.types, key)
             case _:

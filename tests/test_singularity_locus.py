@@ -77,6 +77,40 @@ def test_five_bar_turns_about_its_elbows_where_these_coincide(five_bar_locus):
     }
 
 
+def test_loss_touches_gain_where_an_arm_is_folded_in_line_with_both_distal_links(five_bar_locus):
+    """The machine folds there, so that a curve of loss through the pose turns back along the gain.
+
+    The tip is 0.1 behind the first pivot, the other elbow 0.5, and 0.3 from its own pivot.
+    """
+    expected = []
+    for theta1 in (np.arccos(-0.25 / 0.3), -np.arccos(-0.25 / 0.3)):
+        elbow = -0.5 * np.array([np.cos(theta1), np.sin(theta1)]) - [0.3, 0.0]
+        assert np.linalg.norm(elbow) == pytest.approx(0.3, abs=1e-12)
+        theta2 = np.arctan2(elbow[1], elbow[0])
+        mirrored = np.remainder(2.0 * np.pi - np.array([theta2, theta1]), 2.0 * np.pi) - np.pi
+        expected += [(theta1, theta2), mirrored]
+    found = [p.place for p in five_bar_locus.marked("branch point") if p.kind == "gain"]
+    assert len(found) == len(expected) == 4
+    for place in expected:
+        assert np.abs(np.array(found) - place).max(axis=1).min() < 1e-7
+
+
+@pytest.mark.slow
+def test_curves_of_mirror_images_lie_on_each_other_and_do_not_cross():
+    """The 3-RPS is its own mirror image in its base: poses over and under it have the same legs."""
+    mechanism = loaded("three_rps")
+    locus = pj.singularity_locus(mechanism, ("l1", "l2"), kinds=["gain"], cells=41)
+    on_each_other = 0
+    for curve in locus.curves:
+        others = [one for one in locus.curves if one is not curve]
+        on_each_other += any(
+            max(np.linalg.norm(one.places - place, axis=1).min() for place in curve.places) < 0.05
+            for one in others
+        )
+    assert on_each_other > 2
+    assert not locus.marked("crossing")
+
+
 def test_3rpr_gains_where_the_lines_of_its_legs_meet(cuspidal_locus):
     mechanism, corners = cuspidal_locus.at.mechanism, platform_corners()
     for curve in cuspidal_locus.curves:
@@ -157,9 +191,17 @@ def test_as_a_dataset(five_bar_locus):
         ({"plane": ("theta1", "theta3")}, "theta2"),
         ({"plane": "theta1"}, "two motors"),
         ({"plane": ("theta1", "theta1")}, "two motors"),
+        ({"plane": ("x", "y", "z")}, "of two motors, .* got 'x', 'y', 'z'"),
+        ({"plane": ("x", "theta1")}, "one of each: 'x' is the tool's"),
+        ({"plane": ("theta1", "phi1")}, "'phi1', which is passive"),
+        ({"plane": ()}, "got none"),
+        ({"plane": 3}, "got 3"),
         ({"window": {"theta1": (2, 1)}}, "lower, upper"),
         ({"window": {"phi1": (1, 2)}}, "phi1"),
-        ({"kinds": ["gained"]}, "kinds"),
+        ({"kinds": ["gained"]}, "did you mean 'gain'"),
+        ({"kinds": "gain"}, r"in a list: \['gain'\]; got 'gain'"),
+        ({"kinds": []}, "got none"),
+        ({"kinds": 3}, "got 3"),
         ({"cells": 1}, "cells"),
         ({"at": 3}, "at"),
     ],
@@ -167,6 +209,13 @@ def test_as_a_dataset(five_bar_locus):
 def test_what_is_wrong_is_said(given, says):
     with pytest.raises(pj.PmjacError, match=says):
         pj.singularity_locus(loaded("five_bar"), **{"plane": ("theta1", "theta2"), **given})
+
+
+@pytest.mark.parametrize("study", [pj.singularity_locus, pj.workspace])
+@pytest.mark.parametrize("plane", [("theta1", "phi1"), ("x", "y"), ("theta1",)])
+def test_a_mechanism_with_one_motor_has_no_plane(study, plane):
+    with pytest.raises(pj.ArgumentError, match="mobility 1, and moves over no plane: `follow`"):
+        study(loaded("four_bar"), plane)
 
 
 def test_a_home_right_beside_a_fold_is_on_a_mode_of_any_grid():
@@ -184,3 +233,49 @@ def test_a_window_that_is_not_reached_is_no_empty_locus():
     window = {"theta1": (3.0, 3.2), "theta2": (-0.1, 0.1)}
     with pytest.raises(pj.ArgumentError, match="no cell"):
         pj.singularity_locus(loaded("five_bar"), ("theta1", "theta2"), window=window, cells=5)
+
+
+def test_an_arm_loses_where_its_elbow_is_in_line():
+    """det J = l1 l2 sin θ2, l1 = 1 and l2 = 0.8: by default, a chain gains nothing."""
+    arm = loaded("serial_2r")
+    locus = pj.singularity_locus(arm, ("theta1", "theta2"), cells=15)
+    assert {curve.kind for curve in locus.curves} == {"loss"}
+    bends = sorted(np.unique(np.round(curve.places[:, 1], 9)).tolist() for curve in locus.curves)
+    assert bends == [[-round(np.pi, 9)], [0.0], [round(np.pi, 9)]]
+
+
+@pytest.mark.parametrize("cells", [15, 41])
+def test_a_circle_of_the_tool_is_one_curve_that_closes(cells):
+    """Once around an arm's base the first joint has made a full turn."""
+    locus = pj.singularity_locus(loaded("serial_2r"), ("x", "y"), cells=cells)
+    radii = [np.linalg.norm(curve.places, axis=1) for curve in locus.curves]
+    assert sorted(radius.mean().round(9) for radius in radii) == [0.2, 1.8]
+    assert max(np.ptp(radius) for radius in radii) < 1e-10
+    assert all(curve.is_closed for curve in locus.curves)
+
+
+def test_a_ur5_loses_where_its_determinant_vanishes():
+    """det J = a2 a3 sin θ3 sin θ5 (a2 cos θ2 + a3 cos θ23 + d5 sin θ234)."""
+    arm = loaded("ur5")
+    locus = pj.singularity_locus(arm, arm.actuated[1:3], cells=21)
+    second, third, fourth = np.vstack([curve.q for curve in locus.curves])[:, 1:4].T
+    shoulder = (
+        0.425 * np.cos(second)
+        + 0.39225 * np.cos(second + third)
+        - 0.09465 * np.sin(second + third + fourth)
+    )
+    assert max(np.abs(np.sin(third)).max(), np.abs(shoulder).max()) > 0.1  # both factors are met
+    assert np.abs(np.sin(third) * shoulder).max() < 1e-10
+    assert min(np.abs(np.sin(third)).min(), np.abs(shoulder).min()) < 1e-10
+
+
+def test_kinds_that_a_mechanism_cannot_have_are_told():
+    with pytest.raises(pj.ArgumentError, match="no loops, and gains nothing: ask for 'loss'"):
+        pj.singularity_locus(loaded("serial_2r"), ("theta1", "theta2"), kinds=["gain"])
+    whole = loaded("five_bar")
+    spec, home = whole.spec, whole.home.q
+    bar = pj.Mechanism.from_pinocchio(whole.model, spec.loops, spec.actuated, home=home)
+    locus = pj.singularity_locus(bar, ("theta1", "theta2"), cells=15)
+    assert {curve.kind for curve in locus.curves} == {"gain"}
+    with pytest.raises(pj.NoToolError):
+        pj.singularity_locus(bar, ("theta1", "theta2"), kinds=["loss"])

@@ -11,6 +11,8 @@ import pytest
 from mechanisms import loaded
 
 import pmjac_pin as pj
+from pmjac_pin.closing.arms import without_arms
+from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.step_guard import StepGuard
 
 NOTHING = np.full(1, 1e9)
@@ -259,23 +261,38 @@ def test_machines_made_to_mislead(rng):
 
 
 def judged(mechanism, target, monkeypatch):
-    """What the guard knows of the first step of a path, with the pose it starts from."""
-    known = []
+    """The first step of a path, and what the guard knows of it: by its ends, and by more."""
+    ends, known = [], []
     contracts, covers = StepGuard._contracts, StepGuard.covers
+    guard, problem = mechanism.step_guard, mechanism.problem
 
     def recorded(guard, step, basis):
         known.append(step)
         return contracts(guard, step, basis)
 
     def told(guard, problem, start, end, leaving, arriving):
-        known.append((start, end, leaving, arriving))
+        ends.append((start, end, leaving, arriving))
         return covers(guard, problem, start, end, leaving, arriving)
 
     with monkeypatch.context() as context:
-        context.setattr(StepGuard, "_contracts", recorded)
         context.setattr(StepGuard, "covers", told)
+        context.setattr(StepGuard, "covers_straight", lambda *_: False)
         mechanism.close(target, enforce_limits=False)
-    return known[0], known[1]
+    with monkeypatch.context() as context:
+        context.setattr(StepGuard, "_contracts", recorded)
+        guard.covers_straight(problem, *ends[0][:2])
+        guard.covers(problem, *ends[0])
+    return ends[0], known[0], known[1]
+
+
+def test_ends_alone_prove_nothing_of_joints_that_are_not_known():
+    mechanism = loaded("four_bar")
+    problem, model = mechanism.problem, mechanism.kinematics.model
+    near = mechanism.close(mechanism.home.actuated + 1e-3)
+    ends = [closed_point(problem, pose.q.copy()) for pose in (mechanism.home, near)]
+    assert mechanism.step_guard.covers_straight(problem, *ends)
+    unknown = StepGuard(model, without_arms(model, len(mechanism.rows)))
+    assert not unknown.covers_straight(problem, *ends)
 
 
 @pytest.mark.parametrize(
@@ -292,21 +309,23 @@ def test_what_lies_between_measured_poses_is_bounded(name, monkeypatch, rng):
     slides = np.array([mechanism.units[motor] == "m" for motor in mechanism.actuated])
     size = 0.2 * np.where(slides, mechanism.characteristic_length, 1.0)
     target = mechanism.home.actuated + size * rng.choice([-1.0, 1.0], size.size)
-    (start, end, leaving, arriving), step = judged(mechanism, target, monkeypatch)
+    (start, end, leaving, arriving), chord, step = judged(mechanism, target, monkeypatch)
     way = pin.difference(model, start.q, end.q)
     arriving = pin.dDifference(model, start.q, end.q, pin.ArgumentPosition.ARG1) @ arriving
     passive = problem.partition.passive
 
-    def at(s):
-        x = leaving * s * (1 - s) ** 2 + way * s**2 * (3 - 2 * s) + arriving * s**2 * (s - 1)
+    def curve(s):
+        return leaving * s * (1 - s) ** 2 + way * s**2 * (3 - 2 * s) + arriving * s**2 * (s - 1)
+
+    def at(x):
         residual, jacobian = problem.evaluate(pin.integrate(model, start.q, x))
         scaled = problem.partition.scaled(jacobian)[:, passive]
         return residual * problem.partition.row_scale, scaled
 
-    (_, first), (_, middle), (_, last) = (at(s) for s in (0.0, 0.5, 1.0))
+    (_, first), (_, middle), (_, last) = (at(curve(s)) for s in (0.0, 0.5, 1.0))
     aside, opened = [], []
     for s in np.linspace(0.05, 0.95, 19):
-        residual, scaled = at(s)
+        residual, scaled = at(curve(s))
         parabola = first * (1 - s) * (1 - 2 * s) + middle * 4 * s * (1 - s) + last * s * (2 * s - 1)
         assert (np.abs(scaled - parabola) <= step.left_out + 1e-14).all()
         assert (np.abs(residual) <= step.open_by + 1e-15).all()
@@ -314,3 +333,15 @@ def test_what_lies_between_measured_poses_is_bounded(name, monkeypatch, rng):
         opened.append(np.abs(residual).max())
     assert step.left_out.max() / 1e4 < max(aside) > 1e-9
     assert step.open_by.max() / 1e4 < max(opened) > 1e-10
+    # What is seen off closure turns with the second frame: by as much as the loops are open there.
+    per_gap = problem.partition.column_scale[passive]
+    bent, opened = [], []
+    for s in np.linspace(0.05, 0.95, 19):
+        residual, scaled = at(s * way)
+        off = np.linalg.norm(residual) * per_gap
+        bent.append(np.abs(scaled - first * (1 - s) - last * s))
+        assert (bent[-1] <= chord.left_out + off + 1e-14).all()
+        assert (np.abs(residual) <= chord.open_by + 1e-15).all()
+        opened.append(np.abs(residual).max())
+    assert chord.left_out.max() / 1e3 < np.max(bent) > 1e-7
+    assert chord.open_by.max() / 1e3 < max(opened) > 1e-8

@@ -7,6 +7,7 @@ import os
 import re
 import subprocess
 import sys
+import tarfile
 import zipfile
 from pathlib import Path
 
@@ -40,6 +41,49 @@ def run(installed, tmp_path, *arguments):
         text=True,
         check=True,
     ).stdout
+
+
+def files_for(wheel):
+    """Return the kernels that a wheel holds, and for which platforms it says it is."""
+    with zipfile.ZipFile(wheel) as archive:
+        names = archive.namelist()
+        (metadata,) = (name for name in names if name.endswith(".dist-info/WHEEL"))
+        tags = re.findall(r"^Tag: (.*)$", archive.read(metadata).decode(), re.MULTILINE)
+    return {name for name in names if name.endswith(".so")}, tags
+
+
+@pytest.mark.slow
+def test_the_wheel_holds_its_kernels_and_is_for_their_platform(installed, hatch_build):
+    (wheel,) = installed.parent.glob("*.whl")
+    kernels, tags = files_for(wheel)
+    assert kernels == {f"pmjac_pin/{built}" for built in hatch_build.KERNELS}
+    (tag,) = tags
+    assert re.fullmatch(rf"py3-none-{sys.platform}_\w+", tag)
+
+
+@pytest.mark.slow
+def test_without_a_compiler_numpy_does_the_work_and_the_build_says_so(tmp_path):
+    def hatchling(folder, *arguments):
+        command = [sys.executable, "-m", "hatchling", "build", "-d", str(tmp_path), *arguments]
+        environment = {**os.environ, "CC": "no-such-compiler"}
+        done = subprocess.run(
+            command, cwd=folder, env=environment, capture_output=True, text=True, check=True
+        )
+        return done.stdout + done.stderr
+
+    hatchling(ROOT, "-t", "sdist")
+    (source,) = tmp_path.glob("*.tar.gz")
+    with tarfile.open(source) as archive:
+        assert not [name for name in archive.getnames() if name.endswith((".so", ".pyc"))]
+        archive.extractall(tmp_path, filter="data")
+    said = hatchling(source.with_name(source.name.removesuffix(".tar.gz")), "-t", "wheel")
+    assert "no kernel is built, NumPy does its work" in " ".join(said.split())
+    (wheel,) = tmp_path.glob("*.whl")
+    assert files_for(wheel) == (set(), ["py3-none-any"])
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(tmp_path / "site")
+    code = "import pmjac_pin as pj; print(pj.batch(pj.load('four_bar')).runs_on)"
+    assert run(tmp_path / "site", tmp_path, "-c", code).strip() == "NumPy"
 
 
 @pytest.mark.slow

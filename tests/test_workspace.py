@@ -1,12 +1,17 @@
 """Workspaces: areas in closed form, and that each cell says what a single call says."""
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 import pytest
+import transformed
 from annuli import shared_area
 from mechanisms import Z, loaded, tree
 
 import pmjac_pin as pj
+from pmjac_pin.studies.workspaces import find_workspace
 
 UNIT_BAR = dict.fromkeys(("l0", "l1", "l2", "l3", "l4"), 1.0)
 
@@ -27,19 +32,20 @@ def planar_annuli(name, base, platform, inner, outer):
     return [(centre, inner, outer) for centre in centres]
 
 
-def stewart_annuli():
-    """Legs of 0.1 to 3.0 from the ground to a platform at the height of home, turned as at home."""
+def stewart_annuli(plane):
+    """Legs of 0.1 to 3.0 from the ground to a platform that is turned as at home, in a plane."""
     mechanism = loaded("stewart_gough")
     model, home = mechanism.model, mechanism.home
     data = model.createData()
     pin.framesForwardKinematics(model, data, home.q)
+    across = next(k for k, name in enumerate("xyz") if name not in plane)
     tool, found = home.tool_pose().translation, []
     for k in range(1, 7):
         joint = data.oMf[model.getFrameId(f"P{k}")].translation
         away = data.oMi[model.getJointId(f"alpha{k}")].translation - (joint - tool)
-        height = tool[2] - away[2]
+        height = tool[across] - away[across]
         inner = np.sqrt(max(0.1**2 - height**2, 0.0))
-        found.append((away[:2], inner, np.sqrt(3.0**2 - height**2)))
+        found.append((np.delete(away, across), inner, np.sqrt(3.0**2 - height**2)))
     return found
 
 
@@ -80,12 +86,20 @@ def test_areas_do_not_depend_on_the_grid(cells):
     [
         ("planar_3rpr", lambda: planar_annuli("planar_3rpr", 0.5, 0.2, 0.05, 1.0)),
         ("planar_3rrr", lambda: planar_annuli("planar_3rrr", 0.5, 0.15, 0.05, 0.55)),
-        ("stewart_gough", stewart_annuli),
     ],
 )
 def test_slices_of_constant_orientation_are_shared_by_annuli(name, annuli):
     found = pj.workspace(loaded(name), ("x", "y"), cells=31)
     assert found.area == pytest.approx(shared_area(annuli()), rel=1e-6)
+    assert found.cell_area == pytest.approx(found.area, rel=0.1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("plane", ["xy", "xz", "yz"])
+def test_slices_of_a_platform_on_six_legs_are_shared_by_six_annuli(plane):
+    """Home is off the middle by 1e-4: circles of two legs almost lie on each other, and cross."""
+    found = pj.workspace(loaded("stewart_gough"), tuple(plane), cells=31)
+    assert found.area == pytest.approx(shared_area(stewart_annuli(plane)), rel=1e-6)
     assert found.cell_area == pytest.approx(found.area, rel=0.1)
 
 
@@ -156,6 +170,35 @@ def test_it_says_what_it_rests_on(bar_in_tool_space):
     assert bar_in_tool_space.mode.startswith("working mode")
 
 
+def opened(piece):
+    return replace(piece, places=piece.places[:-1], directions=piece.directions[:-1])
+
+
+def longest_loop(border):
+    """Of a ring, its outer circle: what closes, and is not all."""
+    return [max(border, key=lambda piece: np.ptp(piece.places, axis=0).max())]
+
+
+@pytest.mark.parametrize(
+    ("changed", "says"),
+    [
+        (
+            lambda border: [opened(border[0]), *border[1:]],
+            r"'loss' (ends|begins) at \(.*, and the nearest that .* off",
+        ),
+        (lambda border: (), "no piece of it was traced"),
+        (lambda border: [*border, *border], "it encloses .* cells, and .* are reached"),
+        (longest_loop, "no piece is near the cell at"),
+    ],
+)
+def test_what_does_not_close_is_said(monkeypatch, changed, says):
+    whole, arm = find_workspace.border, loaded("serial_2r")
+    monkeypatch.setattr(find_workspace, "border", lambda *given: changed(whole(*given)))
+    found = pj.workspace(arm, ("x", "y"), cells=41)
+    assert np.isnan(found.area)
+    assert re.search(f"pieces, which does not close: {says}", found.evidence.statement)
+
+
 def test_as_a_dataset(bar_in_tool_space):
     pytest.importorskip("xarray")
     found = bar_in_tool_space.to_xarray()
@@ -200,3 +243,47 @@ def test_a_ring_narrower_than_a_cell_of_the_first_look_is_within_the_window(turn
     found = pj.workspace(limited_arm(lower, upper), ("x", "y"), cells=121)
     assert found.area == pytest.approx(2.0 * np.pi * (np.cos(lower) - np.cos(upper)), rel=1e-7)
     assert "window" not in {piece.reason for piece in found.border}
+
+
+def test_far_from_the_origin_it_reaches_the_same(bar_in_tool_space):
+    far = pin.SE3(np.eye(3), np.array([1e4, -2e4, 0.0]))
+    moved = transformed.moved(loaded("five_bar"), far).with_tool("tip", rows=["vx", "vy"])
+    found = pj.workspace(moved, ("x", "y"), cells=21)
+    assert found.area == pytest.approx(bar_in_tool_space.area, rel=1e-7)
+    places = np.vstack([piece.places for piece in found.border])
+    near = np.vstack([piece.places for piece in bar_in_tool_space.border])
+    for ends in (np.min, np.max):
+        assert ends(places, axis=0) - far.translation[:2] == pytest.approx(
+            ends(near, axis=0), abs=1e-3
+        )
+    for a, b in np.argwhere(found.reached)[::60]:
+        place = moved.configuration(found.q[a, b]).tool_pose().translation
+        assert place[:2] == pytest.approx([found.first[a], found.second[b]], abs=1e-10)
+
+
+def delta_reaches(delta, x, y, z):
+    """Which places a delta's arms reach: the rod's end is where its elbow's circle may be."""
+    values = delta.parameters
+    found = np.ones(np.broadcast(x, y).shape, dtype=bool)
+    for k in range(3):
+        turn = 2.0 * np.pi * k / 3.0
+        ahead = np.cos(turn) * x + np.sin(turn) * y + values["plate"] - values["base"]
+        aside = -np.sin(turn) * x + np.cos(turn) * y
+        reach = np.sqrt(np.maximum(values["rod"] ** 2 - aside**2, 0.0))
+        away = np.hypot(ahead, z)
+        found &= (np.abs(aside) < values["rod"]) & (away < values["arm"] + reach)
+        found &= away > np.abs(values["arm"] - reach)
+    return found
+
+
+@pytest.mark.slow
+def test_a_delta_reaches_what_all_its_arms_do():
+    """At its corners two arms are in line at once: no curve leads through there that turns."""
+    delta = loaded("delta")
+    found = pj.workspace(delta, ("x", "y"), cells=31, limits=False)
+    z = delta.home.joint_values["platform"][2]
+    axes = [np.linspace(axis[0], axis[-1], 2000) for axis in (found.first, found.second)]
+    counted = delta_reaches(delta, axes[0][:, None], axes[1], z).sum()
+    cell = (axes[0][1] - axes[0][0]) * (axes[1][1] - axes[1][0])
+    assert found.area == pytest.approx(counted * cell, rel=1e-3)
+    assert {piece.reason for piece in found.border} == {"loss"}

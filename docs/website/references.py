@@ -92,9 +92,17 @@ def keep_formulas(
             lines[number] = escaped(line)
 
 
+def without_private(
+    _app: Sphinx, _what: str, _name: str, _value: object, _options: object, told: str, back: str
+) -> tuple[str, str]:
+    """Tell no parameters of what is not made by calling it."""
+    return ("", "") if (told or "").startswith("(_") else (told, back)
+
+
 def setup(app: Sphinx) -> dict[str, bool]:
     """Register it."""
     app.connect("missing-reference", resolved)
     app.connect("autodoc-process-docstring", keep_formulas, priority=400)  # before napoleon
+    app.connect("autodoc-process-signature", without_private)
     app.add_post_transform(WholeNames)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -12,6 +12,9 @@ from pmjac_pin.errors import ArgumentError, quoted
 
 Outputs: TypeAlias = Mapping[str, Numbers]
 
+#: The arguments that the inputs are entries of, in their order, and how many each has.
+Arguments: TypeAlias = Mapping[str, int]
+
 #: No function in C has these names.
 C_WORDS = frozenset(
     """auto break case char const continue default do double else enum extern float for goto if
@@ -52,7 +55,13 @@ def function_name(name: object, taken: Set[str], adapt: bool = False) -> str:
     return name
 
 
-def c_text(name: str, recording: Recording, outputs: Outputs, head: Iterable[str]) -> str:
+def c_text(
+    name: str,
+    recording: Recording,
+    outputs: Outputs,
+    head: Iterable[str],
+    arguments: Arguments | None = None,
+) -> str:
     """Return a function in C99 that writes each output row by row.
 
     Parameters
@@ -60,11 +69,13 @@ def c_text(name: str, recording: Recording, outputs: Outputs, head: Iterable[str
     name : str
         Of the function.
     recording : Recording
-        Its inputs are the entries of the function's first argument, ``q``.
+        Its inputs are the entries of the function's first arguments.
     outputs : mapping of str to ndarray
         Terms and doubles, by the names of the other arguments.
     head : iterable of str
         Lines of the comment above.
+    arguments : mapping of str to int, optional
+        Of the inputs: ``q`` alone when None.
 
     Examples
     --------
@@ -88,15 +99,18 @@ def c_text(name: str, recording: Recording, outputs: Outputs, head: Iterable[str
     <BLANKLINE>
     """
     lines = ["/*", *(f" * {in_comment(line)}" for line in head), " */", "#include <math.h>", ""]
-    return "\n".join([*lines, c_function(f"void {name}", recording, outputs)])
+    return "\n".join([*lines, c_function(f"void {name}", recording, outputs, arguments)])
 
 
-def c_function(declared: str, recording: Recording, outputs: Outputs) -> str:
+def c_function(
+    declared: str, recording: Recording, outputs: Outputs, arguments: Arguments | None = None
+) -> str:
     """Return the function alone, declared so: ``void name``, or ``static void name``."""
-    arguments = [f"const double q[{len(recording.inputs)}]"]
-    arguments += [f"double {key}[{array.size}]" for key, array in outputs.items() if array.size]
-    lines = [f"{declared}(", ",\n".join(f"    {one}" for one in arguments) + ")", "{"]
-    statements = _statements(recording, outputs, "q[{}]", _C_FUNCTIONS)
+    given = arguments or {"q": len(recording.inputs)}
+    declarations = [f"const double {key}[{count}]" for key, count in given.items()]
+    declarations += [f"double {key}[{array.size}]" for key, array in outputs.items() if array.size]
+    lines = [f"{declared}(", ",\n".join(f"    {one}" for one in declarations) + ")", "{"]
+    statements = _statements(recording, outputs, _entries(given, "{}[{}]"), _C_FUNCTIONS)
     lines += [f"    const double {left} = {right};" for left, right in statements]
     for key, array in outputs.items():
         lines += [f"    {key}[{k}] = {_name(x)};" for k, x in enumerate(array.ravel().tolist())]
@@ -104,21 +118,33 @@ def c_function(declared: str, recording: Recording, outputs: Outputs) -> str:
 
 
 def python_text(
-    name: str, recording: Recording, outputs: Outputs, head: Iterable[str], numpy: str
+    name: str,
+    recording: Recording,
+    outputs: Outputs,
+    head: Iterable[str],
+    numpy: str,
+    *,
+    arguments: Arguments | None = None,
 ) -> str:
     """Return a Python function of q, shape (..., nq), that gives arrays (..., *shape) by name.
 
     Parameters
     ----------
-    name, recording, outputs, head
-        As for `c_text`.
+    name, recording, outputs, head, arguments
+        As for `c_text`; of several arguments the leading axes are broadcast.
     numpy : str
         The module that is NumPy here: ``numpy`` or ``jax.numpy``.
     """
+    given = arguments or {"q": len(recording.inputs)}
     shown = "\n".join(map(_in_docstring, head))
     lines = [f'"""{shown}\n"""', "", f"import {numpy} as np", "", ""]
-    lines += [f"def {name}(q):", "    nothing = np.zeros(q.shape[:-1])"]
-    statements = _statements(recording, outputs, "q[..., {}]", _NUMPY_FUNCTIONS)
+    lines += [f"def {name}({', '.join(given)}):"]
+    if len(given) > 1:
+        shapes = ", ".join(f"{key}.shape[:-1]" for key in given)
+        lines += [f"    shape = np.broadcast_shapes({shapes})"]
+        lines += [f"    {key} = np.broadcast_to({key}, (*shape, {n}))" for key, n in given.items()]
+    lines += ["    nothing = np.zeros(q.shape[:-1])"]
+    statements = _statements(recording, outputs, _entries(given, "{}[..., {}]"), _NUMPY_FUNCTIONS)
     lines += [f"    {left} = {right}" for left, right in statements]
     lines += ["    return {"]
     lines += [f'        "{key}": {_stacked(array)},' for key, array in outputs.items()]
@@ -134,8 +160,13 @@ def _stacked(array: Numbers) -> str:
     return f"np.stack([\n{entries}        ], -1).reshape(*q.shape[:-1]{shape})"
 
 
+def _entries(arguments: Arguments, entry: str) -> list[str]:
+    """Return what the inputs are called."""
+    return [entry.format(key, k) for key, count in arguments.items() for k in range(count)]
+
+
 def _statements(
-    recording: Recording, outputs: Outputs, entry: str, functions: Mapping[str, str]
+    recording: Recording, outputs: Outputs, entries: Sequence[str], functions: Mapping[str, str]
 ) -> Iterator[tuple[str, str]]:
     """Yield names and expressions of the terms that the outputs rest on."""
     needed = {x.index for array in outputs.values() for x in array.ravel() if isinstance(x, Term)}
@@ -144,13 +175,13 @@ def _statements(
             needed.update(x.index for x in term.operands if isinstance(x, Term))
     for term in recording.terms:
         if term.index in needed:
-            yield _name(term), _expression(term, entry, functions)
+            yield _name(term), _expression(term, entries, functions)
 
 
-def _expression(term: Term, entry: str, functions: Mapping[str, str]) -> str:
+def _expression(term: Term, entries: Sequence[str], functions: Mapping[str, str]) -> str:
     operation, operands = term.operation, term.operands
     if operation == "input":
-        return entry.format(operands[0])
+        return entries[int(operands[0])]  # type: ignore[arg-type]
     known: Sequence[str] = [_name(x) for x in operands]
     if operation == "neg":
         return f"-{known[0]}"

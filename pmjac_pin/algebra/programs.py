@@ -12,6 +12,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, Literal, Union
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from pmjac_pin.algebra.arrays import Arrays, Numbers
 from pmjac_pin.values.arrays import Array
@@ -169,8 +170,12 @@ class Programs(Arrays):
     __slots__ = ()
 
     def exact(self, values: Array) -> Numbers:
-        """Return doubles as they are."""
-        return np.asarray(values, dtype=float).astype(object)
+        """Return doubles, or recorded numbers among them, as they are."""
+        return values if values.dtype == object else values.astype(float).astype(object)
+
+    def constant(self, values: ArrayLike) -> Numbers:
+        """Return doubles, or recorded numbers among them, as numbers."""
+        return self.exact(np.asarray(values))[..., None, None]
 
     def numbers(self, terms: Sequence[Term]) -> Numbers:
         """Return terms as components."""

@@ -32,8 +32,11 @@ def locus_command(
     plane: PlaneOption,
     window: WindowOption = None,
     kinds: Annotated[
-        str, Parameter(help="Which singularities: gain (type II), loss (type I); both by default.")
-    ] = "gain,loss",
+        str | None,
+        Parameter(
+            help="Which singularities: gain (type II), loss (type I); by default all it may have."
+        ),
+    ] = None,
     cells: CellsOption = 81,
     output: FigureOption = None,
     force: Force = False,
@@ -49,7 +52,7 @@ def locus_command(
         split_names(plane),
         at=at,
         window=window_given(window),
-        kinds=split_names(kinds),  # type: ignore[arg-type]
+        kinds=None if kinds is None else split_names(kinds),  # type: ignore[arg-type]
         cells=cells,
     )
     if output is not None:

@@ -11,12 +11,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import reduce
+from operator import mul
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.errors import ArgumentError
+from pmjac_pin.kinematics.dimensions import OfModel, Placements
 from pmjac_pin.model.frames import Frame, find_frame
 from pmjac_pin.model.joint_kinds import known_kind, pitch_of
 from pmjac_pin.model.loop_spec import JointLoop, Loop
@@ -99,22 +102,34 @@ class Arms:
     blocks: tuple[BoundedRows, ...]
 
 
-def arms_of(model: pin.Model, loops: Sequence[Loop], values: Mapping[str, float]) -> Arms:
+def arms_of(
+    model: pin.Model,
+    loops: Sequence[Loop],
+    values: Mapping[str, float],
+    placements: Placements | None = None,
+) -> Arms:
     """Return the arms of a model's loops.
+
+    Parameters
+    ----------
+    model, loops, values
+        As of `Loops`.
+    placements : Placements, optional
+        Where joints and frames are; as the model has them when None.
 
     Raises
     ------
     ArgumentError
         A joint or rows of a kind that is not known here.
     """
-    groups = _Groups(model)
+    groups, placed = _Groups(model), placements or OfModel(model)
     blocks: list[BoundedRows] = []
     for loop in loops:
         if isinstance(loop, JointLoop):
             blocks.append(BoundedRows(1))
             continue
         one, other = (find_frame(model, name) for name in loop.frames)
-        chains = _chains(model, groups, one, other)
+        chains = _chains(model, placed, groups, one, other)
         blocks += [_bounded_rows(rows, *chains) for rows in loop.rows(values)]
     return Arms(np.array(groups.rates), np.array(groups.values), _alike(blocks))
 
@@ -126,12 +141,15 @@ def _alike(blocks: Sequence[BoundedRows]) -> tuple[BoundedRows, ...]:
     """
     longest: dict[float, float] = {}
     last = np.inf
-    for length in sorted({one.length for block in blocks for one in block.segments}, reverse=True):
+    lengths = {one.length for block in blocks for one in block.segments}
+    for length in sorted((one for one in lengths if isinstance(one, float)), reverse=True):
         last = last if length >= _ALIKE_BUT_FOR_ROUNDING * last else length
         longest[length] = last
     return tuple(
         block._replace(
-            segments=tuple(one._replace(length=longest[one.length]) for one in block.segments)
+            segments=tuple(
+                one._replace(length=longest.get(one.length, one.length)) for one in block.segments
+            )
         )
         for block in blocks
     )
@@ -176,36 +194,47 @@ class _Groups:
 
 
 def _chains(
-    model: pin.Model, groups: _Groups, one: Frame, other: Frame
+    model: pin.Model, placed: Placements, groups: _Groups, one: Frame, other: Frame
 ) -> tuple[list[Segment], list[Segment]]:
     """Return the chains to two frames from the last body that carries both."""
     first, second = (list(model.supports[frame.joint]) for frame in (one, other))
     shared = sum(a == b for a, b in zip(first, second, strict=False))
-    return _segments(model, groups, first[shared:], one), _segments(
-        model, groups, second[shared:], other
+    return _segments(placed, groups, first[shared:], one), _segments(
+        placed, groups, second[shared:], other
     )
 
 
-def _segments(model: pin.Model, groups: _Groups, joints: list[int], frame: Frame) -> list[Segment]:
+def _segments(
+    placed: Placements, groups: _Groups, joints: list[int], frame: Frame
+) -> list[Segment]:
     segments: list[Segment] = []
     turns: tuple[int, ...] = ()
     slides: tuple[int, ...] = ()
     lies: tuple[int, ...] = ()
-    place = pin.SE3.Identity()
+    places: list[Any] = []
     for joint in joints:
-        place = place * model.jointPlacements[joint]
+        places.append(placed.of_joint(joint))
         slide, turning = groups.of_joint[joint]
         own = (slide,) * (slide != _NO_GROUP)
         lies += own
         if turning:
-            length = _LONGER * float(np.linalg.norm(place.translation))
-            segments.append(Segment(turns, length, slides, lies))
-            place, turns = pin.SE3.Identity(), turns + turning
+            segments.append(Segment(turns, _length(places), slides, lies))
+            places, turns = [], turns + turning
             slides = lies = ()
         slides += own  # in axes that turn with the joint
-    place = place * frame.placement
-    length = _LONGER * float(np.linalg.norm(place.translation))
+    length = _length([*places, placed.of_frame(frame)])
     return [*segments, Segment(turns, length, slides, lies)]
+
+
+def _length(places: Sequence[Any]) -> Any:
+    """Return how far a chain of placements leads."""
+    translation = reduce(mul, places).translation
+    if translation.dtype != object:
+        return _LONGER * float(np.linalg.norm(translation))
+    # What records is imported with the first program.
+    from pmjac_pin.rates.sparse_qr import norm  # noqa: PLC0415
+
+    return norm(translation) * _LONGER
 
 
 def _bounded_rows(rows: Rows, first: list[Segment], second: list[Segment]) -> BoundedRows:

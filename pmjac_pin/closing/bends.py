@@ -57,7 +57,7 @@ class Bends:
 
     __slots__ = (
         "_above", "_blocks", "_distances", "_inside", "_lengths", "_lies", "_members", "_of_row",
-        "_rods", "_root", "_slid", "_sums", "_turned", "_values", "off_closure",
+        "_ones", "_rods", "_root", "_slid", "_slides", "_sums", "_turned", "_values", "off_closure",
     )  # fmt: skip
 
     def __init__(self, arms: Arms, root: Callable[[Any], Any] = np.sqrt) -> None:
@@ -70,6 +70,8 @@ class Bends:
         self._lies = _marks([segment.lies for segment in segments], count)
         self._lengths = np.array([segment.length for segment in segments])
         self._turned, self._slid = self._above @ arms.rates, self._inside @ arms.rates
+        self._slides = bool(self._slid.any() or self._lies.any())
+        self._ones = np.ones(len(segments))
         owners = np.repeat(blocks, [len(block.segments) for block in arms.blocks])
         self._sums = (owners == blocks[:, None]).astype(float)
         self._of_row = np.repeat(blocks, [block.rows for block in arms.blocks])
@@ -116,6 +118,32 @@ class Bends:
         ]
         return MotionSeries([np.ones_like(a1), a1, e2, e3, e4], arms)
 
+    def straight(self, q: Array, speeds: Array) -> MotionSeries:
+        """Return the series, up to s², along a motion of constant rates: speeds (groups,)."""
+        turn, length = self._above.dot(speeds), self._lengths
+        square = 0.5 * turn * turn
+        if not self._slides:
+            return MotionSeries(
+                [self._ones, turn, square], [length, turn * length, square * length]
+            )
+        slide = self._inside.dot(speeds)
+        length = length + self._lies.dot(self._root((q * q).dot(self._values))) + slide
+        arms = [length, turn * length + slide, square * length + turn * slide]
+        return MotionSeries([self._ones, turn, square], arms)
+
+    def bending(self, motion: MotionSeries) -> tuple[Array, Array]:
+        """Return bounds on the second derivatives of η and ∂η/∂v, shapes (p,) and (p, nv)."""
+        residual, rates = self._sums.dot(motion.arms[2]), self._rates(motion, 2)
+        if self._rods.size:
+            block = self._distances
+            g1, g2 = (self._gaps(arm) for arm in motion.arms[1:3])
+            c0, c1 = (self._rates(motion, order, block) for order in range(2))
+            length = self._rods + g1
+            residual[block] = 2.0 * length * g2 + g1 * g1
+            product = length[:, None] * rates[block] + g1[:, None] * c1 + g2[:, None] * c0
+            rates[block] = 2.0 * product
+        return self._by_row(2.0 * residual), self._by_row(2.0 * rates)
+
     def residual(self, motion: MotionSeries) -> Array:
         """Return a bound on the fourth derivative of η, shape (p,)."""
         bound = 24.0 * self._sums.dot(motion.arms[4])
@@ -128,7 +156,8 @@ class Bends:
     def rounding(self, motion: MotionSeries) -> Array:
         """Return how far η as evaluated may be off, shape (p,): a few units in the last place."""
         bound = _LENGTH_ROUNDING * self._sums.dot(motion.arms[0])
-        bound[self._distances] *= 2.0 * self._rods
+        if self._rods.size:
+            bound[self._distances] *= 2.0 * self._rods
         return self._by_row(bound)
 
     def rates(self, motion: MotionSeries) -> Array:
@@ -145,10 +174,15 @@ class Bends:
     def within(self, motion: MotionSeries, reach: Array) -> Array:
         """Return a bound on how ∂η/∂v changes up to `reach` (nv,) from the motion, (p, nv)."""
         speeds = self.speeds(reach)
-        turn, slide = speeds.dot(self._above.T), speeds.dot(self._inside.T)
-        length = motion.arms[0] + slide
-        arm = length * turn + slide
-        bound = self._sums.dot(arm[:, None] * self._turned + turn[:, None] * self._slid)
+        turn, length = speeds.dot(self._above.T), motion.arms[0]
+        if self._slides:
+            slide = speeds.dot(self._inside.T)
+            length = length + slide
+            arm = length * turn + slide
+            bound = self._sums.dot(arm[:, None] * self._turned + turn[:, None] * self._slid)
+        else:
+            arm = length * turn
+            bound = self._sums.dot(arm[:, None] * self._turned)
         if self._rods.size:
             gap = self._rods + self._gaps(motion.arms[1] + arm)
             moved = length[:, None] * self._turned + self._slid
@@ -163,8 +197,9 @@ class Bends:
         return gaps
 
     def _rates(self, motion: MotionSeries, order: int, block: Index | slice = slice(None)) -> Array:
-        turned = motion.arms[order][:, None] * self._turned
-        moved = turned + motion.turns[order][:, None] * self._slid
+        moved = motion.arms[order][:, None] * self._turned
+        if self._slides:
+            moved = moved + motion.turns[order][:, None] * self._slid
         rates: Array = self._sums[block].dot(moved)
         return rates
 

@@ -85,7 +85,7 @@ class Blueprint:
         return Recordings()
 
     @found_once
-    def _beginning(self) -> tuple[Parts, Array | None]:
+    def beginning(self) -> tuple[Parts, Array | None]:
         """The machine at the defaults, not assembled, and its home pose, where that closes."""
         parts = self._unassembled(self.spec.parameter_values())
         return parts, home_pose(parts.problem, parts.home_q)
@@ -94,7 +94,7 @@ class Blueprint:
         """Return where to assemble the home pose; the spec's values when None."""
         if dict(parts.values) == dict(self.spec.parameter_values()):
             return None
-        beginning, home_q = self._beginning
+        beginning, home_q = self.beginning
         return followed([beginning, *self._stops(parts.values), parts], home_q)
 
     def _stops(self, values: Mapping[str, float]) -> Iterator[Parts]:

@@ -85,10 +85,10 @@ def _exceeds(problem: ClosureProblem, rates: LoopRates) -> bool:
         return passive.rank > partition.passive_rank or _exceeds_in_all(problem, rates)
     if passive.rank == len(scaled):
         return False
-    if partition.constraint_rank == passive.rank:  # [K K*] has more where K* cannot follow K
-        left_over = passive.left_over(scaled.take(partition.actuated, axis=1))
-        if left_over <= partition.rank_tolerance * size:
-            return False
+    # [K K*] has more where K* cannot follow K.
+    followed = rates.not_followed <= partition.rank_tolerance * size
+    if partition.constraint_rank == passive.rank and followed:
+        return False
     return _exceeds_in_all(problem, rates)
 
 

@@ -101,6 +101,8 @@ class PathsToWalk:
         Closed poses; rows may be the same memory.
     displacement, target : ndarray, shape (b, n)
         Of the motors.
+    design : ndarray, shape (b, k)
+        What the programs take of each path's own machine; k = 0 where they are of one machine.
     q, gap, share : ndarray, shapes (b, nq), (b,) and (b,)
         Where each ended, how far the loops are open there, m, and at which share of the way.
     iterations, end : ndarray of int, shape (b,)
@@ -109,6 +111,7 @@ class PathsToWalk:
     start: Array
     displacement: Array
     target: Array
+    design: Array
     q: Array
     gap: Array
     share: Array
@@ -116,12 +119,15 @@ class PathsToWalk:
     end: Index
 
     @classmethod
-    def of(cls, start: Array, displacement: Array, target: Array) -> PathsToWalk:
+    def of(
+        cls, start: Array, displacement: Array, target: Array, design: Array | None = None
+    ) -> PathsToWalk:
         """Return paths that are not walked yet."""
         count = len(start)
         given = (start, np.ascontiguousarray(displacement), np.ascontiguousarray(target))
+        own = np.ascontiguousarray(np.zeros((count, 0)) if design is None else design)
         whole = np.zeros((2, count), dtype=np.int64)
-        return cls(*given, np.empty(start.shape), *np.zeros((2, count)), *whole)
+        return cls(*given, own, np.empty(start.shape), *np.zeros((2, count)), *whole)
 
 
 class KernelWalk:
@@ -182,6 +188,7 @@ class KernelWalk:
         self._start = start
         struct.start, struct.apart = address(start), start.strides[0] // start.itemsize
         struct.displacement, struct.target = address(paths.displacement), address(paths.target)
+        struct.design, struct.designed = address(paths.design), paths.design.shape[1]
         struct.q, struct.gap, struct.share = map(address, (paths.q, paths.gap, paths.share))
         struct.iterations, struct.end = address(paths.iterations), address(paths.end)
         struct.count, struct.most_tries = len(start), most_tries

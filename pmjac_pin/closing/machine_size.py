@@ -31,7 +31,7 @@ SPHERICAL = 1e-6
 SMALL = 1e-2
 
 _TOLERANCES = 3.0  # a length that the tolerance covers is rounding, too
-_BESIDE_ITSELF = 8.0  # lengths: from here on it is computed beside itself, not from the origin
+BESIDE_ITSELF = 8.0  # lengths: from here on it is computed beside itself, not from the origin
 
 
 class Size:
@@ -88,7 +88,7 @@ class Size:
         every = _mean(np.array([arm for own in arms for arm in own]))
         if not any(arms):  # slides alone
             every = _mean(np.array([one for rod in rods for one in rod]))
-        self.length = _invertible(_length(every, _mean(_distances(turning)), rounding))
+        self.length = invertible(_length(every, _mean(_distances(turning)), rounding))
         held = [[] if own else rod for rod, own in zip(rods, arms, strict=True)]
         self.strokes = _shortest(held, loops, model.nv, self.length) / self.length
         self.arms = tuple(mean if mean > rounding else 0.0 for mean in means)
@@ -98,7 +98,7 @@ class Size:
         )
         self.rounding = opened * self.length / min(self.loop_sizes, default=self.length)
         middle = np.mean(points, axis=0)
-        self.place: Array = np.where(np.abs(middle) > _BESIDE_ITSELF * self.length, middle, 0.0)
+        self.place: Array = np.where(np.abs(middle) > BESIDE_ITSELF * self.length, middle, 0.0)
 
 
 def shifted_model(model: pin.Model, by: Array) -> pin.Model:
@@ -153,7 +153,7 @@ def _length(loops: float, tool: float, rounding: float) -> float:
     return tool if tool > rounding else 1.0
 
 
-def _invertible(length: float) -> float:
+def invertible(length: float) -> float:
     """Return the next length x with x · (1/x) = 1 and 1/(1/x) = x.
 
     So a rad counts as one length wherever it is turned into that and back, and what programs say
@@ -162,7 +162,7 @@ def _invertible(length: float) -> float:
     Examples
     --------
     >>> x = 49.0
-    >>> x * (1.0 / x), _invertible(x) * (1.0 / _invertible(x))
+    >>> x * (1.0 / x), invertible(x) * (1.0 / invertible(x))
     (0.9999999999999999, 1.0)
     """
     while length * (1.0 / length) != 1.0 or 1.0 / (1.0 / length) != length:

@@ -119,6 +119,10 @@ class Paths:
     share: Array
     settled: Mask
 
+    def less(self, doubtful: Mask) -> Paths:
+        """Return paths of which these are not settled where they end early."""
+        return replace(self, settled=(self.settled & ~doubtful) | (self.share == 1.0))
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Walker:
@@ -145,6 +149,8 @@ class Walker:
         target: Array,
         go_on: GoOn,
         most_steps: int = closure.MOST_STEPS,
+        *,
+        design: Array | None = None,
     ) -> Paths:
         """Walk from closed poses.
 
@@ -157,8 +163,11 @@ class Walker:
             Called now and then; raises where nobody waits any longer.
         most_steps : int
             Tried in each path; what runs out of them is not settled.
+        design : ndarray, shape (b, k), optional
+            What the programs take of each path's own machine.
         """
-        displacement = displacement.T.copy()
+        own = np.zeros((0, len(q))) if design is None else design.T
+        displacement = np.vstack([displacement.T, own])
         here = self.at(q.T, displacement)
         share, step = np.zeros(len(q)), np.ones(len(q))
         going = np.flatnonzero(self.regular(here))
@@ -175,7 +184,8 @@ class Walker:
             allowed = closure.LARGEST_CORRECTION * stride * start.pace
             found, good = self._correct(ahead, allowed, displacement[:, going], last)
             steps = [start.q[:, good], found.q, tangent[:, good], found.velocity * stride[good]]
-            covered = self._covers(np.vstack([*steps, start.inverse[good], found.inverse]))
+            ends = start.inverse[good], found.inverse, own[:, going[good]]
+            covered = self._covers(np.vstack([*steps, *ends]))
             good = good[covered]
             done, found = going[good], found[covered]
             here.put(done, found)
@@ -187,10 +197,15 @@ class Walker:
         spent = np.zeros(len(q), dtype=bool)
         spent[going] = True
         paths = Paths(here.q.T.copy(), share, ~spent)
+        if design is not None:
+            return paths.less(doubtful)
         return judged(self.problem, paths, displacement.T, doubtful)
 
     def at(self, q: Array, displacement: Array, v: Array | None = None) -> PathPoints:
-        """Return what is known at q ⊕ v, shapes (nq, b), (n, b) and (nv, b), closed or not."""
+        """Return what is known at q ⊕ v, shapes (nq, b), (n, b) and (nv, b), closed or not.
+
+        Below the displacement may stand what the program takes of each machine.
+        """
         nv = self.problem.partition.column_scale.size
         motion = np.zeros((nv, q.shape[1])) if v is None else v
         return PathPoints(run(self.arrival, np.vstack([q, motion, displacement])), len(q))

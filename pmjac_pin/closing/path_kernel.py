@@ -89,8 +89,11 @@ class WalkStruct(ctypes.Structure):
         *((name, ProgramStruct) for name in ("move", "arrival", "leg")),
         *((name, _Pointer) for name in ("point", "lanes", "common")),
         ("inverse", _Number),
-        *((name, _Pointer) for name in ("start", "displacement", "target")),
-        *((name, _Count) for name in ("apart", "count", "taken", "most_tries", "few", "patience")),
+        *((name, _Pointer) for name in ("start", "displacement", "target", "design")),
+        *(
+            (name, _Count)
+            for name in ("designed", "apart", "count", "taken", "most_tries", "few", "patience")
+        ),
         *((name, _Pointer) for name in ("q", "gap", "share", "iterations", "end")),
     )
 

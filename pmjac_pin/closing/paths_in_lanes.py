@@ -70,6 +70,8 @@ class PathsInLanes:
         target: Array,
         go_on: GoOn,
         most_steps: int = closure.MOST_STEPS,
+        *,
+        design: Array | None = None,
     ) -> Paths:
         """Walk from closed poses.
 
@@ -82,6 +84,9 @@ class PathsInLanes:
             Called now and then; raises where nobody waits any longer.
         most_steps : int
             Tried in each path.
+        design : ndarray, shape (b, k), optional
+            What the programs take of each path's own machine. What is doubtful at the end of a path
+            is not settled then.
         """
         if not len(q):
             return Paths(q.copy(), np.zeros(0), np.zeros(0, dtype=bool))
@@ -90,14 +95,18 @@ class PathsInLanes:
         except AttributeError:
             walk = KernelWalk(self._library, self._machine, self._tapes, self._compiled)
             self._threads.walk = walk
-        paths = PathsToWalk.of(q, displacement, target)
-        walk.take(paths, most_steps, FEW, LONG, 0.0 if q.strides[0] else self._inverse_at(q[0]))
+        paths = PathsToWalk.of(q, displacement, target, design)
+        at_one = not q.strides[0] and design is None
+        walk.take(paths, most_steps, FEW, LONG, self._inverse_at(q[0]) if at_one else 0.0)
         walk.begin()
         go_on()
         while walk.go_on(_LANE_STEPS_AT_ONCE):
             go_on()
         ended = Paths(paths.q, paths.share, paths.end != SPENT)
-        return judged(self._problem, ended, displacement, paths.end == DOUBTFUL)
+        doubtful = paths.end == DOUBTFUL
+        if design is not None:
+            return ended.less(doubtful)
+        return judged(self._problem, ended, displacement, doubtful)
 
     def _inverse_at(self, q: Array) -> float:
         """Return how large the inverse of K* is, 0 where the programs have it on some columns."""

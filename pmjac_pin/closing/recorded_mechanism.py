@@ -8,7 +8,8 @@ many is counted, not timed: the same calls give the same bits.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Generic, TypeVar
 
@@ -18,8 +19,11 @@ from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.values.arrays import Array
 
 if TYPE_CHECKING:
+    from pmjac_pin.algebra.programs import Term
     from pmjac_pin.algebra.recordings import Recordings
     from pmjac_pin.algebra.tape import Tape
+    from pmjac_pin.closing.blueprint import Blueprint
+    from pmjac_pin.closing.design_homes import DesignsOfFile
     from pmjac_pin.closing.one_path import Ahead, OnePath
     from pmjac_pin.closing.one_pose import KnownPose, OnePose
     from pmjac_pin.closing.recorded_motion import RecordedMotion
@@ -115,6 +119,29 @@ class RecordedMechanism:
         recorder = Recorder(parts.model, parts.spec, parts.values, parts.place)
         return RecordedRates.at(recorder, parts.problem, parts.home_q, self._recordings)
 
+    def rates_at(self, blueprint: Blueprint, values: Mapping[str, Term]) -> RecordedRates:
+        """Return `rates` of dimensions that are recorded; columns and scales are those of `rates`.
+
+        Parameters
+        ----------
+        blueprint : Blueprint
+            Of the machine.
+        values : mapping of str to Term
+            Of some of its parameters; the others stay as they are.
+
+        Raises
+        ------
+        ArgumentError
+            A machine, or a parameter, whose changes cannot be recorded.
+        """
+        from pmjac_pin.closing.recorded_dimensions import RecordedDimensions  # noqa: PLC0415
+        from pmjac_pin.kinematics.recorded import Recorder  # noqa: PLC0415
+
+        parts = self._parts
+        dimensions = RecordedDimensions(parts, blueprint).at({**parts.values, **values})
+        recorder = Recorder(parts.model, parts.spec, parts.values, parts.place, dimensions)
+        return replace(self.rates, recorder=recorder)
+
     @property
     def walks(self) -> bool:
         """Whether programs know how motors go: their values add up."""
@@ -146,6 +173,15 @@ class RecordedMechanism:
         if frame not in self._jacobians:
             self._jacobians[frame] = self.rates.jacobian_tape(frame)
         return self._jacobians[frame]
+
+    def designs(self, blueprint: Blueprint, swept: Iterable[str]) -> DesignsOfFile | None:
+        """Return designs that differ in some parameters; None for machines that are not served."""
+        from pmjac_pin.closing.design_homes import DesignsOfFile  # noqa: PLC0415
+
+        try:
+            return DesignsOfFile(self._parts, blueprint, swept) if self.walks else None
+        except ArgumentError:
+            return None
 
     def _serves_many(self) -> bool:
         return "walking" in self.__dict__

@@ -128,14 +128,13 @@ class RecordedRates:
 
     def move_tape(self) -> Tape:
         """Return (q, v) ↦ q ⊕ v."""
-        nq, nv = self.recorder.nq, self.recorder.nv
+        return self.recordings.tape("move", self.recorder.nq + self.recorder.nv, self.move)
 
-        def make(inputs: Sequence[Term]) -> list[Any]:
-            q, v = np.split(objects(inputs), [nq])
-            outputs: list[Any] = moved_by(PROGRAMS, self.recorder.tree, q, v).tolist()
-            return outputs
-
-        return self.recordings.tape("move", nq + nv, make)
+    def move(self, inputs: Sequence[Term]) -> list[Any]:
+        """Record `move_tape`."""
+        q, v = np.split(objects(inputs), [self.recorder.nq])
+        outputs: list[Any] = moved_by(PROGRAMS, self.recorder.tree, q, v).tolist()
+        return outputs
 
     def arrival_tape(self) -> Tape:
         """Return (q, v, θ̇) ↦ what `Points` holds of q ⊕ v.
@@ -143,17 +142,22 @@ class RecordedRates:
         That is q ⊕ v, the gap in m, ‖K*⁻¹‖, ‖[K K*]‖, the sizes of two motions, a rad counted as
         one length, and these, (nv,) in the units of v: Newton's step, and −K*⁻¹ K θ̇ beside θ̇.
         """
-        nq, nv, motors = self.recorder.nq, self.recorder.nv, self.partition.actuated
+        return self.recordings.tape("arrival", self.arrival_inputs, self.arrival)
 
-        def make(inputs: Sequence[Term]) -> list[Any]:
-            start, v, rates = np.split(objects(inputs), [nq, nq + nv])
-            q = moved_by(PROGRAMS, self.recorder.tree, start, v)
-            known, motions = self._point(q.tolist(), rates)
-            sizes = [norm(motion) for motion in motions]
-            moves = (motions * self.partition.column_scale).ravel()
-            return [*q, *known, *sizes, *moves]
+    @property
+    def arrival_inputs(self) -> int:
+        """How many numbers `arrival_tape` is a function of."""
+        return int(self.recorder.nq + self.recorder.nv + self.partition.actuated.size)
 
-        return self.recordings.tape("arrival", nq + nv + motors.size, make)
+    def arrival(self, inputs: Sequence[Term]) -> list[Any]:
+        """Record `arrival_tape`."""
+        nq, nv = self.recorder.nq, self.recorder.nv
+        start, v, rates = np.split(objects(inputs), [nq, nq + nv])
+        q = moved_by(PROGRAMS, self.recorder.tree, start, v)
+        known, motions = self._point(q.tolist(), rates)
+        sizes = [norm(motion) for motion in motions]
+        moves = (motions * self.partition.column_scale).ravel()
+        return [*q, *known, *sizes, *moves]
 
     def _point(self, q: Sequence[Any], rates: Numbers) -> tuple[list[Any], Numbers]:
         """Return gap and norms, and the dimensionless Newton step and path velocity, (2, nv)."""
@@ -215,15 +219,15 @@ class RecordedRates:
         of the tool the position and the rotation (3, 3); the last are of a matrix that has the
         singular values of the dimensionless K*.
         """
+        return self.recordings.tape("measures", self.recorder.nq, self.measures)
 
-        def make(q: Sequence[Term]) -> list[Any]:
-            kinematics = self.recorder.at(q)
-            found = self.equivalent(kinematics, "LOCAL_WORLD_ALIGNED")
-            sizes = [found.size, *found.sizes()]
-            tool = [*kinematics.position, *kinematics.rotation.ravel()]
-            return [*found.judged(), *sizes, *tool, *found.likeness.ravel()]
-
-        return self.recordings.tape("measures", self.recorder.nq, make)
+    def measures(self, q: Sequence[Term]) -> list[Any]:
+        """Record `measures_tape`."""
+        kinematics = self.recorder.at(q)
+        found = self.equivalent(kinematics, "LOCAL_WORLD_ALIGNED")
+        sizes = [found.size, *found.sizes()]
+        tool = [*kinematics.position, *kinematics.rotation.ravel()]
+        return [*found.judged(), *sizes, *tool, *found.likeness.ravel()]
 
     def slopes_tape(self) -> Tape:
         """Return (q, v) ↦ how [K K*] (p, nv) and the tool change along v, and the tool.
@@ -253,8 +257,8 @@ class RecordedRates:
         tool = in_frame(kinematics, frame) * partition.column_scale
         carried = tool[:, followed] - tool[:, self.kept] @ rates
         scale = partition.column_scale[motors]
-        judged = np.vstack([tool[:3], partition.length * tool[3:]])
-        felt = np.vstack([carried[:3], partition.length * carried[3:]])[:, : idle.size]
+        judged = np.vstack([tool[:3], tool[3:] * partition.length])
+        felt = np.vstack([carried[:3], carried[3:] * partition.length])[:, : idle.size]
         forbidden = triangle.matrix[
             np.ix_(triangle.left_over, range(count + idle.size, count + followed.size))
         ]

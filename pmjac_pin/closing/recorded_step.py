@@ -32,9 +32,11 @@ from pmjac_pin.closing.bends import Bends, MotionSeries
 from pmjac_pin.closing.recorded_rates import RecordedRates
 from pmjac_pin.closing.step_guard import CUBIC, QUADRATIC, SLOPES
 from pmjac_pin.kinematics.joint_steps import arriving, between, moved_by
+from pmjac_pin.kinematics.recorded import Recorder
 from pmjac_pin.rates.sparse_qr import Triangle, norm
 
 BOUNDS = 3  #: that are told of a step
+LEG_STAGES = range(4, 4 * BOUNDS + 1, 4)  #: outputs until each of them is told
 
 
 def leg_tape(loops: RecordedRates, arms: Arms) -> Tape:
@@ -45,18 +47,25 @@ def leg_tape(loops: RecordedRates, arms: Arms) -> Tape:
     Rates of the path at both ends: what leaves q₀ is one of the way, what moves on from q₁ is made
     one.
     """
+    count = leg_inputs(loops.recorder)
+    return loops.recordings.tape("leg", count, lambda inputs: leg(loops, arms, inputs), LEG_STAGES)
+
+
+def leg_inputs(recorder: Recorder) -> int:
+    """Return how many numbers `leg_tape` is a function of."""
+    return int(2 * recorder.nq + 2 * recorder.nv + 2)
+
+
+def leg(loops: RecordedRates, arms: Arms, inputs: Sequence[Term]) -> list[Any]:
+    """Record `leg_tape`."""
     nq, nv, tree = loops.recorder.nq, loops.recorder.nv, loops.recorder.tree
-
-    def make(inputs: Sequence[Term]) -> list[Any]:
-        ends = [nq, 2 * nq, 2 * nq + nv, 2 * nq + 2 * nv]
-        start, end, leaving, onward, inverses = np.split(objects(inputs), ends)
-        way = between(PROGRAMS, tree, start, end)
-        at_end = arriving(PROGRAMS, tree, way, onward)
-        half = moved_by(PROGRAMS, tree, start, 0.5 * way + 0.125 * (leaving - at_end))
-        poses, rates = np.array([start, end, half]), np.array([leaving, at_end, way])
-        return _covered(loops, arms, poses, rates, inverses)
-
-    return loops.recordings.tape("leg", 2 * nq + 2 * nv + 2, make, range(4, 4 * BOUNDS + 1, 4))
+    ends = [nq, 2 * nq, 2 * nq + nv, 2 * nq + 2 * nv]
+    start, end, leaving, onward, inverses = np.split(objects(inputs), ends)
+    way = between(PROGRAMS, tree, start, end)
+    at_end = arriving(PROGRAMS, tree, way, onward)
+    half = moved_by(PROGRAMS, tree, start, 0.5 * way + 0.125 * (leaving - at_end))
+    poses, rates = np.array([start, end, half]), np.array([leaving, at_end, way])
+    return _covered(loops, arms, poses, rates, inverses)
 
 
 def _covered(

@@ -29,6 +29,9 @@ static void put(Walk *walk, int lane, int64_t path)
         walk->point[k][lane] = 0.0;
     for (int64_t k = 0; k < machine->motors; k++)
         motors[k][lane] = walk->displacement[path * machine->motors + k];
+    Row *of_leg = walk->leg.inputs + 2 * nq + 2 * nv + 2;
+    for (int64_t k = 0; k < walk->designed; k++)
+        motors[machine->motors + k][lane] = of_leg[k][lane] = walk->design[path * walk->designed + k];
     walk->lanes[lane] = (Lane){.state = BEGINS, .path = path, .next = 1.0};
 }
 

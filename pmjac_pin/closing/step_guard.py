@@ -17,6 +17,11 @@ N and ρ are what is measured at the ends and in the middle and what may lie bet
 and so are bounds on the third derivative of K*(p(s)) and on the fourth of η(p(s)) (`bends`), which
 are all that interpolation between the measured points leaves out.
 
+A short step needs neither the middle nor the rates. With x(s) = s x the straight line between its
+ends, f(s) of K* or η is off what is linear between its ends by |f″|/8, and so
+
+    N = |A⁺ (K*(q₁) − A)| + |A⁺| |K*″|/8,    ρ = |η″|/8.
+
 Where the motors do not move straight, p(s) has their values and rates at both ends, and whatever
 their own path strays from that cubic by, |θ(s) − θ_p(s)| ≤ α, opens the loops by |K| α more, and
 lets K* change by as much more as such a motion bends it.
@@ -24,6 +29,7 @@ lets K* change by as much more as such a motion bends it.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -35,10 +41,11 @@ from pmjac_pin.closing.closed import Closed
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.model.joint_kinds import kind_of
 from pmjac_pin.rates.partition import Partition
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.values.lapack import solved
 
 QUADRATIC = 3**0.5 / 216.0  # of |f‴|: f between its values at 0, ½ and 1
+LINEAR = 1.0 / 8.0  # of |f″|: f between its values at 0 and 1
 CUBIC = 1.0 / 384.0  # of |f⁗|: f between its values and slopes at 0 and 1
 SLOPES = 8.0 / 27.0  # of |f'|: what such slopes at both ends add
 PARABOLA = 1.25  # of the largest of three values at 0, ½ and 1: that of the parabola through them
@@ -46,17 +53,17 @@ MARGIN = 1.1  # for rounding, and so that ends are not nearly singular
 
 
 class _ScaledStep(NamedTuple):
-    """What is known of a step, all of it scaled: A⁺, changes A⁺ΔK* at the end and in the middle.
+    """What is known of a step, all of it scaled: A⁺, and the changes A⁺ΔK* that were measured.
 
-    `bent` is the latter beyond half the former; `left_out` and `open_by` bound what interpolation
-    leaves out of K* (p, m_p), and η (p,); `aside` (nv,) is what motors stray from the curve by.
+    The first is that at the end; a second, that in the middle beyond half the first. `left_out` and
+    `open_by` bound what interpolation leaves out of K* (p, m_p), and η (p,); `aside` (nv,) is what
+    motors stray from the curve by.
     """
 
     partition: Partition
     motion: MotionSeries
     inverse: Array
-    straight: Array
-    bent: Array
+    changes: tuple[Array, ...]
     left_out: Array
     open_by: Array
     aside: Array | None
@@ -72,12 +79,16 @@ class StepGuard:
         Of its loops.
     """
 
-    __slots__ = ("_bends", "_curved", "_model")
+    __slots__ = ("_bends", "_bounded", "_curved", "_curves", "_model")
 
     def __init__(self, model: pin.Model, arms: Arms) -> None:
         self._model, self._bends = model, Bends(arms)
-        kinds = [kind_of(joint) for joint in list(model.joints)[1:]]
-        self._curved = any(kind is None or kind.curved for kind in kinds)
+        self._curves = np.zeros(model.nv, dtype=bool)
+        for joint in list(model.joints)[1:]:
+            kind = kind_of(joint)
+            self._curves[joint.idx_v : joint.idx_v + joint.nv] = kind is None or kind.curved
+        self._curved = bool(self._curves.any())
+        self._bounded = len(arms.rates) > 0
 
     def covers(
         self,
@@ -126,8 +137,7 @@ class StepGuard:
             partition,
             motion,
             inverse,
-            straight,
-            middle - 0.5 * straight,
+            (straight, middle - 0.5 * straight),
             left_out.take(passive, axis=1),
             open_by,
             aside,
@@ -137,6 +147,34 @@ class StepGuard:
         return self._contracts(step, None) or self._contracts(
             step, start.factors.right[: partition.passive_rank].T
         )
+
+    def covers_straight(self, problem: ClosureProblem, start: Closed, end: Closed) -> bool:
+        """Tell whether the ends alone prove the path regular, its motors moving straight.
+
+        False where that is not tried: of motors whose steps do not add up, of idle motions, and of
+        joints that are not known, where nothing bounds what lies between.
+        """
+        partition = problem.partition
+        passive = partition.passive
+        if partition.passive_rank < passive.size or not passive.size:
+            return not passive.size
+        if not self._bounded or (self._curved and self._curves[partition.actuated].any()):
+            return False
+        way = pin.difference(self._model, start.q, end.q)
+        motion = self._bends.straight(start.q, self._bends.speeds(way))
+        open_by, left_out = self._bends.bending(motion)
+        inverse = start.factors.inverse(partition.passive_rank)
+        change = inverse.dot((end.scaled - start.scaled).take(passive, axis=1))
+        step = _ScaledStep(
+            partition,
+            motion,
+            inverse,
+            (change,),
+            partition.scaled(LINEAR * left_out).take(passive, axis=1),
+            (LINEAR * open_by + self._bends.rounding(motion)) * partition.row_scale,
+            None,
+        )
+        return self._contracts(step, None)
 
     def _curve(
         self, first: Array, last: Array, leaving: Array, arriving: Array
@@ -156,15 +194,17 @@ class StepGuard:
 
     def _contracts(self, step: _ScaledStep, basis: Array | None) -> bool:
         """Tell whether Newton's map contracts all along, measured in an orthonormal basis."""
-        inverse, straight, bent = step.inverse, step.straight, step.bent
+        inverse, changes = step.inverse, step.changes
         mixed = None
         if basis is not None:
             mixed, inverse = np.abs(basis), basis.T.dot(inverse)
-            straight, bent = basis.T @ straight @ basis, basis.T @ bent @ basis
+            changes = tuple(basis.T @ change @ basis for change in changes)
         sizes = np.abs(inverse)
         left_out = step.left_out if mixed is None else step.left_out.dot(mixed)
-        change = np.abs(straight) + np.abs(bent) + sizes.dot(left_out)
-        identity = np.eye(len(change))
+        change = sizes.dot(left_out)
+        for measured in changes:
+            change += np.abs(measured)
+        identity, ones = _identity(len(change))
         if (gains := solved(identity - change, sizes)) is None:
             return False
         open_by = step.open_by
@@ -179,7 +219,7 @@ class StepGuard:
         else:
             return False
         change += sizes.dot(within)
-        weights = solved(identity - MARGIN * change, np.ones(len(change)))
+        weights = solved(identity - MARGIN * change, ones)
         return weights is not None and bool((weights >= 1.0).all())
 
     def _within(self, step: _ScaledStep, tube: Array, mixed: Array | None) -> Array:
@@ -191,3 +231,9 @@ class StepGuard:
         bound = partition.scaled(self._bends.within(step.motion, reach))
         bound = bound.take(partition.passive, axis=1)
         return bound if mixed is None else bound.dot(mixed)
+
+
+@cache
+def _identity(count: int) -> tuple[Array, Array]:
+    """Return the identity and a vector of ones."""
+    return read_only(np.eye(count)), read_only(np.ones(count))

@@ -62,7 +62,8 @@ typedef struct {
                      * paths bend there (`learn_bends`) */
     double inverse; /* of K* at one start by its smallest singular value, 0 where that is not known */
     const double *start, *displacement, *target;
-    int64_t apart, count, taken, most_tries, few, patience;
+    const double *design; /* what programs know of each path's own machine: the last of their inputs */
+    int64_t designed, apart, count, taken, most_tries, few, patience;
     double *q, *gap, *share;
     int64_t *iterations, *end;
 } Walk;

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.algebra import Algebra, Number
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.algebra.arrays import Numbers
 
 
 class Pose(NamedTuple):
@@ -24,7 +24,7 @@ class Pose(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Place:
-    """A placement: constants.
+    """A placement: constants, of one pose or of all.
 
     Attributes
     ----------
@@ -38,12 +38,12 @@ class Place:
     """
 
     axes: tuple[tuple[int, bool], ...] | None
-    rows: Array
+    rows: Numbers
     used: tuple[int, ...]
 
     @classmethod
     def of(cls, placement: pin.SE3) -> Place:
-        """Return a placement of Pinocchio's."""
+        """Return a placement of Pinocchio's, or a `Placement` of recorded numbers."""
         rotation, translation = placement.rotation, placement.translation
         axes, used = _permutation(rotation), np.flatnonzero(translation)
         if axes is not None:
@@ -98,7 +98,11 @@ def through(algebra: Algebra, pose: Pose, places: Sequence[Place]) -> Pose:
 _UNTURNED = ((0, False), (1, False), (2, False))
 
 
-def _permutation(rotation: Array) -> tuple[tuple[int, bool], ...] | None:
+def _permutation(given: Numbers) -> tuple[tuple[int, bool], ...] | None:
+    try:
+        rotation = np.asarray(given, dtype=float)
+    except TypeError:  # a recorded number is none of 0, 1 and -1
+        return None
     sizes = np.abs(rotation)
     if not ((sizes == 0.0) | (sizes == 1.0)).all() or not (sizes.sum(axis=0) == 1.0).all():
         return None

@@ -14,12 +14,13 @@ from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.jets import Jet
 from pmjac_pin.algebra.programs import PROGRAMS, Recording, Term, objects, root, zeros
 from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.kinematics.dimensions import Dimensions, Placement
 from pmjac_pin.kinematics.loops import Loops, by_twists
 from pmjac_pin.kinematics.tool import spanned_jacobian, spanned_rotation
 from pmjac_pin.kinematics.tree import Link, Poses, Tree
 from pmjac_pin.kinematics.world_frames import FrameMotion, frame_motion, vectors_in_bodies
 from pmjac_pin.model.coupling import Coupling
-from pmjac_pin.model.frames import find_frame
+from pmjac_pin.model.frames import Frame, find_frame
 from pmjac_pin.model.joint_kind import JointMotion
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.values.arrays import Array
@@ -74,6 +75,8 @@ class Recorder:
         Of the parameters.
     place : ndarray, shape (3,)
         Where the model stands in the world, m.
+    dimensions : Dimensions, optional
+        In place of the model's and of `values`.
 
     Attributes
     ----------
@@ -85,10 +88,18 @@ class Recorder:
     __slots__ = ("_loops", "_model", "_names", "_place", "nq", "nv", "tree")
 
     def __init__(
-        self, model: pin.Model, spec: MechanismSpec, values: Mapping[str, float], place: Array
+        self,
+        model: pin.Model,
+        spec: MechanismSpec,
+        values: Mapping[str, float],
+        place: Array,
+        dimensions: Dimensions | None = None,
     ) -> None:
         self._model, self._place = model, place
-        self.tree = Tree(model)
+        if dimensions is None:
+            self.tree = Tree(model)
+        else:
+            self.tree, values = Tree(model, Placement.of, dimensions), dimensions.values
         self._loops = Loops(model, self.tree, spec.loops, values)
         self._names = spec.tool.names
         self.nq, self.nv = model.nq, model.nv
@@ -111,6 +122,11 @@ class Recorder:
             spread=spread,
             turned=tuple((rows, axes[..., 0]) for rows, axes in turned),
         )
+
+    def motions(self, q: Sequence[Term], frames: Sequence[Frame]) -> list[FrameMotion]:
+        """Record where frames are at entries of q, and how they move."""
+        poses = _poses_at(self._loops.tree, q)
+        return [frame_motion(poses, frame, self.nv, 1) for frame in frames]
 
 
 def recorded_loops(loops: Loops, nq: int, nv: int) -> Tape | None:

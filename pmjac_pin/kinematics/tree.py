@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.algebra import Algebra, Number
 from pmjac_pin.algebra.jets import Columns
+from pmjac_pin.kinematics.dimensions import Placements
 from pmjac_pin.kinematics.frame_jets import Freedom, Riding, Twisted
 from pmjac_pin.kinematics.places import Place, Pose, standing, steps, through
 from pmjac_pin.model.frames import Frame
@@ -59,6 +61,8 @@ class Tree:
     model : pin.Model
     placed : callable, optional
         What is taken for each placement.
+    dimensions : Placements, optional
+        Where joints and frames are; as the model has them when None.
 
     Attributes
     ----------
@@ -66,14 +70,17 @@ class Tree:
         By Pinocchio's index of the joint, which is that of its body.
     """
 
-    __slots__ = ("_placed", "_supports", "_ways", "links")
+    __slots__ = ("_dimensions", "_placed", "_supports", "_ways", "links")
 
     def __init__(
-        self, model: pin.Model, placed: Callable[[pin.SE3], pin.SE3] = lambda place: place
+        self,
+        model: pin.Model,
+        placed: Callable[[pin.SE3], Any] = lambda place: place,
+        dimensions: Placements | None = None,
     ) -> None:
-        self._placed = placed
+        self._placed, self._dimensions = placed, dimensions
         edges = {
-            edge.child: replace(edge, before=placed(edge.before), after=placed(edge.after))
+            edge.child: replace(edge, before=self._before(edge), after=placed(edge.after))
             for edge in edges_of(model).values()
         }
         self._supports: list[tuple[int, ...]] = [tuple(support) for support in model.supports]
@@ -91,6 +98,16 @@ class Tree:
                 after=steps(edge.after),
             )
 
+    def _before(self, edge: Edge) -> Any:
+        if self._dimensions is None:
+            return self._placed(edge.before)
+        return self._dimensions.of_joint(edge.child) * edge.after.inverse()
+
+    def _frame_place(self, frame: Frame) -> Any:
+        if self._dimensions is None:
+            return self._placed(frame.placement)
+        return self._dimensions.of_frame(frame)
+
     def base(self, *frames: Frame) -> int:
         """Return the last body that carries all of these frames; 0 for the world."""
         first, *others = (self._supports[frame.joint] for frame in frames)
@@ -106,7 +123,7 @@ class Tree:
         key = (frame.joint == base, frame.index)
         if key not in self._ways:
             after = () if frame.joint == base else (self.links[frame.joint].edge.after,)
-            self._ways[key] = steps(*after, self._placed(frame.placement))
+            self._ways[key] = steps(*after, self._frame_place(frame))
         return self._ways[key]
 
 

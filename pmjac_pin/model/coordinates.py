@@ -73,6 +73,7 @@ class JointCoordinates:
         "_joints",
         "_model",
         "_neutral",
+        "_straight",
         "_translating",
         "angles",
         "curved",
@@ -116,6 +117,7 @@ class JointCoordinates:
                 self.upper[joint.idx_v] = upper if upper < LARGEST else np.inf
         for name in ("angles", "curved", "lower", "rotational", "upper", "wraps"):
             setattr(self, name, read_only(getattr(self, name)))
+        self._straight = not (self.wraps.any() or self.curved.any())  # values are entries of q
 
     def columns(self, names: Iterable[str]) -> Index:
         """Return the velocity columns of these joints, in this order."""
@@ -155,6 +157,9 @@ class JointCoordinates:
         A curved joint takes them where all its columns are among these, and stays elsewhere.
         """
         q = q.copy()
+        if self._straight:
+            q[..., self._entries_of[columns]] = values
+            return q
         if (curved := self.curved[columns]).any():
             self._set_curved(q, columns, values)
             columns, values = columns[~curved], values[..., ~curved]
@@ -167,6 +172,9 @@ class JointCoordinates:
 
     def values_of(self, q: Array, columns: Index) -> Array:
         """Return the values of these columns; q may have any leading axes."""
+        if self._straight:
+            own: Array = q[..., self._entries_of[columns]]
+            return own
         if self.curved[columns].any():
             rows = [self.values(row)[columns] for row in q.reshape(-1, q.shape[-1])]
             return np.reshape(rows, (*q.shape[:-1], columns.size))
@@ -182,6 +190,8 @@ class JointCoordinates:
         What turns endlessly goes the shorter way; a curved joint goes along a constant twist.
         """
         motion: Array = values - self.values_of(q, columns)
+        if self._straight:
+            return motion
         wraps, curved = self.wraps[columns], self.curved[columns]
         if wraps.any():
             motion[wraps] -= 2.0 * np.pi * np.round(motion[wraps] / (2.0 * np.pi))

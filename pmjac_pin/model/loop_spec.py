@@ -236,7 +236,7 @@ class DistanceLoop(LoopBetweenFrames, frozen=True, tag_field="kind", tag="distan
             length = self.length
         else:
             length = sum(number * values[name] for name, number in self.length.items())
-        if not SMALLEST <= length <= LARGEST:
+        if isinstance(length, float) and not SMALLEST <= length <= LARGEST:
             what = f"the length between {' and '.join(map(quoted, self.frames))}"
             raise ArgumentError(f"{what} must be {SMALLEST:g} to {LARGEST:g} m, got {length:g} m")
         return length

@@ -53,7 +53,7 @@ class Parameter(TomlTable, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        lower, upper = self._range()
+        lower, upper = self.range
         if not lower < upper:
             raise ArgumentError(f"minimum {lower:g} is not below maximum {upper:g}")
         self.check("default", self.default)
@@ -69,13 +69,15 @@ class Parameter(TomlTable, frozen=True, kw_only=True):
             value = float(value)
         except OverflowError:
             value = math.inf
-        lower, upper = self._range()
+        lower, upper = self.range
         if not lower <= value <= upper:
             got = f"parameter {quoted(name)} = {value:g} {self.unit}"
             message = f"{got} is not within [{lower:g}, {upper:g}]"
             raise ArgumentError(message)
         return value
 
-    def _range(self) -> tuple[float, float]:
+    @property
+    def range(self) -> tuple[float, float]:
+        """The least and the largest value that it may have."""
         lower = -LARGEST_PARAMETER if self.minimum is None else self.minimum
         return lower, LARGEST_PARAMETER if self.maximum is None else self.maximum

@@ -77,8 +77,8 @@ def eliminated(
     actuated, passive = partition.actuated, partition.passive
     scaled, size, factors = loops
     refuse_singular(loops, partition, singularity)
-    driving = scaled.take(actuated, axis=1)
-    if factors.rank < len(scaled) and factors.left_over(driving) > partition.rank_tolerance * size:
+    driving = loops.driving
+    if factors.rank < len(scaled) and loops.not_followed > partition.rank_tolerance * size:
         _refuse_forbidden(factors, scaled, partition)
     if factors.rank < passive.size:
         refuse_felt_idle_motion(factors, J, partition)

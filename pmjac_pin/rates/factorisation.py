@@ -63,7 +63,7 @@ class Factorisation:
         except np.linalg.LinAlgError:
             return None, 0.0
         # By the largest entry: squares may overflow.
-        length = columns * float(np.abs(inverse).max())
+        length = columns * float(np.maximum.reduce(np.abs(inverse), axis=None))
         bound = _SURELY / ((length if rows == columns else math.sqrt(length)) or math.inf)
         resolved = _RESOLVED if rows == columns else _SQUARED
         least = max(self.tolerance, resolved) * max(self.size, norm(self.matrix))

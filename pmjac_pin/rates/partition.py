@@ -6,10 +6,10 @@ the generic ranks, and the rows of η that are shown.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,17 +21,42 @@ from pmjac_pin.rates.singularity_types import MotionDimensions
 from pmjac_pin.rates.tool_motion import CommandedMotion, ToolMotion
 from pmjac_pin.values.arrays import Array, Index, ReadOnlyArrays, norm, read_only
 from pmjac_pin.values.checks import SMALLEST, as_number, as_numbers
+from pmjac_pin.values.found_once import found_once
 from pmjac_pin.values.ties import pivots
 
 _LEAST_SIZE = 0.1  # of [K K*], beside its generic size
 
 
-class LoopRates(NamedTuple):
-    """What the loops allow at one pose: [K K*] without dimension, its size, K* factorised."""
+@dataclass(frozen=True, eq=False)
+class LoopRates:
+    """What the loops allow at one pose: [K K*] without dimension, its size, K* factorised.
+
+    Attributes
+    ----------
+    scaled : ndarray, shape (p, nv)
+    size : float
+    passive : Factorisation
+    actuated : ndarray of int, shape (n,)
+        The columns of K.
+    """
 
     scaled: Array
     size: float
     passive: Factorisation
+    actuated: Index
+
+    def __iter__(self) -> Iterator[Any]:
+        yield from (self.scaled, self.size, self.passive)
+
+    @found_once
+    def driving(self) -> Array:
+        """K without dimension, shape (p, n)."""
+        return self.scaled.take(self.actuated, axis=1)
+
+    @found_once
+    def not_followed(self) -> float:
+        """How much of K no motion of the passive joints follows."""
+        return self.passive.left_over(self.driving)
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,12 +172,12 @@ class Partition(ReadOnlyArrays):
             twist=self.twist_rank,
         )
 
-    @property
+    @cached_property
     def full(self) -> bool:
         """Whether K* has all the rank that its shape allows: it has more nowhere."""
         return self.passive_rank == min(self.passive.size, self.row_scale.size)
 
-    @property
+    @cached_property
     def tool_full(self) -> bool:
         """Whether the tool moves in all ways that its rows and the motors allow: in more nowhere.
 
@@ -255,7 +280,7 @@ class Partition(ReadOnlyArrays):
         """
         return max(norm(scaled), self.least_size)
 
-    @property
+    @cached_property
     def least_size(self) -> float:
         """What the size of [K K*] is taken for where it vanishes."""
         return max(_LEAST_SIZE * self.size, self.smallest_size)
@@ -264,7 +289,8 @@ class Partition(ReadOnlyArrays):
         """Return [K K*] without dimension at one pose, and K* factorised."""
         scaled = self.scaled(constraint_jacobian)
         size = self.size_of(scaled)
-        return LoopRates(scaled, size, self.factorise(scaled.take(self.passive, axis=1), size))
+        factors = self.factorise(scaled.take(self.passive, axis=1), size)
+        return LoopRates(scaled, size, factors, self.actuated)
 
     def scaled_tool(self, tool_jacobian: Array) -> Array:
         """Return the tool Jacobian (6, nv) on the scaled columns, angular rows times length."""

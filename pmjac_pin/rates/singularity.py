@@ -16,11 +16,13 @@ import numpy as np
 from pmjac_pin.model.tool_rows import ToolRows
 from pmjac_pin.rates.factorisation import Factorisation
 from pmjac_pin.rates.lost_wrenches import JacobianSlopes, lost_wrenches
+from pmjac_pin.rates.margins import Margins
 from pmjac_pin.rates.partition import LoopRates, Partition
 from pmjac_pin.rates.screw import Screw, principal_screws
 from pmjac_pin.rates.singularity_types import MotionDimensions, SingularityTypes
 from pmjac_pin.rates.tool_motion import ToolMotion
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays, norm
+from pmjac_pin.values.found_once import found_once
 from pmjac_pin.values.shown import Shown
 from pmjac_pin.values.ties import first_largest
 
@@ -85,6 +87,8 @@ class Singularity(ReadOnlyArrays, Shown):
     isolated : bool
         No pose near home closes, so that nothing is known of what is generic: the generic ranks
         are home's.
+    find_margins : callable, optional
+        Of this, what `margins` has; None for matrices from elsewhere.
     """
 
     singular_values: Array
@@ -112,6 +116,28 @@ class Singularity(ReadOnlyArrays, Shown):
     actuated_units: tuple[str, ...] = ()
     passive_units: tuple[str, ...] = ()
     isolated: bool = False
+    find_margins: Callable[[Singularity], Margins] | None = None
+
+    @found_once
+    def margins(self) -> Margins:
+        """How far joints, motors and tool are from a singular pose, in m and rad, at this one.
+
+        Arms and angles by which forces hold them: see `Margins`. None, all empty, for matrices
+        from elsewhere.
+
+        Examples
+        --------
+        A four-bar's transmission angle, between coupler and rocker, by the rocker's pivot, and
+        the arm at which the coupler pushes it:
+
+        >>> import math, pmjac_pin as pj
+        >>> bar = pj.load("four_bar", {"l0": 4.0, "l1": 1.0, "l2": 3.0, "l3": 3.5}).close([0.0])
+        >>> margin = bar.singularity().margins.gain["phi1"]
+        >>> cosine = (3.0**2 + 3.5**2 - 3.0**2) / (2 * 3.0 * 3.5)
+        >>> abs(margin.transmission - math.acos(cosine)) < 1e-9, round(margin.arm, 4)
+        (True, 2.8425)
+        """
+        return Margins() if self.find_margins is None else self.find_margins(self)
 
     @property
     def idle(self) -> int:
@@ -224,6 +250,7 @@ def analyse_singularity(
     loops: LoopRates | None = None,
     tool_pose: tuple[Array, Array] | None = None,
     slopes: JacobianSlopes | None = None,
+    find_margins: Callable[[Singularity], Margins] | None = None,
 ) -> Singularity:
     """Read the ranks off the constraint and tool Jacobians of one closed pose.
 
@@ -243,6 +270,8 @@ def analyse_singularity(
         as if they were the world's, with the tool at its origin, where it is not given.
     slopes : callable, optional
         How these Jacobians change, for `lost_wrenches`.
+    find_margins : callable, optional
+        Of the result, its `margins`.
     """
     scaled, size, passive = loops or partition.loop_rates(constraint_jacobian)
     whole = partition.factorise(scaled, size)
@@ -285,6 +314,7 @@ def analyse_singularity(
         actuated_units=partition.units_of(partition.actuated),
         passive_units=partition.units_of(partition.passive),
         isolated=partition.isolated,
+        find_margins=find_margins,
     )
 
 

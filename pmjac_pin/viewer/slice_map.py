@@ -124,11 +124,13 @@ def _curves(drawn: Chart, sheets: Sheets, wanted: Callable[[], bool]) -> Iterato
         return takewhile(lambda _: wanted(), seeds)
 
     sheet = sheets.known[0]
-    findings = [LocusFinding(drawn.area, drawn.folds, sheets, drawn.fold_kind)]
-    findings[0].seek(while_wanted(sheets.border_seeds(sheet, drawn.folds)))
+    findings = []
+    if drawn.folds is not None:
+        findings.append(LocusFinding(drawn.area, drawn.folds, sheets, drawn.fold_kind))
+        findings[-1].seek(while_wanted(sheets.border_seeds(sheet, drawn.folds)))
     if drawn.inner is not None:
         findings.append(LocusFinding(drawn.area, drawn.inner, sheets, drawn.inner_kind))
-        findings[1].seek(while_wanted(sheets.inner_seeds(sheet, drawn.inner)))
+        findings[-1].seek(while_wanted(sheets.inner_seeds(sheet, drawn.inner)))
     for finding in findings:
         for curve in finding.curves:
             if not finding.stays(curve):

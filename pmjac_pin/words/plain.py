@@ -19,9 +19,10 @@ def told(value: object, *names: str) -> dict[str, object]:
 def to_json(data: Mapping[str, object]) -> str:
     """Write what is told of a report, or of a diagnosis, as strict JSON in ASCII, a line a key.
 
-    JSON knows no infinity: infinite numbers become null. There are four: the radii of the
+    JSON knows no infinity and no NaN: both become null. There are five: the radii of the
     force ellipsoid in directions that the structure bears by itself, the singularity's
-    `smallest` (no loops) and `condition` (singular), and the pitch of a screw without an axis.
+    `smallest` (no loops) and `condition` (singular), the pitch of a screw without an axis, and
+    the arm and the transmission angle of a joint that has none.
     """
     lines = (f"{_ascii(key)}: {_ascii(value)}" for key, value in data.items())
     return "{\n" + ",\n".join(lines) + "\n}"

@@ -39,6 +39,7 @@ from pmjac_pin.words.labelled_values import (
     parameters_told,
 )
 from pmjac_pin.words.load_report import LoadReport, load_told
+from pmjac_pin.words.margin_tables import margins_told
 from pmjac_pin.words.matrices import EQUIVALENT, matrices_of, parts_of
 from pmjac_pin.words.plain import told
 
@@ -327,6 +328,7 @@ def singularity_told(found: Singularity, length: float) -> dict[str, object]:
         "forbidden_rates": by_name(found.actuated_names, found.forbidden_rates),
         "free_screws": [told(one, "direction", "point", "pitch") for one in found.free_screws],
         "lost_screws": [told(one, "direction", "point", "pitch") for one in found.lost_screws],
+        "margins": margins_told(found.margins),
     }
 
 

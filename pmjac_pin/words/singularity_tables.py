@@ -1,4 +1,4 @@
-"""A singularity in tables: the ranks, and the motions that are free or forbidden."""
+"""A singularity in tables: the ranks, what is free, lost or forbidden, and the margins."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from pmjac_pin.rates.singularity import Singularity
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.brief import brief
 from pmjac_pin.words.blocks import Block, Table
+from pmjac_pin.words.margin_tables import margin_blocks
 from pmjac_pin.words.numbers import matrix_numbers
 from pmjac_pin.words.report import by_name
 
@@ -40,6 +41,7 @@ def singularity_blocks(found: Singularity, *, length: float | None = None) -> It
     yield from _screws_table(
         "Wrenches on the tool that only here need no motor", found.lost_screws, "m"
     )
+    yield from margin_blocks(found.margins)
     if forbidden := by_name(found.actuated_names, found.forbidden_rates):
         yield _motions_table("Motor rates that the loops forbid", forbidden, found.actuated_units)
 

@@ -33,7 +33,7 @@ __all__ = ["Urdf", "UrdfJoint", "parse_urdf"]
 
 MAXIMAL_URDF = 20_000_000  # bytes
 
-_SIZE_ATTRIBUTES: Mapping[str, tuple[str, ...]] = MappingProxyType(
+SIZE_ATTRIBUTES: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "box": ("size",),
         "cylinder": ("radius", "length"),
@@ -256,20 +256,20 @@ def _move_origin(element: Element, move: Move, delta: float) -> None:
             _add(f"{where}, <origin>", origin, attribute, coefficients, delta)
 
 
-def _size_coefficients(move: Move) -> dict[str, tuple[float, ...]]:
+def size_coefficients(move: Move) -> dict[str, tuple[float, ...]]:
     given = {"size": move.size, "length": (move.length,), "radius": (move.radius,)}
     return {attribute: numbers for attribute, numbers in given.items() if any(numbers)}
 
 
 def _resized_shape(element: Element, move: Move) -> Element | None:
     """Return the shape whose size the move changes; nothing if it changes none."""
-    if not (wanted := _size_coefficients(move)):
+    if not (wanted := size_coefficients(move)):
         return None
     where = label(element)
     geometry = only(where, element, "geometry")
     if geometry is None or len(geometry) != 1:
         raise ModelFileError(f"{where} needs a <geometry> with one shape")
-    sizes = _SIZE_ATTRIBUTES.get(geometry[0].tag, ())
+    sizes = SIZE_ATTRIBUTES.get(geometry[0].tag, ())
     for attribute in wanted:
         if attribute not in sizes:
             got = f"{where} is a <{geometry[0].tag}> and has no `{attribute}` to move"
@@ -281,7 +281,7 @@ def _resized_shape(element: Element, move: Move) -> Element | None:
 def _move_shape(element: Element, move: Move, delta: float) -> None:
     if (shape := _resized_shape(element, move)) is not None:
         where = f"{label(element)}, <{shape.tag}>"
-        for attribute, coefficients in _size_coefficients(move).items():
+        for attribute, coefficients in size_coefficients(move).items():
             _add(where, shape, attribute, coefficients, delta)
 
 
@@ -289,7 +289,7 @@ def _check_positive(element: Element, move: Move) -> None:
     # Only once all moves are done: one may shrink a shape and another make up for it.
     if (shape := _resized_shape(element, move)) is not None:
         where = f"{label(element)}, <{shape.tag}>"
-        for attribute, coefficients in _size_coefficients(move).items():
+        for attribute, coefficients in size_coefficients(move).items():
             values = numbers(where, shape, attribute, count=len(coefficients))
             if min(values) <= 0.0:
                 got = f"`{attribute}` would become {written(values)}"

@@ -13,10 +13,13 @@ from pmjac_pin.model.limits import enforced
 from pmjac_pin.studies.follow.course import Course
 from pmjac_pin.studies.follow.given_path import motor_path
 from pmjac_pin.studies.follow.journey import Journey
+from pmjac_pin.studies.follow.pose_course import PoseTargets, pose_course
+from pmjac_pin.studies.follow.pose_path import is_of_poses, pose_path
 from pmjac_pin.studies.follow.step import beginning
 from pmjac_pin.studies.follow.tool_course import check_start_within, tool_course, tool_path
 from pmjac_pin.studies.follow.trajectory import Trajectory, sample_times
 from pmjac_pin.studies.follow.user_events import UserEvents
+from pmjac_pin.studies.reach.task import Task
 from pmjac_pin.values.checks import as_flag, check_callable, check_kind
 
 
@@ -25,7 +28,7 @@ def follow(
     path: Any,
     *,
     start: Guess = "home",
-    coordinates: Sequence[str] | None = None,
+    coordinates: Sequence[str] | Literal["pose"] | Task | None = None,
     tool: str | Sequence[str] | None = None,
     times: Any = None,
     samples: Any = None,
@@ -44,16 +47,19 @@ def follow(
     Parameters
     ----------
     mechanism : Mechanism
-    path : array_like (N, n), table by the motors' names, scipy spline, or callable t ↦ (n,)
+    path : array_like (N, n), table by names, scipy spline, callable t ↦ (n,), or N poses
         Motor values, m or rad: waypoints, between which the motors move straight; a `PPoly`,
         `CubicSpline` or `BSpline`; or a smooth function, for which polynomials of degree 7 stand
-        that agree with it to 1e-12.
+        that agree with it to 1e-12. Poses are of the tool, pin.SE3 or 4 × 4: between them it slides
+        straight and turns about one axis, the shorter way.
     start : str, Configuration or mapping of str to float
         The guess from which the path's first point is closed, as of `Mechanism.close`.
     coordinates : sequence of str, optional
         The path is of the tool's coordinates, of "x", "y", "z" (m, in the world) and "angle" (rad,
         of its x axis about z), in this order: the machine is driven by its tool, stays on its
-        working mode, and its first point is reached straight from `start`.
+        working mode, and its first point is reached straight from `start`. "pose", or a `Task`:
+        the path is of poses of the tool, waypoints or a function t ↦ pin.SE3, of which the task's
+        rows count, all six for "pose".
     tool : str or three str, optional
         Another frame than the mechanism's tool, or three that span one, for these.
     times : array_like, optional
@@ -112,17 +118,16 @@ def follow(
     if singularity not in ("stop", "pass"):
         raise ArgumentError(f"singularity is 'stop' or 'pass', got {quoted(singularity)}")
     whose = enforced(enforce_limits)
-    if coordinates is None:
-        asked = motor_path(mechanism, path, times)
-        values = asked.pieces[0].values(asked.start)
-        begin = mechanism.close(values, start, enforce_limits=enforce_limits)
-        course = Course.beginning_at(begin, asked)
-    else:
-        asked = tool_path(path, times, coordinates)
-        guess = start_of(mechanism, start, mechanism.home.actuated)
-        course, begin = tool_course(mechanism, asked, coordinates, tool, guess)
-        check_start_within(course.configuration(begin.q), whose)
-    wanted = sample_times(samples, asked.start, asked.end)
+    course, begin, targets = _course(
+        mechanism,
+        path,
+        start=start,
+        coordinates=coordinates,
+        tool=tool,
+        times=times,
+        enforce_limits=enforce_limits,
+    )
+    wanted = sample_times(samples, course.path.start, course.path.end)
     watched = UserEvents.given(course, events)
     journey = Journey(
         course,
@@ -136,9 +141,42 @@ def follow(
     try:
         for t in journey.go():
             if progress is not None:
-                progress(t, asked.end)
+                progress(t, course.path.end)
     except KeyboardInterrupt:
         done = journey.interrupted().trajectory(wanted)
-        message = f"followed to t = {done.t[-1]:g} of {asked.end:g}, kept in `done`"
+        message = f"followed to t = {done.t[-1]:g} of {course.path.end:g}, kept in `done`"
         raise Interrupted(message, done) from None
-    return journey.trajectory(wanted)
+    found = journey.trajectory(wanted)
+    if targets is not None:
+        for t, q in zip(found.t.tolist(), found.q, strict=True):
+            targets.check_met(t, q)
+    return found
+
+
+def _course(
+    mechanism: Mechanism,
+    path: Any,
+    *,
+    start: Guess,
+    coordinates: Sequence[str] | Literal["pose"] | Task | None,
+    tool: str | Sequence[str] | None,
+    times: Any,
+    enforce_limits: bool | Literal["all"],
+) -> tuple[Course, Configuration, PoseTargets | None]:
+    """Return the course, of motors or tool, the pose where it begins, and the tool's targets."""
+    if coordinates is None and not is_of_poses(path):
+        asked = motor_path(mechanism, path, times)
+        values = asked.pieces[0].values(asked.start)
+        begin = mechanism.close(values, start, enforce_limits=enforce_limits)
+        return Course.beginning_at(begin, asked), begin, None
+    guess = start_of(mechanism, start, mechanism.home.actuated)
+    targets = None
+    if coordinates is None or coordinates == "pose" or isinstance(coordinates, Task):
+        task = coordinates if isinstance(coordinates, Task) else Task.pose()
+        targets = PoseTargets(mechanism, pose_path(path, times), task, tool)
+        course, begin = pose_course(targets, guess)
+    else:
+        asked = tool_path(path, times, coordinates)
+        course, begin = tool_course(mechanism, asked, coordinates, tool, guess)
+    check_start_within(course.configuration(begin.q), enforced(enforce_limits))
+    return course, begin, targets

@@ -8,6 +8,7 @@ from math import factorial
 from typing import Any
 
 import numpy as np
+from numpy.polynomial.chebyshev import cheb2poly, chebvander
 from scipy.constants import golden
 
 from pmjac_pin.closing.motor_values import motor_table
@@ -15,14 +16,17 @@ from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.follow.motor_path import MotorPath, PathPiece
 from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.checks import as_numbers
+from pmjac_pin.values.checks import LARGEST, as_numbers
 
 _DEGREE = 7  # of the polynomials that stand for a function
 _AGREES = 1e-12  # m or rad, or of its largest value: those with the function, in between
+_NOISE = 2e-15  # of its largest value: rounding
 _LOOKS = 256  # at a function, all over its range: a short motion between nodes is seen
 _FINEST = 24  # of the range, until a function is not smooth enough
 _JUMP = 1e-9  # m or rad: rounding makes smaller ones
 _LARGEST_TIME = 1e9
+_TOLD_APART = 1e-9  # of the parameter, ten times what events are located to
+_ROUNDED = 1e-13  # of the largest one
 
 
 def motor_path(mechanism: Mechanism, path: Any, times: Any = None) -> MotorPath:
@@ -68,7 +72,7 @@ def path_of(
     table : callable
         Waypoints as a caller gives them ↦ numbers (N, n).
     """
-    ascending = None if times is None else _ascending(times)
+    ascending = None if times is None else ascending_times(times)
     if callable(path):
         pieces = _spline_pieces(path, ascending) or _by_polynomials(path, ascending, len(names))
     else:
@@ -77,11 +81,23 @@ def path_of(
     return MotorPath(tuple(pieces))
 
 
-def _ascending(times: Any) -> Array:
+def ascending_times(times: Any) -> Array:
+    """Return times as a caller gives them, or raise ArgumentError where they do not ascend."""
     found = np.atleast_1d(as_numbers(times, "times", _LARGEST_TIME))
     if found.ndim != 1 or found.size < 2 or not (np.diff(found) > 0.0).all():
         raise ArgumentError(f"times are two or more numbers that ascend, got {quoted(times)}")
+    _check_apart(found)
     return found
+
+
+def _check_apart(times: Array) -> None:
+    """Raise ArgumentError where an event between two times could not be told from them."""
+    nearest = max(_TOLD_APART, _ROUNDED * float(np.abs(times).max(initial=0.0)))
+    near = np.flatnonzero(np.diff(times) < nearest)
+    if near.size:
+        one, other = times[near[0] : near[0] + 2].tolist()
+        message = f"times are {nearest:.1g} apart or more, got {one!r} and {other!r}"
+        raise ArgumentError(f"{message}: leave one out, or count in a smaller unit")
 
 
 def _straight(values: Array, times: Array | None) -> list[PathPiece]:
@@ -122,6 +138,7 @@ def _of_powers(c: Any, x: Any, times: Array | None) -> list[PathPiece]:
     if first < knots[0] or last > knots[-1]:
         reach = f"[{knots[0]:g}, {knots[-1]:g}]"
         raise ArgumentError(f"times [{first:g}, {last:g}] are not within the spline's {reach}")
+    _check_apart(np.unique([first, last, *knots[(knots > first) & (knots < last)]]))
     return [
         PathPiece(max(start, first), min(end, last), start, powers[:, k])
         for k, (start, end) in enumerate(zip(knots[:-1].tolist(), knots[1:].tolist(), strict=True))
@@ -174,13 +191,31 @@ def _fitted_piece(at: Callable[[float], Array], start: float, end: float) -> Pat
     angles = np.pi * np.arange(_DEGREE + 1) / _DEGREE
     nodes, between = -np.cos(angles), -np.cos(0.5 * (angles[1:] + angles[:-1]))
     values = np.array([at(middle + half * s) for s in nodes.tolist()])
-    powers = np.linalg.solve(np.vander(nodes), values)
+    # Of Chebyshev's polynomials, what is rounding is left out: its derivatives are not small.
+    shares = np.linalg.solve(chebvander(nodes, _DEGREE), values)
+    shares[np.abs(shares) <= _NOISE * np.abs(values).max(axis=0)] = 0.0
     there = np.array([at(middle + half * s) for s in between.tolist()])
-    off = np.abs(np.vander(between, _DEGREE + 1) @ powers - there).max()
+    off = np.abs(chebvander(between, _DEGREE) @ shares - there).max()
     if off > _AGREES * max(1.0, float(np.abs(values).max())):
         return None
-    scale = half ** -np.arange(_DEGREE, -1.0, -1.0)
+    count = 1 + int(np.flatnonzero(shares.any(axis=1)).max(initial=0))
+    powers = np.array([_by_powers(column, count) for column in shares.T]).T
+    scale = half ** -np.arange(count - 1.0, -1.0, -1.0)
     return PathPiece(start, end, middle, powers * scale[:, None])
+
+
+def _by_powers(shares: Array, count: int) -> Array:
+    """Return a polynomial of so many coefficients by powers, highest first."""
+    powers = cheb2poly(shares[:count])[::-1]
+    return np.concatenate([np.zeros(count - len(powers)), powers])
+
+
+def _largest(piece: PathPiece) -> float:
+    """Return a bound of all values of a piece."""
+    far = max(abs(piece.start - piece.origin), abs(piece.end - piece.origin))
+    powers = far ** np.arange(len(piece.coefficients) - 1.0, -1.0, -1.0)
+    with np.errstate(over="ignore", invalid="ignore"):
+        return float((np.abs(piece.coefficients) * powers[:, None]).sum(axis=0).max(initial=0.0))
 
 
 def _check_pieces(pieces: list[PathPiece], names: Sequence[str]) -> None:
@@ -190,6 +225,9 @@ def _check_pieces(pieces: list[PathPiece], names: Sequence[str]) -> None:
             got = piece.coefficients.shape[1]
             wanted = f"{len(names)} values ({', '.join(names)})"
             raise ArgumentError(f"a path of {wanted} is wanted, got one of {got} values")
+        if not _largest(piece) <= LARGEST:
+            where = f"between t = {piece.start:g} and {piece.end:g}"
+            raise ArgumentError(f"the path's values must be {LARGEST:g} or less {where}")
     for before, after in pairwise(pieces):
         jump = np.abs(after.values(after.start) - before.values(before.end)).max(initial=0.0)
         if not jump <= _JUMP:

@@ -53,6 +53,6 @@ def homecoming(
     apart[turns] = np.remainder(apart[turns] + np.pi, 2.0 * np.pi) - np.pi
     if not np.abs(apart).max(initial=0.0) <= SAME_MOTORS:
         return None
-    turned_back = coordinates.with_values(end.q, motors, start.actuated)
+    turned_back = coordinates.with_values(end.q, motors, start.actuated + apart)
     same = Recognition([start]).index(mechanism.configuration(turned_back)) is not None
     return Homecoming(same, any(event.kind in _SINGULAR_EVENTS for event in events))

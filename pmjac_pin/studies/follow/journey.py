@@ -19,7 +19,7 @@ from pmjac_pin.studies.follow.path_end import path_end
 from pmjac_pin.studies.follow.step import CoveredStep, PathPose
 from pmjac_pin.studies.follow.tool_losses import what_is_lost
 from pmjac_pin.studies.follow.trajectory import PathStatus, Trajectory, acceleration_along
-from pmjac_pin.studies.follow.tubes import ProvenTubes, proven_tubes
+from pmjac_pin.studies.follow.tubes import PathProof
 from pmjac_pin.studies.follow.user_events import UserEvents
 from pmjac_pin.studies.follow.walker import CourseWalker
 from pmjac_pin.values.arrays import Array
@@ -62,42 +62,71 @@ class Journey:
         self._course, self._pose, self._begin = course, pose, begin
         self._limits, self._losses = JointLimits(course), what_is_lost(course, begin)
         self._watched, self._stopping = watched, _STOPS_AT[whose]
-        self._passing, self._certified = passing, certified
+        self._passing = passing
+        self._proof = PathProof(course, pose) if certified else None
         self._stretches: list[Stretch] = []
         self._events: list[Event] = []
         self._last = pose
         self._status: PathStatus = "end"
-        self._tubes: ProvenTubes | None = None
         self._reason = "all of the path was followed"
 
     def go(self) -> Iterator[float]:
-        """Walk, and prove what was walked; yield the parameter after each step."""
+        """Walk, and prove each step where that is asked for; yield the parameter after it."""
         yield from self._walk()
-        if self._certified:
-            self._prove()
+        proof = self._proof
+        if proof is not None and proof.failed and not self._ends_singular():
+            self._keep_proven("not proven", proof.failed)
 
     def _walk(self) -> Iterator[float]:
         pose: PathPose | None = self._pose
         while pose is not None:
             walker = CourseWalker(self._course, pose)
             for step in walker.steps():
+                found = self._happening(step)
+                if not self._proves(step):
+                    return
                 self._stretches.append(step)
-                self._last = step.end
-                if self._stops(step):
+                if self._stops(step, found):
                     return
                 yield step.end.t
             pose = self._after(walker)
 
+    def _proves(self, step: CoveredStep) -> bool:
+        """Tell whether a step is proven, or need not be: one may lead to a singular pose."""
+        proof = self._proof
+        if proof is None or proof.takes(step):
+            return True
+        return step.end.t - proof.end.t <= _BESIDE_ITS_END * max(1.0, abs(proof.end.t))
+
+    def _ends_singular(self) -> bool:
+        return bool(self._events) and self._events[-1].kind in _SINGULAR_ENDS
+
     def interrupted(self) -> Journey:
-        """Return this, as somebody has interrupted it."""
-        self._status, self._reason = "interrupted", "somebody interrupted it"
+        """Return this as far as it is known, and proven, as somebody has interrupted it."""
+        why = "somebody interrupted it"
+        self._stop("interrupted", why, self._last)
+        if self._proof is not None:
+            self._keep_proven("interrupted", why)
         return self
 
-    def _stops(self, stretch: Stretch) -> bool:
-        """Note what happens on a part; tell whether it stops there, at a limit."""
+    def _keep_proven(self, status: PathStatus, reason: str) -> None:
+        """Leave out what comes after the last step that is proven."""
+        done = 0 if self._proof is None else len(self._proof.radii)
+        self._stretches = self._stretches[:done]
+        last = self._stretches[-1].end if self._stretches else self._pose
+        self._events = [event for event in self._events if event.t <= last.t]
+        self._stop(status, reason, last)
+
+    def _happening(self, stretch: Stretch) -> list[Event]:
+        """Return what happens on a part, in its order."""
         watchers = (self._limits, self._losses, self._watched)
         found = [event for one in watchers if one for event in one.events(stretch)]
-        for event in sorted(found, key=lambda event: event.t):
+        return sorted(found, key=lambda event: event.t)
+
+    def _stops(self, stretch: Stretch, found: Sequence[Event]) -> bool:
+        """Note what happens on a part; tell whether it stops there, at a limit."""
+        self._last = stretch.end
+        for event in found:
             known = [one for one in self._events if one.kind == event.kind in ("loss", "gain")]
             if any(abs(one.t - event.t) <= _SAME_T * max(1.0, abs(event.t)) for one in known):
                 continue  # where two steps meet
@@ -140,15 +169,15 @@ class Journey:
         if spot.t >= self._course.path.end - _SAME_T * max(1.0, abs(self._course.path.end)):
             self._stop("end", f"all of the path was followed; at its end {event.what}", there)
             return None
-        meet = event.kind == "branch point" and self._passing and not self._certified
+        meet = event.kind == "branch point" and self._passing and self._proof is None
         passage = crossed(walker, spot) if meet else None
         if passage is None:
             what: PathStatus = "fold" if event.kind == "fold" else "branch point"
             self._stop(what, f"at t = {event.t:.9g} {event.what}", there)
             return None
+        found = self._happening(passage)
         self._stretches.append(passage)
-        self._last = passage.end
-        return None if self._stops(passage) else passage.end
+        return None if self._stops(passage, found) else passage.end
 
     def trajectory(self, wanted: Array | None) -> Trajectory:
         """Return what was found, at the parameters that are wanted."""
@@ -170,8 +199,12 @@ class Journey:
             evidence=self._evidence(),
             homecoming=homecoming(self._begin, end, events) if self._status == "end" else None,
             steps=np.array([one.start.t for one in self._stretches] + [self._last.t]),
-            radii=np.zeros(0) if self._tubes is None else self._tubes.radii,
+            radii=self._radii(),
         )
+
+    def _radii(self) -> Array:
+        proven = [] if self._proof is None else self._proof.radii
+        return np.array(proven[: len(self._stretches)], dtype=float)
 
     def _motor_rates(self, poses: Sequence[PathPose]) -> tuple[Array, Array]:
         """Return rates and accelerations (N, n) of the motors of the machine that is shown."""
@@ -200,26 +233,9 @@ class Journey:
                 found.append(self._stretches[number].at(t))
         return [*found, last]
 
-    def _prove(self) -> None:
-        """Prove the steps; leave out those after the first for which nothing is proven."""
-        steps = [one for one in self._stretches if isinstance(one, CoveredStep)]
-        self._tubes = proven_tubes(self._course, steps)
-        if not self._tubes.failed:
-            return
-        done = len(self._tubes.radii)
-        last = steps[done].start if steps else self._last
-        near = self._last.t - last.t <= _BESIDE_ITS_END * max(1.0, abs(last.t))
-        if near and self._events and self._events[-1].kind in _SINGULAR_ENDS:
-            return  # what is left leads to the singular pose that ends the path
-        self._stretches = self._stretches[:done]
-        self._events = [event for event in self._events if event.t <= last.t]
-        self._stop("not proven", f"{self._tubes.failed}; without proof, {self._reason}", last)
-
     def _evidence(self) -> Evidence:
-        if self._tubes is not None:
-            done = len(self._tubes.radii)
-            last = self._stretches[done - 1].end.t if done else self._last.t
-            return _tube_evidence(self._tubes, last)
+        if self._proof is not None:
+            return self._proof.evidence()
         told = "each step is covered: in a tube about it each t has exactly one closed pose"
         passed = sum(isinstance(one, Passage) for one in self._stretches)
         if passed:
@@ -230,25 +246,6 @@ class Journey:
         if self._losses is None and not nothing:
             told += "; what is lost on the way was not watched"
         return Evidence("tolerance", told)
-
-
-def _tube_evidence(tubes: ProvenTubes, end: float) -> Evidence:
-    """Say what is proven of a path up to a parameter."""
-    if not tubes.radii.size:
-        return Evidence("nothing", tubes.failed or "there is no step to be proven")
-    if np.isinf(tubes.radii).all():
-        return Evidence("proof", "nothing is passive: motors alone say where all is")
-    wide = f"{tubes.radii.min():.2g} to {tubes.radii.max():.2g} rad or lengths"
-    parts = [
-        f"up to t = {end:.9g} each t has exactly one closed pose in a tube of {wide}, and they "
-        "hang together"
-    ]
-    if tubes.held:
-        parts.append(f"with {', '.join(tubes.held)} held")
-    if tubes.left_out:
-        rows = f"{len(tubes.left_out)} dependent row" + "s" * (len(tubes.left_out) > 1)
-        parts.append(f"of all rows but {rows}, which it solves to {tubes.gap:.2g}")
-    return Evidence("proof", "; ".join(parts))
 
 
 def _kept(stretch: Stretch) -> list[PathPose]:

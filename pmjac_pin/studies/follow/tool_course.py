@@ -111,14 +111,25 @@ def tool_course(
     driven = targets.driven(first)
     values = targets.in_motors(driven, first)
     ways = _in_motors(path, targets.slopes(driven, first), values)
+    begin = begun(driven, values, start)
+    return Course.beginning_at(begin, ways, mechanism), begin
+
+
+def begun(driven: DrivenByTool, values: Array, start: Configuration) -> Configuration:
+    """Return the driven machine's pose at these values, reached straight from one of the machine.
+
+    Raises
+    ------
+    ClosureError
+        It is not reached.
+    """
     try:
-        begin = driven.mechanism.close(values, driven.lifted(start), enforce_limits=False)
+        return driven.mechanism.close(values, driven.lifted(start), enforce_limits=False)
     except ClosureError as error:
-        message = f"{mechanism.name}: the tool does not go straight to where its path begins"
+        message = f"{driven.whole.name}: the tool does not go straight to where its path begins"
         raise ClosureError(
             f"{message}; begin at another pose", residual_norm=error.residual_norm, q=start.q
         ) from None
-    return Course.beginning_at(begin, ways, mechanism), begin
 
 
 def check_start_within(pose: Configuration, whose: str) -> None:

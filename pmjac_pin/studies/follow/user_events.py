@@ -16,7 +16,7 @@ from pmjac_pin.studies.follow.event import Event
 from pmjac_pin.studies.follow.passage import Stretch
 from pmjac_pin.values.checks import as_number, check_callable
 
-_LOOKS = 4  # of a step
+_LOOKS_A_STEP = 4  # of a step
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,10 +40,10 @@ class UserEvents:
 
     def events(self, stretch: Stretch) -> Iterator[Event]:
         """Yield what happens on a part of a path."""
-        times = np.linspace(stretch.start.t, stretch.end.t, _LOOKS + 1).tolist()
+        times = np.linspace(stretch.start.t, stretch.end.t, _LOOKS_A_STEP + 1).tolist()
         for name in self.functions:
             values = [self._value(name, stretch, t) for t in times]
-            for k in range(_LOOKS):
+            for k in range(_LOOKS_A_STEP):
                 signs = np.sign(values[k]), np.sign(values[k + 1])  # products may underflow
                 if signs[0] and signs[0] != signs[1]:
                     yield self._event(name, stretch, times[k], times[k + 1])

@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.factorisation import factorise
+from pmjac_pin.studies.reach.gimbal import PLAIN_GIMBAL
 from pmjac_pin.studies.reach.goal import ToolGoal, tool_at
 from pmjac_pin.studies.reach.tool_chain import ChainTurning, ToolChain
 from pmjac_pin.studies.reach.tool_motions import ToolMotions, tool_motions
@@ -55,7 +56,7 @@ def single_chains(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> tuple[Tool
     """Return the chosen chains, or those of all rows, of joints with one freedom each."""
     chains = chosen_chains(mechanism, goals) or whole_chains(mechanism, goals)
     return tuple(
-        replace(chain, singly=True, turning=_held_turning(chain, goal))
+        replace(chain, singly=True, gimbal=PLAIN_GIMBAL, turning=_held_turning(chain, goal))
         for chain, goal in zip(chains, goals, strict=True)
     )
 

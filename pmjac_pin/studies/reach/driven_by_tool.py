@@ -23,19 +23,20 @@ straight way with limits and what the motors hold looked at.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.closing.nearby_poses import nearby
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ClosureError
+from pmjac_pin.errors import ArgumentError, ClosureError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop
 from pmjac_pin.studies.led_machine import LedMachine
 from pmjac_pin.studies.reach.chosen_chains import chosen_chains, single_chains, whole_chains
+from pmjac_pin.studies.reach.gimbal import gimbal_for
 from pmjac_pin.studies.reach.goal import Goal, ToolGoal, tool_at
 from pmjac_pin.studies.reach.tool_chain import ToolChain
 from pmjac_pin.values.arrays import Array
@@ -105,6 +106,42 @@ def driven_by_tool(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> DrivenByT
         none of whose coordinates determines the others.
     """
     return _once(mechanism, goals, chosen_chains)
+
+
+def driven_along(
+    mechanism: Mechanism, goals: Sequence[ToolGoal], turned: Array
+) -> DrivenByTool | None:
+    """Return the same driven by numbers: what turns any way does so by three hinges in turn.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    goals : sequence of ToolGoal
+        One.
+    turned : ndarray, shape (N, 3, 3)
+        How the tool is to be turned in the world, home included: the hinges do not lock there.
+
+    Returns
+    -------
+    DrivenByTool or None
+        None as of `driven_by_tool`.
+
+    Raises
+    ------
+    ArgumentError
+        No three hinges turn so without a lock.
+    """
+    if (found := driven_by_tool(mechanism, goals)) is None:
+        return None
+    (chain,) = found.chains
+    if chain.turning != "orientation":
+        return found
+    here = chain.axes.T @ turned @ chain.home.rotation.T @ chain.axes
+    if (gimbal := gimbal_for(here)) is None:
+        message = "the tool turns about all axes by too much for any three hinges in turn"
+        raise ArgumentError(f"{mechanism.name}: {message}: follow its path in parts")
+    chains = (replace(chain, gimbal=gimbal),)
+    return DrivenByTool(mechanism, _mechanism(mechanism, chains, goals), chains)
 
 
 def welded_to_tool(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> DrivenByTool | None:

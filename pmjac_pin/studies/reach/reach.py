@@ -28,6 +28,7 @@ def reach(
     *,
     tool: ToolName = None,
     task: Task | None = None,
+    mask: Sequence[bool] | None = None,
     guess: Guess = "home",
     limits: bool = True,
     posture: MotorValues | None = None,
@@ -53,6 +54,8 @@ def reach(
         The mechanism's own when None.
     task : Task, optional
         What of the target counts: the position where it is one, all of a pose by default.
+    mask : sequence of six bool, optional
+        The same by the rows of the tool's twist, vx, vy, vz, wx, wy and wz: `Task.masked`.
     guess : str, Configuration or mapping of str to float
         Where to start, as of `Mechanism.close`.
     limits : bool
@@ -69,7 +72,7 @@ def reach(
     Raises
     ------
     ArgumentError, UnknownNameError, NoToolError
-        A target, tool, task or posture that is none.
+        A target, tool, task, mask or posture that is none.
     ClosureError
         The guess does not close.
 
@@ -84,7 +87,7 @@ def reach(
     'out of reach'
     """
     check_kind(mechanism, Mechanism)
-    goals = read_goals(mechanism, target, tool, task)
+    goals = read_goals(mechanism, target, tool, task, mask)
     start = start_of(mechanism, guess, mechanism.home.actuated)
     wanted = start.actuated
     if posture is not None:

@@ -29,7 +29,11 @@ _NEARLY_RIGID = 1e-6  # of RᵀR − 1
 
 
 def read_goals(
-    mechanism: Mechanism, target: Target, tool: ToolName, task: Task | None
+    mechanism: Mechanism,
+    target: Target,
+    tool: ToolName,
+    task: Task | None,
+    mask: Sequence[bool] | None = None,
 ) -> tuple[Goal, ...]:
     """Return what a caller wants, or say what is wrong with it.
 
@@ -39,6 +43,10 @@ def read_goals(
     """
     if task is not None:
         check_kind(task, Task)
+    if mask is not None:
+        if task is not None:
+            raise ArgumentError("`task` and `mask` both say what of the target counts: give one")
+        task = Task.masked(mask)
     if isinstance(target, Mapping):
         return _named_goals(mechanism, target, tool, task)
     if (tools := _several(target, tool)) is not None:
@@ -56,6 +64,8 @@ def _several(target: Any, tool: ToolName) -> tuple[Any, ...] | None:
         return None
     if shape[0] != len(tool):
         raise ArgumentError(f"{len(tool)} tools, {quoted(tuple(tool))}, and {shape[0]} targets")
+    if twice := [name for name in tool if list(tool).count(name) > 1]:
+        raise ArgumentError(f"the tool {quoted(twice[0])} has two targets: give it one")
     return tuple(tool)
 
 
@@ -72,17 +82,22 @@ def _named_goals(
     if not target:
         raise ArgumentError("the target names nothing: give coordinates, joints or tools by name")
     if all(name in _COORDINATES for name in target):
-        if task is not None:
-            raise ArgumentError("single coordinates are their own task: leave `task` out")
+        _check_no_task(task, "single coordinates")
         return (_coordinates_goal(_checked_frames(mechanism, tool), target),)
     if all(name in mechanism.coordinates.names for name in target) and all(
         np.ndim(value) == 0 and not isinstance(value, pin.SE3 | Mapping)
         for value in target.values()
     ):
+        _check_no_task(task, "values of joints")
         return (_joint_goal(mechanism, target),)
     if tool is not None:
         raise ArgumentError("targets by the names of their tools, and tools besides: give one")
     return tuple(_goal(mechanism, one, name, task) for name, one in target.items())
+
+
+def _check_no_task(task: Task | None, what: str) -> None:
+    if task is not None:
+        raise ArgumentError(f"{what} say themselves what counts: leave `task` and `mask` out")
 
 
 def _joint_goal(mechanism: Mechanism, target: Mapping[str, Any]) -> JointGoal:
@@ -106,15 +121,21 @@ def _coordinates_goal(tool: Tool, target: Mapping[str, Any]) -> ToolGoal:
 def _goal(mechanism: Mechanism, target: Any, tool: ToolName, task: Task | None) -> Goal:
     own = _checked_frames(mechanism, tool)
     if isinstance(target, Mapping):
+        _check_no_task(task, "single coordinates")
         return _coordinates_goal(own, _checked_coordinates(target))
-    pose = _given_pose(target)
+    pose = given_pose(target)
     if pose is not None:
         return ToolGoal(own, Task.pose() if task is None else task, pose)
     given = as_numbers(target, "a target")
     if given.shape != (3,):
-        wanted = "a pose (pin.SE3 or a 4x4 matrix), a position of three numbers, or a mapping"
-        raise ArgumentError(f"a target is {wanted}; got shape {given.shape}")
+        poses = "a pose (pin.SE3 or a 4x4 matrix), a position of three numbers"
+        wanted = f"{poses}, or coordinates by name, as {{'x': 0.2, 'y': 0.4}}"
+        raise ArgumentError(f"a target is {wanted}; got {_how_many(given)}")
     return ToolGoal(own, *_of_three(Task.position() if task is None else task, given))
+
+
+def _how_many(given: Array) -> str:
+    return f"{given.size} numbers" if given.ndim == 1 else f"numbers of shape {given.shape}"
 
 
 def _of_three(task: Task, given: Array) -> tuple[Task, pin.SE3]:
@@ -129,7 +150,14 @@ def _of_three(task: Task, given: Array) -> tuple[Task, pin.SE3]:
     return task, pin.SE3(turn, np.zeros(3))
 
 
-def _given_pose(target: Any) -> pin.SE3 | None:
+def given_pose(target: Any) -> pin.SE3 | None:
+    """Return a pose as a caller gives it, None for what is no pin.SE3 and no 4x4 matrix.
+
+    Raises
+    ------
+    ArgumentError
+        A matrix of no rotation and translation.
+    """
     if isinstance(target, pin.SE3):
         matrix = target.homogeneous
     elif np.shape(target) != (4, 4):

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal, assert_never
 
 import numpy as np
 
-from pmjac_pin.errors import ArgumentError
+from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.model.loop_between_frames import Z, unit_vector
 from pmjac_pin.model.rows import across
 from pmjac_pin.model.table import Vector
@@ -23,7 +23,7 @@ _ALONG_AXES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """What of a tool's pose counts: made by `Task.pose()`, `position`, `pointing`, `planar`, `of`.
+    """What of a tool's pose counts: made by `Task.pose()`, `position`, `pointing`, `of`, ...
 
     Attributes
     ----------
@@ -115,6 +115,29 @@ class Task:
                 return cls(linear, "pointing", _ALONG_AXES[3 - sum(about)])
             case _:
                 return cls(linear, "orientation")
+
+    @classmethod
+    def masked(cls, mask: Sequence[bool]) -> Task:
+        """Return the task of the rows of the tool's twist at which a mask is true, as of `of`.
+
+        Parameters
+        ----------
+        mask : sequence of six bool
+            Of vx, vy, vz, wx, wy and wz; 1 and 0 for True and False.
+
+        Raises
+        ------
+        ArgumentError
+            Not six of these, or all of them false.
+        """
+        given = tuple(mask) if isinstance(mask, Iterable) else ()
+        flags = [one for one in given if isinstance(one, int | np.bool | np.integer)]
+        if len(given) != len(TWIST_ROWS) or len(flags) < len(given) or not {0, 1}.issuperset(flags):
+            wanted = f"a mask is six booleans, of {', '.join(TWIST_ROWS)}"
+            raise ArgumentError(f"{wanted}; got {quoted(mask)}")
+        if not any(flags):
+            raise ArgumentError("the mask leaves nothing of the target: all of it is False")
+        return cls.of(name for name, counts in zip(TWIST_ROWS, flags, strict=True) if counts)
 
     @property
     def rows(self) -> int:

@@ -18,6 +18,7 @@ import pinocchio as pin
 from pmjac_pin.model.linkage import turned_to
 from pmjac_pin.model.rows import across
 from pmjac_pin.model.tool_spec import Tool
+from pmjac_pin.studies.reach.gimbal import Gimbal
 from pmjac_pin.studies.reach.task import plane_axes
 from pmjac_pin.values.arrays import Array
 
@@ -72,8 +73,11 @@ class ToolChain:
     axis : ndarray, shape (3,)
         Of a heading or a hinge, in the world, or of the tool, for pointing.
     singly : bool
-        Whether each joint has one freedom, as proofs and homotopies want their motors: nothing to
-        follow paths by, as turns about three axes lock where two of these meet.
+        Whether it slides along one axis after the other, as proofs and homotopies want their
+        motors.
+    gimbal : Gimbal, optional
+        Turns any way by three hinges in turn, these, not by a ball: they lock where two of their
+        axes meet.
     """
 
     tool: Tool
@@ -84,6 +88,7 @@ class ToolChain:
     turning: ChainTurning
     axis: Array
     singly: bool = False
+    gimbal: Gimbal | None = None
 
     @property
     def name(self) -> str:
@@ -100,6 +105,8 @@ class ToolChain:
         """The tool in the last joint."""
         if self.turning == "heading":
             return pin.SE3.Identity()
+        if self.gimbal is not None and self.turning == "orientation":
+            return pin.SE3(self.gimbal.after.T, np.zeros(3)) * self._turned_at_home
         return self._about.inverse() * self._turned_at_home
 
     @property
@@ -173,8 +180,8 @@ class ToolChain:
                 assert_never(self.turning)
 
     def _ball(self, driven: bool) -> Iterator[ChainJoint]:
-        if self.singly:
-            yield from self._in_turn(np.eye(3), np.eye(3), 3 * driven)
+        if (gimbal := self.gimbal) is not None:
+            yield from self._in_turn(gimbal.before, gimbal.after, 3 * driven)
             return
         ball, still = pin.JointModelSpherical(), pin.SE3.Identity()
         yield ChainJoint(f"{self.name} orientation", ball, still, driven, _quaternion)

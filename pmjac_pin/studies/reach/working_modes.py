@@ -53,6 +53,7 @@ def working_modes(
     *,
     tool: ToolName = None,
     task: Task | None = None,
+    mask: Sequence[bool] | None = None,
     rng: np.random.Generator | int | None = None,
     limits: bool = True,
     unseen: float = 2e-3,
@@ -71,7 +72,7 @@ def working_modes(
     Parameters
     ----------
     mechanism : Mechanism
-    target, tool, task
+    target, tool, task, mask
         As of `reach`.
     rng, limits, unseen, confidence, most_starts, proof
         As of `assembly_modes`.
@@ -97,7 +98,7 @@ def working_modes(
     (4, 'proof')
     """
     check_kind(mechanism, Mechanism)
-    goals = read_goals(mechanism, target, tool, task)
+    goals = read_goals(mechanism, target, tool, task, mask)
     driven = searched_by(mechanism, goals)
     if driven is None:
         raise ArgumentError(f"{mechanism.name} cannot be driven by its tool: its home is singular")

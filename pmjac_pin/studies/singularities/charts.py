@@ -9,7 +9,7 @@ of [K K*].
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
@@ -21,6 +21,7 @@ from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.loop_spec import FrameLoop, PointLoop
 from pmjac_pin.studies.led_machine import LedMachine
 from pmjac_pin.studies.singularities.joint_limits import limits_between, within_joint_limits
+from pmjac_pin.studies.singularities.plane_names import TOOL_AXES, is_of_the_tool, plane_names
 from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
 from pmjac_pin.studies.singularities.sheets import Sheets
 from pmjac_pin.studies.singularities.singular_equations import (
@@ -30,7 +31,6 @@ from pmjac_pin.studies.singularities.singular_equations import (
 )
 from pmjac_pin.values.arrays import Array, Mask
 
-TOOL_AXES = ("x", "y", "z")
 _GROWN, _COARSE = 4, 33  # times, and cells along each axis of a grid that finds the window
 _CELLS_AROUND = 2.0  # of its cells: around what is reached
 
@@ -45,22 +45,37 @@ class Chart:
         Of the machine itself.
     area : PlaneSlice
         Of the machine that the plane drives.
-    folds, inner : SingularEquations
-        Of the borders of sheets, and of what lies within them.
+    folds, inner : SingularEquations or None
+        Of the borders of sheets, and of what lies within them; None where there is no such thing:
+        chains without loops gain nothing, and without a tool nothing is lost.
     fold_kind, inner_kind : {"gain", "loss"}
         What these are of the machine itself.
+    origin : ndarray, shape (2,)
+        From where places of the area are counted: where a machine far from the world's origin is
+        computed beside itself, so that its tool's slides are as exact as its own joints.
     """
 
     at: Configuration
     area: PlaneSlice
-    folds: SingularEquations
+    folds: SingularEquations | None
     fold_kind: Freed
     inner: SingularEquations | None
     inner_kind: Freed
+    origin: Array
+
+    def in_world(self, places: Array) -> Array:
+        """Return places (..., 2) of the area in the world."""
+        return np.asarray(places + self.origin)
 
     def original(self, q: Array) -> Array:
         """Return q (..., nq) of the machine itself."""
         return q[..., : self.at.mechanism.nq]
+
+    @property
+    def equations(self) -> dict[Freed, SingularEquations]:
+        """What may be singular, by the kinds that there are."""
+        both = ((self.fold_kind, self.folds), (self.inner_kind, self.inner))
+        return {kind: equations for kind, equations in both if equations is not None}
 
     @property
     def in_tool_space(self) -> bool:
@@ -83,8 +98,7 @@ class Chart:
         """Return a pose of the machine in the slice as one of the machine that the plane drives."""
         if not self.in_tool_space:
             return pose
-        place = pose.tool_pose().translation
-        values = [place[TOOL_AXES.index(name)] for name in self.area.names]
+        values = _along(self.area.names, pose.tool_pose().translation) - self.origin
         return self.area.mechanism.configuration(np.concatenate([pose.q, values]))
 
 
@@ -104,14 +118,16 @@ def chart(
     ------
     ArgumentError, UnknownNameError, NoToolError
     """
-    names = () if isinstance(plane, str) else tuple(plane)
     mechanism = at.mechanism
-    tool = names and all(name in TOOL_AXES and name not in mechanism.actuated for name in names)
-    if tool and len(set(names)) == len(names) == 2:
-        return _tool_chart((names[0], names[1]), at, window)
-    area = PlaneSlice.of(plane, at, window)
+    names = plane_names(plane, mechanism)
+    if is_of_the_tool(names[0], mechanism):
+        return _tool_chart(names, at, window)
+    area = PlaneSlice.of(names, at, window)
+    partition = mechanism.problem.partition
+    loops = partition.passive_rank or partition.isolated
+    folds = SingularEquations(mechanism, "gain") if loops else None
     inner = None if mechanism.spec.tool.is_none else SingularEquations(mechanism, "loss")
-    return Chart(at, area, SingularEquations(mechanism, "gain"), "gain", inner, "loss")
+    return Chart(at, area, folds, "gain", inner, "loss", np.zeros(2))
 
 
 def _tool_chart(
@@ -120,14 +136,23 @@ def _tool_chart(
     window: Mapping[str, tuple[float, float]] | None,
 ) -> Chart:
     mechanism, driven = at.mechanism, _driven(names, at)
-    place = at.tool_pose().translation
-    values = [place[TOOL_AXES.index(name)] for name in names]
-    start = driven.configuration(np.concatenate([at.q, values]))
-    area = _fitted_slice(names, start, window or {}, np.array(values), at)
+    place, origin = _along(names, at.tool_pose().translation), _along(names, mechanism.place)
+    start = driven.configuration(np.concatenate([at.q, place - origin]))
+    area = _fitted_slice(names, start, window or {}, place, at)
     partition = mechanism.problem.partition
     block = RateBlock(partition.row_scale.size, partition.passive, partition.passive_rank)
     inner = SingularEquations(driven, "gain", block=block) if block.rank else None
-    return Chart(at, area, SingularEquations(driven, "gain"), "loss", inner, "gain")
+    return Chart(at, area, SingularEquations(driven, "gain"), "loss", inner, "gain", origin)
+
+
+def _along(names: tuple[str, str], place: Array) -> Array:
+    """Return two coordinates of a place, by their names."""
+    return np.array([place[TOOL_AXES.index(name)] for name in names])
+
+
+def _beside(area: PlaneSlice, origin: Array) -> PlaneSlice:
+    """Return a slice whose window is counted from elsewhere."""
+    return replace(area, lower=area.lower - origin, upper=area.upper - origin)
 
 
 def _fitted_slice(
@@ -141,11 +166,11 @@ def _fitted_slice(
 
     As a coarse grid sees it, which grows until its border is not reached, or eight times.
     """
-    reach = at.mechanism.characteristic_length
+    reach, origin = at.mechanism.characteristic_length, _along(names, at.mechanism.place)
     for _ in range(_GROWN):
         reach *= 2.0
         ranges = dict(zip(names, zip(place - reach, place + reach, strict=True), strict=True))
-        area = PlaneSlice.of(names, start, {**ranges, **window})
+        area = _beside(PlaneSlice.of(names, start, {**ranges, **window}), origin)
         if all(name in window for name in names):
             return area
         sheets = Sheets(area, (_COARSE, _COARSE), limits=False)
@@ -159,10 +184,11 @@ def _fitted_slice(
             break
     else:
         return area
-    found = area.places(cells.q[reached])
+    found = area.places(cells.q[reached]) + origin
     margin = _CELLS_AROUND * area.size / (_COARSE - 1)
     ends = zip(found.min(axis=0) - margin, found.max(axis=0) + margin, strict=True)
-    return PlaneSlice.of(names, start, {**dict(zip(names, ends, strict=True)), **window})
+    fitted = PlaneSlice.of(names, start, {**dict(zip(names, ends, strict=True)), **window})
+    return _beside(fitted, origin)
 
 
 def _beside_limits(coordinates: JointCoordinates, q: Array, closed: Mask) -> Mask:
@@ -200,12 +226,13 @@ def _led(names: tuple[str, str], at: Configuration, pose: pin.SE3) -> Mechanism:
     frame = mechanism.spec.tool.frame
     if not frame:
         raise ArgumentError("the tool's plane is of a tool that is one frame, not three points")
-    values = [pose.translation[TOOL_AXES.index(name)] for name in names]
-    home, led, carrier = pose.translation.copy(), LedMachine(mechanism), 0
+    place, values = mechanism.place, _along(names, pose.translation - mechanism.place)
+    home, led, carrier = pose.translation - place, LedMachine(mechanism), 0
     slides = {"x": pin.JointModelPX, "y": pin.JointModelPY, "z": pin.JointModelPZ}
     for name in names:
         home[TOOL_AXES.index(name)] = 0.0
-        carrier = led.joint(carrier, slides[name](), pin.SE3.Identity(), name)
+        begins = pin.SE3.Identity() if carrier else pin.SE3(np.eye(3), np.array(place))
+        carrier = led.joint(carrier, slides[name](), begins, name)
     target = led.frame(f"{frame} target", carrier, pin.SE3(pose.rotation, home))
     held = FrameLoop if mechanism.problem.partition.tool_rows.angular else PointLoop
     try:

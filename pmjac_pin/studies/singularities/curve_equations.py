@@ -110,7 +110,11 @@ class CurveEquations(ABC):
         return np.append(residual, np.zeros(len(rows))), np.vstack([jacobian, rows])
 
     def corrected(
-        self, point: SingularPoint, held: Index | None = None, most: float = np.inf
+        self,
+        point: SingularPoint,
+        held: Index | None = None,
+        most: float = np.inf,
+        across: Array | None = None,
     ) -> SingularPoint | None:
         """Return the singular point near a guess by Newton's method, None where there is none.
 
@@ -121,9 +125,13 @@ class CurveEquations(ABC):
             Columns of q that stay: motors of a slice.
         most : float
             How far all steps may lead together, lengths or rad.
+        across : ndarray, shape (nv + k,), optional
+            A direction along which no step leads, where the locus is a curve: beside a branch point
+            the curve that leads on is met so, not the other one.
         """
         held = np.zeros(0, dtype=np.intp) if held is None else held
         rank = self.partition.column_scale.size + point.u.size - self.dimension(held)
+        rank += across is not None
         spent, before = 0.0, np.inf
         for _ in range(_NEWTON_STEPS):
             residual, jacobian = self.bordered(point, held)
@@ -132,6 +140,8 @@ class CurveEquations(ABC):
                 return None
             if size <= EXACT or (size <= 1e2 * EXACT and size > 0.5 * before):
                 return point
+            if across is not None:
+                residual, jacobian = np.append(residual, 0.0), np.vstack([jacobian, across])
             left, values, right = np.linalg.svd(jacobian, full_matrices=False)
             if values.size < rank or not values[rank - 1]:
                 return None

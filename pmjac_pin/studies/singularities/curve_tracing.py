@@ -19,8 +19,10 @@ _FIRST_STEP, _LARGEST_STEP, _SMALLEST_STEP = 0.01, 0.1, 1e-6  # lengths or rad
 _BEND = 0.12  # rad, between the tangents of two points that follow each other
 _MOST_BEND = 0.3  # more may be another curve
 _OFF = 0.15  # of a step: how far Newton may lead from its end
+_STEPS_ASIDE = 2.0  # of a step: all of Newton's together
 _LONGEST_CURVE = 20_000
 _FOOT_STEPS = 8
+_TURNING_ALONE = 1e-6  # of a tangent: what joints have of it at a pose at which u turns alone
 _ON_CURVE = 1e-5  # of the way between two points that follow each other
 
 
@@ -101,19 +103,20 @@ class Tracer:
         """Return the point of the curve that is such a share of the way from one to the next."""
         chord = self.chord(first.point, second.point)
         ahead = self.equations.moved(first.point, share * chord)
-        return self.corrected(ahead, norm(chord))
+        size = norm(chord)
+        return self.equations.corrected(ahead, self.area.held, size, chord / size)
 
     def chord(self, first: SingularPoint, second: SingularPoint) -> Array:
-        """Return the step (nv + k,) that leads from one point to another."""
-        equations = self.equations
-        stride = equations.partition.length * equations.partition.column_scale
-        away = equations.problem.difference(first.q, second.q) / stride
-        return np.concatenate([away, second.u - first.u])
+        """Return the step (nv + k,) that leads from one point to another, without full turns."""
+        return np.concatenate([self.area.way(first.q, second.q), second.u - first.u])
 
     def trace(self, seed: SingularPoint) -> Traced | None:
-        """Trace the curve through a singular point both ways; None where none leads through it."""
+        """Trace the curve through a singular point both ways; None where none leads through it.
+
+        Nor is there one of poses where several motions come free at once, and u turns among them.
+        """
         start = self.on_curve(seed)
-        if start is None:
+        if start is None or norm(start.tangent[: self._nv]) <= _TURNING_ALONE:
             return None
         forward, end = self._onward(start)
         if end == "closed":
@@ -147,7 +150,9 @@ class Tracer:
 
     def _step(self, here: OnCurve, step: float) -> OnCurve | None:
         ahead = self.equations.moved(here.point, step * here.tangent)
-        found = self.corrected(ahead, _OFF * step)
+        # Beside a branch point Newton's first steps are longer than all of the way that is left.
+        most, held = _STEPS_ASIDE * step, self.area.held
+        found = self.equations.corrected(ahead, held, most, here.tangent)
         if found is None or norm(self.chord(ahead, found)) > _OFF * step:
             return None
         found = self.equations.turned(found)
@@ -172,7 +177,7 @@ class Tracer:
         chord = self.chord(first.point, second.point)[: self._nv]
         length, share, here = chord @ chord, 0.0, first.point
         for _ in range(_FOOT_STEPS):
-            away = self._turns_aside(self.chord(here, point)[: self._nv])
+            away = self.chord(here, point)[: self._nv]
             if away @ away <= (_ON_CURVE * _ON_CURVE) * length:
                 return share
             share += float(away @ chord / length)
@@ -193,23 +198,19 @@ class Tracer:
         nearest = min(apart, key=apart.__getitem__)
         if apart[nearest] <= 1e-9:
             return True
-        for first in range(max(0, nearest - 1), min(nearest + 1, len(curve.points) - 1)):
-            if self.foot(curve.points[first], curve.points[first + 1], point) is not None:
-                return True
-        return False
+        chords = len(curve.points) - 1
+        beside = [nearest - 1, nearest]
+        if curve.is_closed:  # where it begins, it ends
+            beside = [k % chords for k in beside]
+        return any(
+            self.foot(curve.points[k], curve.points[k + 1], point) is not None
+            for k in beside
+            if 0 <= k < chords
+        )
 
     def _longest(self, places: Array) -> float:
         """Return the longest step between points of a curve in the plane, m or rad."""
         return float(np.abs(np.diff(places, axis=0)).max(initial=0.0)) + 1e-9
-
-    def _turns_aside(self, away: Array) -> Array:
-        """Return a step without full turns of angles."""
-        coordinates, partition = self.area.mechanism.coordinates, self.equations.partition
-        stride = partition.length * partition.column_scale
-        turning = coordinates.angles | coordinates.wraps
-        turn = 2.0 * np.pi / stride[turning]
-        away[turning] = np.remainder(away[turning] + 0.5 * turn, turn) - 0.5 * turn
-        return away
 
     def _border(self, here: OnCurve, ahead: OnCurve) -> Iterator[OnCurve]:
         """Yield the point where the curve leaves the window, unless it is there already."""

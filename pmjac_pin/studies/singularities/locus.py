@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 else:
     Dataset = Any
 
-LocusMark = Literal["cusp", "crossing", "branch point", "isolated point"]
+LocusMark = Literal["cusp", "crossing", "touching", "branch point", "isolated point"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -20,7 +20,7 @@ from pmjac_pin.studies.singularities.sheets import Sheets
 from pmjac_pin.studies.singularities.singular_equations import Freed, SingularEquations
 from pmjac_pin.values.arrays import Array
 
-_TO_THE_LOCUS = 1.0  # lengths or rad: Newton's way from a cell to the locus
+_TO_THE_LOCUS = 0.5  # lengths or rad, of each joint: Newton's way from a cell to the locus
 _BESIDE_FOLD = 1e-2  # lengths or rad: from a fold to the two modes that meet there
 _LOOKED, _LOOKED_EVERY = 6, 15  # points of a curve from where its sheets are looked for
 _STAYING = 1e-9  # of the window
@@ -42,8 +42,6 @@ class LocusFinding:
     Attributes
     ----------
     curves : list of Traced
-    isolated : list of SingularPoint
-        Through which no curve leads.
     """
 
     def __init__(
@@ -51,17 +49,28 @@ class LocusFinding:
     ) -> None:
         self.area, self.equations, self.sheets, self.kind = area, equations, sheets, kind
         self.tracer = Tracer(equations, area)
+        # Where many joints share the way, each goes as far as in a machine of few.
+        self._most = _TO_THE_LOCUS * equations.partition.column_scale.size**0.5
         self._folds: SingularEquations | None = None
         if isinstance(equations, SingularEquations) and equations.folds:
             self._folds = equations
         self.curves: list[Traced] = []
-        self.isolated: list[SingularPoint] = []
+        self._alone: list[SingularPoint] = []
+
+    @property
+    def isolated(self) -> list[SingularPoint]:
+        """Singular points through which no curve leads that was found."""
+        return [
+            point
+            for point in self._alone
+            if not any(self.tracer.holds(curve, point) for curve in self.curves)
+        ]
 
     def seek(self, seeds: Iterable[Array]) -> list[Traced]:
         """Trace the curves near some poses; return those that are new."""
         before = len(self.curves)
         for q in seeds:
-            point = self.tracer.corrected(self.equations.begin(q), _TO_THE_LOCUS)
+            point = self.tracer.corrected(self.equations.begin(q), self._most)
             if point is not None:
                 self._trace(self.equations.turned(point))
         return self.curves[before:]
@@ -72,16 +81,16 @@ class LocusFinding:
             return
         if any(self.tracer.holds(curve, point) for curve in self.curves):
             return
-        if any(area.apart(one.q, point.q) <= 1e-6 for one in self.isolated):
+        if any(area.apart(one.q, point.q) <= 1e-6 for one in self._alone):
             return
         traced = self.tracer.trace(point)
         if traced is None:
-            self.isolated.append(point)
+            self._alone.append(point)
             return
         self.curves.append(traced)
         for end in (traced.points[0].point, traced.points[-1].point):
             for q in area.turned_back(end.q):
-                again = self.tracer.corrected(SingularPoint(q, end.u, end.idle), _TO_THE_LOCUS)
+                again = self.tracer.corrected(SingularPoint(q, end.u, end.idle), self._most)
                 if again is not None:
                     self._trace(again)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,13 +44,13 @@ class PlaneSlice:
 
     @classmethod
     def of(
-        cls, plane: Sequence[str], at: Configuration, window: Mapping[str, object] | None
+        cls, names: tuple[str, str], at: Configuration, window: Mapping[str, object] | None
     ) -> PlaneSlice:
         """Return the slice through a pose.
 
         Parameters
         ----------
-        plane : two str
+        names : tuple of two str
             Motors.
         at : Configuration
         window : mapping of str to (float, float), optional
@@ -61,7 +61,6 @@ class PlaneSlice:
         ArgumentError, UnknownNameError
         """
         mechanism = at.mechanism
-        names = _two_motors(plane, mechanism)
         partition = mechanism.problem.partition
         columns = np.array([partition.columns[name] for name in names])
         if mechanism.coordinates.curved[columns].any():
@@ -102,13 +101,17 @@ class PlaneSlice:
         within = (places >= self.lower - slack) & (places <= self.upper + slack)
         return np.asarray(within.all(axis=-1))
 
-    def apart(self, q: Array, other: Array) -> float:
-        """Return how far two poses are from each other, lengths or rad, full turns aside."""
+    def way(self, q: Array, other: Array) -> Array:
+        """Return the motion (nv,) from one pose to another, lengths or rad, full turns aside."""
         problem, coordinates = self.mechanism.problem, self.mechanism.coordinates
         away = problem.difference(q, other)
         turning = coordinates.angles | coordinates.wraps
         away[turning] = np.remainder(away[turning] + np.pi, _ONE_TURN) - np.pi
-        return norm(away / (problem.partition.length * problem.partition.column_scale))
+        return np.asarray(away / (problem.partition.length * problem.partition.column_scale))
+
+    def apart(self, q: Array, other: Array) -> float:
+        """Return how far two poses are from each other, lengths or rad, full turns aside."""
+        return norm(self.way(q, other))
 
     def turned_back(self, q: Array) -> list[Array]:
         """Return the same pose at the other side of the window, where that is a full turn."""
@@ -122,16 +125,6 @@ class PlaneSlice:
                     values = np.array([place[k] + way])
                     found.append(coordinates.with_values(q, self.columns[[k]], values))
         return found
-
-
-def _two_motors(plane: Sequence[str], mechanism: Mechanism) -> tuple[str, str]:
-    given = () if isinstance(plane, str) else tuple(plane)
-    if len(given) != 2 or given[0] == given[1]:
-        raise ArgumentError(f"a plane is two motors by name, got {quoted(plane)}")
-    for name in given:
-        if name not in mechanism.actuated:
-            raise unknown_name("motor", name, mechanism.actuated)
-    return given[0], given[1]
 
 
 def _window(

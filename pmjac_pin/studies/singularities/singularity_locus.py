@@ -6,13 +6,16 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
+from pmjac_pin.algebra.one_thread import on_one_thread
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.errors import ArgumentError, did_you_mean, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.modes.find import assembly_modes
 from pmjac_pin.studies.singularities.charts import Chart, chart
+from pmjac_pin.studies.singularities.curve_crossings import curve_crossings, curve_touchings
 from pmjac_pin.studies.singularities.curve_tracing import Traced, Tracer
+from pmjac_pin.studies.singularities.cusps import cusps
 from pmjac_pin.studies.singularities.locus import (
     LocusCurve,
     LocusMark,
@@ -20,7 +23,6 @@ from pmjac_pin.studies.singularities.locus import (
     SingularityLocus,
 )
 from pmjac_pin.studies.singularities.locus_finding import LocusFinding
-from pmjac_pin.studies.singularities.locus_marks import curve_crossings, cusps
 from pmjac_pin.studies.singularities.sheets import Sheets
 from pmjac_pin.studies.singularities.singular_equations import Freed, SingularEquations
 from pmjac_pin.values.arrays import Array, norm
@@ -30,13 +32,14 @@ _BOTH_KINDS: tuple[Freed, ...] = ("gain", "loss")
 _MOST_SHEETS = 64
 
 
+@on_one_thread
 def singularity_locus(
     mechanism: Mechanism,
     plane: Sequence[str],
     *,
     at: str | Configuration = "home",
     window: Mapping[str, tuple[float, float]] | None = None,
-    kinds: Iterable[Freed] = _BOTH_KINDS,
+    kinds: Iterable[Freed] | None = None,
     cells: int = 81,
     modes: Iterable[Configuration] | None = None,
 ) -> SingularityLocus:
@@ -61,8 +64,9 @@ def singularity_locus(
     window : mapping of str to (float, float), optional
         The range of each, m or rad; by default their limits, of an angle [−π, π] at most, and of
         the tool what is reached within the joints' limits.
-    kinds : iterable of {"gain", "loss"}
-        Which singularities: type II, type I.
+    kinds : iterable of {"gain", "loss"}, optional
+        Which singularities: type II, type I; by default those that the mechanism may have. A chain
+        without loops gains nothing, one without a tool loses nothing.
     cells : int
         Of the grid, along each axis.
     modes : iterable of Configuration, optional
@@ -76,7 +80,7 @@ def singularity_locus(
     Raises
     ------
     ArgumentError, UnknownNameError, NoToolError
-        No such motors or range; a loss without a tool.
+        No such motors or range; a loss without a tool, a gain without loops.
 
     References
     ----------
@@ -95,20 +99,21 @@ def singularity_locus(
     start = mechanism.pose(at) if isinstance(at, str) else at
     if not isinstance(start, Configuration) or start.mechanism != mechanism:
         raise ArgumentError(f"`at` is a pose of the mechanism or its name, got {quoted(at)}")
-    asked = _kinds(kinds)
+    given = None if kinds is None else _checked_kinds(kinds)
+    number = _cells(cells)
     drawn = chart(plane, start, window)
-    sheets = Sheets(drawn.area, _cells(cells))
+    asked = _asked(drawn, given)
+    sheets = Sheets(drawn.area, number)
     for mode in _begin(drawn) if modes is None else modes:
         sheets.add(drawn.lifted(mode))
     if not sheets.known:
         raise ArgumentError("no cell of the grid is reached: name a window around the pose")
-    folds = LocusFinding(drawn.area, drawn.folds, sheets, drawn.fold_kind)
-    _over_the_folds(folds, drawn.folds)
-    found = [folds] if drawn.fold_kind in asked else []
-    if drawn.inner_kind in asked:
-        if drawn.inner is None:
-            mechanism.need_tool()
-            raise ArgumentError(f"{mechanism.name} has no loops: it gains nothing")
+    found = []
+    if drawn.folds is not None:
+        folds = LocusFinding(drawn.area, drawn.folds, sheets, drawn.fold_kind)
+        _over_the_folds(folds, drawn.folds)
+        found += [folds] if drawn.fold_kind in asked else []
+    if drawn.inner is not None and drawn.inner_kind in asked:
         within = LocusFinding(drawn.area, drawn.inner, sheets, drawn.inner_kind)
         for sheet in sheets.known:
             within.seek(sheets.inner_seeds(sheet, drawn.inner))
@@ -129,11 +134,29 @@ def _begin(drawn: Chart) -> Iterable[Configuration]:
     return assembly_modes(drawn.at.mechanism, drawn.at.actuated, rng=0, limits=False)
 
 
-def _kinds(kinds: Iterable[Freed]) -> tuple[Freed, ...]:
-    given = () if isinstance(kinds, str) else tuple(kinds)
-    if not given or any(kind not in _BOTH_KINDS for kind in given):
-        raise ArgumentError(f"`kinds` are some of 'gain' and 'loss', got {quoted(kinds)}")
+def _checked_kinds(kinds: Iterable[Freed]) -> tuple[Freed, ...]:
+    wanted = "`kinds` are some of 'gain' and 'loss', in a list"
+    if isinstance(kinds, str) or not isinstance(kinds, Iterable):
+        hint = f": [{kinds!r}]" if kinds in _BOTH_KINDS else ""
+        raise ArgumentError(f"{wanted}{hint}; got {quoted(kinds)}")
+    given = tuple(kinds)
+    for kind in given:
+        if kind not in _BOTH_KINDS:
+            raise ArgumentError(f"{wanted}; got {quoted(kind)}{did_you_mean(kind, _BOTH_KINDS)}")
+    if not given:
+        raise ArgumentError(f"{wanted}; got none")
     return given
+
+
+def _asked(drawn: Chart, given: Sequence[Freed] | None) -> tuple[Freed, ...]:
+    """Return the kinds that are asked for, by default those that there are."""
+    mechanism, there = drawn.at.mechanism, drawn.equations
+    asked = tuple(there) if given is None else tuple(given)
+    if not asked or ("loss" in asked and "loss" not in there):
+        mechanism.need_tool()
+    if "gain" in asked and "gain" not in there:
+        raise ArgumentError(f"{mechanism.name} has no loops, and gains nothing: ask for 'loss'")
+    return asked
 
 
 def _over_the_folds(folds: LocusFinding, equations: SingularEquations) -> None:
@@ -173,14 +196,18 @@ def _locus(
         mark: LocusMark = "branch point" if one.meets else "crossing"
         kind = told[one.curves[0]].kind
         points.append(_special(mark, drawn, one.first.q, one.curves, kind))
+    for one in curve_touchings(tracers, curves):
+        touch: LocusMark = "branch point" if one.meets else "touching"
+        kind = told[one.curves[0]].kind
+        points.append(_special(touch, drawn, one.first.q, one.curves, kind))
     area = drawn.area
     return SingularityLocus(
         at=drawn.at,
         plane=area.names,
         units=area.units,
         held=drawn.held,
-        lower=area.lower,
-        upper=area.upper,
+        lower=drawn.in_world(area.lower),
+        upper=drawn.in_world(area.upper),
         curves=tuple(told),
         points=tuple(points),
         modes=tuple(
@@ -194,7 +221,7 @@ def _locus(
 def _special(
     mark: LocusMark, drawn: Chart, q: Array, curves: tuple[int, ...], kind: Freed
 ) -> LocusPoint:
-    return LocusPoint(mark, drawn.area.places(q), drawn.original(q), curves, kind)
+    return LocusPoint(mark, drawn.in_world(drawn.area.places(q)), drawn.original(q), curves, kind)
 
 
 def _told(drawn: Chart, finding: LocusFinding, curve: Traced) -> LocusCurve:
@@ -204,7 +231,7 @@ def _told(drawn: Chart, finding: LocusFinding, curve: Traced) -> LocusCurve:
     tangents = np.array([one.tangent[area.columns] for one in curve.points])
     return LocusCurve(
         kind=finding.kind,
-        places=area.places(curve.q),
+        places=drawn.in_world(area.places(curve.q)),
         q=drawn.original(curve.q),
         directions=tangents * stride,
         is_closed=curve.is_closed,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -94,6 +94,11 @@ class Points:
             for size, step in zip(self.shape, chunk, strict=True)
         )
         return list(itertools.product(*parts))
+
+    def different(self, names: Iterable[str]) -> int:
+        """Return how many different values these names have together, or, of samples, at least."""
+        counts = [np.unique(self.values[name]).size for name in names]
+        return math.prod(counts) if self.is_grid else max(counts, default=1)
 
     def at(self, region: Region) -> dict[str, Array]:
         """Return the values in a region by names, one a point, row by row."""

@@ -51,6 +51,7 @@ def question(
         parameters=swept,
         measures=tuple(dict.fromkeys(("status", *wanted))),
         labels=labels,
+        designs=points.different(swept),
         guess=guess,
         enforce_limits=enforce_limits,
     )

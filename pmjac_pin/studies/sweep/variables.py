@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +15,38 @@ from pmjac_pin.batches.batch import Batch
 from pmjac_pin.batches.results import ManyClosed, ManyJacobians, ManyMeasures, Status, Statuses
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import entry_names
-from pmjac_pin.values.arrays import Array, Index
+from pmjac_pin.values.arrays import Array, Index, Mask
 
 _ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
+
+
+class ClosedPoses(Protocol):
+    """What says of closed poses what is asked for."""
+
+    def jacobian(self, q: Array) -> ManyJacobians: ...  # noqa: D102
+    def measures(self, q: Array) -> ManyMeasures: ...  # noqa: D102
+    def part(self, which: Index) -> ClosedPoses:
+        """Return what says that of some of the poses."""
+        ...
+
+
+class AlikePoses:
+    """Poses of one machine."""
+
+    def __init__(self, many: Batch) -> None:
+        self._many = many
+
+    def jacobian(self, q: Array) -> ManyJacobians:
+        """Return J_eq."""
+        return self._many.jacobian(q, threads=1)
+
+    def measures(self, q: Array) -> ManyMeasures:
+        """Return all measures."""
+        return self._many.measures(q, threads=1)
+
+    def part(self, which: Index) -> AlikePoses:
+        """Return itself: all are of one machine."""
+        return self
 
 
 class SeenPoses:
@@ -25,11 +54,11 @@ class SeenPoses:
 
     Parameters
     ----------
-    many : Batch
+    many : ClosedPoses
     poses : ManyClosed
     """
 
-    def __init__(self, many: Batch, poses: ManyClosed) -> None:
+    def __init__(self, many: ClosedPoses, poses: ManyClosed) -> None:
         self._many, self.poses = many, poses
 
     @cached_property
@@ -39,17 +68,24 @@ class SeenPoses:
     @cached_property
     def jacobians(self) -> ManyJacobians:
         """J_eq at the closed poses."""
-        return self._many.jacobian(self.poses.q[self._closed], threads=1)
+        return self._many.part(self._closed).jacobian(self.poses.q[self._closed])
 
     @cached_property
     def measures(self) -> ManyMeasures:
         """Measures of the closed poses."""
-        return self._many.measures(self.poses.q[self._closed], threads=1)
+        return self._many.part(self._closed).measures(self.poses.q[self._closed])
 
     def status(self) -> Statuses:
         """Return what became of each pose: of its loops and, where these are closed, of J_eq."""
         found: Statuses = self.poses.status.copy()
         found[self._closed] = self.jacobians.status
+        return found
+
+    def known(self) -> Mask:
+        """Tell of which poses all is known that was asked for until now."""
+        found: Mask = self.status() != Status.NOT_DONE
+        if "measures" in vars(self):
+            found[self._closed] &= self.measures.status != Status.NOT_DONE
         return found
 
     def spread(self, values: Array) -> Array:

@@ -11,15 +11,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.batches.batch import Batch
+from pmjac_pin.batches.designs import Designs
 from pmjac_pin.batches.few_poses import batch_of
+from pmjac_pin.batches.pieces import PIECE
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.model.limits import enforced
 from pmjac_pin.studies.sweep.points import Points, Region
-from pmjac_pin.studies.sweep.variables import VARIABLES, SeenPoses
+from pmjac_pin.studies.sweep.variables import VARIABLES, AlikePoses, SeenPoses
 from pmjac_pin.values.arrays import Array, Index
 
 _MACHINES = 8  # kept in each process
+_DESIGNS, _DESIGNS_PER_ENTRY = 8.0, 0.05  # built while the programs of all are recorded
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,6 +40,8 @@ class SweepWork:
         Of `VARIABLES`.
     labels : mapping
         Of the axes that are not those of the points.
+    designs : int
+        How many different values the parameters have, or at least.
     guess : str
         The pose that all paths begin at.
     enforce_limits : bool or "all"
@@ -48,6 +53,7 @@ class SweepWork:
     parameters: tuple[str, ...]
     measures: tuple[str, ...]
     labels: Mapping[str, Sequence[str]]
+    designs: int
     guess: str
     enforce_limits: bool | str
 
@@ -57,36 +63,82 @@ class SweepWork:
         shape = [part.stop - part.start for part in region]
         count = int(np.prod(shape))
         found = {name: VARIABLES[name].empty([count], self.labels) for name in self.measures}
-        for parameters, which in self._machines(values, count):
+        left = self._by_designs(values, found)
+        for parameters, which in self._machines(values, left):
             if (mechanism := _machine_at(self.machine, parameters)) is not None:
                 many = batch_of(mechanism, which.size)
-                targets = self._targets(many, values, which)
+                at_rest = mechanism.pose(self.guess).actuated
+                targets = self._targets(mechanism, at_rest, values, which)
                 poses = many.close(
                     targets, self.guess, enforce_limits=self.enforce_limits, threads=1
                 )
-                seen = SeenPoses(many, poses)
-                for name in self.measures:
-                    found[name][which] = VARIABLES[name].of(seen)
+                self._put(found, which, SeenPoses(AlikePoses(many), poses))
         return {name: array.reshape(*shape, *array.shape[1:]) for name, array in found.items()}
 
-    def _machines(
-        self, values: Mapping[str, Array], count: int
-    ) -> Iterator[tuple[tuple[tuple[str, float], ...], Index]]:
-        """Yield the parameters by their names, and which points have them."""
-        if not self.parameters:
-            yield (), np.arange(count)
-            return
-        table = np.column_stack([values[name] for name in self.parameters])
-        rows, which = np.unique(table, axis=0, return_inverse=True)
-        for k, row in enumerate(rows.tolist()):
-            yield tuple(zip(self.parameters, row, strict=True)), np.flatnonzero(which.ravel() == k)
+    def _by_designs(self, values: Mapping[str, Array], found: dict[str, NDArray[Any]]) -> Index:
+        """Compute what is certain of all designs at once; return the points that are left."""
+        count = len(next(iter(values.values())))
+        every = np.arange(count)
+        if not self.parameters or self.guess != "home":
+            return every
+        mechanism, left = _unpickled_machine(self.machine), []
+        few = self.designs < _enough_designs(mechanism)
+        designs = None if few else _designs_of(self.machine, self.parameters)
+        if designs is None:
+            return every
+        for start in range(0, count, PIECE):
+            which = every[start : start + PIECE]
+            many = designs.at(*self._designs(values, which))
+            targets = self._targets(mechanism, many.at_rest, values, which)
+            seen = SeenPoses(many, many.close(targets, enforced(self.enforce_limits)))
+            self._put(found, which, seen)
+            left.append(which[~seen.known()])
+            for name in self.measures:
+                found[name][left[-1]] = VARIABLES[name].nothing
+        return np.concatenate(left)
 
-    def _targets(self, many: Batch, values: Mapping[str, Array], which: Index) -> Array:
-        """Return the motors' values, of home where they are not swept."""
-        targets = np.tile(many.mechanism.pose(self.guess).actuated, (which.size, 1))
+    def _put(self, found: dict[str, NDArray[Any]], which: Index, seen: SeenPoses) -> None:
+        for name in self.measures:
+            found[name][which] = VARIABLES[name].of(seen)
+
+    def _designs(self, values: Mapping[str, Array], which: Index) -> tuple[Array, Index]:
+        """Return the values of parameters that some points have, and which of these each has."""
+        table = np.column_stack([values[name][which] for name in self.parameters])
+        rows, design = np.unique(table, axis=0, return_inverse=True)
+        return rows, design.ravel()
+
+    def _machines(
+        self, values: Mapping[str, Array], which: Index
+    ) -> Iterator[tuple[tuple[tuple[str, float], ...], Index]]:
+        """Yield parameters by their names, and which of these points have them."""
+        if not self.parameters:
+            yield (), which
+            return
+        rows, design = self._designs(values, which)
+        for k, row in enumerate(rows.tolist()):
+            yield tuple(zip(self.parameters, row, strict=True)), which[design == k]
+
+    def _targets(
+        self, mechanism: Mechanism, at_rest: Array, values: Mapping[str, Array], which: Index
+    ) -> Array:
+        """Return the motors' values, as they are at rest where they are not swept."""
+        targets = np.empty((which.size, len(mechanism.actuated)))
+        targets[:] = at_rest
         for name in self.motors:
-            targets[:, many.mechanism.actuated.index(name)] = values[name][which]
+            targets[:, mechanism.actuated.index(name)] = values[name][which]
         return targets
+
+
+def _enough_designs(mechanism: Mechanism) -> float:
+    """Return from how many designs on it pays to record their programs."""
+    partition = mechanism.problem.partition
+    entries = (partition.row_scale.size + 6) * partition.column_scale.size
+    return _DESIGNS + _DESIGNS_PER_ENTRY * entries
+
+
+@lru_cache(maxsize=_MACHINES)
+def _designs_of(machine: bytes, parameters: tuple[str, ...]) -> Designs | None:
+    return Designs.of(_unpickled_machine(machine), parameters)
 
 
 @lru_cache(maxsize=_MACHINES)

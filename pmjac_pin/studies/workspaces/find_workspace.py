@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
+from pmjac_pin.algebra.one_thread import on_one_thread
 from pmjac_pin.batches.batch import Batch
 from pmjac_pin.batches.results import Status
 from pmjac_pin.configuration import Configuration
@@ -14,11 +15,13 @@ from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.assembled_poses import assembled_poses
 from pmjac_pin.studies.evidence import Evidence
-from pmjac_pin.studies.singularities.charts import TOOL_AXES, Chart, chart
+from pmjac_pin.studies.singularities.charts import Chart, chart
 from pmjac_pin.studies.singularities.curve_tracing import Traced, Tracer
 from pmjac_pin.studies.singularities.joint_limits import limited, within_joint_limits
 from pmjac_pin.studies.singularities.locus_finding import LocusFinding
+from pmjac_pin.studies.singularities.plane_names import TOOL_AXES
 from pmjac_pin.studies.singularities.sheets import Sheets, SliceSheet
+from pmjac_pin.studies.workspaces.border_checks import what_is_open
 from pmjac_pin.studies.workspaces.border_pieces import SmoothPiece, border, pieces
 from pmjac_pin.studies.workspaces.limit_equations import LimitEquations
 from pmjac_pin.studies.workspaces.map_measures import MAP_MEASURES, checked_measure
@@ -29,10 +32,10 @@ from pmjac_pin.values.checks import as_flag, check_kind
 _CELLS_TRIED = 9  # cells near a place, from which it is walked to
 _STEPS_TO_BORDER = 300  # to a place right beside the border
 _HELD = 1e-9  # m, rad, or of a rotation: poses of one slice
-_CELLS_OFF = 2.0  # cells: from the border to a cell beside it
-_JOINTS = 1e-6  # of the window: ends of pieces that meet
+_MEETING = 1e-6  # of the window: ends of pieces that meet
 
 
+@on_one_thread
 def workspace(
     mechanism: Mechanism,
     plane: Sequence[str],
@@ -103,7 +106,8 @@ def workspace(
         raise ArgumentError("no cell of the grid is reached: name a window around the pose")
     region = _Region(drawn, sheets.known[number], limits=as_flag(limits, "limits"))
     found = _traced_border(drawn, sheets, region) if as_flag(trace, "trace") else ()
-    closed = _closes(found, drawn.area.size) and _covers(found, drawn, region)
+    cell = drawn.area.size / (cells - 1.0)
+    wrong = what_is_open(found, region.beside(), float(region.reached.sum()), cell, drawn.in_world)
     axes = tuple(drawn.area.axes((cells, cells)).values())
     return Workspace(
         at=start,
@@ -111,15 +115,15 @@ def workspace(
         units=drawn.area.units,
         held=drawn.held,
         mode=_mode_name(drawn, sheets, number),
-        first=axes[0],
-        second=axes[1],
+        first=axes[0] + drawn.origin[0],
+        second=axes[1] + drawn.origin[1],
         reached=region.reached,
         q=np.where(region.reached[..., None], drawn.original(region.sheet.cells.q), np.nan),
         measure=name or "",
         values=_values(drawn, region, name),
-        border=tuple(BorderPiece(one.places, one.what) for one in found),
-        area=sum(one.area() for one in found) if closed else float("nan"),
-        evidence=_workspace_evidence(found, closed, cells),
+        border=tuple(BorderPiece(drawn.in_world(one.places), one.what) for one in found),
+        area=float("nan") if wrong else sum(one.area() for one in found),
+        evidence=_workspace_evidence(found, wrong, cells),
     )
 
 
@@ -157,6 +161,12 @@ class _Region:
         closed = found.q[found.status == Status.CLOSED]
         return bool(self.within(closed).any())
 
+    def beside(self) -> Array:
+        """Return the places (k, 2) of cells beside one that is not reached."""
+        out = np.pad(~self.reached, 1)
+        near = out[:-2, 1:-1] | out[2:, 1:-1] | out[1:-1, :-2] | out[1:-1, 2:]
+        return self.drawn.area.places(self.sheet.cells.q[self.reached & near])
+
     def _connected(self) -> Mask:
         from scipy.ndimage import label  # noqa: PLC0415 - with the first workspace
 
@@ -173,10 +183,14 @@ class _Region:
 
 def _traced_border(drawn: Chart, sheets: Sheets, region: _Region) -> tuple[SmoothPiece, ...]:
     """Return the border of a region, in pieces."""
-    folds = LocusFinding(drawn.area, drawn.folds, sheets, drawn.fold_kind)
-    folds.seek(sheets.border_seeds(region.sheet, drawn.folds))
-    curves = [curve for curve in folds.curves if not folds.stays(curve)]
-    tracers, names = [folds.tracer] * len(curves), [str(drawn.fold_kind)] * len(curves)
+    curves: list[Traced] = []
+    tracers: list[Tracer] = []
+    names: list[str] = []
+    if drawn.folds is not None:
+        folds = LocusFinding(drawn.area, drawn.folds, sheets, drawn.fold_kind)
+        folds.seek(sheets.border_seeds(region.sheet, drawn.folds))
+        curves = [curve for curve in folds.curves if not folds.stays(curve)]
+        tracers, names = [folds.tracer] * len(curves), [str(drawn.fold_kind)] * len(curves)
     if region._limits:
         for name, curve, tracer in _limit_curves(drawn, sheets, region):
             names.append(name)
@@ -220,45 +234,13 @@ def _window_pieces(drawn: Chart, curves: Sequence[Traced]) -> Iterator[SmoothPie
         chord = last - first
         share = (stops - first) @ chord / (chord @ chord)
         off = np.abs(stops - first - share[:, None] * chord).max(axis=1, initial=0.0)
-        cuts = share[(off <= _JOINTS * area.size.max()) & (share > 0.0) & (share < 1.0)]
+        cuts = share[(off <= _MEETING * area.size.max()) & (share > 0.0) & (share < 1.0)]
         row = [0.0, *sorted(cuts.tolist()), 1.0]
-        row = [row[0], *(b for a, b in itertools.pairwise(row) if b - a > _JOINTS)]
+        row = [row[0], *(b for a, b in itertools.pairwise(row) if b - a > _MEETING)]
         way = chord / np.linalg.norm(chord)
         for begin, end in itertools.pairwise(row):
             places = first + np.array([[begin], [0.5 * (begin + end)], [end]]) * chord
             yield SmoothPiece(places, np.tile(way, (3, 1)), "window")
-
-
-def _closes(found: Sequence[SmoothPiece], size: Array) -> bool:
-    """Tell whether each end of a piece is where another begins."""
-    if not found:
-        return False
-    begins = np.array([one.places[0] for one in found])
-    ends = np.array([one.places[-1] for one in found])
-    apart = np.abs(begins[:, None] - ends[None]).max(axis=-1) / size.max()
-    return bool((apart.min(axis=0) <= _JOINTS).all() and (apart.min(axis=1) <= _JOINTS).all())
-
-
-def _covers(found: Sequence[SmoothPiece], drawn: Chart, region: _Region) -> bool:
-    """Tell whether each cell beside one that is not reached has a piece of the border near it."""
-    sheet, area = region.sheet, drawn.area
-    outside = np.pad(~region.reached, 1)
-    beside = outside[:-2, 1:-1] | outside[2:, 1:-1] | outside[1:-1, :-2] | outside[1:-1, 2:]
-    cell = area.size / (np.array(region.reached.shape) - 1.0)
-    along = np.vstack([_with_places_between(one.places / cell) for one in found])
-    for place in area.places(sheet.cells.q[region.reached & beside]) / cell:
-        if np.abs(along - place).max(axis=1).min() > _CELLS_OFF:
-            return False
-    return True
-
-
-def _with_places_between(places: Array) -> Array:
-    """Return places in cells with more between, at most one cell apart."""
-    rows = [places]
-    for k in range(len(places) - 1):
-        count = int(np.abs(places[k + 1] - places[k]).max())
-        rows.append(np.linspace(places[k], places[k + 1], count + 2))
-    return np.vstack(rows)
 
 
 def _values(drawn: Chart, region: _Region, measure: str | None) -> Array:
@@ -304,10 +286,11 @@ def _same_slice(drawn: Chart, pose: Configuration) -> bool:
     return bool(away.max(initial=0.0) <= _HELD and (turned <= _HELD or not angular))
 
 
-def _workspace_evidence(found: Sequence[SmoothPiece], closed: bool, cells: int) -> Evidence:
-    border_is = f"a border of {len(found)} pieces, which {'closes' if closed else 'does not close'}"
+def _workspace_evidence(found: Sequence[SmoothPiece], wrong: str, cells: int) -> Evidence:
+    closes = f"does not close: {wrong}" if wrong else "closes"
     return Evidence(
         "tolerance",
         f"poses that are closed, reached in a grid of {cells} x {cells} cells without leaving the "
-        f"mode, and {border_is}; what is smaller than a cell, a hole or an island, may be missed",
+        f"mode, and a border of {len(found)} pieces, which {closes}; what is smaller than a cell, "
+        "a hole or an island, may be missed",
     )

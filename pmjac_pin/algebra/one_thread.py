@@ -1,0 +1,63 @@
+"""One thread for linear algebra on many small matrices, one after the other.
+
+OpenBLAS shares a singular value decomposition of 40 rows among its threads, which then wait for
+each other longer than one of them computes: by ten times, and more where processors have other
+work.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import wraps
+from threading import Lock
+from typing import Any, ParamSpec, TypeVar
+
+Answer = ParamSpec("Answer")
+Found = TypeVar("Found")
+
+
+class _OneThread:
+    """Holds BLAS at one thread while calls are within; the last one out gives the others back."""
+
+    def __init__(self) -> None:
+        self._lock, self._within, self._limit = Lock(), 0, None
+
+    _limit: Any
+
+    def __enter__(self) -> None:
+        # Looked up at each first call: what is imported meanwhile may bring a BLAS of its own.
+        from threadpoolctl import threadpool_limits  # noqa: PLC0415
+
+        with self._lock:
+            if not self._within:
+                self._limit = threadpool_limits(limits=1, user_api="blas")
+            self._within += 1
+
+    def __exit__(self, *_: object) -> None:
+        with self._lock:
+            self._within -= 1
+            if not self._within:
+                self._limit.restore_original_limits()
+
+
+_ONE_THREAD = _OneThread()
+
+
+def on_one_thread(of: Callable[Answer, Found]) -> Callable[Answer, Found]:
+    """Return a function that leaves BLAS one thread while it is called, from any threads.
+
+    Examples
+    --------
+    >>> @on_one_thread
+    ... def smallest(matrix):
+    ...     return np.linalg.svd(matrix, compute_uv=False)[-1].item()
+    >>> smallest(np.diag([3.0, 2.0]))
+    2.0
+    """
+
+    @wraps(of)
+    def held(*args: Answer.args, **kwargs: Answer.kwargs) -> Found:
+        with _ONE_THREAD:
+            return of(*args, **kwargs)
+
+    return held

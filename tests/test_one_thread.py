@@ -1,0 +1,87 @@
+"""Studies leave BLAS one thread while they work, and give the others back."""
+
+from concurrent.futures import ThreadPoolExecutor
+from threading import Barrier
+
+import pytest
+import threadpoolctl
+from mechanisms import loaded
+
+import pmjac_pin as pj
+from pmjac_pin.algebra.one_thread import on_one_thread
+
+
+def threads():
+    return {one["num_threads"] for one in threadpoolctl.threadpool_info() if "blas" in one.values()}
+
+
+@pytest.fixture
+def two_threads():
+    with threadpoolctl.threadpool_limits(limits=2, user_api="blas"):
+        if threads() != {2}:
+            pytest.skip("a BLAS of one thread, or none that tells")
+        yield
+
+
+@pytest.fixture
+def told(monkeypatch):
+    """What is asked of BLAS, one after the other: limits, and "back"."""
+    asked = []
+
+    class Limits:
+        def __init__(self, limits, user_api):
+            asked.append((limits, user_api))
+
+        def restore_original_limits(self):
+            asked.append("back")
+
+    monkeypatch.setattr(threadpoolctl, "threadpool_limits", Limits)
+    return asked
+
+
+@pytest.mark.usefixtures("two_threads")
+def test_within_there_is_one_and_after_it_as_many_as_before():
+    assert on_one_thread(threads)() == {1}
+    assert threads() == {2}
+
+
+@pytest.mark.usefixtures("two_threads")
+def test_an_error_gives_them_back():
+    with pytest.raises(ZeroDivisionError):
+        on_one_thread(lambda: 1 / 0)()
+    assert threads() == {2}
+
+
+def test_the_last_of_several_that_overlap_gives_them_back(told):
+    """What the second found is not what there was before, and the first one out must not."""
+    begun, ended = Barrier(2), Barrier(2)
+
+    @on_one_thread
+    def first():
+        begun.wait()
+
+    @on_one_thread
+    def second():
+        begun.wait()
+        ended.wait()
+        return list(told)
+
+    with ThreadPoolExecutor(2) as pool:
+        last = pool.submit(second)
+        pool.submit(first).result()
+        ended.wait()
+        assert last.result() == [(1, "blas")]
+    assert told == [(1, "blas"), "back"]
+
+
+@pytest.mark.parametrize(
+    "study",
+    [
+        lambda bar: pj.workspace(bar, ("x", "y"), cells=5, trace=False),
+        lambda bar: pj.singularity_locus(bar, bar.actuated, kinds=["gain"], cells=9),
+        lambda bar: pj.nearest_singularity(bar.home, kind="gain", starts=0),
+    ],
+)
+def test_studies_of_many_small_matrices_have_one(study, told):
+    study(loaded("five_bar"))
+    assert told == [(1, "blas"), "back"]
