@@ -58,7 +58,7 @@ readme: .venv/ready
 docs: .venv/docs
 	rm -rf build/site build/site_source build/site_doctrees
 	$(BIN)/python docs/website/stage.py build/site_source
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m sphinx -W --keep-going -q -j 2 -c docs/website -d build/site_doctrees build/site_source build/site
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m sphinx -W --keep-going -q -c docs/website -d build/site_doctrees build/site_source build/site
 
 lint: .venv/ready
 	$(BIN)/ruff check .

@@ -23,7 +23,7 @@ DOCS = ROOT / "docs"
 ELSEWHERE = {
     ROOT / "README.md": "readme.md",
     ROOT / "CHANGELOG.md": "changelog.md",
-    ROOT / "examples" / "README.md": "examples/index.rst",
+    ROOT / "examples": "examples/index.rst",
 }
 PICTURES = {".png", ".svg"}
 
