@@ -4,7 +4,7 @@ BIN := .venv/bin
 # Else each of the many processes that tests start compiles the package anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test slow lowest bench screenshots readme lint clean
+.PHONY: demo test slow lowest bench screenshots readme docs lint clean
 
 demo: .venv/ready
 	$(BIN)/pmjac demo
@@ -50,6 +50,12 @@ readme: .venv/ready
 	$(BIN)/python scripts/update_readme.py
 	$(BIN)/python docs/draw_architecture.py
 
+# The site in build/site, of pages and notebooks that are run. Once its tools are there, no network is used.
+docs: .venv/docs
+	rm -rf build/site build/site_source build/site_doctrees
+	$(BIN)/python docs/website/stage.py build/site_source
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m sphinx -W --keep-going -q -j 2 -c docs/website -d build/site_doctrees build/site_source build/site
+
 lint: .venv/ready
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -61,4 +67,8 @@ clean:
 .venv/ready: pyproject.toml
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	touch $@
+
+.venv/docs: .venv/ready
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
 	touch $@

@@ -351,3 +351,18 @@ def test_a_target_too_far_away_has_the_share_of_the_single_call():
     found = pj.batch(mechanism).close([far], enforce_limits=False)
     assert (found.status[0], found.share[0]) == (pj.Status.STOPPED, caught.value.share)
     np.testing.assert_array_equal(found.q[0], mechanism.home.q)
+
+
+@pytest.mark.parametrize("name", SAMPLE)
+def test_joints_of_many_poses_go_by_their_names(name, rng):
+    mechanism = loaded(name)
+    values = targets(mechanism, 3, 0.02, rng)
+    poses = pj.batch(mechanism).close(values, enforce_limits=False)
+    for joint, first in mechanism.configuration(poses.q[0]).joint_values.items():
+        found = poses.joint(joint)
+        assert found.shape == (3, *np.shape(first))
+        for q, value in zip(poses.q, found, strict=True):
+            alone = mechanism.configuration(q).joint_values[joint]
+            np.testing.assert_allclose(value, alone, rtol=0, atol=1e-12)
+    with pytest.raises(pj.UnknownNameError, match="joint"):
+        poses.joint("nobody")

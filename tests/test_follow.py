@@ -181,7 +181,7 @@ def test_limits_are_passed_where_formulas_say():
     times = [(theta - 0.9) / 5.1 for theta in (out, back, over)]
     assert [event.t for event in events] == pytest.approx(times, abs=1e-11)
     assert [event.leaves for event in events] == [True, False, True]
-    assert "lower limit 0.7 m of 'x', outwards" in events[0].what
+    assert events[0].what == "'x' passes its lower limit 0.7 m, outwards"
     stopped = pj.follow(machine, [[0.9], [6.0]], enforce_limits="all")
     assert stopped.status == "limit"
     assert stopped.t[-1] == pytest.approx(times[0], abs=1e-11)
@@ -201,7 +201,7 @@ def test_a_motor_stops_at_its_limit():
     trajectory = pj.follow(machine, [[0.9], [7.0]])
     assert trajectory.status == "limit"
     assert trajectory.t[-1] == pytest.approx((2.0 * pi - 0.9) / 6.1, abs=1e-12)
-    assert "'theta' passes the upper limit" in trajectory.reason
+    assert trajectory.reason == "'theta' passes its upper limit 6.28318531 rad, outwards"
     free = pj.follow(machine, [[0.9], [7.0]], enforce_limits=False)
     assert free.reached
     assert "motor limit" in [event.kind for event in free.events]

@@ -176,7 +176,7 @@ def test_many_poses_know(lower):
         assert found.beyond_limits.tolist() == alone
     strict = many.close(values, enforce_limits="all")
     assert (strict.status == pj.Status.LIMITS).tolist() == alone
-    with pytest.raises(pj.ArgumentError, match="limits are known"):
+    with pytest.raises(pj.ArgumentError, match="limits are known to the poses"):
         _ = type(poses)(poses.q, poses.share, poses.status).beyond_limits
 
 

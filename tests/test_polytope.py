@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from scipy.optimize import linprog
@@ -58,6 +60,7 @@ def test_forces_are_those_that_efforts_within_limits_hold(name, rng):
         assert (efforts > 1.0 - 1e-9).sum() >= len(block)  # a corner: as many motors at limits
     for way in rng.normal(size=(20, len(block))):
         most = 1.0 / (np.abs(block.T @ way) / limits).max()
+        assert held.along(way) == pytest.approx(most * np.linalg.norm(way), rel=1e-9)
         assert held.contains(way * most * (1 - 1e-9))
         assert not held.contains(way * most * (1 + 1e-6))
 
@@ -71,6 +74,15 @@ def test_two_that_push_together(rng):
         assert (both.vertices @ way).max() == pytest.approx(farthest)
     with pytest.raises(pj.ArgumentError, match="in m/s and in N have no sum"):
         one + jacobian.force_polytope([1, 1], ["vx", "vy"])
+
+
+def test_a_direction_that_leads_nowhere():
+    held = pj.load("five_bar").home.jacobian().force_polytope([1.0, 1.0], ["vx", "vy"])
+    with pytest.raises(pj.ArgumentError, match="a direction is not zero"):
+        held.along([0.0, 0.0])
+    away = dataclasses.replace(held, offsets=held.offsets + held.normals @ [100.0, 0.0])
+    with pytest.raises(pj.ArgumentError, match="the origin, which is not in the polytope"):
+        away.along([1.0, 0.0])
 
 
 @pytest.mark.parametrize(

@@ -61,10 +61,35 @@ class ManyClosed(ReadOnlyArrays):
     @cached_property
     def beyond_limits(self) -> Mask:
         """Where a joint is beyond its limits; False where there is no pose."""
+        return read_only(beyond_limits(self._known_coordinates, self.q))
+
+    def joint(self, name: str) -> Array:
+        """Return a joint's values by its name: one a pose, or its degrees of freedom, m or rad.
+
+        Raises
+        ------
+        UnknownNameError, ArgumentError
+            No such joint.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> poses = pj.batch(pj.load("four_bar")).close([[0.9], [1.0]])
+        >>> poses.joint("phi1").round(3).tolist()
+        [2.024, 2.025]
+        """
+        columns = self._known_coordinates.columns([name])
+        values = self._known_coordinates.values_of(self.q, columns)
+        return read_only(values[..., 0] if columns.size == 1 else values)
+
+    @property
+    def _known_coordinates(self) -> JointCoordinates:
         coordinates: JointCoordinates | None = self.__dict__["_coordinates"]
         if coordinates is None:
-            raise ArgumentError("limits are known to the poses that `pmjac_pin.batch` closes")
-        return read_only(beyond_limits(coordinates, self.q))
+            raise ArgumentError(
+                "joints and their limits are known to the poses that `pmjac_pin.batch` closes"
+            )
+        return coordinates
 
 
 @dataclass(frozen=True, eq=False)

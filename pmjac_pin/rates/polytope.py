@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import ArgumentError
-from pmjac_pin.values.arrays import Array, ReadOnlyArrays
+from pmjac_pin.values.arrays import Array, ReadOnlyArrays, norm
 from pmjac_pin.values.checks import as_vector
 
 _MOST_MOTORS = 16  # motors: 65,536 corners of a box
@@ -56,6 +56,31 @@ class Polytope(ReadOnlyArrays):
         """Tell whether a point (d,) is in it."""
         given = as_vector(point, self.vertices.shape[1], "a point")
         return bool((self.normals @ given <= self.offsets).all())
+
+    def along(self, direction: ArrayLike) -> float:
+        """Return how far it reaches from the origin in a direction (d,), of any length.
+
+        Raises
+        ------
+        ArgumentError
+            A direction that is none; the origin is not in the polytope.
+
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> jacobian = pj.load("three_rps").home.jacobian()
+        >>> held = jacobian.force_polytope([100.0] * 3, rows=["vz"])
+        >>> round(held.along([-1.0]), 6)  # N: three legs that lean by 30°
+        259.807621
+        """
+        way = as_vector(direction, self.vertices.shape[1], "a direction")
+        if not way.any():
+            raise ArgumentError("a direction is not zero")
+        if (self.offsets < 0.0).any():
+            raise ArgumentError("directions lead from the origin, which is not in the polytope")
+        rates = self.normals @ (way / norm(way))
+        ahead = rates > 0.0
+        return float((self.offsets[ahead] / rates[ahead]).min())
 
     def __add__(self, other: Polytope) -> Polytope:
         """Return all sums of a point of each: what two tools that push together can do."""

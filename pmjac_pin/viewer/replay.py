@@ -29,10 +29,7 @@ class Replay:
 
     def happenings(self) -> tuple[Happening, ...]:
         """Return what happens on it."""
-        return tuple(
-            Happening(event.t, event.kind, f"{event.name} {event.what}".strip())
-            for event in self.trajectory.events
-        )
+        return tuple(Happening(event.t, event.kind, event.what) for event in self.trajectory.events)
 
     def at(self, t: float) -> Configuration:
         """Return the pose at a parameter: closed from the sample before it.

@@ -41,7 +41,7 @@ def trajectory_blocks(trajectory: Trajectory) -> Iterator[Block]:
     ends = f"t = {trajectory.t[0]:.9g} to {trajectory.t[-1]:.9g}"
     yield Paragraph(f"{ends} in {steps} step{'s' * (steps != 1)}: {trajectory.reason}.")
     if trajectory.events:
-        rows = tuple((f"{event.t:.12g}", event.kind, _what(event)) for event in trajectory.events)
+        rows = tuple((f"{event.t:.12g}", event.kind, event.what) for event in trajectory.events)
         yield Table("Events", ("t", "", ""), rows, "><<")
     yield _ends_table(trajectory)
     if trajectory.homecoming is not None:
@@ -68,11 +68,6 @@ def _ends_table(trajectory: Trajectory) -> Table:
         for k, (name, column) in enumerate(partition.columns.items())
     )
     return Table("Joints", ("", "first", "last"), rows, "<>>")
-
-
-def _what(event: Event) -> str:
-    subject = f"{event.name} " if event.kind in ("motor limit", "passive limit") else ""
-    return f"{subject}{event.what}"
 
 
 def _event_told(event: Event) -> dict[str, object]:

@@ -50,12 +50,12 @@ class JointLimits:
                     at = zero_beside(watched, t, *within)
                     yield self._event(stretch, k, at, watched(t)[1] > 0.0)
 
-    def words(self, k: int) -> str:
-        """Say which limit this is."""
+    def _words(self, k: int) -> str:
         column = int(self._columns[k])
         unit = "rad" if self._course.shown.coordinates.rotational[column] else "m"
         side = "upper" if self._sides[k] > 0.0 else "lower"
-        return f"the {side} limit {float(self._limits[k]):.9g} {unit} of {self._names[column]!r}"
+        limit = f"{side} limit {float(self._limits[k]):.9g} {unit}"
+        return f"{self._names[column]!r} passes its {limit}"
 
     def _beyond(self, stretch: Stretch, t: float) -> tuple[Array, Array]:
         pose, coordinates = stretch.at(t), self._course.shown.coordinates
@@ -77,7 +77,7 @@ class JointLimits:
             "motor limit" if motor else "passive limit",
             t,
             self._course.configuration(stretch.at(t).q),
-            f"passes {self.words(k)}, " + ("outwards" if leaves else "back within it"),
+            f"{self._words(k)}, " + ("outwards" if leaves else "back within it"),
             self._names[column],
             leaves=leaves,
         )

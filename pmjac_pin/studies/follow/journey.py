@@ -103,7 +103,7 @@ class Journey:
                 continue  # where two steps meet
             self._events.append(event)
             if event.leaves and event.kind in self._stopping:
-                self._stop("limit", f"{event.name!r} {event.what}", stretch.at(event.t))
+                self._stop("limit", event.what, stretch.at(event.t))
                 return True
         return False
 
