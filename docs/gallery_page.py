@@ -23,9 +23,9 @@ MATRICES = {
 }
 WIDE = 7  # columns: more of them are folded away
 SEED = 0
-#: Working modes of these take minutes, those of the others seconds.
+#: Working modes of these take longer than all else of their pages.
 LONG_WORKING_MODES = ("agile_eye", "delta", "ur5")
-#: What is drawn of a slice: of others it takes minutes (`pmjac workspace`, `pmjac locus`).
+#: Of whom a slice is drawn, too: of the others it takes longer (`pmjac workspace`, `pmjac locus`).
 WORKSPACES = ("five_bar", "planar_3rpr", "serial_2r")
 LOCI = ("ankle", "five_bar", "humanoid_ankle", "planar_3rpr", "planar_3rrr")
 CELLS = 31  # of a slice, along each side

@@ -103,7 +103,7 @@ def main() -> None:
         lengths = lengths_of(joints)
         share = excess(lengths) / (sum(lengths) - min(lengths) - max(lengths))
         print(f"joints {words}:")
-        print("  ", *(f"{name} {value:.6f} " for name, value in lengths._asdict().items()))
+        print("  ", "  ".join(f"{name} {size:.6f}" for name, size in lengths._asdict().items()))
         print(f"   s + l - (p + q) = {excess(lengths):+.6f}, {share:+.2%} of p + q")
         start = drawn(joints)
         low, high = np.degrees(travel(start))

@@ -68,6 +68,14 @@ def test_every_page(name, tmp_path):
     assert f"| **mobility**, by rank | {loaded(name).mobility} |" in page
 
 
+@pytest.mark.slow
+def test_it_is_made_where_it_is_asked_for(tmp_path):
+    make_gallery.make_gallery(tmp_path / "new", ("slider_crank", "serial_2r"))
+    files = {path.relative_to(tmp_path / "new").as_posix() for path in tmp_path.rglob("*.*")}
+    scenes = {"files/gallery/scenes/serial_2r.html", "files/gallery/scenes/slider_crank.html"}
+    assert files >= {"pages/index.md", "pages/serial_2r.md", "pages/slider_crank.md"} | scenes
+
+
 def test_the_index_shows_every_mechanism():
     page = make_gallery.index({name: f"about {name}" for name in CATALOGUE}, REFERENCES["every"])
     for name in CATALOGUE:
