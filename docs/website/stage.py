@@ -23,6 +23,7 @@ DOCS = ROOT / "docs"
 ELSEWHERE = {
     ROOT / "README.md": "readme.md",
     ROOT / "CHANGELOG.md": "changelog.md",
+    DOCS / "make_gallery.py": "gallery/index.md",
     ROOT / "examples": "examples/index.rst",
 }
 PICTURES = {".png", ".svg"}
@@ -118,8 +119,8 @@ def stage(folder: Path) -> None:
     (folder / "api").mkdir(parents=True)
     places = pages()
     for page, place in places.items():
-        if place.endswith(".rst"):
-            continue  # sphinx-gallery writes it
+        if page.suffix != ".md":
+            continue  # others write it: sphinx-gallery, make_gallery.py
         text = with_links(page.read_text(encoding="utf-8"), page, places)
         if place == "index.md":
             text = with_contents(text)
