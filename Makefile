@@ -56,10 +56,10 @@ readme: .venv/ready
 
 # The site in build/site, of pages and notebooks that are run. Once its tools are there, no network is used.
 docs: .venv/docs
-	rm -rf build/site build/site_source build/site_doctrees build/gallery
+	rm -rf build/site build/gallery build/site_source build/site_doctrees
+	$(BIN)/python docs/make_gallery.py build/gallery
 	$(BIN)/python docs/website/stage.py build/site_source
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python docs/make_gallery.py build/gallery
-	cp -R build/gallery/pages build/site_source/gallery
+	cp -r build/gallery/pages build/site_source/gallery
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m sphinx -W --keep-going -q -c docs/website -d build/site_doctrees build/site_source build/site
 
 lint: .venv/ready
