@@ -88,3 +88,12 @@ def test_start_here_is_ten_lines():
     page = (DOCS / "start.md").read_text(encoding="utf-8")
     cells = re.findall(r"^```\{code-cell\} \w+\n(.*?)^```", page, re.M | re.S)
     assert sum(len(cell.splitlines()) for cell in cells) == 10
+
+
+def test_the_settings_fetch_nothing_from_elsewhere():
+    """Of Sphinx's extensions those that would, intersphinx and CDNs, are not used."""
+    settings = (DOCS / "website" / "conf.py").read_text(encoding="utf-8")
+    assert "intersphinx" not in settings
+    assert "http" not in settings
+    assert '"sphinx-mathjax-offline"' in settings
+    assert '"write_computation_times": False' in settings

@@ -60,6 +60,8 @@ sphinx_gallery_conf = {
     "filename_pattern": r"\.py$",
     "download_all_examples": False,
     "show_memory": False,
+    "show_signature": False,
+    "write_computation_times": False,  # a page that would load its table from elsewhere
     "abort_on_example_error": True,
     "remove_config_comments": True,
 }
