@@ -62,3 +62,7 @@ for k in np.flatnonzero(closed)[:10]:
     alone = ankle.close(values[k])
     assert np.abs(alone.q - poses.q[k]).max() < 1e-11
 print("all rods have their lengths; single calls say the same")
+
+# %%
+# The ankle at home, and how fast its foot turns in either direction.
+figure = pj.plot(ankle.home, "angular")

@@ -72,3 +72,7 @@ for angle, rod, side in zip(angles, [0.195, 0.140], [-1, 1], strict=True):
 assert worst.max() < 6.0
 assert np.abs(efforts).max() < LIMIT
 print("at the end both rods have their lengths, to 1e-12 m")
+
+# %%
+# The ankle where the second ended.
+figure = pj.plot(geared.configuration, "angular")

@@ -70,3 +70,7 @@ for name, exported in (("as designed", good), ("feet 1 mm outwards", bad)):
     print(f"{name}: J_eq differs by {apart:.1e} of its size, places by {1e3 * moved:.4f} mm")
 assert compare(good)[0] < 2e-5
 assert compare(bad)[0] > 1e-4
+
+# %%
+# The machine as it was exported.
+figure = pj.plot(good.home)

@@ -64,3 +64,7 @@ for leg, turn in enumerate(np.deg2rad([0.0, 120.0, 240.0])):
     assert np.abs(by_hand - cycle.actuated[:, leg]).max() < 1e-11
 assert np.abs(cycle.tool_poses[:, :3, 3] - path(cycle.t)).max() < 1e-11
 print("all motor angles agree with closed formulas to 1e-11 rad")
+
+# %%
+# The machine where it picks.
+figure = pj.plot(cycle.configurations[0])

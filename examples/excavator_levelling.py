@@ -80,3 +80,7 @@ assert np.ptp(heights) < 1e-9
 # And how hard it pulls straight back, without weight: until a cylinder is at its limit.
 holds = excavator.home.jacobian().force_polytope(strength, rows=["vx", "vz"])
 print(f"at home it pulls straight back with up to {holds.along([-1.0, 0.0]) / 1e3:.0f} kN")
+
+# %%
+# The arm at home, and how fast its pin moves for rates of the cylinders of length 1.
+figure = pj.plot(excavator.home)

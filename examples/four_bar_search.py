@@ -76,3 +76,7 @@ swings, acrosses = by_hand(*np.meshgrid(np.linspace(0.02, 0.12, 200), np.linspac
 best = np.nanmin(np.pi / 2 - acrosses + 30.0 * (swings - SWING) ** 2)
 print(f"badness {search.fun:.4f}; of 40,000 designs by formulas the best has {best:.4f}")
 assert search.fun < best + 1e-3
+
+# %%
+# The four-bar that was found.
+figure = pj.plot(linkage.with_parameters(l1=search.x[0], l2=search.x[1]).home)

@@ -100,3 +100,7 @@ joints = dead.configuration.joint_values
 beyond = np.rad2deg(cranks[-1] - joints["right_crank"])
 assert abs(joints["right_rod"]) < 1e-8  # rad, against the crank
 print(f"the dead centre is {beyond:.1f}° of the crank beyond closed")
+
+# %%
+# The gripper at its dead centre, where the left jaw stands still.
+figure = pj.plot(dead.configuration)

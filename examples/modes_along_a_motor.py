@@ -8,6 +8,7 @@ platform is soft. How many are there for which length, and which ones meet where
 
 # %%
 import numpy as np
+from matplotlib.figure import Figure
 
 import pmjac_pin as pj
 
@@ -74,3 +75,12 @@ for _, _, pose in meetings:
         K_star[i, [i, j]] = row(length[i], phi[i], length[j], phi[j])
     assert abs(np.linalg.det(K_star)) < 1e-4
 print(f"det K* is zero at all {len(meetings)} meetings")
+
+# %%
+# All of it as a picture: branches meet where two modes become one, and go no further.
+figure = Figure(figsize=(6, 4), layout="constrained")
+axes = figure.subplots()
+for number, (poses, seen) in enumerate(zip(on, there, strict=True), start=1):
+    axes.plot(lengths[seen], poses.joint("theta1")[seen], label=f"mode {number}")
+axes.set(xlabel="$l_1$ (m)", ylabel="$\\theta_1$ (rad)")
+figure.legend(loc="outside right")

@@ -88,3 +88,7 @@ print(f"it fits up to {fits:.2f} times as large")
 for size in (fits, too_large):
     lengths = np.array([manoeuvre(t, size) for t in times])
     assert (STROKE[0] < lengths.min() and lengths.max() < STROKE[1]) == (size == fits)
+
+# %%
+# The base at home.
+figure = pj.plot(base.home)

@@ -81,3 +81,7 @@ assert np.abs(contact.J_eq - b.jacobian().J_eq).max() < 1e-12
 modes = pj.assembly_modes(machine, legs, rng=0)
 print(f"K* of the other cut is {contact.K_star.shape}; {len(modes)} ways to assemble it")
 print("mirror images:", modes.mirror_images)
+
+# %%
+# The figure to draw by hand: pose B.
+figure = pj.plot(b)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-sys.path.insert(0, str(HERE))  # references.py
+sys.path.insert(0, str(HERE))  # references.py, drawn_figures.py
 
 project = "pmjac_pin"
 author = "The pmjac_pin developers"
@@ -63,5 +63,6 @@ sphinx_gallery_conf = {
     "show_signature": False,
     "write_computation_times": False,  # a page that would load its table from elsewhere
     "abort_on_example_error": True,
+    "image_scrapers": ("drawn_figures",),
     "remove_config_comments": True,
 }
