@@ -467,6 +467,11 @@ BAD = {
     "shape": (lambda m: pj.reach(m, np.ones((3, 2))), "shape"),
     "no rotation": (lambda m: pj.reach(m, np.ones((4, 4))), "rotation"),
     "no coordinate": (lambda m: pj.reach(m, {"tip": {"u": 1.0}}), "coordinates"),
+    "unknown beside a coordinate": (
+        lambda m: pj.reach(m, {"x": 0.2, "q": 3.0}),
+        "unknown coordinate or joint 'q'; there are: x, y, z, angle, theta1",
+    ),
+    "coordinate and joint": (lambda m: pj.reach(m, {"x": 0.2, "theta1": 1.0}), "one of these"),
     "empty": (lambda m: pj.reach(m, {}), "names nothing"),
     "tools": (lambda m: pj.reach(m, [[0, 0, 0]], tool=["tip", "tip2"]), "2 tools"),
     "task": (lambda m: pj.reach(m, [0, 0, 0], task=pj.Task.pose()), "give a pose"),
@@ -493,5 +498,5 @@ BAD = {
 @pytest.mark.parametrize("case", BAD)
 def test_bad_input_is_told(case):
     asked, told = BAD[case]
-    with pytest.raises(pj.ArgumentError, match=told):
+    with pytest.raises((pj.ArgumentError, pj.UnknownNameError), match=told):
         asked(loaded("five_bar"))

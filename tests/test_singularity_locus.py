@@ -204,6 +204,7 @@ def test_as_a_dataset(five_bar_locus):
         ({"kinds": []}, "got none"),
         ({"kinds": 3}, "got 3"),
         ({"cells": 1}, "cells"),
+        ({"cells": 100_000}, "`cells` is a number, 2 to 2000, got 100000"),
         ({"at": 3}, "at"),
     ],
 )

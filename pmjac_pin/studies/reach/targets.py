@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from pmjac_pin.errors import ArgumentError, did_you_mean, quoted
+from pmjac_pin.errors import ArgumentError, did_you_mean, quoted, unknown_name
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.pinocchio_model import checked_tool
@@ -82,15 +82,24 @@ def _named_goals(
     if all(name in _COORDINATES for name in target):
         _check_no_task(task, "single coordinates")
         return (_coordinates_goal(_checked_frames(mechanism, tool), target),)
-    if all(name in mechanism.coordinates.names for name in target) and all(
-        np.ndim(value) == 0 and not isinstance(value, pin.SE3 | Mapping)
-        for value in target.values()
-    ):
+    if all(isinstance(value, int | float | np.number) for value in target.values()):
+        _check_names(mechanism, target)
         _check_no_task(task, "values of joints")
         return (_joint_goal(mechanism, target),)
     if tool is not None:
         raise ArgumentError("targets by the names of their tools, and tools besides: give one")
     return tuple(_goal(mechanism, one, name, task) for name, one in target.items())
+
+
+def _check_names(mechanism: Mechanism, target: Mapping[str, Any]) -> None:
+    """Refuse numbers by names of which not all are joints."""
+    joints = mechanism.coordinates.names
+    for name in target:
+        if name not in joints and name not in _COORDINATES:
+            raise unknown_name("coordinate or joint", name, (*_COORDINATES, *joints))
+    if any(name not in joints for name in target):
+        both = f"coordinates of the tool and values of joints, {quoted(tuple(target))}"
+        raise ArgumentError(f"{both}: a target is of one of these")
 
 
 def _check_no_task(task: Task | None, what: str) -> None:
