@@ -13,7 +13,7 @@ test: .venv/ready
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 -m "not slow"
 
 slow: .venv/ready
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[peers]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[adapters,peers,release]'
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile -m slow --durations=8
 
 dist: .venv/release
@@ -31,6 +31,7 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/bench_sweep.py
 	$(BIN)/python benchmarks/bench_parameters.py
 	$(BIN)/python benchmarks/bench_error.py
+	$(BIN)/python benchmarks/bench_free.py
 	$(BIN)/python benchmarks/bench_dynamics.py
 	$(BIN)/python benchmarks/bench_polytope.py
 	$(BIN)/python benchmarks/bench_workspace.py
@@ -55,9 +56,11 @@ readme: .venv/ready
 
 # The site in build/site, of pages and notebooks that are run. Once its tools are there, no network is used.
 docs: .venv/docs
-	rm -rf build/site build/site_source build/site_doctrees
+	rm -rf build/site build/gallery build/site_source build/site_doctrees
+	$(BIN)/python docs/make_gallery.py build/gallery
 	$(BIN)/python docs/website/stage.py build/site_source
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m sphinx -W --keep-going -q -j 2 -c docs/website -d build/site_doctrees build/site_source build/site
+	cp -r build/gallery/pages build/site_source/gallery
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m sphinx -W --keep-going -q -c docs/website -d build/site_doctrees build/site_source build/site
 
 lint: .venv/ready
 	$(BIN)/ruff check .

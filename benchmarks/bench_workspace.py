@@ -3,7 +3,9 @@
 Points of the five-bar's locus of gain, one curve traced and then all with seeds and modes sought,
 beside SciPy's root finder on its closed equation, the elbows two distal links apart; maps of
 500 x 500 cells of motor space, the smallest singular value of K* at each, beside the five-bar's
-closed form in NumPy. In seconds of the processor, in turn; ratios are what counts.
+closed form in NumPy. In seconds of the processor, in turn; ratios are what counts. Workspaces of
+the tool with their borders, and a hexapod's nearest singularity, with the threads of BLAS that
+studies leave it and with all that there are.
 """
 
 from __future__ import annotations
@@ -16,6 +18,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 import pmjac_pin as pj
+from pmjac_pin.algebra import one_thread
 from pmjac_pin.studies.singularities.curve_tracing import Tracer
 from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
 from pmjac_pin.studies.singularities.singular_equations import SingularEquations
@@ -103,6 +106,26 @@ def compared(what: str, points: Callable[[], int]) -> None:
     print(f"{what:34s}{ours:10.0f}{theirs:10.0f}{ours / theirs:8.2f}   points/s")
 
 
+def studied() -> dict[str, Callable[[], object]]:
+    """Studies of many small matrices, by name."""
+    planar, delta, hexapod = (pj.load(name) for name in ("planar_3rrr", "delta", "stewart_gough"))
+    return {
+        "workspace of planar_3rrr": lambda: pj.workspace(planar, ("x", "y"), cells=31),
+        "workspace of delta": lambda: pj.workspace(delta, ("x", "y"), cells=31),
+        "nearest of stewart_gough": lambda: pj.nearest_singularity(hexapod.home),
+    }
+
+
+def with_all_threads(of: Callable[[], object]) -> float:
+    """Return the seconds of a study that BLAS shares among its threads."""
+    limits = one_thread._ONE_THREAD
+    limits._within += 1
+    try:
+        return seconds(of)
+    finally:
+        limits._within -= 1
+
+
 def main() -> None:
     bar = pj.load("five_bar")
     compared("one curve of the five-bar", one_curve(bar))
@@ -118,6 +141,10 @@ def main() -> None:
         ours, theirs = (1e6 * statistics.median(x) / CELLS**2 for x in zip(*rounds, strict=True))
         what = f"map of {name}, {CELLS} x {CELLS}"
         print(f"{what:34s}{ours:10.2f}{theirs:10.2f}{ours / theirs:8.1f}   µs a cell")
+    for what, study in studied().items():
+        study()
+        ours, theirs = seconds(study), with_all_threads(study)
+        print(f"{what:34s}{ours:10.2f}{theirs:10.2f}{theirs / ours:8.1f}   s, one thread and all")
 
 
 if __name__ == "__main__":

@@ -54,7 +54,7 @@ print(f"1 rad/s moves the plate by {radii.min():.3f} m/s at least, {radii.max():
 
 # %%
 # Held against closed formulas. In the plane of a leg, with the plate's axle at (x, z) and y beside
-# it, |elbow − axle| = rod is A cos θ + B sin θ = C.
+# it, elbow and axle are a rod's length apart where A cos θ + B sin θ = C.
 for leg, turn in enumerate(np.deg2rad([0.0, 120.0, 240.0])):
     x0, y0, z = cycle.tool_poses[:, :3, 3].T
     x = np.cos(turn) * x0 + np.sin(turn) * y0 + PLATE - BASE

@@ -1,5 +1,6 @@
 # What `import pmjac_pin` offers, by its names there; each is imported when it is asked for.
 
+from . import adapters as adapters
 from .batches.batch import Batch as Batch
 from .batches.batch import batch as batch
 from .batches.results import ManyClosed as ManyClosed

@@ -1,14 +1,17 @@
-"""Build what is released, and see that it is whole: ``python scripts/build_distributions.py``.
+"""Build what is released, and see that it is whole.
 
-Into dist go the source distribution, and the wheel that is built from it. The wheel has the kernels
-for this platform; auditwheel says from which Linux on they run, and names it so. Then both are
-looked at by twine, and installed: the wheel as it is, and the source distribution where there is no
-C compiler, so that NumPy does the kernels' work.
+    python scripts/build_distributions.py [FOLDER]
+
+Into the folder, dist where none is named, go the source distribution, and the wheel that is built
+from it. The wheel has the kernels for this platform; auditwheel says from which Linux on they run,
+and names it so. Then both are looked at by twine, and installed: the wheel as it is, and the source
+distribution where there is no C compiler, so that NumPy does the kernels' work.
 """
 
 from __future__ import annotations
 
 import os
+import platform
 import subprocess
 import sys
 import tarfile
@@ -70,7 +73,10 @@ def for_many_linuxes(built: Path, folder: Path) -> Path:
     """Name a wheel after the oldest Linux that its kernels run on; elsewhere leave it as it is."""
     if not sys.platform.startswith("linux"):
         return built.rename(folder / built.name)
-    run("auditwheel", "repair", "-w", folder, built)
+    # Not older, though no symbol asks for more: kernels choose by the processor when they are
+    # loaded, which older systems' loaders cannot do, and auditwheel does not look for.
+    oldest = f"manylinux_2_17_{platform.machine()}"
+    run("auditwheel", "repair", "--plat", oldest, "--only-plat", "-w", folder, built)
     (named,) = folder.glob("*.whl")
     return named
 
@@ -85,17 +91,17 @@ def used(built: Path, what: Sequence[str] = ()) -> str:
         return run(python, "-W", "error", "-c", USED, folder=Path(folder)).strip()
 
 
-def main() -> None:
+def main(into: Path) -> None:
     """Build, look at and use what is released."""
-    DIST.mkdir(exist_ok=True)
-    for old in (*DIST.glob("*.whl"), *DIST.glob("*.tar.gz")):
+    into.mkdir(exist_ok=True)
+    for old in (*into.glob("*.whl"), *into.glob("*.tar.gz")):
         old.unlink()
-    source = source_distribution(DIST)
+    source = source_distribution(into)
     with tempfile.TemporaryDirectory() as folder:
         built = wheel(source, Path(folder))
         if built.name.endswith("-any.whl"):
             raise SystemExit("no C compiler: the wheel has no kernels")
-        released = for_many_linuxes(built, DIST)
+        released = for_many_linuxes(built, into)
     print(run("twine", "check", "--strict", source, released).strip())
     print(f"{released.name}: installed, its batches run on {used(released)}")
     with tempfile.TemporaryDirectory() as folder:
@@ -104,4 +110,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    main(Path(sys.argv[1]).resolve() if sys.argv[1:] else DIST)

@@ -1,6 +1,6 @@
 """Ask neighbouring libraries the same questions about one machine: the table of paper.md.
 
-    pip install drake mujoco pin-pink daqp pylinkage crocoddyl
+    pip install drake mujoco pin-pink daqp pylinkage crocoddyl sympy
     python scripts/compare_libraries.py
 
 Every cell is what a library answered in this run, about a planar four-bar whose answers are known
@@ -29,6 +29,7 @@ LIBRARIES = {
     "pin-pink": "with_pink",
     "pylinkage": "with_pylinkage",
     "crocoddyl": "with_crocoddyl",
+    "sympy": "with_sympy",
 }
 
 

@@ -3,6 +3,7 @@
 import csv
 import json
 
+import cuspidal
 import numpy as np
 import pytest
 from mechanisms import loaded
@@ -79,6 +80,29 @@ def test_poses_are_written_and_nothing_is_replaced(way, tmp_path, capsys):
     assert "exists already" in capsys.readouterr().err
     assert run("four_bar", "--waypoints", way, "-o", tmp_path / "poses.json") == 0
     assert json.loads((tmp_path / "poses.json").read_text())["status"] == "end"
+
+
+@pytest.mark.slow
+def test_a_loop_about_a_cusp_ends_on_another_mode(tmp_path, capsys):
+    """A polygon of motor values from a file, about the cusp of a machine from a file, proven."""
+    turns = 5.1 + np.linspace(0.0, 2.0 * np.pi, 41)
+    second, third = (
+        centre + 0.3 * wave(turns)
+        for centre, wave in zip(cuspidal.CUSP, (np.cos, np.sin), strict=True)
+    )
+    way = np.column_stack([np.full(turns.size, 17.0), second, third])
+    way[-1] = way[0]
+    np.savetxt(tmp_path / "loop.csv", way, "%.17g", ",", header="rho1,rho2,rho3", comments="")
+    lengths, told = tuple(way[0].tolist()), []
+    for k, angles in enumerate(cuspidal.solutions(lengths)):
+        file = tmp_path / f"machine{k}.toml"
+        pj.export(cuspidal.mechanism(angles, lengths), to="toml", file=file)
+        status = run(file, "--waypoints", tmp_path / "loop.csv", "--certified")
+        shown = " ".join(capsys.readouterr().out.split())
+        assert ("this assembly mode ends" in shown) == (status == 1)
+        assert "proof: up to t = " in shown
+        told.append("ends on another assembly mode, met no singular pose: a cuspidal" in shown)
+    assert told.count(True) == 1
 
 
 @pytest.mark.parametrize("argument", [[], ["--json"], ["--certified"]])

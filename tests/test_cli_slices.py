@@ -86,6 +86,6 @@ def test_a_locus_is_drawn_on_the_workspace_of_its_plane():
     found = pj.workspace(bar, ("theta1", "theta2"), cells=15, measure="speed", trace=False)
     locus = pj.singularity_locus(bar, ("theta1", "theta2"), kinds=["gain"], cells=15)
     labels = pj.plot_workspace(found, locus).axes[0].get_legend_handles_labels()[1]
-    assert "gain (type II)" in labels
+    assert "Type 2 (parallel) singularity" in labels
     with pytest.raises(pj.ArgumentError, match="the workspace of"):
         pj.plot_workspace(pj.workspace(bar, ("x", "y"), cells=15, trace=False), locus)

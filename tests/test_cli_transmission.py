@@ -35,6 +35,18 @@ def test_files_by_their_suffixes(tmp_path, monkeypatch, capsys):
     assert "proof: all over pitch -0.2 to 0.2" in shown
 
 
+def test_a_plugin_beside_its_header(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    words = [*ROCKER, "--points", "5", "--name", "bar", "-o", "plugin.cpp"]
+    assert main(words) == 2
+    assert "plugin.cpp includes a C header: add -o plugin.h" in capsys.readouterr().err
+    assert main([*words, "-o", "rocker.h"]) == 0
+    text = (tmp_path / "plugin.cpp").read_text()
+    assert '#include "rocker.h"' in text
+    assert "bar_at_joints(" in text
+    assert "int bar_at_joints(" in (tmp_path / "rocker.h").read_text()
+
+
 @pytest.mark.parametrize("machine", ["humanoid_ankle", "ankle"])
 def test_where_nobody_says_it_the_rectangle_is_about_home(machine, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
@@ -76,7 +88,7 @@ def test_a_name_for_the_header_and_limits_of_the_motors(tmp_path, monkeypatch, c
         (["--joints", "pitch"], "as many joints as motors, 2, got 1"),
         (
             [*OVER, "-o", "ankle.txt"],
-            r"ankle.txt: what is written ends in one of .h, .npz, .csv, .png",
+            r"ankle.txt: what is written ends in one of .h, .npz, .csv, .cpp, .png",
         ),
         ([*OVER, "-o", "nowhere/ankle.h"], "there is no folder"),
         ([*OVER, "-o", "mine.h"], "mine.h: exists already; --force replaces it"),

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from functools import cache
 from math import acos, atan2, hypot, pi, sqrt
 
 import numpy as np
@@ -58,13 +59,18 @@ class Delta:
         return np.cross(AXLES, self.rods(point, thetas))
 
     def machine(self):
-        return pj.delta(self.base, self.arm, self.rod, self.plate, home=1.2)
+        return built(self)
 
     def singularity(self, point, thetas):
         machine = self.machine()
         values = {f"theta{k + 1}": theta for k, theta in enumerate(thetas)}
         values["platform"] = [*point, 0.0, 0.0, 0.0, 1.0]
         return machine.configuration(machine.coordinates.q(values, machine.home.q)).singularity()
+
+
+@cache
+def built(delta):
+    return pj.delta(delta.base, delta.arm, delta.rod, delta.plate, home=1.2)
 
 
 CATALOGUE = Delta(0.2, 0.3, 0.7, 0.06)

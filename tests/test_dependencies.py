@@ -16,6 +16,7 @@ ROOT = Path(__file__).parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 EXTRAS = PROJECT["optional-dependencies"]
 OPTIONAL = ("mjcf", "plot", "sweep", "table", "view")
+ADAPTERS = ("casadi", "crocoddyl", "jax", "mink", "pink")  # of the libraries that they are for
 REQUIREMENTS = [*PROJECT["dependencies"], *(one for name in OPTIONAL for one in EXTRAS[name])]
 
 PYTHONS = {
@@ -25,6 +26,7 @@ PYTHONS = {
 #: What is imported under another name than it is installed.
 IMPORTED_AS = {
     "lazy-loader": "lazy_loader",
+    "pin-pink": "pink",
     "pin": "pinocchio",
     "python-flint": "flint",
     "pyyaml": "yaml",
@@ -50,13 +52,24 @@ def names():
 
 
 def test_what_is_imported_is_declared():
-    declared = {IMPORTED_AS.get(name, name) for name in names() - NOT_IMPORTED}
+    for_adapters = {re.split(r"[^\w.-]", EXTRAS[name][0])[0] for name in ADAPTERS}
+    known = (names() | for_adapters) - NOT_IMPORTED
+    declared = {IMPORTED_AS.get(name, name) for name in known}
     # meshcat's files are looked up by its name, without importing it; matplotlib brings a second.
     assert imports() - {"pmjac_pin", "mpl_toolkits"} == declared - {"meshcat"}
 
 
 def test_all_is_every_extra_that_a_user_may_want():
     assert EXTRAS["all"] == [f"pmjac_pin[{','.join(OPTIONAL)}]"]
+
+
+def test_each_adapter_has_an_extra():
+    folder = ROOT / "pmjac_pin" / "adapters"
+    modules = {path.stem for path in folder.glob("*.py")} - {"__init__", "ros2_control"}
+    assert modules == set(ADAPTERS)
+    assert EXTRAS["adapters"] == [f"pmjac_pin[{','.join(ADAPTERS)}]"]
+    for name in ADAPTERS:
+        assert re.fullmatch(r"[\w-]+>=\d+(\.\d+)+", EXTRAS[name][0])
 
 
 def test_each_requirement_states_its_lowest_version():

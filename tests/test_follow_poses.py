@@ -122,6 +122,7 @@ def test_a_function_of_poses_comes_home():
         assert pose.tool_pose().isApprox(nodding(t), 1e-10)
 
 
+@pytest.mark.slow
 def test_a_tool_may_turn_round_and_round():
     """Two turns about a slanted axis, by waypoints less than half a turn apart."""
     machine = pj.load("agile_eye")

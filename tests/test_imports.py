@@ -35,7 +35,7 @@ ORDER = (
     ),
     ("loading", "batches", "builders"),
     ("studies",),
-    ("words",),
+    ("words", "adapters"),
     ("pictures",),
     ("viewer",),
     ("cli __main__",),

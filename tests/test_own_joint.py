@@ -12,6 +12,7 @@ import pinocchio as pin
 import pytest
 from differences import difference_quotient
 from drawn import draws_and_shows
+from exported import FORMATS, round_trip
 
 import pmjac_pin as pj
 from pmjac_pin.algebra.floats import Floats
@@ -126,6 +127,37 @@ def test_the_jacobian_does_not_depend_on_the_cut(bush, joint):
     for crank in (0.1, -0.2):
         found, expected = (one.close([crank]).jacobian().J_eq for one in (cut, bush))
         np.testing.assert_allclose(found, expected, atol=1e-9)
+
+
+def test_it_is_followed_with_proof(bush, in_series):
+    found, expected = (
+        pj.follow(one, [[-0.3], [0.3]], samples=9, certified=True) for one in (bush, in_series)
+    )
+    assert (found.status, found.evidence.kind) == ("end", "proof")
+    np.testing.assert_allclose(found.passive, expected.passive, atol=1e-10)
+    np.testing.assert_allclose(found.v, expected.v, atol=1e-8)
+
+
+def test_it_is_reached(bush):
+    target = bush.close([0.21])
+    found = pj.reach(bush, target.tool_pose())
+    assert (found.status, found.actuated) == ("reached", pytest.approx([0.21]))
+    modes = pj.working_modes(bush, target.tool_pose(), rng=0)
+    np.testing.assert_allclose(modes.actuated, [[0.21]], atol=1e-9)
+
+
+def test_its_nearest_singularity(bush, in_series):
+    found, expected = (pj.nearest_singularity(one.close([0.2]), rng=0) for one in (bush, in_series))
+    assert found.freed == expected.freed == "gain"
+    assert found.distance == pytest.approx(expected.distance, abs=1e-10)
+    assert found.configuration.singularity().is_singular
+
+
+@pytest.mark.parametrize("to", FORMATS)
+def test_it_is_exported(bush, to, tmp_path):
+    _, again = round_trip(bush, to, tmp_path)
+    J_eq = again.close([0.2]).jacobian().J_eq
+    np.testing.assert_allclose(J_eq, bush.close([0.2]).jacobian().J_eq, atol=1e-9)
 
 
 def test_drawing_and_page(bush, tmp_path):

@@ -13,6 +13,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from drawn import draws_and_shows
+from exported import FORMATS, round_trip
 
 import pmjac_pin as pj
 from pmjac_pin.model import loop_spec
@@ -121,6 +122,39 @@ def test_it_is_written_read_and_pickled(lever):
     assert isinstance(spec.loops[0], PinInSlot)
     assert pickle.loads(pickle.dumps(lever)).spec == lever.spec
     assert msgspec.to_builtins(spec.loops[0])["kind"] == "pin_in_slot"
+
+
+def test_it_is_followed_with_proof(lever):
+    way = pj.follow(lever, [[0.3], [2.5]], certified=True)
+    assert (way.status, way.evidence.kind) == ("end", "proof")
+    for crank, passive, rates in zip(way.actuated[:, 0], way.passive, way.v, strict=True):
+        angle, rate = by_hand(crank)
+        assert passive == pytest.approx([angle])
+        assert rates == pytest.approx([2.2, 2.2 * rate])
+    [dead] = way.events
+    assert (dead.kind, 0.3 + 2.2 * dead.t) == ("loss", pytest.approx(np.arccos(-REACH / DISTANCE)))
+
+
+def test_it_is_reached_on_all_its_working_modes(lever):
+    target = lever.close([1.2]).tool_pose()
+    found = pj.reach(lever, target, guess={"crank": 0.8})
+    assert (found.status, found.actuated) == ("reached", pytest.approx([1.2]))
+    modes = pj.working_modes(lever, target, rng=0)
+    angle, _ = by_hand(1.2)
+    assert [by_hand(crank)[0] for crank in modes.actuated[:, 0]] == pytest.approx([angle] * 2)
+
+
+def test_its_nearest_singularity_is_where_the_lever_turns_back(lever):
+    nearest = pj.nearest_singularity(lever.close([1.5]), rng=0)
+    assert nearest.freed == "loss"
+    assert nearest.distance == pytest.approx(np.arccos(-REACH / DISTANCE) - 1.5)
+
+
+@pytest.mark.parametrize("to", FORMATS)
+def test_it_is_exported(lever, to, tmp_path):
+    _, again = round_trip(lever, to, tmp_path)
+    J_eq = again.close([0.7]).jacobian().J_eq
+    np.testing.assert_allclose(J_eq, lever.close([0.7]).jacobian().J_eq, atol=1e-10)
 
 
 def test_drawing_and_page(lever, tmp_path):

@@ -277,3 +277,119 @@ def test_a_number_of_cells_is_a_whole_number(cells):
         pj.singularity_free(loaded("five_bar").home, most_cells=cells)
     with pytest.raises(pj.ArgumentError):
         pj.singularity_free(loaded("five_bar"))
+
+
+LOSSES = ("five_bar", "serial_2r", "ur5", "slider_crank", "humanoid_ankle", "planar_3rrr", "delta")
+
+
+def motions_of_all(pose):
+    """The smallest singular value of [K K*] above the judged rows of the tool, per unit rates."""
+    partition = pose.mechanism.problem.partition
+    split = pose.split_jacobian(partition.tool_rows.axes)
+    rows = partition.tool_rows.linear + partition.tool_rows.angular
+    matrix = np.vstack([split.constraint_jacobian, split.tool_jacobian[rows]])
+    values = np.linalg.svd(matrix, compute_uv=False)
+    return values[partition.constraint_rank + partition.tool_rank - 1]
+
+
+@pytest.mark.parametrize("name", mechanisms.mostly_slow(LOSSES, ("five_bar", "ur5")))
+def test_within_what_is_proven_the_tool_loses_nothing(name, rng):
+    home = loaded(name).home
+    proven, gains = (pj.singularity_free(home, kind=kind) for kind in ("loss", "gain"))
+    assert proven
+    assert 0.0 < proven.radius <= gains.radius
+    assert proven.evidence.kind == "proof"
+    assert f"moves in {home.mechanism.problem.partition.tool_rank} ways" in str(proven.evidence)
+    nearest = pj.nearest_singularity(home, kind="loss", starts=2, rng=0)
+    if nearest:
+        assert proven.radius < max(map(abs, nearest.motor_change.values()))
+    least = motions_of_all(home)
+    for _ in range(20):
+        way = rng.uniform(-1.0, 1.0, home.actuated.size)
+        motors = home.actuated + proven.radius * way / np.abs(way).max()
+        there = home.mechanism.close(motors, guess=home, enforce_limits=False)
+        assert there.singularity().kind == "regular"
+        assert motions_of_all(there) > 0.2 * least
+
+
+def test_of_an_arm_the_loss_where_its_elbow_is_stretched_bounds_the_proof():
+    """Nothing may be proven beyond: θ₂ is 0 there."""
+    arm = loaded("serial_2r")
+    for elbow in (1.0, 0.1, 0.01):
+        proven = pj.singularity_free(arm.close([0.5, elbow]), kind="loss")
+        assert 0.0 < proven.radius < elbow
+    assert not pj.singularity_free(arm.close([0.5, 0.0]), kind="loss")
+
+
+def test_losses_are_proven_by_cells_too():
+    home = loaded("five_bar").home
+    one, many = (pj.singularity_free(home, kind="loss", most_cells=n) for n in (1, 40))
+    assert many.radius > 1.4 * one.radius
+    with pytest.raises(pj.ArgumentError, match="kind is gain or loss, got 'both'"):
+        pj.singularity_free(home, kind="both")
+    assert (
+        "three points span" in pj.singularity_free(loaded("three_rps_ss").home, kind="loss").failed
+    )
+
+
+ORDERS = [("five_bar", "gain"), ("slider_crank", "loss"), ("serial_2r", "loss"), ("ankle", "gain")]
+ORDERS += [("bennett", "gain"), ("planar_3rrr", "loss"), ("ur5", "loss"), ("delta_rods", "loss")]
+ORDERS += [("head_6rss", "gain"), ("agile_eye", "loss"), ("stewart_gough", "gain")]
+
+
+@pytest.mark.parametrize(("name", "kind"), mechanisms.mostly_slow(ORDERS, ORDERS[:3]))
+def test_along_polynomials_more_is_proven_and_it_holds(name, kind, rng):
+    """Nothing in it is singular, and all poses are as near as is said; ranks and signs are kept."""
+    home = loaded(name).home
+    one, two = (pj.singularity_free(home, kind=kind, order=order) for order in (1, 2))
+    assert two.evidence.kind == "proof"
+    assert two.radius > 1.3 * one.radius
+    nearest = pj.nearest_singularity(home, kind=kind, starts=3, rng=0)
+    if nearest:
+        assert two.radius < max(map(abs, nearest.motor_change.values()))
+    partition = home.mechanism.problem.partition
+    slides = np.array([unit == "m" for unit in partition.units_of(partition.passive)])
+    scale = np.where(slides, partition.length, 1.0)
+    least = motions_of_all(home)
+    for _ in range(40):
+        way = rng.uniform(-1.0, 1.0, home.actuated.size)
+        motors = home.actuated + two.radius * way / np.abs(way).max()
+        there = home.mechanism.close(motors, guess=home, enforce_limits=False)
+        assert there.singularity().kind in {"regular", *({"loss"} if kind == "gain" else set())}
+        assert kind == "gain" or motions_of_all(there) > 0.01 * least
+        moved = np.abs(there.passive - home.passive) / scale
+        assert moved.max(initial=0.0) <= two.passive_radius
+
+
+def test_an_order_is_one_or_two():
+    with pytest.raises(pj.ArgumentError, match="order is 1 or 2, got 3"):
+        pj.singularity_free(loaded("five_bar").home, order=3)
+
+
+@pytest.mark.parametrize("number", [2, 3])
+def test_what_motors_meet_stands_before_what_is_nearer_on_another_mode(number):
+    """Arm 2 is folded 0.02 or 0.19 rad away with the tip on the other side of the elbows."""
+    here = mechanisms.random_poses("five_bar", 4, 6)[number]
+    gain, loss = (pj.nearest_singularity(here, kind=kind, starts=0) for kind in ("gain", "loss"))
+    assert (gain.straight, loss.straight) == (True, False)
+    assert loss.distance < gain.distance
+    either = pj.nearest_singularity(here, starts=0)
+    assert (either.freed, either.straight) == ("gain", True)
+    assert either.distance == pytest.approx(gain.distance, rel=1e-9)
+
+    def side(pose):
+        """The sign of the area from elbow to elbow to tip: the assembly mode."""
+        at = pose.joint_values
+        one, other = (
+            np.array([x, 0.0]) + 0.3 * unit(at[name])
+            for x, name in ((0, "theta1"), (0.3, "theta2"))
+        )
+        tip = pose.tool_pose().translation[:2]
+        return np.sign(np.linalg.det([other - one, tip - one]))
+
+    assert side(
+        either.configuration.mechanism.close(
+            here.actuated + 0.9 * np.array([*either.motor_change.values()]), guess=here
+        )
+    ) == side(here)
+    assert side(loss.configuration) == -side(here)

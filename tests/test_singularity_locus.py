@@ -110,6 +110,43 @@ def test_curves_of_mirror_images_lie_on_each_other_and_do_not_cross():
         )
     assert on_each_other > 2
     assert not locus.marked("crossing")
+    places = [
+        (c.places, np.array([mechanism.configuration(q).tool_pose().translation for q in c.q]))
+        for c in locus.curves
+    ]
+    every = np.vstack([np.column_stack(pair) for pair in places])
+    for row in every[::9] * [1.0, 1.0, 1.0, 1.0, -1.0]:
+        assert np.linalg.norm(every - row, axis=1).min() < 0.05
+
+
+def test_other_working_modes_are_seen_where_they_are_named():
+    """In a window that no curve of loss is in, no mode leads to another."""
+    bar, window = loaded("five_bar"), {"x": (0.1, 0.2), "y": (0.1, 0.2)}
+    at = pj.reach(bar, [0.15, 0.15, 0.0]).configuration
+    every = list(pj.working_modes(bar, at.tool_pose().translation))
+    assert len(every) == 4
+    alone, found = (
+        pj.singularity_locus(
+            bar, ("x", "y"), at=at, kinds=["gain"], window=window, cells=9, modes=modes
+        )
+        for modes in (None, every)
+    )
+    assert (len(alone.modes), len(found.modes)) == (1, 4)
+    assert len(alone.curves) < len(found.curves)
+
+
+@pytest.mark.slow
+def test_gain_of_similar_triangles_ends_in_branch_points_and_says_so():
+    """Where the platform is turned as its base all poses are singular, and cross other such."""
+    locus = pj.singularity_locus(loaded("planar_3rpr"), ("l1", "l2"), kinds=["gain"], cells=31)
+    ends = [curve for curve in locus.curves if not curve.complete]
+    assert ends
+    assert all(curve.branches == 2 for curve in ends)
+    assert len(locus.marked("branch point")) == 2 * len(ends)
+    assert "are branch points" in locus.evidence.statement
+    for point in locus.marked("branch point"):
+        angle = locus.at.mechanism.configuration(point.q).joint_values["platform"][2]
+        assert abs(np.sin(angle)) < 1e-5
 
 
 def test_3rpr_gains_where_the_lines_of_its_legs_meet(cuspidal_locus):

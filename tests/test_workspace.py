@@ -1,5 +1,8 @@
 """Workspaces: areas in closed form, and that each cell says what a single call says."""
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -8,6 +11,7 @@ from annuli import shared_area
 from mechanisms import Z, loaded, tree
 
 import pmjac_pin as pj
+from pmjac_pin.studies.workspaces import find_workspace
 
 UNIT_BAR = dict.fromkeys(("l0", "l1", "l2", "l3", "l4"), 1.0)
 
@@ -21,26 +25,37 @@ def turned(angle):
     return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
-def planar_annuli(name, base, platform, inner, outer):
-    """Of a planar machine of three legs that keeps its platform turned as at home."""
-    angle = loaded(name).home.joint_values["platform"][2]
+def planar_annuli(pose, base, platform, inner, outer):
+    """Of a planar machine of three legs that keeps its platform turned as at a pose."""
+    angle = pose.joint_values["platform"][2]
     centres = corners(base) - corners(platform) @ turned(angle).T
     return [(centre, inner, outer) for centre in centres]
 
 
-def stewart_annuli():
-    """Legs of 0.1 to 3.0 from the ground to a platform at the height of home, turned as at home."""
+def turned_by(name, angle):
+    """A planar machine at home, its platform turned by so much more."""
+    mechanism = loaded(name)
+    place = mechanism.home.tool_pose()
+    place.rotation = pin.utils.rotate("z", angle) @ place.rotation
+    found = pj.reach(mechanism, place)
+    assert found.status == "reached"
+    return found.configuration
+
+
+def stewart_annuli(plane):
+    """Legs of 0.1 to 3.0 from the ground to a platform that is turned as at home, in a plane."""
     mechanism = loaded("stewart_gough")
     model, home = mechanism.model, mechanism.home
     data = model.createData()
     pin.framesForwardKinematics(model, data, home.q)
+    across = next(k for k, name in enumerate("xyz") if name not in plane)
     tool, found = home.tool_pose().translation, []
     for k in range(1, 7):
         joint = data.oMf[model.getFrameId(f"P{k}")].translation
         away = data.oMi[model.getJointId(f"alpha{k}")].translation - (joint - tool)
-        height = tool[2] - away[2]
+        height = tool[across] - away[across]
         inner = np.sqrt(max(0.1**2 - height**2, 0.0))
-        found.append((away[:2], inner, np.sqrt(3.0**2 - height**2)))
+        found.append((np.delete(away, across), inner, np.sqrt(3.0**2 - height**2)))
     return found
 
 
@@ -79,14 +94,27 @@ def test_areas_do_not_depend_on_the_grid(cells):
 @pytest.mark.parametrize(
     ("name", "annuli"),
     [
-        ("planar_3rpr", lambda: planar_annuli("planar_3rpr", 0.5, 0.2, 0.05, 1.0)),
-        ("planar_3rrr", lambda: planar_annuli("planar_3rrr", 0.5, 0.15, 0.05, 0.55)),
-        ("stewart_gough", stewart_annuli),
+        ("planar_3rpr", (0.5, 0.2, 0.05, 1.0)),
+        ("planar_3rrr", (0.5, 0.15, 0.05, 0.55)),
     ],
 )
-def test_slices_of_constant_orientation_are_shared_by_annuli(name, annuli):
-    found = pj.workspace(loaded(name), ("x", "y"), cells=31)
-    assert found.area == pytest.approx(shared_area(annuli()), rel=1e-6)
+@pytest.mark.parametrize("angle", [0.0, 0.15, -0.4])
+def test_slices_of_constant_orientation_are_shared_by_annuli(name, annuli, angle):
+    pose = turned_by(name, angle)
+    assert pose.joint_values["platform"][2] == pytest.approx(
+        loaded(name).home.joint_values["platform"][2] + angle, abs=1e-9
+    )
+    found = pj.workspace(loaded(name), ("x", "y"), mode=pose, cells=31)
+    assert found.area == pytest.approx(shared_area(planar_annuli(pose, *annuli)), rel=1e-6)
+    assert found.cell_area == pytest.approx(found.area, rel=0.1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("plane", ["xy", "xz", "yz"])
+def test_slices_of_a_platform_on_six_legs_are_shared_by_six_annuli(plane):
+    """Home is off the middle by 1e-4: circles of two legs almost lie on each other, and cross."""
+    found = pj.workspace(loaded("stewart_gough"), tuple(plane), cells=31)
+    assert found.area == pytest.approx(shared_area(stewart_annuli(plane)), rel=1e-6)
     assert found.cell_area == pytest.approx(found.area, rel=0.1)
 
 
@@ -155,6 +183,35 @@ def test_it_says_what_it_rests_on(bar_in_tool_space):
     assert "which closes" in bar_in_tool_space.evidence.statement
     assert "'home'" in bar_in_tool_space.mode
     assert bar_in_tool_space.mode.startswith("working mode")
+
+
+def opened(piece):
+    return replace(piece, places=piece.places[:-1], directions=piece.directions[:-1])
+
+
+def longest_loop(border):
+    """Of a ring, its outer circle: what closes, and is not all."""
+    return [max(border, key=lambda piece: np.ptp(piece.places, axis=0).max())]
+
+
+@pytest.mark.parametrize(
+    ("changed", "says"),
+    [
+        (
+            lambda border: [opened(border[0]), *border[1:]],
+            r"'loss' (ends|begins) at \(.*, and the nearest that .* off",
+        ),
+        (lambda border: (), "no piece of it was traced"),
+        (lambda border: [*border, *border], "it encloses .* cells, and .* are reached"),
+        (longest_loop, "no piece is near the cell at"),
+    ],
+)
+def test_what_does_not_close_is_said(monkeypatch, changed, says):
+    whole, arm = find_workspace.border, loaded("serial_2r")
+    monkeypatch.setattr(find_workspace, "border", lambda *given: changed(whole(*given)))
+    found = pj.workspace(arm, ("x", "y"), cells=41)
+    assert np.isnan(found.area)
+    assert re.search(f"pieces, which does not close: {says}", found.evidence.statement)
 
 
 def test_as_a_dataset(bar_in_tool_space):

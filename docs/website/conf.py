@@ -27,6 +27,7 @@ exclude_patterns = ["examples/*.ipynb", "examples/*.py", "**/*.zip", "**/*.json"
 html_theme = "furo"
 html_title = "pmjac_pin"
 html_static_path = [str(HERE / "static")]
+html_extra_path = [str(ROOT / "build" / "gallery" / "files")]
 html_css_files = ["site.css"]
 html_show_sphinx = False
 html_copy_source = False

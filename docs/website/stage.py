@@ -23,8 +23,14 @@ DOCS = ROOT / "docs"
 ELSEWHERE = {
     ROOT / "README.md": "readme.md",
     ROOT / "CHANGELOG.md": "changelog.md",
-    ROOT / "examples" / "README.md": "examples/index.rst",
+    ROOT / "CONTRIBUTING.md": "contributing.md",
+    ROOT / "examples": "examples/index.rst",
+    DOCS / "make_gallery.py": "gallery/index.md",
 }
+
+#: Who writes them, where it is not this.
+MADE = {"examples/index.rst": "sphinx-gallery", "gallery/index.md": "docs/make_gallery.py"}
+
 PICTURES = {".png", ".svg"}
 
 _FENCED = re.compile(r"(^```.*?^```$)", re.MULTILINE | re.DOTALL)
@@ -100,6 +106,8 @@ def page_of(name: str) -> str:
     """Return the page of a public name, all of it from its docstrings."""
     value = getattr(pj, name)
     lines = [f"{name}\n{'=' * len(name)}", ".. currentmodule:: pmjac_pin"]
+    if inspect.ismodule(value):
+        return "\n\n".join([lines[0], f".. automodule:: pmjac_pin.{name}\n"])
     if not inspect.isclass(value):
         return "\n\n".join([*lines, f".. autofunction:: {name}\n"])
     kind = "autoexception" if issubclass(value, BaseException) else "autoclass"
@@ -118,8 +126,8 @@ def stage(folder: Path) -> None:
     (folder / "api").mkdir(parents=True)
     places = pages()
     for page, place in places.items():
-        if place.endswith(".rst"):
-            continue  # sphinx-gallery writes it
+        if place in MADE:
+            continue
         text = with_links(page.read_text(encoding="utf-8"), page, places)
         if place == "index.md":
             text = with_contents(text)

@@ -12,7 +12,7 @@ from functools import wraps
 from threading import Lock
 from typing import Any, ParamSpec, TypeVar
 
-Answer = ParamSpec("Answer")
+Asked = ParamSpec("Asked")
 Found = TypeVar("Found")
 
 
@@ -43,20 +43,21 @@ class _OneThread:
 _ONE_THREAD = _OneThread()
 
 
-def on_one_thread(of: Callable[Answer, Found]) -> Callable[Answer, Found]:
+def on_one_thread(of: Callable[Asked, Found]) -> Callable[Asked, Found]:
     """Return a function that leaves BLAS one thread while it is called, from any threads.
 
     Examples
     --------
+    >>> import numpy as np
     >>> @on_one_thread
     ... def smallest(matrix):
     ...     return np.linalg.svd(matrix, compute_uv=False)[-1].item()
-    >>> smallest(np.diag([3.0, 2.0]))
+    >>> round(smallest(np.diag([3.0, 2.0])), 9)
     2.0
     """
 
     @wraps(of)
-    def held(*args: Answer.args, **kwargs: Answer.kwargs) -> Found:
+    def held(*args: Asked.args, **kwargs: Asked.kwargs) -> Found:
         with _ONE_THREAD:
             return of(*args, **kwargs)
 

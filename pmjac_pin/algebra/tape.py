@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.algebra.programs import Operand, Recording, Term
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import Array, read_only
 
 #: What instructions do; the last three are a·b + c, a·b − c and c − a·b.
 INSTRUCTIONS = (
@@ -86,7 +86,7 @@ class _Writer:
         for number, output in enumerate(outputs):
             if isinstance(output, Term):
                 self._targets.setdefault(output.index, []).append(number)
-        self._uses = _uses(recording, self._targets)
+        self._uses = uses(recording, [x.index for x in outputs if isinstance(x, Term)])
         self._factor = dict(self._fused())
         self._left = [0] * len(recording.terms)
         self._constants: dict[float, int] = {}
@@ -121,8 +121,8 @@ class _Writer:
         for term, name, operands in steps:
             self._compute(term, name, operands)
         return Tape(
-            code=np.array(self._code, dtype=np.int32).reshape(-1, 5),
-            constants=np.array(list(self._constants), dtype=float),
+            code=read_only(np.array(self._code, dtype=np.int32).reshape(-1, 5)),
+            constants=read_only(np.array(list(self._constants), dtype=float)),
             slots=self._count,
             inputs=len(self._recording.inputs),
             outputs=len(self._outputs),
@@ -216,14 +216,14 @@ class _Writer:
 _NUMBER = {name: number for number, name in enumerate(INSTRUCTIONS)}
 
 
-def _uses(recording: Recording, targets: dict[int, list[int]]) -> list[int]:
-    """Return how often each term that the targets rest on is used."""
-    uses = [0] * len(recording.terms)
-    for index, numbers in targets.items():
-        uses[index] = len(numbers)
+def uses(recording: Recording, targets: Iterable[int]) -> list[int]:
+    """Return how often each term that the targets rest on is used, those by their index."""
+    counts = [0] * len(recording.terms)
+    for index in targets:
+        counts[index] += 1
     for term in reversed(recording.terms):
-        if uses[term.index] and term.operation != "input":
+        if counts[term.index] and term.operation != "input":
             for x in term.operands:
                 if isinstance(x, Term):
-                    uses[x.index] += 1
-    return uses
+                    counts[x.index] += 1
+    return counts

@@ -31,7 +31,7 @@ from pmjac_pin.model.limits import beyond_limits
 from pmjac_pin.values.arrays import Array, Index, Mask
 
 _BESIDE = 0.02  # rad or lengths: where motors are led to see that they move
-_LESS = 0.9  # of the rank tolerance: what is nearer to it is not certain
+_LESS = 1.0 - 1e-6  # of the rank tolerance: what is nearer to it is not certain
 _LARGER = 2.0  # than at any home: what the size of [K K*] is taken for where it vanishes
 
 
@@ -50,7 +50,13 @@ class Designs:
 
     @classmethod
     def of(cls, mechanism: Mechanism, swept: Iterable[str]) -> Designs | None:
-        """Return designs that differ in some parameters; None for machines that are not served."""
+        """Return designs that differ in some parameters; None for machines that are not served.
+
+        Raises
+        ------
+        NoToolError
+        """
+        mechanism.need_tool()
         if mechanism.blueprint is None:
             return None
         designs = mechanism.recorded.designs(mechanism.blueprint, swept)

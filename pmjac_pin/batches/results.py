@@ -44,9 +44,6 @@ class ManyClosed(ReadOnlyArrays):
     status : ndarray of int, shape (N,)
         `Status`: CLOSED; STOPPED where `close` raises ClosureError; LIMITS where it raises
         LimitError; NOT_DONE where somebody interrupted (`Interrupted`).
-    beyond_limits : ndarray of bool, shape (N,)
-        Where a joint is beyond its limits at `q`, motors or others: what `limits_violated` of the
-        `Configuration` names. With ``enforce_limits="all"`` none is both CLOSED and beyond.
     """
 
     q: Array
@@ -60,7 +57,11 @@ class ManyClosed(ReadOnlyArrays):
 
     @cached_property
     def beyond_limits(self) -> Mask:
-        """Where a joint is beyond its limits; False where there is no pose."""
+        """Where a joint is beyond its limits, motors or others, shape (N,); False with no pose.
+
+        What `Configuration.limits_violated` names. With ``enforce_limits="all"`` no pose is both
+        CLOSED and beyond.
+        """
         return read_only(beyond_limits(self._known_coordinates, self.q))
 
     def joint(self, name: str) -> Array:

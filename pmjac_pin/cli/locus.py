@@ -18,6 +18,7 @@ from pmjac_pin.cli.slices import (
     window_given,
 )
 from pmjac_pin.pictures.figures import save_figure
+from pmjac_pin.pictures.paper_axes import PRINTED
 from pmjac_pin.pictures.slice_figure import plot_locus
 from pmjac_pin.studies.singularities.singularity_locus import singularity_locus
 from pmjac_pin.words.blocks import Verbatim
@@ -56,7 +57,7 @@ def locus_command(
         cells=cells,
     )
     if output is not None:
-        save_figure(plot_locus(found), output)
+        save_figure(plot_locus(found), output, dpi=PRINTED)
     if json:
         return f"{to_json(locus_data(found))}\n"
     return [*locus_blocks(found), *([Verbatim(output)] if output else [])]

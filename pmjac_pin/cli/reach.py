@@ -23,7 +23,7 @@ from pmjac_pin.words.reach_tables import (
     working_modes_told,
 )
 
-_ANGLES = 3  # roll, pitch, yaw
+_OF_ORIENTATION = 3  # roll, pitch, yaw
 
 
 def reach_command(
@@ -83,7 +83,7 @@ def _target(text: str) -> Any:
     match given:
         case [_, _, _]:
             return given
-        case [x, y, z, *angles] if len(angles) == _ANGLES:
+        case [x, y, z, *angles] if len(angles) == _OF_ORIENTATION:
             return pin.SE3(pin.rpy.rpyToMatrix(*angles), np.array([x, y, z]))
         case _:
             wanted = "x,y,z, or x,y,z,roll,pitch,yaw, or some by name, such as x=0.2,y=0.4"

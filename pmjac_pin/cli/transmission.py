@@ -8,10 +8,11 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from pmjac_pin.adapters import ros2_control
 from pmjac_pin.cli.options import Choice, NameOption, ranges_by_name, split_names
 from pmjac_pin.cli.output import Output
 from pmjac_pin.errors import ArgumentError, OutputError, did_you_mean, quoted
-from pmjac_pin.files.output_file import check_new
+from pmjac_pin.files.output_file import check_new, write_files
 from pmjac_pin.files.user_path import shown_path
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.pictures.figures import check_figure_file, save_figure
@@ -24,6 +25,7 @@ from pmjac_pin.words.blocks import Verbatim
 from pmjac_pin.words.transmission_tables import transmission_blocks
 
 _FIGURES = (".png", ".pdf", ".svg")
+_PLUGIN = ".cpp"
 
 
 @Parameter(name="*")
@@ -77,8 +79,8 @@ def transmission_command(
         list[str] | None,
         Parameter(
             name=["--output", "-o"],
-            help="A C header (.h), a table (.npz, .csv) or a figure (.png, .pdf, .svg); may be "
-            "repeated.",
+            help="A C header (.h), beside it a plugin for ros2_control (.cpp), a table (.npz, "
+            ".csv) or a figure (.png, .pdf, .svg); may be repeated.",
         ),
     ] = None,
     name: Annotated[
@@ -96,12 +98,16 @@ def transmission_command(
     paths = output or []
     for path in paths:
         _check_output(path, force)
+    header = _header_of_plugins(paths)
     table = where.table(choice.load(mechanism))
     given = _limits_given(limits, len(table.motors))
     blocks = list(transmission_blocks(table, given))
     for path in paths:
         if Path(path).suffix in _FIGURES:
             save_figure(plot_transmission(table.map, given), path)
+        elif Path(path).suffix == _PLUGIN:
+            source = ros2_control.source(table, header, name)
+            write_files({Path(path): source.encode()}, replace=force)
         else:
             table.save(path, name=name, force=force)
     return [*blocks, *map(Verbatim, paths)]
@@ -110,12 +116,23 @@ def transmission_command(
 def _check_output(path: str, force: bool) -> None:
     """Refuse, before anything is computed, what cannot be written."""
     suffix = Path(path).suffix
-    if suffix not in (*TABLE_SUFFIXES, *_FIGURES):
-        ends = ", ".join((*TABLE_SUFFIXES, *_FIGURES))
+    if suffix not in (*TABLE_SUFFIXES, _PLUGIN, *_FIGURES):
+        ends = ", ".join((*TABLE_SUFFIXES, _PLUGIN, *_FIGURES))
         raise OutputError(f"{shown_path(path)}: what is written ends in one of {ends}")
     if suffix in _FIGURES:
         check_figure_file(path)
     check_new(path, force)
+
+
+def _header_of_plugins(paths: list[str]) -> str:
+    """Return the name of the header that is written beside plugins, which include it."""
+    plugins, headers = (
+        [Path(path) for path in paths if Path(path).suffix == suffix] for suffix in (_PLUGIN, ".h")
+    )
+    if plugins and not headers:
+        wanted = f"add -o {shown_path(plugins[0].with_suffix('.h'))}"
+        raise ArgumentError(f"{shown_path(plugins[0])} includes a C header: {wanted}")
+    return headers[0].name if headers else ""
 
 
 def _limits_given(given: str | None, count: int) -> list[float]:

@@ -18,6 +18,7 @@ from pmjac_pin.cli.slices import (
     window_given,
 )
 from pmjac_pin.pictures.figures import save_figure
+from pmjac_pin.pictures.paper_axes import PRINTED
 from pmjac_pin.pictures.slice_figure import plot_workspace
 from pmjac_pin.studies.workspaces.find_workspace import workspace
 from pmjac_pin.words.blocks import Verbatim
@@ -55,7 +56,7 @@ def workspace_command(
         limits=at.mechanism.spec.enforce_limits,
     )
     if output is not None:
-        save_figure(plot_workspace(found), output)
+        save_figure(plot_workspace(found), output, dpi=PRINTED)
     if json:
         return f"{to_json(workspace_data(found))}\n"
     return [*workspace_blocks(found), *([Verbatim(output)] if output else [])]

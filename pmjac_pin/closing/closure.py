@@ -179,12 +179,12 @@ def corrected(problem: ClosureProblem, q: Array, tangent: Array, last: bool) -> 
     partition = problem.partition
     enough = (ROUNDING if last else WALKING) * partition.length
     allowed = LARGEST_CORRECTION * norm(tangent / partition.column_scale)
-    no_motion = np.zeros(tangent.size)
+    no_motion, tolerance = np.zeros(tangent.size), problem.tolerance
     previous_gap, previous_size, left = np.inf, np.nan, np.nan
     for iteration in range(1, MOST_CORRECTIONS):
         residual, jacobian = problem.evaluate(q)
         gap = problem.gap(residual)
-        closed = gap <= problem.tolerance
+        closed = gap <= tolerance
         done = gap <= enough or (closed and (left <= enough or gap > 0.5 * previous_gap))
         velocity = no_motion if done else _newton_step(residual, jacobian, partition)
         size = norm(velocity / partition.column_scale)

@@ -30,7 +30,7 @@ _FARTHEST = 0.3  # lengths or rad, of one step
 _STRAIGHT = 0.25  # of a step: what it may differ by from Newton's
 _NEAR, _NEARLY_STRAIGHT = 0.1, 0.1  # the same two, of the whole way in one step
 _HARDLY = 1e-6  # lengths or rad: not looked at
-_MOST_TRIES = 300  # after which steps are as long as they come
+_MOST_WAYS = 300  # after which steps are as long as they come
 _LEAST_SHARE = 0.4  # of σ_min at first: below, the motors move on the way
 
 
@@ -104,7 +104,7 @@ def followed(stops: Sequence[Parts], home_q: Array | None) -> Array | None:
         ahead = share + step if share + step < 1.0 - 0.5 * _SHORTEST else 1.0
         problem = at(ahead)
         q = home_pose(problem, end.home_q if here is None else here.q)
-        careful = known == share and step > _SHORTEST and tries < _MOST_TRIES
+        careful = known == share and step > _SHORTEST and tries < _MOST_WAYS
         before = here.q if careful and here is not None else None
         if q is not None and before is not None and not _is_next(problem, before, q):
             step *= 0.5

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from pmjac_pin.closing.design_homes import DesignsOfFile
     from pmjac_pin.closing.one_path import Ahead, OnePath
     from pmjac_pin.closing.one_pose import KnownPose, OnePose
+    from pmjac_pin.closing.recorded_dimensions import RecordedDimensions
     from pmjac_pin.closing.recorded_motion import RecordedMotion
     from pmjac_pin.closing.recorded_rates import RecordedRates
     from pmjac_pin.closing.recorded_slopes import RecordedSlopes
@@ -119,6 +120,12 @@ class RecordedMechanism:
         recorder = Recorder(parts.model, parts.spec, parts.values, parts.place)
         return RecordedRates.at(recorder, parts.problem, parts.home_q, self._recordings)
 
+    def dimensions(self, blueprint: Blueprint) -> RecordedDimensions:
+        """Return where joints and frames are, as functions of the parameters."""
+        from pmjac_pin.closing.recorded_dimensions import RecordedDimensions  # noqa: PLC0415
+
+        return RecordedDimensions(self._parts, blueprint)
+
     def rates_at(self, blueprint: Blueprint, values: Mapping[str, Term]) -> RecordedRates:
         """Return `rates` of dimensions that are recorded; columns and scales are those of `rates`.
 
@@ -134,11 +141,10 @@ class RecordedMechanism:
         ArgumentError
             A machine, or a parameter, whose changes cannot be recorded.
         """
-        from pmjac_pin.closing.recorded_dimensions import RecordedDimensions  # noqa: PLC0415
         from pmjac_pin.kinematics.recorded import Recorder  # noqa: PLC0415
 
         parts = self._parts
-        dimensions = RecordedDimensions(parts, blueprint).at({**parts.values, **values})
+        dimensions = self.dimensions(blueprint).at({**parts.values, **values})
         recorder = Recorder(parts.model, parts.spec, parts.values, parts.place, dimensions)
         return replace(self.rates, recorder=recorder)
 

@@ -24,7 +24,7 @@ from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.rates.sparse_qr import Triangle, norm
-from pmjac_pin.values.arrays import Array, Index
+from pmjac_pin.values.arrays import Array, Index, read_only
 from pmjac_pin.values.ties import pivots
 
 DOUBTS = 7  # numbers that say whether a J_eq holds
@@ -107,7 +107,7 @@ class RecordedRates:
         partition, (_, rates) = problem.partition, problem.evaluate(q)
         passive, rank = partition.passive, partition.passive_rank
         columns = partition.scaled(rates)[:, passive]
-        kept = passive[pivots(columns, rank)]
+        kept = read_only(passive[pivots(columns, rank)])
         return cls(recorder, partition, kept, recordings or Recordings())
 
     def scaled(self, rates: Numbers) -> Numbers:

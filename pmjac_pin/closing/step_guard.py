@@ -45,7 +45,7 @@ from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.values.lapack import solved
 
 QUADRATIC = 3**0.5 / 216.0  # of |f‴|: f between its values at 0, ½ and 1
-LINEAR = 1.0 / 8.0  # of |f″|: f between its values at 0 and 1
+CHORD = 1.0 / 8.0  # of |f″|: f between its values at 0 and 1
 CUBIC = 1.0 / 384.0  # of |f⁗|: f between its values and slopes at 0 and 1
 SLOPES = 8.0 / 27.0  # of |f'|: what such slopes at both ends add
 PARABOLA = 1.25  # of the largest of three values at 0, ½ and 1: that of the parabola through them
@@ -170,8 +170,8 @@ class StepGuard:
             motion,
             inverse,
             (change,),
-            partition.scaled(LINEAR * left_out).take(passive, axis=1),
-            (LINEAR * open_by + self._bends.rounding(motion)) * partition.row_scale,
+            partition.scaled(CHORD * left_out).take(passive, axis=1),
+            (CHORD * open_by + self._bends.rounding(motion)) * partition.row_scale,
             None,
         )
         return self._contracts(step, None)
@@ -204,7 +204,7 @@ class StepGuard:
         change = sizes.dot(left_out)
         for measured in changes:
             change += np.abs(measured)
-        identity, ones = _identity(len(change))
+        identity, ones = _unit_matrix(len(change))
         if (gains := solved(identity - change, sizes)) is None:
             return False
         open_by = step.open_by
@@ -234,6 +234,6 @@ class StepGuard:
 
 
 @cache
-def _identity(count: int) -> tuple[Array, Array]:
+def _unit_matrix(count: int) -> tuple[Array, Array]:
     """Return the identity and a vector of ones."""
     return read_only(np.eye(count)), read_only(np.ones(count))

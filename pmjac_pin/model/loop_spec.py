@@ -235,7 +235,7 @@ class DistanceLoop(LoopBetweenFrames, frozen=True, tag_field="kind", tag="distan
         if isinstance(self.length, float):
             length = self.length
         else:
-            length = sum(number * values[name] for name, number in self.length.items())
+            length = sum((number * values[name] for name, number in self.length.items()), 0.0)
         if isinstance(length, float) and not SMALLEST <= length <= LARGEST:
             what = f"the length between {' and '.join(map(quoted, self.frames))}"
             raise ArgumentError(f"{what} must be {SMALLEST:g} to {LARGEST:g} m, got {length:g} m")

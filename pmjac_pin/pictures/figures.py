@@ -43,13 +43,14 @@ def matplotlib_package() -> ModuleType:
 
 
 def new_figure(title: str, size: tuple[float, float], fontsize: float) -> Any:
-    """Return an empty figure of this size in inches, without pyplot."""
+    """Return an empty figure of this size in inches, without pyplot; "" for no title."""
     mpl = matplotlib_package()
     from pmjac_pin.pictures.shown_figure import ShownFigure  # noqa: PLC0415
 
     figure = ShownFigure(figsize=size, layout="constrained")
     mpl.backends.backend_agg.FigureCanvasAgg(figure)
-    figure.suptitle(as_it_is(title), fontsize=fontsize, fontweight="bold")
+    if title:
+        figure.suptitle(as_it_is(title), fontsize=fontsize, fontweight="bold")
     return figure
 
 

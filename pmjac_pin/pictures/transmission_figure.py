@@ -21,7 +21,7 @@ _SIGNS = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0], [1.0, 1.0
 _LEVELS = 12
 _EFFORTS = {"rad": "N m", "m": "N"}
 _RATES = {"rad": "rad/s", "m": "m/s"}
-_PAIR = 2
+_TWO_JOINTS = 2
 
 
 def plot_transmission(found: TransmissionMap, motor_limits: ArrayLike) -> Figure:
@@ -62,7 +62,7 @@ def plot_transmission(found: TransmissionMap, motor_limits: ArrayLike) -> Figure
     if not found.exists.any():
         raise ArgumentError("the transmission exists nowhere in the rectangle: nothing to draw")
     mechanism = found.transmission.by_motors
-    of_two = len(found.joints) == _PAIR
+    of_two = len(found.joints) == _TWO_JOINTS
     size = (13.0, 8.0) if of_two else (13.0, 4.5)
     figure: Figure = new_figure(f"Transmission of {mechanism.name}", size, 15.0)
     if of_two:
@@ -98,7 +98,7 @@ def _draw_polygons(axes: Any, found: TransmissionMap, limits: Array) -> None:
 
 def _draw_maps(figure: Any, panels: list[Any], found: TransmissionMap) -> None:
     motors = found.transmission.motors
-    pairs = [(i, j) for i in range(_PAIR) for j in range(_PAIR)]
+    pairs = [(i, j) for i in range(_TWO_JOINTS) for j in range(_TWO_JOINTS)]
     shown = [(f"{motors[i]} by {found.joints[j]}", found.ratio[..., i, j]) for i, j in pairs]
     condition = np.where(found.exists, found.condition, np.nan)
     for axes, (title, values) in zip(panels, [*shown, ("Condition", condition)], strict=True):

@@ -20,7 +20,7 @@ def reached_told(found: Reached) -> dict[str, object]:
         **told(found, "status", "message", "share", "joints"),
         "mechanism": found.configuration.mechanism.name,
         "error": {"linear": found.error.linear, "angular": found.error.angular},
-        "actuated": _by_name(found.configuration),
+        "actuated": _values_by_motor(found.configuration),
         "pose": found.configuration.tool_pose(),
         "q": found.configuration.q,
         "evidence": found.evidence,
@@ -33,7 +33,7 @@ def working_modes_told(mechanism: Mechanism, modes: WorkingModes) -> dict[str, o
         "mechanism": mechanism.name,
         "evidence": modes.evidence,
         "starts": modes.starts,
-        "modes": [{"actuated": _by_name(one), "q": one.q} for one in modes],
+        "modes": [{"actuated": _values_by_motor(one), "q": one.q} for one in modes],
     }
 
 
@@ -42,7 +42,7 @@ def reached_blocks(found: Reached) -> Iterator[Block]:
     pose = found.configuration
     yield Heading(f"{pose.mechanism.name}: {found.status}")
     yield Paragraph(f"{found.message[0].upper()}{found.message[1:]}.")
-    yield _motors(pose.mechanism, [pose], ["value"])
+    yield _motor_table(pose.mechanism, [pose], ["value"])
     miss = found.error
     yield Paragraph(f"From the target: {brief(miss.linear)} m and {brief(miss.angular)} rad.")
     yield Paragraph(f"{found.evidence}.")
@@ -55,13 +55,13 @@ def working_modes_blocks(modes: WorkingModes) -> Iterator[Block]:
     if count:
         mechanism = modes[0].mechanism
         yield Heading(f"{mechanism.name}: {title}")
-        yield _motors(mechanism, list(modes), [str(k) for k in range(1, count + 1)])
+        yield _motor_table(mechanism, list(modes), [str(k) for k in range(1, count + 1)])
     else:
         yield Heading(title)
     yield Paragraph(f"{modes.evidence}.")
 
 
-def _motors(mechanism: Mechanism, poses: list[Configuration], names: list[str]) -> Table:
+def _motor_table(mechanism: Mechanism, poses: list[Configuration], names: list[str]) -> Table:
     """Return a row a pose, a column a motor."""
     units = mechanism.units
     columns = tuple(f"{name} [{units[name]}]" for name in mechanism.actuated)
@@ -70,5 +70,5 @@ def _motors(mechanism: Mechanism, poses: list[Configuration], names: list[str]) 
     return Table("Motors", ("", *columns), rows, "<" + ">" * len(columns))
 
 
-def _by_name(pose: Configuration) -> dict[str, float]:
+def _values_by_motor(pose: Configuration) -> dict[str, float]:
     return dict(zip(pose.mechanism.actuated, pose.actuated.tolist(), strict=True))

@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 
 LENGTHS, CRANK = {"l0": 4.0, "l1": 1.0, "l2": 3.0, "l3": 3.5}, 1.0
-#: Of these lengths the crank gets to 1.3716 rad and no further.
+#: Of these lengths the crank gets only to where coupler and rocker are in line, at SHORT_ENDS.
 SHORT, BEYOND = {"l0": 4.0, "l1": 3.0, "l2": 2.5, "l3": 2.0}, 2.0
+SHORT_ENDS = float(np.arccos((4.0**2 + 3.0**2 - (2.5 + 2.0) ** 2) / (2 * 4.0 * 3.0)))
 QUESTIONS = {
     "close": "closes the loop at a crank angle",
     "beyond": "at an angle that no pose has",

@@ -4,8 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
-from compared.known import BEYOND, CRANK, LENGTHS, SHORT, error, none, rocker, rocker_rate
+from compared.known import (
+    BEYOND,
+    CRANK,
+    LENGTHS,
+    SHORT,
+    SHORT_ENDS,
+    error,
+    none,
+    rocker,
+    rocker_rate,
+)
 
 import pmjac_pin as pj
 
@@ -21,12 +30,11 @@ def answers() -> Mapping[str, str]:
         beyond = f"refused: the mode ends after {100 * refused.share:.0f} % of the way"
     end = pj.follow(short, [[0.9], [BEYOND]])
     modes = pj.assembly_modes(bar, [CRANK], rng=0)
-    known = np.arccos((4.0**2 + 3.0**2 - 4.5**2) / 24.0)
     return {
         "close": error(float(pose.joint_values["phi1"]), rocker(CRANK)),
         "beyond": beyond,
         "rate": error(float(pose.jacobian().passive_rates[0, 0]), rocker_rate(CRANK)),
-        "singular": f"{end.status}, {error(float(end.end.actuated[0]), known)}",
+        "singular": f"{end.status}, {error(float(end.end.actuated[0]), SHORT_ENDS)}",
         "modes": f"{len(modes)}, by {modes.evidence.kind}",
         "mobility": str(pj.load("bennett").mobility),
         "simulate": none(pj, "simulate"),

@@ -82,6 +82,11 @@ class LoopEquations:
             for pair in self._loops.pairs
         ]
 
+    @property
+    def geared(self) -> bool:
+        """Whether gears tie joints."""
+        return bool(self._loops.couplings)
+
     def at(self, q: Array) -> Poses:
         """Return the poses at q, in balls."""
         entries = exactly(q)[:, None, None]

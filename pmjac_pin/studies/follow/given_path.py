@@ -26,7 +26,7 @@ _FINEST = 24  # of the range, until a function is not smooth enough
 _JUMP = 1e-9  # m or rad: rounding makes smaller ones
 _LARGEST_TIME = 1e9
 _TOLD_APART = 1e-9  # of the parameter, ten times what events are located to
-_ROUNDED = 1e-13  # of the largest one
+_TIME_ROUNDING = 1e-13  # of the largest one
 
 
 def motor_path(mechanism: Mechanism, path: Any, times: Any = None) -> MotorPath:
@@ -92,7 +92,7 @@ def ascending_times(times: Any) -> Array:
 
 def _check_apart(times: Array) -> None:
     """Raise ArgumentError where an event between two times could not be told from them."""
-    nearest = max(_TOLD_APART, _ROUNDED * float(np.abs(times).max(initial=0.0)))
+    nearest = max(_TOLD_APART, _TIME_ROUNDING * float(np.abs(times).max(initial=0.0)))
     near = np.flatnonzero(np.diff(times) < nearest)
     if near.size:
         one, other = times[near[0] : near[0] + 2].tolist()

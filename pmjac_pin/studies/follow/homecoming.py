@@ -24,8 +24,6 @@ class Homecoming:
         Whether all bodies are where they were.
     met_singular : bool
         Whether a singular pose of K* was on the way.
-    cuspidal : bool
-        Another assembly mode, and no singular pose on the way: the machine is cuspidal.
     """
 
     same_mode: bool
@@ -33,7 +31,7 @@ class Homecoming:
 
     @property
     def cuspidal(self) -> bool:
-        """Whether the mode changed without a singular pose."""
+        """Another assembly mode, and no singular pose on the way: the machine is cuspidal."""
         return not (self.same_mode or self.met_singular)
 
     def __str__(self) -> str:

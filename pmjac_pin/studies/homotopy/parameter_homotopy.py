@@ -225,8 +225,9 @@ def parameter_homotopy(
 ) -> ParameterHomotopy:
     """Find all complex solutions of the loop equations at random complex motor values.
 
-    It takes a fraction of a second to a minute, once for a mechanism; `ParameterHomotopy.at` then
-    gives those at any motor values sooner.
+    By monodromy [1]_: closed paths of the motor values lead from solutions to others. It takes
+    a fraction of a second to a minute, once for a mechanism; `ParameterHomotopy.at` then gives
+    those at any motor values sooner.
 
     Parameters
     ----------

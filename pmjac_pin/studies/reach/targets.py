@@ -64,6 +64,8 @@ def _several(target: Any, tool: ToolName) -> tuple[Any, ...] | None:
         return None
     if shape[0] != len(tool):
         raise ArgumentError(f"{len(tool)} tools, {quoted(tuple(tool))}, and {shape[0]} targets")
+    if twice := [name for name in tool if list(tool).count(name) > 1]:
+        raise ArgumentError(f"the tool {quoted(twice[0])} has two targets: give it one")
     return tuple(tool)
 
 
@@ -82,8 +84,8 @@ def _named_goals(
     if all(name in _COORDINATES for name in target):
         _check_no_task(task, "single coordinates")
         return (_coordinates_goal(_checked_frames(mechanism, tool), target),)
-    if all(isinstance(value, int | float | np.number) for value in target.values()):
-        _check_names(mechanism, target)
+    if all(np.ndim(one) == 0 and not isinstance(one, pin.SE3 | Mapping) for one in target.values()):
+        _check_joints(mechanism, target)
         _check_no_task(task, "values of joints")
         return (_joint_goal(mechanism, target),)
     if tool is not None:
@@ -91,20 +93,20 @@ def _named_goals(
     return tuple(_goal(mechanism, one, name, task) for name, one in target.items())
 
 
-def _check_names(mechanism: Mechanism, target: Mapping[str, Any]) -> None:
-    """Refuse numbers by names of which not all are joints."""
+def _check_no_task(task: Task | None, what: str) -> None:
+    if task is not None:
+        raise ArgumentError(f"{what} say themselves what counts: leave `task` and `mask` out")
+
+
+def _check_joints(mechanism: Mechanism, target: Mapping[str, Any]) -> None:
     joints = mechanism.coordinates.names
     for name in target:
         if name not in joints and name not in _COORDINATES:
             raise unknown_name("coordinate or joint", name, (*_COORDINATES, *joints))
-    if any(name not in joints for name in target):
-        both = f"coordinates of the tool and values of joints, {quoted(tuple(target))}"
-        raise ArgumentError(f"{both}: a target is of one of these")
-
-
-def _check_no_task(task: Task | None, what: str) -> None:
-    if task is not None:
-        raise ArgumentError(f"{what} say themselves what counts: leave `task` and `mask` out")
+    mixed = [name for name in target if name not in joints]
+    if mixed:
+        wanted = "a target names coordinates of the tool or joints, not both"
+        raise ArgumentError(f"{wanted}: {quoted(mixed[0])} is the tool's")
 
 
 def _joint_goal(mechanism: Mechanism, target: Mapping[str, Any]) -> JointGoal:

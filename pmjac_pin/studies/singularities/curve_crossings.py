@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from pmjac_pin.studies.singularities.curve_equations import SingularPoint
 from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
-from pmjac_pin.studies.singularities.plane_curve import PlaneCurve, place_rate, unit_ways, wedge
+from pmjac_pin.studies.singularities.plane_curve import CurveChord, PlaneCurve, unit_ways, wedge
 from pmjac_pin.values.arrays import Array, Mask
 
 _NEWTON = 12
@@ -41,49 +40,6 @@ class Crossing(NamedTuple):
     meets: bool
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Chord:
-    """A chord of a curve."""
-
-    curve: PlaneCurve
-    number: int
-
-    @property
-    def ends(self) -> Sequence[OnCurve]:
-        return self.curve.traced.points[self.number : self.number + 2]
-
-    def at(self, share: float) -> OnCurve | None:
-        """Return the point of the curve at a share of the chord, its tangent from end to end."""
-        tracer, (first, second) = self.curve.tracer, self.ends
-        point = tracer.between(first, second, share)
-        if point is None:
-            return None
-        chord = tracer.chord(first.point, second.point)
-        # Where curves meet there is more than one way on: that from end to end will do.
-        return tracer.on_curve(point, chord) or OnCurve(point, chord, 0.0)
-
-    def bend(self) -> float:
-        """Return by how much the curve bends to the left from end to end, rad."""
-        first, second = self.curve.ways[self.number : self.number + 2]
-        return float(np.arctan2(wedge(first, second), first @ second))
-
-    def place(self, one: OnCurve) -> Array:
-        area = self.curve.tracer.area
-        return np.asarray(area.places(one.point.q) / area.size)
-
-    def way(self) -> Array:
-        """Return the way in the plane from end to end."""
-        first, second = self.curve.places[self.number : self.number + 2]
-        return np.asarray(second - first)
-
-    def rate(self, one: OnCurve) -> Array:
-        """Return how the place changes with the share."""
-        tracer = self.curve.tracer
-        chord = tracer.chord(self.ends[0].point, self.ends[1].point)
-        along = float(chord @ chord / (one.tangent @ chord))
-        return place_rate(tracer, one) / tracer.area.size * along
-
-
 def curve_crossings(tracers: Sequence[Tracer], curves: Sequence[Traced]) -> Iterator[Crossing]:
     """Yield where curves cross in the plane; `meets` where they do in joint space as well.
 
@@ -98,7 +54,7 @@ def curve_crossings(tracers: Sequence[Tracer], curves: Sequence[Traced]) -> Iter
         for j, other in enumerate(drawn[i:], start=i):
             for k, m, shares in _crossing_chords(one.places, other.places, same=i == j):
                 if not _lies_along(one, k, other, m):
-                    found = _refined(_Chord(one, k), _Chord(other, m), shares)
+                    found = _refined(CurveChord(one, k), CurveChord(other, m), shares)
                     yield from _told_crossing(found, (i, j))
 
 
@@ -115,7 +71,7 @@ def curve_touchings(tracers: Sequence[Tracer], curves: Sequence[Traced]) -> Iter
     for i, one in enumerate(drawn):
         for j, other in enumerate(drawn[i:], start=i):
             for k, m, shares in _chords_side_by_side(one, other):
-                found = _touching(_Chord(one, k), _Chord(other, m), shares)
+                found = _touching(CurveChord(one, k), CurveChord(other, m), shares)
                 yield from _told_crossing(found, (i, j))
 
 
@@ -165,7 +121,7 @@ def _is_on(one: PlaneCurve, n: int, other: PlaneCurve, m: int) -> bool:
 
 
 def _refined(
-    mine: _Chord, theirs: _Chord, shares: Array
+    mine: CurveChord, theirs: CurveChord, shares: Array
 ) -> tuple[SingularPoint, SingularPoint, float] | None:
     """Return the two poses at which two curves are at one place, by Newton along both.
 
@@ -194,13 +150,15 @@ def _refined(
     return nearest if across and nearest is not None and nearest[2] <= _ONE_POINT else None
 
 
-def _are_across(mine: _Chord, theirs: _Chord) -> bool:
+def _are_across(mine: CurveChord, theirs: CurveChord) -> bool:
     """Tell whether two chords cross at more than both curves bend: these share no tangent."""
     sine = abs(wedge(*unit_ways(np.array([mine.way(), theirs.way()]))))
     return math.asin(min(1.0, sine)) > abs(mine.bend()) + abs(theirs.bend()) + _PARALLEL
 
 
-def _both(mine: _Chord, one: OnCurve, other: OnCurve) -> tuple[SingularPoint, SingularPoint, float]:
+def _both(
+    mine: CurveChord, one: OnCurve, other: OnCurve
+) -> tuple[SingularPoint, SingularPoint, float]:
     return one.point, other.point, mine.curve.tracer.area.apart(one.point.q, other.point.q)
 
 
@@ -235,7 +193,7 @@ def _least_around(values: Array) -> Mask:
 
 
 def _touching(
-    mine: _Chord, theirs: _Chord, shares: Array
+    mine: CurveChord, theirs: CurveChord, shares: Array
 ) -> tuple[SingularPoint, SingularPoint, float] | None:
     """Return the two poses at one place where two curves have one tangent.
 

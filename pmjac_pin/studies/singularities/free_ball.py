@@ -1,4 +1,4 @@
-"""SingularityFree: a proof that no singularity of K* is within a distance of motors from a pose."""
+"""SingularityFree: a proof that no singularity is within a distance of motors from a pose."""
 
 from __future__ import annotations
 
@@ -13,9 +13,12 @@ from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.studies.certificates.certificate import others_of
 from pmjac_pin.studies.certificates.equations import LoopEquations
+from pmjac_pin.studies.certificates.tool_rates import ToolRates
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.singularities.ball_bounds import BallBounds
 from pmjac_pin.studies.singularities.free_cells import FreeCells
+from pmjac_pin.studies.singularities.series_ball import SeriesBall
+from pmjac_pin.studies.singularities.singular_equations import FREED, Freed
 from pmjac_pin.values.checks import check_kind
 
 _HALF_A_CELL = 0.5  # of what one step proves: half the width of cells
@@ -37,6 +40,8 @@ class SingularityFree:
         How far passive joints are from the pose at most, rad, slides by `characteristic_length`.
     rank : int
         Of K*, which it has there.
+    kind : "gain" or "loss"
+        What does not happen there: no gain, or neither.
     failed : str
         Why nothing is proven; empty where something is.
     left_out : tuple of str
@@ -45,16 +50,20 @@ class SingularityFree:
         Passive degrees of freedom that the loops leave free: held where they are.
     cells : int
         How many steps were tried.
+    tool_rank : int
+        In how many ways the tool moves there, on the judged rows; 0 where that was not asked.
     """
 
     radius: float
     unit: Literal["m", "rad"]
     passive_radius: float
     rank: int
+    kind: Freed = "gain"
     failed: str = ""
     left_out: tuple[str, ...] = ()
     held: tuple[str, ...] = ()
     cells: int = 1
+    tool_rank: int = 0
 
     def __bool__(self) -> bool:
         return not self.failed
@@ -64,13 +73,15 @@ class SingularityFree:
         """What is proven."""
         if self.failed:
             return Evidence("nothing", self.failed)
-        if not self.rank:
+        if not self.rank and self.kind == "gain":
             return Evidence("proof", "no loop ties a passive joint: K* has no rank to lose")
         parts = [
             f"while each motor is within {self.radius:.3g} {self.unit} of the pose, there is "
             f"exactly one pose that closes the loops and is led to from there, within "
             f"{self.passive_radius:.3g} rad of it, and K* has rank {self.rank}"
         ]
+        if self.kind == "loss":
+            parts.append(f"the tool moves in {self.tool_rank} ways on the judged rows")
         if self.held:
             parts.append(f"with {', '.join(self.held)} held")
         if self.left_out:
@@ -78,8 +89,14 @@ class SingularityFree:
         return Evidence("proof", "; ".join(parts))
 
 
-def singularity_free(configuration: Configuration, *, most_cells: int = 1) -> SingularityFree:
-    """Return how far motors may move from a pose with no singularity of K* met: a proof.
+def singularity_free(
+    configuration: Configuration,
+    *,
+    kind: Freed = "gain",
+    most_cells: int = 1,
+    order: Literal[1, 2] = 1,
+) -> SingularityFree:
+    """Return how far motors may move from a pose with no singularity met: a proof.
 
     By interval arithmetic in one step, or with the motors' values about the pose covered by many
     cells, so that it is some fraction of the distance to the nearest singularity, which
@@ -89,8 +106,14 @@ def singularity_free(configuration: Configuration, *, most_cells: int = 1) -> Si
     Parameters
     ----------
     configuration : Configuration
+    kind : {"gain", "loss"}
+        No gain: K* keeps its rank, nothing comes free with the motors locked. No loss: nor does
+        the tool lose a motion, on the judged rows.
     most_cells : int
         How many steps may be tried, 1 or more; some 30 ms each.
+    order : {1, 2}
+        Of the polynomials along which the one step about the pose goes: with 2 it goes further,
+        where machines have no gears, and takes up to seconds.
 
     Returns
     -------
@@ -100,7 +123,9 @@ def singularity_free(configuration: Configuration, *, most_cells: int = 1) -> Si
     Raises
     ------
     ArgumentError
-        No such number.
+        No such kind, number or order.
+    NoToolError
+        No loss, and no frame is named as the tool.
 
     Examples
     --------
@@ -112,31 +137,45 @@ def singularity_free(configuration: Configuration, *, most_cells: int = 1) -> Si
     True
     """
     check_kind(configuration, Configuration)
+    if kind not in FREED:
+        raise ArgumentError(f"kind is gain or loss, got {quoted(kind)}")
+    if order not in (1, 2):
+        raise ArgumentError(f"order is 1 or 2, got {quoted(order)}")
     if not (isinstance(most_cells, int) and most_cells >= 1):
         raise ArgumentError(f"most_cells is a whole number ≥ 1, got {quoted(most_cells)}")
     mechanism, partition = configuration.mechanism, configuration.problem.partition
     slides = all(unit == "m" for unit in partition.units_of(partition.actuated))
     unit: Literal["m", "rad"] = "m" if slides else "rad"
-    if not partition.passive_rank:
+    if kind == "loss":
+        mechanism.need_tool()
+    elif not partition.passive_rank:
         return SingularityFree(np.inf, unit, 0.0, 0)
     columns = [*partition.passive.tolist(), *partition.actuated.tolist()]
     try:
         with precise(), np.errstate(over="ignore", invalid="ignore"):
             model, loops = mechanism.kinematics.model, mechanism.spec.loops
             equations = LoopEquations(model, loops, mechanism.parameters, columns)
-            bounds = BallBounds(equations, configuration)
+            tool = ToolRates(mechanism, equations.unknowns) if kind == "loss" else None
+            bounds = BallBounds(equations, configuration, tool=tool)
             radius, passive = bounds.largest()
-            cells = FreeCells(equations, configuration, bounds, most_cells)
+            groups = equations.unknowns.groups[:, : partition.passive.size]
+            if radius and order > 1 and _in_series(equations, partition):
+                series = SeriesBall(configuration, bounds.kept, groups, tool)
+                radius, passive = max((radius, passive), series.largest(radius))
+            cells = FreeCells(equations, configuration, bounds, most_cells, tool)
             if radius and most_cells > 1 and _one_by_one(equations, bounds, partition):
-                radius, passive = max((radius, passive), cells.grown(_HALF_A_CELL * radius))
+                half = _HALF_A_CELL * bounds.largest()[0]
+                radius, passive = max((radius, passive), cells.grown(half))
     except ArgumentError as error:
-        return SingularityFree(0.0, unit, 0.0, partition.passive_rank, str(error))
+        return SingularityFree(0.0, unit, 0.0, partition.passive_rank, kind, str(error))
     rows, taken = bounds.kept
     return SingularityFree(
         radius=radius * (partition.length if slides else 1.0) / OUTWARDS,
         unit=unit,
         passive_radius=passive,
         rank=partition.passive_rank,
+        kind=kind,
+        tool_rank=partition.tool_rank if kind == "loss" else 0,
         failed=bounds.failed,
         left_out=tuple(mechanism.rows[k] for k in others_of(len(mechanism.rows), rows).tolist()),
         held=tuple(
@@ -146,7 +185,17 @@ def singularity_free(configuration: Configuration, *, most_cells: int = 1) -> Si
     )
 
 
+def _in_series(equations: LoopEquations, partition: Partition) -> bool:
+    """Tell whether motors' values are numbers of one freedom each, and no gears tie joints."""
+    return not equations.geared and _single_motors(equations, partition)
+
+
+def _single_motors(equations: LoopEquations, partition: Partition) -> bool:
+    motors = equations.unknowns.groups[:, partition.passive.size :]
+    return bool(motors.sum(axis=1).max() <= 1.0)
+
+
 def _one_by_one(equations: LoopEquations, bounds: BallBounds, partition: Partition) -> bool:
     """Tell whether each motor is a freedom of its own and nothing idles: else one step is all."""
-    single = equations.unknowns.groups[:, partition.passive.size :].sum(axis=1).max() <= 1.0
-    return bool(single) and bounds.kept[1].size == partition.passive.size
+    single = _single_motors(equations, partition)
+    return single and bounds.kept[1].size == partition.passive.size

@@ -22,6 +22,7 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import PmjacError
 from pmjac_pin.kinematics.tree import Tree
 from pmjac_pin.studies.certificates.equations import LoopEquations
+from pmjac_pin.studies.certificates.tool_rates import ToolRates
 from pmjac_pin.studies.singularities.ball_bounds import BallBounds
 from pmjac_pin.values.arrays import Array
 
@@ -63,13 +64,20 @@ class FreeCells:
         About the pose.
     most : int
         How many balls may be tried.
+    tool : ToolRates, optional
+        What the tool may not lose either.
     """
 
     def __init__(
-        self, equations: LoopEquations, configuration: Configuration, bounds: BallBounds, most: int
+        self,
+        equations: LoopEquations,
+        configuration: Configuration,
+        bounds: BallBounds,
+        most: int,
+        tool: ToolRates | None = None,
     ) -> None:
         self._equations, self._here, self._kept = equations, configuration, bounds.kept
-        self._most, self.tried = most, 1
+        self._most, self.tried, self._tool = most, 1, tool
         mechanism = configuration.mechanism
         self._model, partition = mechanism.kinematics.model, mechanism.problem.partition
         self._links = list(Tree(self._model).links.values())
@@ -142,7 +150,7 @@ class FreeCells:
             there = self._here.mechanism.close(target, self._here, enforce_limits=False)
         except PmjacError:
             return None
-        bounds = BallBounds(self._equations, there, self._kept)
+        bounds = BallBounds(self._equations, there, self._kept, self._tool)
         least, alone = bounds.passive_radii(half + _MORE_THAN_ROUNDED)
         return Cell(middle, half, there.q, least, alone) if alone else None
 

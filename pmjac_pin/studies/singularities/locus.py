@@ -48,6 +48,9 @@ class LocusCurve(ReadOnlyArrays):
     complete : bool
         Whether it ends at the window's border or where it began, not where it could not be followed
         further.
+    branches : int
+        How many of its ends could not be followed further because they are branch points: more than
+        one way leads on there.
     """
 
     kind: Freed
@@ -58,6 +61,7 @@ class LocusCurve(ReadOnlyArrays):
     modes: tuple[int, ...]
     residual: float
     complete: bool
+    branches: int = 0
 
     def __repr__(self) -> str:
         on = " and ".join(map(str, self.modes)) or "none that is known"
@@ -71,10 +75,11 @@ class LocusPoint(ReadOnlyArrays):
 
     Attributes
     ----------
-    mark : {"cusp", "crossing", "branch point", "isolated point"}
-        A cusp of a curve of gain; a place at which two different poses are singular; a pose through
-        which two curves lead; one through which none does, or only one that stays at its place, on
-        which the machine moves with the motors of the plane at rest.
+    mark : {"cusp", "crossing", "touching", "branch point", "isolated point"}
+        A cusp of a curve of gain; a place at which two different poses are singular, where curves
+        cross or have one tangent; a pose through which two curves lead; one through which none
+        does, or only one that stays at its place, on which the machine moves with the motors of the
+        plane at rest.
     place : ndarray, shape (2,)
     q : ndarray, shape (nq,)
         The pose, at a crossing that of the first curve.
@@ -113,7 +118,7 @@ class SingularityLocus(ReadOnlyArrays):
         The window.
     curves : tuple of LocusCurve
     points : tuple of LocusPoint
-        Cusps, crossings, branch points and isolated points.
+        Cusps, crossings, touching and branch points, isolated points.
     modes : tuple of Configuration
         The assembly modes that were met, one pose of each.
     evidence : Evidence

@@ -17,12 +17,11 @@ from pmjac_pin.studies.modes.closed_pose import generator
 from pmjac_pin.studies.singularities.change import ChangeFrom, Space
 from pmjac_pin.studies.singularities.closest import ClosestPoint
 from pmjac_pin.studies.singularities.nearest_singularity import NearestSingularity
-from pmjac_pin.studies.singularities.singular_equations import Freed, SingularEquations
+from pmjac_pin.studies.singularities.singular_equations import FREED, Freed, SingularEquations
 from pmjac_pin.values.arrays import Array, norm
 from pmjac_pin.values.checks import check_kind
 
 _SPACES = ("motors", "joints")
-_FREED: tuple[Freed, ...] = ("gain", "loss")
 _REACHES = (0.3, 1.0, 2.5)  # rad or lengths: how far starts lead from the pose
 _SHY = 1e-6  # of the way: where a straight way ends that is to lead to the singular pose
 _NEAR_ENOUGH = 2e-2  # rad or lengths between there and the singular pose
@@ -85,7 +84,7 @@ def nearest_singularity(
     check_kind(configuration, Configuration)
     if space not in _SPACES:
         raise ArgumentError(f"space is motors or joints, got {quoted(space)}")
-    if kind is not None and kind not in _FREED:
+    if kind is not None and kind not in FREED:
         raise ArgumentError(f"kind is gain or loss, got {quoted(kind)}")
     if not (isinstance(starts, int) and starts >= 0):
         raise ArgumentError(f"starts is a whole number ≥ 0, got {quoted(starts)}")
@@ -93,7 +92,8 @@ def nearest_singularity(
     measure = ChangeFrom(configuration, space, weights or {})
     begun = [configuration.q, *_starts(configuration, starts, generator(rng))]
     found = [_nearest_of(configuration, one, measure, begun) for one in equations]
-    return min(found, key=lambda one: one.distance)
+    # One on another assembly mode is none that motors meet, however near their values are.
+    return min(found, key=lambda one: (not one.straight, one.distance))
 
 
 def _equations_of(configuration: Configuration, kind: Freed | None) -> list[SingularEquations]:
@@ -105,7 +105,7 @@ def _equations_of(configuration: Configuration, kind: Freed | None) -> list[Sing
     if kind is not None:
         return [SingularEquations(mechanism, kind)]
     found, refused = [], None
-    for one in _FREED:
+    for one in FREED:
         try:
             found.append(SingularEquations(mechanism, one))
         except PmjacError as error:

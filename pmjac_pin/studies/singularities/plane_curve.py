@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -36,6 +37,35 @@ def arc_length(first: Array, second: Array, begin: Array, end: Array) -> float:
     chord = float(np.linalg.norm(second - first))
     half = 0.5 * np.arccos(np.clip(begin @ end, -1.0, 1.0))
     return chord * float(half / np.sin(half)) if half > 1e-9 else chord
+
+
+def cubic_at(ends: Array, ways: Array, share: float) -> tuple[Array, Array]:
+    """Return place and rate at a share of a chord, of the cubic with these directions."""
+    length, chord, s = arc_length(*ends, *ways), ends[1] - ends[0], share
+    m, n = length * ways[0], length * ways[1]
+    bend, turn = 3.0 * chord - 2.0 * m - n, m + n - 2.0 * chord
+    place = ends[0] + s * (m + s * (bend + s * turn))
+    return place, m + s * (2.0 * bend + 3.0 * s * turn)
+
+
+def from_cubics(place: Array, places: Array, ways: Array, chords: Index | None = None) -> float:
+    """Return how far a place is from the cubic over the nearest of some chords, or of all."""
+    shares, away = _from_chords(place, places)
+    k = int(np.argmin(away) if chords is None else chords[np.argmin(away[chords])])
+    ends, its, share = places[k : k + 2], ways[k : k + 2], float(shares[k])
+    for _ in range(_FEET):
+        there, rate = cubic_at(ends, its, share)
+        ahead = float((place - there) @ rate) / max(float(rate @ rate), 1e-300)
+        share = float(np.clip(share + ahead, 0.0, 1.0))
+    return float(np.linalg.norm(cubic_at(ends, its, share)[0] - place))
+
+
+def _from_chords(place: Array, places: Array) -> tuple[Array, Array]:
+    """Return shares of all chords that are nearest to a place, and how far, (N − 1,)."""
+    first, chord = places[:-1], np.diff(places, axis=0)
+    along = ((place - first) * chord).sum(axis=1) / np.maximum((chord**2).sum(axis=1), 1e-300)
+    shares = np.clip(along, 0.0, 1.0)
+    return shares, np.linalg.norm(first + shares[:, None] * chord - place, axis=1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,12 +115,7 @@ class PlaneCurve:
 
     def cubic(self, k: int, share: float) -> tuple[Array, Array]:
         """Return place and rate at a share of a chord."""
-        (a, b), (m, n) = self.places[k : k + 2], self.ways[k : k + 2]
-        length = arc_length(a, b, m, n)
-        m, n, s = length * m, length * n, share
-        place = a + s * m + s * s * (3.0 * (b - a) - 2.0 * m - n) + s**3 * (2.0 * (a - b) + m + n)
-        rate = m + 2.0 * s * (3.0 * (b - a) - 2.0 * m - n) + 3.0 * s * s * (2.0 * (a - b) + m + n)
-        return place, rate
+        return cubic_at(self.places[k : k + 2], self.ways[k : k + 2], share)
 
     def chords_about(self, k: int, count: int) -> Index:
         """Return the numbers of so many chords to both sides of one, over a closed curve's end."""
@@ -99,18 +124,59 @@ class PlaneCurve:
 
     def from_chords(self, place: Array) -> tuple[Array, Array]:
         """Return shares of all chords that are nearest to a place, and how far, (N − 1,)."""
-        first, chord = self.places[:-1], np.diff(self.places, axis=0)
-        along = ((place - first) * chord).sum(axis=1) / np.maximum((chord**2).sum(axis=1), 1e-300)
-        shares = np.clip(along, 0.0, 1.0)
-        return shares, np.linalg.norm(first + shares[:, None] * chord - place, axis=1)
+        return _from_chords(place, self.places)
 
     def distance(self, place: Array, chords: Index) -> float:
         """Return how far a place is from the cubic over the nearest of some chords."""
-        shares, away = self.from_chords(place)
-        k = int(chords[np.argmin(away[chords])])
-        share = float(shares[k])
-        for _ in range(_FEET):
-            there, rate = self.cubic(k, share)
-            ahead = float((place - there) @ rate) / max(float(rate @ rate), 1e-300)
-            share = float(np.clip(share + ahead, 0.0, 1.0))
-        return float(np.linalg.norm(self.cubic(k, share)[0] - place))
+        return from_cubics(place, self.places, self.ways, chords)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CurveChord:
+    """A chord of a curve.
+
+    Attributes
+    ----------
+    curve : PlaneCurve
+    number : int
+    """
+
+    curve: PlaneCurve
+    number: int
+
+    @property
+    def ends(self) -> Sequence[OnCurve]:
+        """The points where it begins and ends."""
+        return self.curve.traced.points[self.number : self.number + 2]
+
+    def at(self, share: float) -> OnCurve | None:
+        """Return the point of the curve at a share of the chord, its tangent from end to end."""
+        tracer, (first, second) = self.curve.tracer, self.ends
+        point = tracer.between(first, second, share)
+        if point is None:
+            return None
+        chord = tracer.chord(first.point, second.point)
+        # Where curves meet there is more than one way on: that from end to end will do.
+        return tracer.on_curve(point, chord) or OnCurve(point, chord, 0.0)
+
+    def bend(self) -> float:
+        """Return by how much the curve bends to the left from end to end, rad."""
+        first, second = self.curve.ways[self.number : self.number + 2]
+        return float(np.arctan2(wedge(first, second), first @ second))
+
+    def place(self, one: OnCurve) -> Array:
+        """Return where a point is, in shares of the window."""
+        area = self.curve.tracer.area
+        return np.asarray(area.places(one.point.q) / area.size)
+
+    def way(self) -> Array:
+        """Return the way in the plane from end to end."""
+        first, second = self.curve.places[self.number : self.number + 2]
+        return np.asarray(second - first)
+
+    def rate(self, one: OnCurve) -> Array:
+        """Return how the place changes with the share."""
+        tracer = self.curve.tracer
+        chord = tracer.chord(self.ends[0].point, self.ends[1].point)
+        along = float(chord @ chord / (one.tangent @ chord))
+        return place_rate(tracer, one) / tracer.area.size * along

@@ -34,6 +34,7 @@ from pmjac_pin.studies.singularities.curve_equations import CurveEquations, Sing
 from pmjac_pin.values.arrays import Array, Index, norm
 
 Freed = Literal["gain", "loss"]
+FREED: tuple[Freed, ...] = ("gain", "loss")  #: What a pose may be singular by.
 
 _REDUNDANT = 1e-7  # of the matrix: what redundant rows and columns have at a pose near closure
 

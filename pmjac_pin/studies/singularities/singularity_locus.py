@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.modes.find import assembly_modes
 from pmjac_pin.studies.singularities.charts import Chart, chart
 from pmjac_pin.studies.singularities.curve_crossings import curve_crossings, curve_touchings
-from pmjac_pin.studies.singularities.curve_tracing import Traced, Tracer
+from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
 from pmjac_pin.studies.singularities.cusps import cusps
 from pmjac_pin.studies.singularities.locus import (
     LocusCurve,
@@ -30,6 +30,7 @@ from pmjac_pin.values.checks import check_kind
 
 _BOTH_KINDS: tuple[Freed, ...] = ("gain", "loss")
 _MOST_SHEETS = 64
+_MEET = 1e-4  # the smallest singular value at an end: there it falls to 0 with the way left
 
 
 @on_one_thread
@@ -180,6 +181,10 @@ def _locus(
             curves.append(curve)
             tracers.append(finding.tracer)
             told.append(_told(drawn, finding, curve))
+            points += [
+                _special("branch point", drawn, end.point.q, number, finding.kind)
+                for end in _ends_in_branch_points(curve)
+            ]
             if finding.equations is drawn.folds:
                 turning = cusps(finding.tracer, finding.equations, curve)
                 points += [_special("cusp", drawn, one.q, number, finding.kind) for one in turning]
@@ -212,6 +217,13 @@ def _locus(
     )
 
 
+def _ends_in_branch_points(curve: Traced) -> Iterator[OnCurve]:
+    """Yield the ends beyond which no step led, but where more than one way leads on."""
+    for end, name in zip((curve.points[0], curve.points[-1]), curve.ends, strict=True):
+        if name == "lost" and end.regular <= _MEET:
+            yield end
+
+
 def _special(
     mark: LocusMark, drawn: Chart, q: Array, curves: tuple[int, ...], kind: Freed
 ) -> LocusPoint:
@@ -232,6 +244,7 @@ def _told(drawn: Chart, finding: LocusFinding, curve: Traced) -> LocusCurve:
         modes=finding.modes_of(curve),
         residual=max(norm(equations.residual(one.point)) for one in curve.points),
         complete=not {"lost", "long"} & set(curve.ends),
+        branches=len(list(_ends_in_branch_points(curve))),
     )
 
 
@@ -240,7 +253,10 @@ def _locus_evidence(
 ) -> Evidence:
     worst = max((curve.residual for curve in curves), default=0.0)
     cut = sum(not curve.complete for curve in curves)
+    branches = sum(curve.branches for curve in curves)
     unfinished = f"; {cut} could not be followed to their ends" if cut else ""
+    if branches:
+        unfinished += f": {branches} of these are branch points, from which several ways lead on"
     modes = "working" if in_tool_space else "assembly"
     return Evidence(
         "tolerance",

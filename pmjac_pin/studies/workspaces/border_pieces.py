@@ -10,7 +10,15 @@ import numpy as np
 
 from pmjac_pin.studies.singularities.curve_crossings import curve_crossings
 from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
-from pmjac_pin.studies.singularities.plane_curve import arc_length, place_rate, unit_ways, wedge
+from pmjac_pin.studies.singularities.plane_curve import (
+    arc_length,
+    cubic_at,
+    from_cubics,
+    place_rate,
+    unit_ways,
+    wedge,
+)
+from pmjac_pin.studies.workspaces.slanting_crossings import slanting_crossings
 from pmjac_pin.values.arrays import Array
 
 _TURNING_STEPS = 80
@@ -18,8 +26,10 @@ _NO_LENGTH = 1e-9  # of the window
 _ONE_PLACE = 1e-6  # of the window: places that are one
 _AS_LONG = 1e-2  # of a piece's length: by how much those differ that lie on each other
 _SAMPLED = 12  # places of a piece, to see whether it lies on another
-_BOW = 0.05  # of a chord: how far the arc over it may be
+_OF_A_CUBIC = 1.0 / 192.0  # R θ⁴, twice what a cubic over an arc is off by
 _TO_BOTH_SIDES = 2e-3  # of the window: to both sides of a piece
+_ON_IT = 1e-8  # of the window: places on a curve, but for what cubics over it are off by
+_OF_WHAT_IS_CLEAR = 0.3  # of what is between it and the next one
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,8 +57,8 @@ class SmoothPiece:
     def middle(self) -> tuple[Array, Array]:
         """A place within and the direction there."""
         k = (len(self.places) - 1) // 2
-        place, direction = _hermite(*self.places[k : k + 2], *self.directions[k : k + 2])
-        return place, direction
+        place, rate = cubic_at(self.places[k : k + 2], self.directions[k : k + 2], 0.5)
+        return place, rate / np.linalg.norm(rate)
 
     def area(self) -> float:
         """Return ½ ∮ (x dy − y dx) along it, by a cubic over each chord."""
@@ -73,7 +83,8 @@ def pieces(
         What each is.
     """
     cuts = [list(_corner_cuts(*pair)) for pair in zip(tracers, curves, strict=True)]
-    for one in curve_crossings(tracers, curves):
+    both = curve_crossings(tracers, curves), slanting_crossings(tracers, curves)
+    for one in itertools.chain(*both):
         for number, point in zip(one.curves, (one.first, one.second), strict=True):
             found = _placed(tracers[number], curves[number], point.q)
             if found is not None:
@@ -142,23 +153,53 @@ def _pieces_of(
     places = tracer.area.places(curve.q)
     ways = unit_ways(np.array([place_rate(tracer, one) for one in curve.points]))
     order = sorted(cuts, key=lambda one: (one.after, one.share))
-    ends = [_CutPlace(0, 0.0, places[0]), *order, _CutPlace(len(places) - 2, 1.0, places[-1])]
-    found = []
-    for begin, end in itertools.pairwise(ends):
-        within = slice(begin.after + 1, end.after + 1)
-        inner, along = places[within], ways[within]
-        apart = [np.abs(inner - end.place).max(axis=1) for end in (begin, end)]
-        off = np.minimum(*apart) > _NO_LENGTH * tracer.area.size.max()
-        inner, along = inner[off], along[off]
-        if not len(inner):
-            continue
-        row = np.vstack([begin.place, inner, end.place])
-        first = _first_way(row[1] - row[0], along[0])
-        last = _first_way(row[-1] - row[-2], along[-1])
-        found.append(SmoothPiece(row, np.vstack([first, along, last]), name))
-    if curve.is_closed and len(found) > 1 and order:
-        found[0] = _over_the_start(found.pop(), found[0])
-    yield from found
+    last = len(places) - 1
+    if curve.is_closed and order:
+        spans = [*itertools.pairwise(order), (order[-1], order[0])]
+    else:
+        ends = [_CutPlace(0, 0.0, places[0]), *order, _CutPlace(last - 1, 1.0, places[-1])]
+        spans = list(itertools.pairwise(ends))
+    for number, (begin, end) in enumerate(spans):
+        inner = np.arange(begin.after + 1, end.after + 1)
+        if curve.is_closed and order and number == len(spans) - 1:  # over its start, once
+            inner = np.concatenate([np.arange(begin.after + 1, last), np.arange(end.after + 1)])
+        piece = _between_cuts(begin, end, places[inner], ways[inner], tracer.area.size.max())
+        if piece is not None:
+            yield SmoothPiece(*piece, name)
+        elif not _is_at(end.place, begin.place, tracer.area.size.max()):
+            ends_of = slice(begin.after, begin.after + 2)
+            yield _within_chord(begin, end, places[ends_of], ways[ends_of], name)
+
+
+def _between_cuts(
+    begin: _CutPlace, end: _CutPlace, inner: Array, along: Array, size: float
+) -> tuple[Array, Array] | None:
+    """Return places and directions from one cut to another; None where no point is between."""
+    off = [
+        not (_is_at(place, begin.place, size) or _is_at(place, end.place, size)) for place in inner
+    ]
+    if not any(off):
+        return None
+    row = np.vstack([begin.place, inner[off], end.place])
+    first = _first_way(row[1] - row[0], along[off][0])
+    last = _first_way(row[-1] - row[-2], along[off][-1])
+    return row, np.vstack([first, along[off], last])
+
+
+def _is_at(place: Array, other: Array, size: float) -> bool:
+    return bool(np.abs(place - other).max() <= _NO_LENGTH * size)
+
+
+def _within_chord(
+    begin: _CutPlace, end: _CutPlace, places: Array, ways: Array, name: str
+) -> SmoothPiece:
+    """Return the piece between two cuts of one chord: on its cubic, where it does not turn back."""
+    chord = end.place - begin.place
+    straight = chord / np.linalg.norm(chord)
+    found = np.array([cubic_at(places, ways, cut.share)[1] for cut in (begin, end)])
+    if ways[0] @ ways[1] <= 0.0 or (found @ straight <= 0.0).any():
+        found = np.array([straight, straight])
+    return SmoothPiece(np.vstack([begin.place, end.place]), unit_ways(found), name)
 
 
 def _first_way(chord: Array, way: Array) -> Array:
@@ -168,12 +209,6 @@ def _first_way(chord: Array, way: Array) -> Array:
         return way
     chord = chord / length
     return np.asarray(2.0 * (way @ chord) * chord - way)
-
-
-def _over_the_start(first: SmoothPiece, second: SmoothPiece) -> SmoothPiece:
-    places = np.vstack([first.places[:-1], second.places[1:]])
-    ways = np.vstack([first.directions[:-1], second.directions[1:]])
-    return SmoothPiece(places, ways, first.what)
 
 
 def border(
@@ -189,12 +224,18 @@ def border(
     reached : callable
         place ↦ whether it is.
     """
-    kept: list[SmoothPiece] = []
+    single: list[SmoothPiece] = []
     for piece in found:
-        if any(_lies_on(piece, other, size) for other in kept):
-            continue
+        if not any(_lies_on(piece, other, size) for other in single):
+            single.append(piece)
+    kept: list[SmoothPiece] = []
+    for piece in single:
         place, way = piece.middle
-        left = _TO_BOTH_SIDES * size.max() * np.array([-way[1], way[0]])
+        # Nothing else is so near, but what lies on it: one side here is so all along the piece.
+        away = [_from_piece(place, one) for one in single if one is not piece]
+        clear = min((one for one in away if one > _ON_IT * size.max()), default=np.inf)
+        aside = min(_TO_BOTH_SIDES * float(size.max()), _OF_WHAT_IS_CLEAR * clear)
+        left = aside * np.array([-way[1], way[0]])
         on_left, on_right = reached(place + left), reached(place - left)
         if on_left != on_right:
             kept.append(piece if on_left else piece.backwards)
@@ -207,24 +248,20 @@ def _lies_on(piece: SmoothPiece, other: SmoothPiece, size: Array) -> bool:
     if abs(length - its) > _AS_LONG * max(length, its):
         return False
     along = piece.places[:: max(1, len(piece.places) // _SAMPLED)]
-    bow = _BOW * float(np.linalg.norm(np.diff(other.places, axis=0), axis=1).max())
-    return all(_from_line(place, other.places) <= bow + _ONE_PLACE * size.max() for place in along)
+    off = _ONE_PLACE * float(size.max()) + max(_off_by(piece), _off_by(other))
+    return all(_from_piece(place, other) <= off for place in along)
 
 
-def _from_line(place: Array, places: Array) -> float:
-    """Return how far a place is from a polyline."""
-    first, chord = places[:-1], np.diff(places, axis=0)
-    share = ((place - first) * chord).sum(axis=1) / np.maximum((chord**2).sum(axis=1), 1e-300)
-    nearest = first + np.clip(share, 0.0, 1.0)[:, None] * chord
-    return float(np.linalg.norm(nearest - place, axis=1).min())
+def _off_by(piece: SmoothPiece) -> float:
+    """Return how far cubics over a piece's chords may be from its curve, as of circles."""
+    chords = np.linalg.norm(np.diff(piece.places, axis=0), axis=1)
+    cosines = (piece.directions[1:] * piece.directions[:-1]).sum(axis=1)
+    return float((chords * np.arccos(np.clip(cosines, -1.0, 1.0)) ** 3).max()) * _OF_A_CUBIC
 
 
-def _hermite(first: Array, second: Array, begin: Array, end: Array) -> tuple[Array, Array]:
-    """Return the middle of a cubic and its direction there."""
-    length = arc_length(first, second, begin, end)
-    place = 0.5 * (first + second) + 0.125 * length * (begin - end)
-    direction = 1.5 * (second - first) - 0.25 * length * (begin + end)
-    return place, direction / np.linalg.norm(direction)
+def _from_piece(place: Array, piece: SmoothPiece) -> float:
+    """Return how far a place is from a piece."""
+    return from_cubics(place, piece.places, piece.directions)
 
 
 def _swept(first: Array, second: Array, begin: Array, end: Array) -> float:

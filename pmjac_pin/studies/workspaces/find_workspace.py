@@ -21,6 +21,7 @@ from pmjac_pin.studies.singularities.joint_limits import limited, within_joint_l
 from pmjac_pin.studies.singularities.locus_finding import LocusFinding
 from pmjac_pin.studies.singularities.plane_names import TOOL_AXES
 from pmjac_pin.studies.singularities.sheets import Sheets, SliceSheet, as_grid
+from pmjac_pin.studies.workspaces.border_checks import what_is_open
 from pmjac_pin.studies.workspaces.border_pieces import SmoothPiece, border, pieces
 from pmjac_pin.studies.workspaces.limit_equations import LimitEquations
 from pmjac_pin.studies.workspaces.map_measures import MAP_MEASURES, checked_measure
@@ -31,7 +32,6 @@ from pmjac_pin.values.checks import as_flag, check_kind
 _CELLS_TRIED = 9  # cells near a place, from which it is walked to
 _STEPS_TO_BORDER = 300  # to a place right beside the border
 _HELD = 1e-9  # m, rad, or of a rotation: poses of one slice
-_CELLS_OFF = 2.0  # cells: from the border to a cell beside it
 _MEETING = 1e-6  # of the window: ends of pieces that meet
 
 
@@ -105,7 +105,8 @@ def workspace(
         raise ArgumentError("no cell of the grid is reached: name a window around the pose")
     region = _Region(drawn, sheets.known[number], limits=as_flag(limits, "limits"))
     found = _traced_border(drawn, sheets, region) if as_flag(trace, "trace") else ()
-    closed = _closes(found, drawn.area.size) and _covers(found, drawn, region)
+    cell = drawn.area.size / (cells - 1.0)
+    wrong = what_is_open(found, region.beside(), float(region.reached.sum()), cell, drawn.in_world)
     axes = tuple(drawn.area.axes(grid).values())
     return Workspace(
         at=start,
@@ -120,8 +121,8 @@ def workspace(
         measure=name or "",
         values=_values(drawn, region, name),
         border=tuple(BorderPiece(drawn.in_world(one.places), one.what) for one in found),
-        area=sum(one.area() for one in found) if closed else float("nan"),
-        evidence=_workspace_evidence(found, closed, cells),
+        area=float("nan") if wrong else sum(one.area() for one in found),
+        evidence=_workspace_evidence(found, wrong, cells),
     )
 
 
@@ -158,6 +159,12 @@ class _Region:
         found = self._many._toward(targets, start, "none", _STEPS_TO_BORDER, threads=1)
         closed = found.q[found.status == Status.CLOSED]
         return bool(self.within(closed).any())
+
+    def beside(self) -> Array:
+        """Return the places (k, 2) of cells beside one that is not reached."""
+        out = np.pad(~self.reached, 1)
+        near = out[:-2, 1:-1] | out[2:, 1:-1] | out[1:-1, :-2] | out[1:-1, 2:]
+        return self.drawn.area.places(self.sheet.cells.q[self.reached & near])
 
     def _connected(self) -> Mask:
         from scipy.ndimage import label  # noqa: PLC0415 - with the first workspace
@@ -235,38 +242,6 @@ def _window_pieces(drawn: Chart, curves: Sequence[Traced]) -> Iterator[SmoothPie
             yield SmoothPiece(places, np.tile(way, (3, 1)), "window")
 
 
-def _closes(found: Sequence[SmoothPiece], size: Array) -> bool:
-    """Tell whether each end of a piece is where another begins."""
-    if not found:
-        return False
-    begins = np.array([one.places[0] for one in found])
-    ends = np.array([one.places[-1] for one in found])
-    apart = np.abs(begins[:, None] - ends[None]).max(axis=-1) / size.max()
-    return bool((apart.min(axis=0) <= _MEETING).all() and (apart.min(axis=1) <= _MEETING).all())
-
-
-def _covers(found: Sequence[SmoothPiece], drawn: Chart, region: _Region) -> bool:
-    """Tell whether each cell beside one that is not reached has a piece of the border near it."""
-    sheet, area = region.sheet, drawn.area
-    outside = np.pad(~region.reached, 1)
-    beside = outside[:-2, 1:-1] | outside[2:, 1:-1] | outside[1:-1, :-2] | outside[1:-1, 2:]
-    cell = area.size / (np.array(region.reached.shape) - 1.0)
-    along = np.vstack([_with_places_between(one.places / cell) for one in found])
-    for place in area.places(sheet.cells.q[region.reached & beside]) / cell:
-        if np.abs(along - place).max(axis=1).min() > _CELLS_OFF:
-            return False
-    return True
-
-
-def _with_places_between(places: Array) -> Array:
-    """Return places in cells with more between, at most one cell apart."""
-    rows = [places]
-    for k in range(len(places) - 1):
-        count = int(np.abs(places[k + 1] - places[k]).max())
-        rows.append(np.linspace(places[k], places[k + 1], count + 2))
-    return np.vstack(rows)
-
-
 def _values(drawn: Chart, region: _Region, measure: str | None) -> Array:
     values = np.full(region.reached.shape, np.nan)
     if measure is None:
@@ -310,10 +285,11 @@ def _same_slice(drawn: Chart, pose: Configuration) -> bool:
     return bool(away.max(initial=0.0) <= _HELD and (turned <= _HELD or not angular))
 
 
-def _workspace_evidence(found: Sequence[SmoothPiece], closed: bool, cells: int) -> Evidence:
-    border_is = f"a border of {len(found)} pieces, which {'closes' if closed else 'does not close'}"
+def _workspace_evidence(found: Sequence[SmoothPiece], wrong: str, cells: int) -> Evidence:
+    closes = f"does not close: {wrong}" if wrong else "closes"
     return Evidence(
         "tolerance",
         f"poses that are closed, reached in a grid of {cells} x {cells} cells without leaving the "
-        f"mode, and {border_is}; what is smaller than a cell, a hole or an island, may be missed",
+        f"mode, and a border of {len(found)} pieces, which {closes}; what is smaller than a cell, "
+        "a hole or an island, may be missed",
     )

@@ -1,0 +1,75 @@
+"""What goes with a release says the same in all its places."""
+
+from __future__ import annotations
+
+import re
+import runpy
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parent.parent
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+PAPER = (ROOT / "paper.md").read_text(encoding="utf-8")
+
+
+def test_the_version_is_that_of_the_citation_and_of_the_newest_changes():
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    newest, date = re.search(r"^## (\S+), (\S+)$", changes, re.MULTILINE).groups()
+    assert citation["version"] == newest == PROJECT["version"]
+    assert str(citation["date-released"]) == date
+
+
+def test_what_the_paper_cites_is_in_its_references():
+    keys = re.findall(r"^@\w+\{(\w+),$", (ROOT / "paper.bib").read_text(encoding="utf-8"), re.M)
+    assert sorted(set(keys)) == sorted(keys)
+    assert set(re.findall(r"@(\w+)", PAPER)) == set(keys)
+
+
+def without_numbers(cell):
+    return re.sub(r"\d\S*", "#", cell.strip())
+
+
+@pytest.mark.slow
+def test_the_papers_table_is_what_the_script_finds(monkeypatch):
+    """The column of this library; how many digits rounding leaves is the processor's."""
+    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    known = runpy.run_path(str(ROOT / "scripts" / "compared" / "known.py"))
+    found = runpy.run_path(str(ROOT / "scripts" / "compared" / "with_pmjac_pin.py"))["answers"]()
+    rows = [row.split("|")[1:3] for row in PAPER.splitlines() if row.startswith("| ")][1:]
+    told = {question.strip(): cell for question, cell in rows}
+    assert list(told) == list(known["QUESTIONS"].values())
+    for key, question in known["QUESTIONS"].items():
+        assert without_numbers(told[question]) == without_numbers(found[key])
+    assert found["mobility"] == told[known["QUESTIONS"]["mobility"]].strip()
+
+
+@pytest.mark.slow
+def test_what_is_released_is_built_looked_at_and_installed(tmp_path):
+    for needed in ("uv", "twine", "auditwheel"):
+        pytest.importorskip(needed)
+    script = ROOT / "scripts" / "build_distributions.py"
+    done = subprocess.run(
+        [sys.executable, script, tmp_path], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    said = " ".join(done.stdout.split())
+    assert said.count("PASSED") == 2
+    assert "installed, its batches run on kernel" in said
+    assert "built without a C compiler, its batches run on NumPy" in said
+    wheel, source = sorted(file.name for file in tmp_path.iterdir())
+    assert source == f"pmjac_pin-{PROJECT['version']}.tar.gz"
+    platform = "many" if sys.platform.startswith("linux") else sys.platform
+    assert wheel.startswith(f"pmjac_pin-{PROJECT['version']}-py3-none-{platform}")
+
+
+@pytest.mark.parametrize("file", sorted((ROOT / ".github" / "ISSUE_TEMPLATE").iterdir()))
+def test_an_issue_template_has_a_name_and_asks_for_something(file):
+    _, head, body = file.read_text(encoding="utf-8").split("---\n", 2)
+    assert {"name", "about"} <= yaml.safe_load(head).keys()
+    assert body.count("**") >= 6
