@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from locus_machines import BASE, cuspidal_3rpr, platform_corners
 from mechanisms import loaded
+from scipy.optimize import brentq
 
 import pmjac_pin as pj
 
@@ -240,6 +241,7 @@ def test_as_a_dataset(five_bar_locus):
         ({"kinds": []}, "got none"),
         ({"kinds": 3}, "got 3"),
         ({"cells": 1}, "cells"),
+        ({"cells": 100_000}, "`cells` is a number, 2 to 2000, got 100000"),
         ({"at": 3}, "at"),
     ],
 )
@@ -291,16 +293,31 @@ def test_a_circle_of_the_tool_is_one_curve_that_closes(cells):
     assert all(curve.is_closed for curve in locus.curves)
 
 
+def ur5_shoulder(second, third, fourth):
+    """The factor of det J that vanishes where the wrist is above the first axis, m."""
+    bent = 0.39225 * np.cos(second + third) - 0.09465 * np.sin(second + third + fourth)
+    return 0.425 * np.cos(second) + bent
+
+
+@pytest.mark.parametrize("cells", [11, 15, 31, 41])
+def test_straight_curves_of_an_arm_meet_where_two_factors_of_its_determinant_vanish(cells):
+    """At sin θ5 = 0 with sin θ3 = 0 or the shoulder's factor, whatever the grid."""
+    arm = loaded("ur5")
+    second, fourth = arm.home.actuated[1], arm.home.actuated[3]
+    bent = brentq(lambda third: ur5_shoulder(second, third, fourth), -1.5, 0.0)
+    window = {"elbow_joint": (-1.5, 0.9), "wrist_2_joint": (-1.0, 1.0)}
+    locus = pj.singularity_locus(arm, tuple(window), window=window, cells=cells)
+    assert {point.mark for point in locus.points} == {"branch point"}
+    places = sorted(tuple(point.place) for point in locus.points)
+    np.testing.assert_allclose(places, [(bent, 0.0), (0.0, 0.0)], atol=1e-6)
+
+
 def test_a_ur5_loses_where_its_determinant_vanishes():
     """det J = a2 a3 sin θ3 sin θ5 (a2 cos θ2 + a3 cos θ23 + d5 sin θ234)."""
     arm = loaded("ur5")
     locus = pj.singularity_locus(arm, arm.actuated[1:3], cells=21)
     second, third, fourth = np.vstack([curve.q for curve in locus.curves])[:, 1:4].T
-    shoulder = (
-        0.425 * np.cos(second)
-        + 0.39225 * np.cos(second + third)
-        - 0.09465 * np.sin(second + third + fourth)
-    )
+    shoulder = ur5_shoulder(second, third, fourth)
     assert max(np.abs(np.sin(third)).max(), np.abs(shoulder).max()) > 0.1  # both factors are met
     assert np.abs(np.sin(third) * shoulder).max() < 1e-10
     assert min(np.abs(np.sin(third)).min(), np.abs(shoulder).min()) < 1e-10

@@ -6,6 +6,7 @@ is looked at further only where the ends of the one are off the other's cubics.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
@@ -18,6 +19,7 @@ from pmjac_pin.values.arrays import Array, Mask
 
 _NEWTON = 12
 _AT_ONE_PLACE = 1e-11  # of the window
+_WHERE_BRANCHES_MEET = 1e-7  # of the window: by Newton's method, whose equations are singular there
 _PARALLEL = 1e-4  # rad, in the window's proportions: curves that lie on each other do not cross
 _ONE_POINT = 1e-5  # lengths or rad: where branches meet, Newton tells poses no better
 _ON_A_CUBIC = 1e-3  # of a chord: what cubics over smooth chords tell no better
@@ -121,20 +123,37 @@ def _is_on(one: PlaneCurve, n: int, other: PlaneCurve, m: int) -> bool:
 def _refined(
     mine: CurveChord, theirs: CurveChord, shares: Array
 ) -> tuple[SingularPoint, SingularPoint, float] | None:
-    """Return the two poses at which two curves are at one place, by Newton along both."""
+    """Return the two poses at which two curves are at one place, by Newton along both.
+
+    Where branches meet in one pose tangents are whatever rounding makes of them, and steps come no
+    nearer than what Newton tells there: the nearest that they came to is taken for it, if the
+    curves are across each other by their chords, too.
+    """
+    across = _are_across(mine, theirs)
+    nearest, least = None, _WHERE_BRANCHES_MEET
     for _ in range(_NEWTON):
         one, other = mine.at(shares[0]), theirs.at(shares[1])
         if one is None or other is None:
-            return None
+            break
         away = theirs.place(other) - mine.place(one)
-        if (np.abs(away) <= _AT_ONE_PLACE).all():
-            return _both(mine, one, other)
         along = np.column_stack([mine.rate(one), -theirs.rate(other)])
-        sizes = np.linalg.norm(along, axis=0)
-        if abs(np.linalg.det(along)) <= _PARALLEL * sizes[0] * sizes[1]:
+        parallel = abs(wedge(*unit_ways(along.T))) <= _PARALLEL
+        if parallel and not across:
             return None
+        if (gap := float(np.abs(away).max())) <= _AT_ONE_PLACE:
+            return _both(mine, one, other)
+        if gap <= least:
+            nearest, least = _both(mine, one, other), gap
+        if parallel:
+            along = np.column_stack([mine.way(), -theirs.way()])
         shares = np.clip(shares + np.linalg.solve(along, away), -_OVER_THE_END, 1.0 + _OVER_THE_END)
-    return None
+    return nearest if across and nearest is not None and nearest[2] <= _ONE_POINT else None
+
+
+def _are_across(mine: CurveChord, theirs: CurveChord) -> bool:
+    """Tell whether two chords cross at more than both curves bend: these share no tangent."""
+    sine = abs(wedge(*unit_ways(np.array([mine.way(), theirs.way()]))))
+    return math.asin(min(1.0, sine)) > abs(mine.bend()) + abs(theirs.bend()) + _PARALLEL
 
 
 def _both(

@@ -169,6 +169,11 @@ class CurveChord:
         area = self.curve.tracer.area
         return np.asarray(area.places(one.point.q) / area.size)
 
+    def way(self) -> Array:
+        """Return the way in the plane from end to end."""
+        first, second = self.curve.places[self.number : self.number + 2]
+        return np.asarray(second - first)
+
     def rate(self, one: OnCurve) -> Array:
         """Return how the place changes with the share."""
         tracer = self.curve.tracer

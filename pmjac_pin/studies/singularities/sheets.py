@@ -17,15 +17,30 @@ import numpy as np
 from pmjac_pin.batches.batch import Batch
 from pmjac_pin.batches.results import ManyInGrid, Status
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
 from pmjac_pin.studies.singularities.singular_equations import SingularEquations
 from pmjac_pin.values.arrays import Array, Mask
 
+_MOST_CELLS = 2000  # along an axis: some hundred bytes for each of four million
 _ALIKE_POSES = 1e-6  # lengths or rad
 _CELLS_NEAR = 16  # cells near a pose, to tell on which sheet it is
 _STEPS_TO_CELLS = 6  # a path to a cell nearby takes one or two, but where it ends
 _CELLS_AWAY = (3.0, 2.0, 1.0, 0.5)
 _SOME_STEPS = 60  # away from a fold, or from right beside one
+
+
+def as_grid(cells: object) -> tuple[int, int]:
+    """Return the shape of a slice's grid of so many cells along each axis.
+
+    Raises
+    ------
+    ArgumentError
+        No whole number, fewer than 2, or so many that the grid does not fit into memory.
+    """
+    if not isinstance(cells, int) or isinstance(cells, bool) or not 2 <= cells <= _MOST_CELLS:
+        raise ArgumentError(f"`cells` is a number, 2 to {_MOST_CELLS}, got {quoted(cells)}")
+    return cells, cells
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,7 +23,7 @@ from pmjac_pin.studies.singularities.locus import (
     SingularityLocus,
 )
 from pmjac_pin.studies.singularities.locus_finding import LocusFinding
-from pmjac_pin.studies.singularities.sheets import Sheets
+from pmjac_pin.studies.singularities.sheets import Sheets, as_grid
 from pmjac_pin.studies.singularities.singular_equations import Freed, SingularEquations
 from pmjac_pin.values.arrays import Array, norm
 from pmjac_pin.values.checks import check_kind
@@ -101,10 +101,10 @@ def singularity_locus(
     if not isinstance(start, Configuration) or start.mechanism != mechanism:
         raise ArgumentError(f"`at` is a pose of the mechanism or its name, got {quoted(at)}")
     given = None if kinds is None else _checked_kinds(kinds)
-    number = _cells(cells)
+    grid = as_grid(cells)
     drawn = chart(plane, start, window)
     asked = _asked(drawn, given)
-    sheets = Sheets(drawn.area, number)
+    sheets = Sheets(drawn.area, grid)
     for mode in _begin(drawn) if modes is None else modes:
         sheets.add(drawn.lifted(mode))
     if not sheets.known:
@@ -120,12 +120,6 @@ def singularity_locus(
             within.seek(sheets.inner_seeds(sheet, drawn.inner))
         found.append(within)
     return _locus(drawn, sheets, found, cells)
-
-
-def _cells(cells: int) -> tuple[int, int]:
-    if not isinstance(cells, int) or isinstance(cells, bool) or cells < 2:
-        raise ArgumentError(f"`cells` is a number, 2 or more, got {quoted(cells)}")
-    return cells, cells
 
 
 def _begin(drawn: Chart) -> Iterable[Configuration]:

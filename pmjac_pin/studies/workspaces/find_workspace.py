@@ -20,7 +20,7 @@ from pmjac_pin.studies.singularities.curve_tracing import Traced, Tracer
 from pmjac_pin.studies.singularities.joint_limits import limited, within_joint_limits
 from pmjac_pin.studies.singularities.locus_finding import LocusFinding
 from pmjac_pin.studies.singularities.plane_names import TOOL_AXES
-from pmjac_pin.studies.singularities.sheets import Sheets, SliceSheet
+from pmjac_pin.studies.singularities.sheets import Sheets, SliceSheet, as_grid
 from pmjac_pin.studies.workspaces.border_checks import what_is_open
 from pmjac_pin.studies.workspaces.border_pieces import SmoothPiece, border, pieces
 from pmjac_pin.studies.workspaces.limit_equations import LimitEquations
@@ -96,11 +96,10 @@ def workspace(
     start = mechanism.pose(mode) if isinstance(mode, str) else mode
     if not isinstance(start, Configuration) or start.mechanism != mechanism:
         raise ArgumentError(f"`mode` is a pose of the mechanism or its name, got {quoted(mode)}")
-    if not isinstance(cells, int) or isinstance(cells, bool) or cells < 2:
-        raise ArgumentError(f"`cells` is a number, 2 or more, got {quoted(cells)}")
+    grid = as_grid(cells)
     name = None if measure is None else checked_measure(measure)
     drawn = chart(plane, start, window)
-    sheets = Sheets(drawn.area, (cells, cells), limits=False)
+    sheets = Sheets(drawn.area, grid, limits=False)
     number = sheets.add(drawn.lifted(start))
     if number is None:
         raise ArgumentError("no cell of the grid is reached: name a window around the pose")
@@ -108,7 +107,7 @@ def workspace(
     found = _traced_border(drawn, sheets, region) if as_flag(trace, "trace") else ()
     cell = drawn.area.size / (cells - 1.0)
     wrong = what_is_open(found, region.beside(), float(region.reached.sum()), cell, drawn.in_world)
-    axes = tuple(drawn.area.axes((cells, cells)).values())
+    axes = tuple(drawn.area.axes(grid).values())
     return Workspace(
         at=start,
         plane=drawn.area.names,
