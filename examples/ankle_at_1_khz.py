@@ -23,7 +23,8 @@ for driven in (ankle.by_motors, ankle.by_joints):
 
 # %%
 # The plant, for want of a robot: a foot by its moments of inertia about two axes, and somebody who
-# leans on it with 40 N m from 1 s on. The controller sees the motors' encoders alone.
+# leans on it with 40 N m from 1 s on. The controller sees the motors' encoders, and
+# how fast pitch and roll change.
 INERTIA = np.array([0.010, 0.006])  # kg m²
 STIFFNESS, DAMPING = np.array([600.0, 400.0]), np.array([4.9, 3.1])  # N m/rad, N m s/rad
 STEP, LIMIT = 1e-3, 60.0  # s, N m of each motor

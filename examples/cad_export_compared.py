@@ -2,8 +2,9 @@
 ================================================
 
 A program for CAD writes its own file of the machine: with joints cut elsewhere, named and counted
-from elsewhere, in rounded numbers. J_eq does not depend on any of this. So two files are the same
-machine where J_eq is the same, and nobody has to measure or to calibrate anything.
+from elsewhere, in rounded numbers. J_eq does not depend on any of this. So two files move
+the tool alike where J_eq is the same at many poses, and nobody has to measure or to calibrate
+anything. Limits and masses are another question.
 """
 
 # %%

@@ -35,7 +35,7 @@ print(f"  and {np.nanmax(places[:, 2]):.2f} m up, seen from the boom's foot")
 # What the cylinders carry: boom and stick, and 2.3 t at the pin, a bucket and what is in it.
 LOAD = 2300.0 * 9.81  # N
 carried = excavator.home.statics([0, 0, -LOAD, 0, 0, 0])
-strength = np.array([776e3, 491e3])  # N, at 34.3 MPa
+strength = np.array([776e3, 491e3])  # N: chosen, as the dimensions are
 for motor, force, limit in zip(excavator.actuated, carried.efforts, strength, strict=True):
     print(f"{motor} pushes with {force / 1e3:.0f} kN: {abs(force) / limit:.0%} of what it can")
 

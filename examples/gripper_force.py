@@ -102,5 +102,5 @@ assert abs(joints["right_rod"]) < 1e-8  # rad, against the crank
 print(f"the dead centre is {beyond:.1f}° of the crank beyond closed")
 
 # %%
-# The gripper at its dead centre, where the left jaw stands still.
+# The gripper at its dead centre, where both jaws stand still.
 figure = pj.plot(dead.configuration)

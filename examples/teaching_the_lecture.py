@@ -15,10 +15,8 @@ import pmjac_pin as pj
 A, B = 0.5, 1.0  # circumradius of the platform and of the base, m
 machine = pj.load("three_rps_ss")
 pose = machine.pose("lecture_a")
-legs, leaning = (
-    pose.actuated,
-    pose.passive,
-)  # l and θ of its 3-RPS; the motors, and φ, of its equations
+legs = pose.actuated  # the lecture's l: the motors, θ in its equations
+leaning = pose.passive  # the lecture's θ: the passive joints, φ in its equations
 print(f"legs of {legs.round(4)} m lean by {leaning.round(4)} rad")
 
 # %%

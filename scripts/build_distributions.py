@@ -1,6 +1,7 @@
 """Build what is released, and see that it is whole.
 
-    python scripts/build_distributions.py [FOLDER]
+    make dist
+    python scripts/build_distributions.py [FOLDER]    # with the extra `release`
 
 Into the folder, dist where none is named, go the source distribution, and the wheel that is built
 from it. The wheel has the kernels for this platform; auditwheel says from which Linux on they run,

@@ -1,14 +1,15 @@
 """Ask neighbouring libraries the same questions about one machine: the table of paper.md.
 
-    pip install drake mujoco pin-pink daqp pylinkage crocoddyl sympy
+    pip install . drake mujoco pin-pink daqp pylinkage crocoddyl sympy
     python scripts/compare_libraries.py
 
 Every cell is what a library answered in this run, about a planar four-bar whose answers are known
 in closed form, and about Bennett's linkage, whose mobility is 1. Where a library has no function
 for a question but what one needs to write it, the lines stand in the folder beside this, and their
-result is told as "by own lines". Where no public name of a library has the words of a question,
-looked for in all files of its package, that is "none". A library that is not installed has no
-column.
+result is told as "by own lines". Where no public name of a library has the words of a question
+(`compared/known.py`), looked for in all Python files and stubs of its package, that is "none".
+What a cell of "simulate" says beside a name is written by hand. A library that is not installed has
+no column.
 """
 
 from __future__ import annotations

@@ -42,8 +42,11 @@ def rocker(crank: float) -> float:
 
 
 def rocker_rate(crank: float) -> float:
-    """Return its derivative, by central differences."""
-    return (rocker(crank + 1e-5) - rocker(crank - 1e-5)) / 2e-5
+    """Return its derivative: crank and rocker move the coupler's ends alike along it."""
+    l0, l1, _, l3 = LENGTHS.values()
+    angle = rocker(crank)
+    coupler = np.angle(l0 + l3 * np.exp(1j * angle) - l1 * np.exp(1j * crank))
+    return float(l1 * np.sin(crank - coupler) / (l3 * np.sin(angle - coupler)))
 
 
 def error(found: float, known: float) -> str:
