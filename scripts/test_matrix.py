@@ -6,7 +6,11 @@ For each cell it makes an environment in a temporary folder, installs there the 
 after it of which this Python has a wheel; "newest" the newest that there is. A Python that is not
 on the path, nor among pyenv's, is told as not tried.
 
-    python scripts/test_matrix.py [--python 3.11 ...] [--versions lowest ...]
+    make matrix
+    python scripts/test_matrix.py [--python 3.11 ...] [--versions lowest ...] [--tests NAME ...]
+
+The latter after ``make dist``, which installs the extra ``release`` for both. The extras of
+``pmjac_pin.adapters`` are not in it.
 """
 
 from __future__ import annotations
@@ -20,7 +24,7 @@ import sys
 import tempfile
 import time
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -97,7 +101,7 @@ def _said(command: list[str]) -> str:
     return "" if done.returncode else done.stdout.strip()
 
 
-def tried(python: str, versions: str, wheel: Path) -> Cell:
+def tried(python: str, versions: str, wheel: Path, tests: Sequence[str]) -> Cell:
     """Make the environment of a cell, run the tests in it, and remove it."""
     if (found := interpreter(python)) is None:
         return Cell(python, versions, True, "not tried: no such Python here")
@@ -107,7 +111,7 @@ def tried(python: str, versions: str, wheel: Path) -> Cell:
         if problem := _installed(environment, found, versions, wheel):
             return Cell(python, versions, False, problem)
         other = ", ".join(_other_than_declared(environment)) if versions == "lowest" else ""
-        last, passed = _tested(environment, versions)
+        last, passed = _tested(environment, versions, tests)
     seconds = f"{time.perf_counter() - start:.0f} s"
     return Cell(python, versions, passed, "; ".join(filter(None, (last, seconds, other))))
 
@@ -142,14 +146,14 @@ def _other_than_declared(environment: Path) -> Iterator[str]:
             yield f"{name} {found}"
 
 
-def _tested(environment: Path, versions: str) -> tuple[str, bool]:
+def _tested(environment: Path, versions: str, tests: Sequence[str]) -> tuple[str, bool]:
     """Return pytest's last line, and whether all tests passed."""
     # Not as a module: the folder that it is started in would stand before what is installed.
     pytest = [environment / "bin" / "pytest", "-q", "-m", "not slow", "-p", "no:cacheprovider"]
     # Old packages use what newer ones that they need call deprecated.
     tolerant = ["-W", "ignore::DeprecationWarning"] if versions == "lowest" else []
     done = subprocess.run(
-        [*pytest, *tolerant, *(f"tests/{name}" for name in TESTS)],
+        [*pytest, *tolerant, *(f"tests/{name}" for name in tests)],
         cwd=ROOT,
         env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
         capture_output=True,
@@ -166,15 +170,18 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--python", nargs="+", default=PYTHONS)
     parser.add_argument("--versions", nargs="+", default=list(RESOLUTIONS), choices=RESOLUTIONS)
+    parser.add_argument("--tests", nargs="+", default=TESTS)
+    parser.add_argument("--dist", type=Path, default=ROOT / "dist")
     asked = parser.parse_args()
-    wheels = sorted((ROOT / "dist").glob("*.whl"))
+    wheels = sorted(asked.dist.resolve().glob("*.whl"))
     if len(wheels) != 1:
-        print(f"one wheel is wanted in dist, there are {len(wheels)}: `make dist` builds it")
+        found = f"one wheel is wanted in {asked.dist}, there are {len(wheels)}"
+        print(f"{found}: `make dist` builds it")
         return 1
     failed = False
     for python in asked.python:
         for versions in asked.versions:
-            cell = tried(python, versions, wheels[0])
+            cell = tried(python, versions, wheels[0], asked.tests)
             failed |= not cell.passed
             print(f"Python {python}, {versions} versions: {cell.told}", flush=True)
     return int(failed)

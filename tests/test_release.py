@@ -49,23 +49,43 @@ def test_the_papers_table_is_what_the_script_finds(monkeypatch):
     assert found["mobility"] == told[known["QUESTIONS"]["mobility"]].strip()
 
 
-@pytest.mark.slow
-def test_what_is_released_is_built_looked_at_and_installed(tmp_path):
+@pytest.fixture(scope="module")
+def released(tmp_path_factory):
+    """Return the folder of what is released, and what was said when it was built."""
     for needed in ("uv", "twine", "auditwheel"):
         pytest.importorskip(needed)
-    script = ROOT / "scripts" / "build_distributions.py"
-    done = subprocess.run(
-        [sys.executable, script, tmp_path], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    said = " ".join(done.stdout.split())
+    folder = tmp_path_factory.mktemp("dist")
+    return folder, said_by("build_distributions.py", folder)
+
+
+def said_by(script, *arguments):
+    command = [sys.executable, ROOT / "scripts" / script, *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return " ".join(done.stdout.split())
+
+
+@pytest.mark.slow
+def test_what_is_released_is_built_looked_at_and_installed(released):
+    folder, said = released
     assert said.count("PASSED") == 2
     assert "installed, its batches run on kernel" in said
     assert "built without a C compiler, its batches run on NumPy" in said
-    wheel, source = sorted(file.name for file in tmp_path.iterdir())
+    wheel, source = sorted(file.name for file in folder.iterdir())
     assert source == f"pmjac_pin-{PROJECT['version']}.tar.gz"
     platform = "many" if sys.platform.startswith("linux") else sys.platform
     assert wheel.startswith(f"pmjac_pin-{PROJECT['version']}-py3-none-{platform}")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("versions", ["lowest", "newest"])
+def test_what_is_released_works_with_the_versions_that_it_declares(released, versions):
+    """`make matrix` takes more tests, and each Python."""
+    python = f"{sys.version_info.major}.{sys.version_info.minor}"
+    few = ("test_lecture.py", "test_model_file.py", "test_tables.py")
+    cell = ("--dist", released[0], "--python", python, "--versions", versions)
+    said = said_by("test_matrix.py", *cell, "--tests", *few)
+    assert re.search(rf"Python {python}, {versions} versions: =* ?\d+ passed", said), said
 
 
 @pytest.mark.parametrize("file", sorted((ROOT / ".github" / "ISSUE_TEMPLATE").iterdir()))
