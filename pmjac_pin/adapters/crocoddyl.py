@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 
 from pmjac_pin.adapters import importing
+from pmjac_pin.adapters.crocoddyl_build import warn_of_other_builds
 from pmjac_pin.errors import ArgumentError, unknown_name
 from pmjac_pin.studies.transmissions.transmission import Geared, Transmission
 from pmjac_pin.values.arrays import Array
@@ -67,7 +66,7 @@ class TransmissionActuation(crocoddyl.ActuationModelAbstract):
         driven = [f"{names[0]}/{m}" for names, t in transmissions.items() for m in t.motors]
         self.motors = (*driven, *direct)
         super().__init__(state, len(self.motors))
-        _warn_of_other_builds()
+        warn_of_other_builds()
         self._transmissions, self._direct = dict(transmissions), tuple(direct)
 
     def calc(self, data: Any, x: Array, u: Array) -> None:
@@ -83,15 +82,11 @@ class TransmissionActuation(crocoddyl.ActuationModelAbstract):
 
     def commands(self, data: Any, x: Array, tau: Array) -> None:
         """Find u of τ."""
-        data.u = np.linalg.solve(*self._normal(x)) @ tau
+        data.u = np.linalg.pinv(self._map(x)) @ tau
 
     def torqueTransform(self, data: Any, x: Array, u: Array) -> None:
         """Find ∂u/∂τ."""
-        data.Mtau = np.linalg.solve(*self._normal(x))
-
-    def _normal(self, x: Array) -> tuple[Array, Array]:
-        rows = self._map(x)
-        return rows.T @ rows, rows.T
+        data.Mtau = np.linalg.pinv(self._map(x))
 
     def _map(self, x: Array) -> Array:
         found = np.zeros((self.state.nv, self.nu))
@@ -117,18 +112,3 @@ def _entries_of(model: Any, name: str) -> tuple[int, int]:
     if (joint.nq, joint.nv) != (1, 1):
         raise ArgumentError(f"joint {name!r} has no single value")
     return joint.idx_q, joint.idx_v
-
-
-def _warn_of_other_builds() -> None:
-    """Warn where Crocoddyl and Pinocchio do not agree on how a pendulum falls."""
-    arm = pin.buildSampleModelManipulator()
-    state, still = crocoddyl.StateMultibody(arm), np.zeros(arm.nv)
-    actuation = crocoddyl.ActuationModelFull(state)
-    costs = crocoddyl.CostModelSum(state, arm.nv)
-    falling = crocoddyl.DifferentialActionModelFreeFwdDynamics(state, actuation, costs)
-    found, q = falling.createData(), np.full(arm.nq, 0.5)
-    falling.calc(found, np.concatenate([q, still]), still)
-    if not np.allclose(found.xout, pin.aba(arm, arm.createData(), q, still, still), rtol=1e-6):
-        wrong = f"Crocoddyl {crocoddyl.__version__} was built for another Pinocchio than"
-        todo = "its dynamics are wrong, gravity is missing; install builds of each other's version"
-        warnings.warn(f"{wrong} {pin.__version__}: {todo}", RuntimeWarning, stacklevel=3)
