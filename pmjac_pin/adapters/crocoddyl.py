@@ -82,11 +82,16 @@ class TransmissionActuation(crocoddyl.ActuationModelAbstract):
 
     def commands(self, data: Any, x: Array, tau: Array) -> None:
         """Find u of τ."""
-        data.u = np.linalg.pinv(self._map(x)) @ tau
+        data.u = self._inverse(x) @ tau
 
     def torqueTransform(self, data: Any, x: Array, u: Array) -> None:
         """Find ∂u/∂τ."""
-        data.Mtau = np.linalg.pinv(self._map(x))
+        data.Mtau = self._inverse(x)
+
+    def _inverse(self, x: Array) -> Array:
+        rows = self._map(x)
+        found: Array = np.linalg.solve(rows.T @ rows, rows.T)
+        return found
 
     def _map(self, x: Array) -> Array:
         found = np.zeros((self.state.nv, self.nu))
