@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmjac_pin.adapters import importing
 from pmjac_pin.adapters.crocoddyl_build import warn_of_other_builds
@@ -88,10 +89,9 @@ class TransmissionActuation(crocoddyl.ActuationModelAbstract):
         """Find ∂u/∂τ."""
         data.Mtau = self._inverse(x)
 
-    def _inverse(self, x: Array) -> Array:
+    def _inverse(self, x: Array) -> NDArray[np.floating]:
         rows = self._map(x)
-        found: Array = np.linalg.solve(rows.T @ rows, rows.T)
-        return found
+        return np.linalg.solve(rows.T @ rows, rows.T)
 
     def _map(self, x: Array) -> Array:
         found = np.zeros((self.state.nv, self.nu))
