@@ -106,6 +106,70 @@ def test_casadi(name, rng):
     np.testing.assert_allclose(along, expected, atol=1e-6 * max(1.0, np.abs(expected).max()))
 
 
+def values_of(library, program, q, parameters):
+    """Return what an adapter's function gives for one pose of one design."""
+    if library == "jax":
+        importlib.import_module("jax").config.update("jax_enable_x64", True)
+        return adapter("jax").function(program)(q, parameters)
+    found = adapter("casadi").function(program)(q=q, parameters=parameters)
+    return {name: np.array(value) for name, value in found.items()}
+
+
+@slow
+@pytest.mark.parametrize("library", ["casadi", "jax"])
+def test_parameters_are_the_second_argument(library):
+    mechanism = loaded("four_bar")
+    program, design = pj.program(mechanism, parameters=["l2", "l1"]), [3.1, 1.2]
+    there = mechanism.with_parameters(l1=1.2, l2=3.1)
+    found = values_of(library, program, there.home.q, design)
+    J_eq = np.asarray(found["J_eq"]).reshape(6, 1)
+    np.testing.assert_allclose(J_eq, there.home.jacobian().J_eq, atol=1e-11)
+    for key, expected in program(there.home.q, design).items():
+        values = np.asarray(found[key]).reshape(expected.shape)
+        np.testing.assert_allclose(values, expected, atol=1e-11)
+
+
+@slow
+def test_in_jax_parameters_are_the_mechanisms_and_shapes_are_looked_at():
+    function = adapter("jax").function(
+        pj.program(loaded("four_bar"), parameters=["l1"]), dtype="float32"
+    )
+    q = loaded("four_bar").home.q
+    J_eq = np.asarray(function(q)["J_eq"])
+    np.testing.assert_allclose(J_eq, loaded("four_bar").home.jacobian().J_eq, atol=1e-5)
+    assert function(np.tile(q, (2, 1)), [[1.0], [1.1]])["J_eq"].shape == (2, 6, 1)
+    for wrong in ((q[:1],), (q, [1.0, 2.0]), (1.0,)):
+        with pytest.raises(pj.ArgumentError, match="q and parameters have"):
+            function(*wrong)
+
+
+@slow
+@pytest.mark.parametrize("library", ["casadi", "jax"])
+def test_geared_endless_joints(library):
+    """Their loop counts angles less whole turns."""
+    model = pin.Model()
+    for name, place in (("one", 0.0), ("other", 1.0)):
+        joint = model.addJoint(
+            0, pin.JointModelRUBZ(), pin.SE3(np.eye(3), np.array([place, 0, 0])), name
+        )
+        model.addFrame(
+            pin.Frame(f"{name}_tip", joint, pin.SE3(np.eye(3), np.ones(3)), pin.OP_FRAME)
+        )
+    gears = [pj.JointLoop(joints=("other", "one"), ratio=-2.0)]
+    mechanism = pj.Mechanism.from_pinocchio(model, gears, ["one"], "other_tip")
+    pose = mechanism.close([2.5])
+    program = pj.program(mechanism)
+    assert any(term.operation == "round" for term in program.recording.terms)
+    found = (
+        values_of(library, program, pose.q, np.zeros(0))
+        if library == "jax"
+        else (adapter("casadi").function(program)(q=pose.q))
+    )
+    J_eq = np.array(found["J_eq"]).reshape(6, 1)
+    np.testing.assert_allclose(J_eq, pose.jacobian().J_eq, atol=1e-11)
+    np.testing.assert_allclose(np.array(found["eta"]).ravel(), 0.0, atol=1e-11)
+
+
 @slow
 @pytest.mark.parametrize("name", ["four_bar", "three_rps_ss"])
 def test_jax(name, rng):

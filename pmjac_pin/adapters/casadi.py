@@ -20,14 +20,16 @@ _IN_CASADI: Any = {
     "+": casadi.plus, "-": casadi.minus, "*": casadi.times, "/": casadi.rdivide,
     "neg": lambda x: -x, "sin": casadi.sin, "cos": casadi.cos, "sqrt": casadi.sqrt,
     "abs": casadi.fabs, "max": casadi.fmax, "atan2": casadi.atan2, "copysign": casadi.copysign,
+    "round": lambda x: casadi.floor(x + 0.5),
 }  # fmt: skip
 _TAKEN = frozenset({"null", "jac", "hess"})  # CasADi's own
 
 
 def function(program: Program, name: str | None = None) -> casadi.Function:
-    """Return a program as a ``casadi.Function`` of q, its outputs by the program's names.
+    """Return a program as a ``casadi.Function`` of q, and of its parameters where it has any.
 
-    As of the program, whether J_eq exists is for the caller to ask: η = 0, `sigma` > 0, and so on.
+    Its outputs have the program's names. As of the program, whether J_eq exists is for the caller
+    to ask: η = 0, `sigma` > 0, and so on.
     Quaternions, and cosines with their sines, are taken as they are: of length 1.
 
     Parameters
@@ -45,7 +47,8 @@ def function(program: Program, name: str | None = None) -> casadi.Function:
     Function(four_bar:(q[3])->(eta[3],K[3],K_star[3x2],J_eq[6],sigma) SXFunction)
     """
     check_kind(program, Program)
-    q = casadi.SX.sym("q", len(program.recording.inputs))
+    given = {name: casadi.SX.sym(name, count) for name, count in program.arguments.items()}
+    inputs = casadi.vertcat(*given.values())
     known: list[Any] = []
 
     def value(operand: Operand) -> Any:
@@ -53,7 +56,7 @@ def function(program: Program, name: str | None = None) -> casadi.Function:
 
     for index, term in enumerate(program.recording.terms):
         if term.operation == "input":  # the first of them
-            known.append(q[index])
+            known.append(inputs[index])
         else:
             known.append(_IN_CASADI[term.operation](*map(value, term.operands)))
 
@@ -65,4 +68,6 @@ def function(program: Program, name: str | None = None) -> casadi.Function:
 
     called = function_name(program.mechanism.name if name is None else name, _TAKEN, name is None)
     outputs = [matrix(numbers) for numbers in program.outputs.values()]
-    return casadi.Function(called, [q], outputs, ["q"], list(program.outputs))
+    return casadi.Function(
+        called, list(given.values()), outputs, list(given), list(program.outputs)
+    )

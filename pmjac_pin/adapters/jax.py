@@ -29,8 +29,11 @@ _IN_JAX: Any = {
 
 def function(
     program: Program, dtype: Literal["float64", "float32"] = "float64"
-) -> Callable[[Any], dict[str, Any]]:
+) -> Callable[..., dict[str, Any]]:
     """Return a program as a function of JAX: q (..., nq) ↦ arrays (..., *shape) by name.
+
+    Where the program has parameters, (..., k), they are its second argument; by default those of
+    the mechanism.
 
     As of the program, whether J_eq exists is for the caller to ask: η = 0, `sigma` > 0, and so on.
     Quaternions, and cosines with their sines, are taken as they are: of length 1.
@@ -64,17 +67,15 @@ def function(
         raise ArgumentError(f"JAX computes in single precision: {told}, or dtype='float32'")
     shapes = {name: array.shape for name, array in program.outputs.items()}
     terms = [x for array in program.outputs.values() for x in array.ravel()]
-    waves, ends = (
-        ArrayProgram.of(program.recording, terms),
-        np.cumsum([*map(np.prod, shapes.values())]),
-    )
-    count, nq = waves.constants.size, len(program.inputs)
+    waves = ArrayProgram.of(program.recording, terms)
+    ends = np.cumsum([*map(np.prod, shapes.values())])
+    constants, count = waves.constants.astype(dtype), waves.constants.size
 
-    def at(q: Any) -> dict[str, Any]:
-        given = jnp.asarray(q, dtype=dtype)
+    def at(q: Any, parameters: Any = None) -> dict[str, Any]:
+        given = _together(program, q, parameters, dtype)
+        end = count + given.shape[-1]
         known = jnp.zeros((*given.shape[:-1], waves.size), dtype=dtype)
-        known = known.at[..., :count].set(waves.constants).at[..., count : count + nq].set(given)
-        end = count + nq
+        known = known.at[..., :count].set(constants).at[..., count:end].set(given)
         for operation, places in waves.steps:
             found = _IN_JAX[operation](*(known[..., place] for place in places))
             known = known.at[..., end : (end := end + found.shape[-1])].set(found)
@@ -85,3 +86,15 @@ def function(
         }
 
     return at
+
+
+def _together(program: Program, q: Any, parameters: Any, dtype: str) -> Any:
+    """Return the inputs in a row: q, and the parameters of each pose, or of all."""
+    rows = [q, program.own_parameters if parameters is None else parameters]
+    given = [jnp.asarray(row, dtype=dtype) for row in rows]
+    wanted = (program.mechanism.nq, len(program.parameters))
+    if (found := tuple(row.shape[-1] if row.ndim else -1 for row in given)) != wanted:
+        raise ArgumentError(f"q and parameters have {wanted} entries; got {found}")
+    leading = jnp.broadcast_shapes(*(row.shape[:-1] for row in given))
+    whole = [jnp.broadcast_to(row, (*leading, row.shape[-1])) for row in given]
+    return jnp.concatenate(whole, axis=-1)

@@ -160,6 +160,17 @@ class Program:
         """The entries of q, by their joints."""
         return entry_names(self.mechanism.model)
 
+    @property
+    def arguments(self) -> dict[str, int]:
+        """How many entries each argument has: `q`, and `parameters` where there are any."""
+        more = {"parameters": len(self.parameters)} if self.parameters else {}
+        return {"q": self.mechanism.nq, **more}
+
+    @property
+    def own_parameters(self) -> list[float]:
+        """The values that `parameters` have in the mechanism, m or rad."""
+        return [self.mechanism.parameters[name] for name in self.parameters]
+
     def __call__(self, q: ArrayLike, parameters: ArrayLike | None = None) -> dict[str, Array]:
         """Return what the program computes.
 
@@ -181,7 +192,7 @@ class Program:
             Other shapes.
         """
         if parameters is None:
-            parameters = [self.mechanism.parameters[name] for name in self.parameters]
+            parameters = self.own_parameters
         poses = _checked_rows("q", q, self.mechanism.nq)
         designs = _checked_rows("parameters", parameters, len(self.parameters))
         try:
@@ -221,7 +232,7 @@ class Program:
             A name that C does not allow.
         """
         called, outputs = self._named(name, C_WORDS), self.outputs
-        return c_text(called, self.recording, outputs, self._head(), self._arguments())
+        return c_text(called, self.recording, outputs, self._head(), self.arguments)
 
     def numpy(self, name: str | None = None) -> str:
         """Return a Python function on NumPy: q (..., nq) ↦ dict of arrays (..., *shape).
@@ -239,20 +250,15 @@ class Program:
 
     def __repr__(self) -> str:
         shapes = ", ".join(f"{name} {array.shape}" for name, array in self.outputs.items())
-        given = ", ".join(f"{name} ({count},)" for name, count in self._arguments().items())
+        given = ", ".join(f"{name} ({count},)" for name, count in self.arguments.items())
         return f"Program({self.mechanism.name}: {given} -> {shapes})"
 
     def _python(self, name: str | None, numpy: str) -> str:
         called = self._named(name, frozenset(keyword.kwlist))
-        arguments, outputs = self._arguments(), self.outputs
+        arguments, outputs = self.arguments, self.outputs
         return python_text(
             called, self.recording, outputs, self._head(), numpy, arguments=arguments
         )
-
-    def _arguments(self) -> dict[str, int]:
-        """Return the arguments that the inputs are entries of."""
-        more = {"parameters": len(self.parameters)} if self.parameters else {}
-        return {"q": self.mechanism.nq, **more}
 
     def _named(self, name: str | None, taken: frozenset[str]) -> str:
         """Return the name of the function."""
