@@ -14,7 +14,13 @@ import numpy as np
 
 from pmjac_pin.studies.singularities.curve_equations import SingularPoint
 from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
-from pmjac_pin.studies.singularities.plane_curve import CurveChord, PlaneCurve, unit_ways, wedge
+from pmjac_pin.studies.singularities.plane_curve import (
+    CurveChord,
+    PlaneCurve,
+    pairs_of_curves,
+    unit_ways,
+    wedge,
+)
 from pmjac_pin.values.arrays import Array, Mask
 
 _NEWTON = 12
@@ -49,13 +55,11 @@ def curve_crossings(tracers: Sequence[Tracer], curves: Sequence[Traced]) -> Iter
         Of each curve.
     curves : sequence of Traced
     """
-    drawn = [PlaneCurve(*pair) for pair in zip(tracers, curves, strict=True)]
-    for i, one in enumerate(drawn):
-        for j, other in enumerate(drawn[i:], start=i):
-            for k, m, shares in _crossing_chords(one.places, other.places, same=i == j):
-                if not _lies_along(one, k, other, m):
-                    found = _refined(CurveChord(one, k), CurveChord(other, m), shares)
-                    yield from _told_crossing(found, (i, j))
+    for (i, one), (j, other) in pairs_of_curves(tracers, curves):
+        for k, m, shares in _crossing_chords(one.places, other.places, same=i == j):
+            if not _lies_along(one, k, other, m):
+                found = _refined(CurveChord(one, k), CurveChord(other, m), shares)
+                yield from _told_crossing(found, (i, j))
 
 
 def curve_touchings(tracers: Sequence[Tracer], curves: Sequence[Traced]) -> Iterator[Crossing]:
@@ -67,12 +71,10 @@ def curve_touchings(tracers: Sequence[Tracer], curves: Sequence[Traced]) -> Iter
         Of each curve.
     curves : sequence of Traced
     """
-    drawn = [PlaneCurve(*pair) for pair in zip(tracers, curves, strict=True)]
-    for i, one in enumerate(drawn):
-        for j, other in enumerate(drawn[i:], start=i):
-            for k, m, shares in _chords_side_by_side(one, other):
-                found = _touching(CurveChord(one, k), CurveChord(other, m), shares)
-                yield from _told_crossing(found, (i, j))
+    for (i, one), (j, other) in pairs_of_curves(tracers, curves):
+        for k, m, shares in _chords_side_by_side(one, other):
+            found = _touching(CurveChord(one, k), CurveChord(other, m), shares)
+            yield from _told_crossing(found, (i, j))
 
 
 def _told_crossing(

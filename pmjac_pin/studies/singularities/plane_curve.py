@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -180,3 +181,11 @@ class CurveChord:
         chord = tracer.chord(self.ends[0].point, self.ends[1].point)
         along = float(chord @ chord / (one.tangent @ chord))
         return place_rate(tracer, one) / tracer.area.size * along
+
+
+def pairs_of_curves(
+    tracers: Sequence[Tracer], curves: Sequence[Traced]
+) -> Iterator[tuple[tuple[int, PlaneCurve], tuple[int, PlaneCurve]]]:
+    """Yield each two curves with their indices, and each curve with itself."""
+    drawn = [PlaneCurve(*pair) for pair in zip(tracers, curves, strict=True)]
+    yield from itertools.combinations_with_replacement(enumerate(drawn), 2)

@@ -13,7 +13,13 @@ from scipy.optimize import brentq
 
 from pmjac_pin.studies.singularities.curve_crossings import Crossing
 from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
-from pmjac_pin.studies.singularities.plane_curve import CurveChord, PlaneCurve, cubic_at, wedge
+from pmjac_pin.studies.singularities.plane_curve import (
+    CurveChord,
+    PlaneCurve,
+    cubic_at,
+    pairs_of_curves,
+    wedge,
+)
 from pmjac_pin.values.arrays import Array, norm
 
 _ALMOST_ON = 0.05  # of a chord: chords tell well enough where those cross that are farther apart
@@ -32,15 +38,15 @@ def slanting_crossings(tracers: Sequence[Tracer], curves: Sequence[Traced]) -> I
         Of each curve.
     curves : sequence of Traced
     """
-    drawn = [PlaneCurve(*pair) for pair in zip(tracers, curves, strict=True)]
-    for i, one in enumerate(drawn):
-        for j, other in enumerate(drawn[i + 1 :], start=i + 1):
-            for k, m in _changing_sides(one, other):
-                found = _crossing(CurveChord(one, k), CurveChord(other, m))
-                if found is not None:
-                    first, second = (point.point for point in found)
-                    apart = one.tracer.area.apart(first.q, second.q)
-                    yield Crossing(first, second, (i, j), meets=apart == 0.0)
+    for (i, one), (j, other) in pairs_of_curves(tracers, curves):
+        if i == j:
+            continue
+        for k, m in _changing_sides(one, other):
+            found = _crossing(CurveChord(one, k), CurveChord(other, m))
+            if found is not None:
+                first, second = (point.point for point in found)
+                apart = one.tracer.area.apart(first.q, second.q)
+                yield Crossing(first, second, (i, j), meets=apart == 0.0)
 
 
 def _changing_sides(one: PlaneCurve, other: PlaneCurve) -> Iterator[tuple[int, int]]:
