@@ -80,21 +80,21 @@ def on_branch_of(
 
 def _exceeds(problem: ClosureProblem, rates: LoopRates) -> bool:
     """Tell whether a rank at a pose is more than the generic one."""
-    partition, (scaled, size, passive) = problem.partition, rates
+    partition, passive = problem.partition, rates.passive
     if passive.rank != partition.passive_rank:
         return passive.rank > partition.passive_rank or _exceeds_in_all(problem, rates)
-    if passive.rank == len(scaled):
+    if passive.rank == len(rates.scaled):
         return False
     # [K K*] has more where K* cannot follow K.
-    followed = rates.not_followed <= partition.rank_tolerance * size
+    followed = rates.not_followed <= partition.rank_tolerance * rates.size
     if partition.constraint_rank == passive.rank and followed:
         return False
     return _exceeds_in_all(problem, rates)
 
 
 def _exceeds_in_all(problem: ClosureProblem, rates: LoopRates) -> bool:
-    partition, (scaled, size, _) = problem.partition, rates
-    return partition.factorise(scaled, size).rank > partition.constraint_rank
+    partition = problem.partition
+    return partition.factorise(rates.scaled, rates.size).rank > partition.constraint_rank
 
 
 def _may_exceed(problem: ClosureProblem, q: Array, rates: LoopRates) -> bool:

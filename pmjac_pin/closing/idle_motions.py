@@ -57,7 +57,8 @@ def gained_and_idle(problem: ClosureProblem, q: Array, rank: int) -> tuple[Array
         generic rank, or 0 where nothing tells them apart.
     """
     partition = problem.partition
-    scaled, _, passive = partition.loop_rates(problem.evaluate(q)[1])
+    loops = partition.loop_rates(problem.evaluate(q)[1])
+    scaled, passive = loops.scaled, loops.passive
     free, gained = passive.right[rank:].T, partition.passive_rank - rank
     if gained <= 0 or gained == free.shape[1]:
         return (free, free[:, :0]) if gained > 0 else (free[:, :0], free)

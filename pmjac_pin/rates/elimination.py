@@ -75,7 +75,7 @@ def eliminated(
 ) -> tuple[Array, Array]:
     """Return Φ and J_eq of a tool Jacobian (6, nv), or raise as `equivalent_jacobian`."""
     actuated, passive = partition.actuated, partition.passive
-    scaled, size, factors = loops
+    scaled, size, factors = loops.scaled, loops.size, loops.passive
     refuse_singular(loops, partition, singularity)
     driving = loops.driving
     if factors.rank < len(scaled) and loops.not_followed > partition.rank_tolerance * size:

@@ -74,7 +74,8 @@ def error_estimate(
     there the nearest closed pose may be anywhere, or none.
     """
     passive, rank = partition.passive, partition.passive_rank
-    scaled, size, factors = partition.loop_rates(constraint_jacobian)
+    loops = partition.loop_rates(constraint_jacobian)
+    scaled, size, factors = loops.scaled, loops.size, loops.passive
     tool = tool_jacobian * partition.column_scale
     rates = motion_map / partition.column_scale[:, None]
     inverse = factors.right[:rank].T / factors.singular_values[:rank]

@@ -6,10 +6,9 @@ the generic ranks, and the rows of η that are shown.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -44,9 +43,6 @@ class LoopRates:
     size: float
     passive: Factorisation
     actuated: Index
-
-    def __iter__(self) -> Iterator[Any]:
-        yield from (self.scaled, self.size, self.passive)
 
     @found_once
     def driving(self) -> Array:

@@ -273,7 +273,8 @@ def analyse_singularity(
     find_margins : callable, optional
         Of the result, its `margins`.
     """
-    scaled, size, passive = loops or partition.loop_rates(constraint_jacobian)
+    found = loops or partition.loop_rates(constraint_jacobian)
+    scaled, size, passive = found.scaled, found.size, found.passive
     whole = partition.factorise(scaled, size)
     tool_motion = partition.tool_motion(tool_jacobian)
     tool = tool_motion.ranks(whole.null_space)

@@ -195,7 +195,8 @@ def _tool_matrix(course: Course, pose: PathPose) -> tuple[Array, Array, float]:
     slopes = _slopes_along(mechanism, pose.q, pose.velocity)
     tool = partition.scaled_tool(snapshot.judged_jacobian(partition.tool_rows))[rows]
     change = partition.scaled_tool(slopes.tool(partition.tool_rows.axes)[0])[rows]
-    scaled, _, passive = partition.loop_rates(snapshot.constraint_jacobian)
+    loops = partition.loop_rates(snapshot.constraint_jacobian)
+    scaled, passive = loops.scaled, loops.passive
     motions = np.zeros((tool.shape[1], partition.actuated.size))
     motions[partition.actuated] = np.eye(partition.actuated.size)
     rank = partition.passive_rank

@@ -267,5 +267,6 @@ def _homogeneous(one: fmpq_mpoly, context: fmpq_mpoly_ctx, unknowns: int) -> fmp
 def _independent_rows(problem: SearchProblem) -> NDArray[np.intp]:
     """Return rows of η that are independent at the problem's base."""
     [jacobian] = problem.loops.evaluate(problem.base[None])[1]
-    scaled, _, passive = problem.partition.loop_rates(jacobian)
+    loops = problem.partition.loop_rates(jacobian)
+    scaled, passive = loops.scaled, loops.passive
     return independent_rows(scaled[:, problem.partition.passive], passive.rank)
