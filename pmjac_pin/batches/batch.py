@@ -6,7 +6,7 @@ What a program certifies is what the single call says; where it cannot, the sing
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -39,7 +39,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import enforced
 from pmjac_pin.model.reference_frame import frame_name
 from pmjac_pin.model.twist_frame import FrameName
-from pmjac_pin.model.unit_turns import unit_rows
+from pmjac_pin.model.unit_turns import UnitRows
 from pmjac_pin.rates.many_radii import fill_radii
 from pmjac_pin.values.arrays import Array, Index
 from pmjac_pin.values.checks import as_numbers, check_kind
@@ -214,7 +214,7 @@ class Batch:
         self, start: Array, work: PieceWork, threads: int | None, progress: Progress | None = None
     ) -> ManyClosed:
         count = len(start)
-        shapes = (start.shape, (count,), (count,))
+        shapes = {"q": start.shape, "share": (count,), "status": (count,)}
         coordinates = self.mechanism.coordinates
         return gathered(ManyClosed, shapes, work, threads, progress, coordinates=coordinates)
 
@@ -367,4 +367,8 @@ class Batch:
 
     def _checked(self, part: Array) -> Array:
         """Return rows of q as numbers whose turns are of unit length, or say what they are not."""
-        return unit_rows(self.mechanism.kinematics.model, as_numbers(part, "q"))
+        return self._unit_rows.of(as_numbers(part, "q"))
+
+    @cached_property
+    def _unit_rows(self) -> UnitRows:
+        return UnitRows(self.mechanism.kinematics.model)

@@ -6,7 +6,7 @@ and so programs, for each of them, and often but a few poses.
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -68,10 +68,9 @@ class FewPoses(Batch):
         """Return what `Batch.measures` does."""
         poses = self._checked(self._poses(q))
         shapes = shapes_of(ManyMeasures, len(poses), len(self.mechanism.actuated))
-        arrays = empty_arrays(ManyMeasures, shapes)
-        for array in arrays:
+        found = empty_arrays(shapes)
+        for array in found.values():
             array[:] = np.nan if array.dtype == np.float64 else Status.CLOSED
-        found = dict(zip((one.name for one in fields(ManyMeasures)), arrays, strict=True))
         for k, pose in enumerate(poses):
             for name, value in measures_of_one(self.mechanism, pose).items():
                 found[name][k] = value

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
-from threading import Event, Thread
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from threading import Thread
 from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
@@ -35,10 +35,10 @@ class Piece:
         Which poses.
     """
 
-    __slots__ = ("_interrupted", "at")
+    __slots__ = ("_of", "at")
 
-    def __init__(self, at: slice, interrupted: Event) -> None:
-        self.at, self._interrupted = at, interrupted
+    def __init__(self, at: slice, of: _Filling) -> None:
+        self.at, self._of = at, of
 
     def each(self, of: Mask) -> Iterator[int]:
         """Yield where a mask holds, for what takes long at each of these poses."""
@@ -48,7 +48,7 @@ class Piece:
 
     def go_on(self) -> None:
         """Raise where nobody waits for this any longer."""
-        if self._interrupted.is_set():
+        if self._of.given_up:
             raise _GivenUp
 
 
@@ -62,7 +62,7 @@ PieceWork: TypeAlias = Callable[..., object]
 
 def gathered(
     kind: type[Results],
-    shapes: Sequence[tuple[int, ...]],
+    shapes: Mapping[str, tuple[int, ...]],
     work: PieceWork,
     threads: int | None = None,
     progress: Progress | None = None,
@@ -74,11 +74,11 @@ def gathered(
     ----------
     kind : type
         A dataclass of arrays, one of which is called `status`.
-    shapes : sequence of tuple of int
-        Of its arrays, in their order.
+    shapes : mapping of str to tuple of int
+        Of its arrays, by their names.
     work : callable
-        Fills the arrays of a piece, ``work(piece, *parts)``. Where the pieces end depends on their
-        number alone.
+        Fills the arrays of a piece, ``work(piece, *parts)``, in that order. Where the pieces end
+        depends on their number alone.
     threads, progress
         As of `Batch.close`.
     **more
@@ -89,14 +89,20 @@ def gathered(
     ArgumentError, Interrupted
     """
     check_callable(progress, "progress")
-    found = empty_arrays(kind, shapes)
-    filling = _Filling(found, work)
+    found = empty_arrays(shapes)
+    filling = _Filling(list(found.values()), work)
     try:
         filling.fill(thread_count(threads), progress)
     except KeyboardInterrupt:
         told = f"{filling.blank()} of {filling.count} poses"
-        raise interrupted(told, kind(*map(sealed, found), **more)) from None
-    return kind(*map(sealed, found), **more)
+        raise interrupted(told, _sealed_in(kind, found, more)) from None
+    return _sealed_in(kind, found, more)
+
+
+def _sealed_in(
+    kind: type[Results], found: Mapping[str, NDArray[Any]], more: Mapping[str, Any]
+) -> Results:
+    return kind(**{name: sealed(array) for name, array in found.items()}, **more)
 
 
 class _Filling:
@@ -112,7 +118,7 @@ class _Filling:
         self._left = {at: slice(at, min(at + PIECE, self.count)) for at in starts}
         self._waiting, self._ended = deque(starts), deque[int]()
         self._failed: dict[int, Exception] = {}
-        self._given_up = Event()
+        self.given_up = False
 
     def fill(self, threads: int, progress: Progress | None) -> None:
         """Fill the arrays; raise what went wrong in the first of the pieces where something did."""
@@ -127,7 +133,7 @@ class _Filling:
             told.on()
         except BaseException:
             self._waiting.clear()
-            self._given_up.set()
+            self.given_up = True
             _wait(helpers)  # each to its next step: nothing is written any more
             raise
         for at in sorted(self._failed)[:1]:
@@ -161,7 +167,7 @@ class _Filling:
             yield
 
     def _fill(self, at: int) -> None:
-        piece = Piece(self._left[at], self._given_up)
+        piece = Piece(self._left[at], self)
         self._work(piece, *(array[piece.at] for array in self._found))
         del self._left[at]
         self._ended.append(piece.at.stop - at)

@@ -109,6 +109,8 @@ def motor_table(spec: MechanismSpec, coordinates: JointCoordinates, actuated: An
 
 def _columns(given: Any) -> dict[Any, Any] | None:
     """Return columns by their names, None for what has none."""
+    if type(given) is np.ndarray and given.dtype.names is None:
+        return None
     if names := getattr(getattr(given, "dtype", None), "names", None):
         return {name: given[name] for name in names}
     if isinstance(given, Mapping) or callable(getattr(given, "keys", None)):
