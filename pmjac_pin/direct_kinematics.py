@@ -81,7 +81,7 @@ def _walked(mechanism: Mechanism, start: Configuration, values: Array) -> Follow
     problem, motors = start.problem, parts.problem.partition.actuated
     displacement = parts.coordinates.motion_to(start.q, motors, values)
     if problem is not parts.problem:
-        parts = replace(parts, problem=problem)
+        parts = parts.with_problem(problem)
     return walk(parts, mechanism.step_guard, start._point, displacement, values)
 
 
