@@ -139,7 +139,7 @@ def _with_motors_held(problem: ClosureProblem, q: Array) -> Assembled:
     first = assemble(problem, q, motor_weights(problem, 0.0))
     if first.gap <= problem.tolerance:
         return first
-    best, factors = assemble_held(problem, q), closed_point(problem, first.q).factors
+    best, factors = assemble_held(problem, q, first), closed_point(problem, first.q).factors
     if first.gap > _FAR_AWAY_GAP * problem.partition.length:
         return best
     apart = problem.difference(first.q, best.q) / problem.partition.column_scale

@@ -71,9 +71,10 @@ class Blueprint:
 
     def _unassembled(self, values: Mapping[str, float]) -> Parts:
         spec = self.spec
-        moved = self.urdf.moved(spec.moves(values))
-        limits = spec.enforce_limits
-        urdf = lock_joints(moved, spec.locked, spec.helical, spec.spherical, enforce_limits=limits)
+        urdf = self.urdf.moved(spec.moves(values))
+        if spec.locked:
+            held, limits = (spec.locked, spec.helical, spec.spherical), spec.enforce_limits
+            urdf = lock_joints(urdf, *held, enforce_limits=limits)
         return unassembled(_pinocchio_model(urdf, spec), spec, values, urdf)
 
     @found_once

@@ -21,8 +21,10 @@ _LIMIT = 100  # iterations from a shaken start: those that close at all mostly d
 ROUNDED_SHARE = 2e-3
 
 
-def assemble_held(problem: ClosureProblem, q: Array, room: Room = unlimited) -> Assembled:
-    """Close the loops with the motors at rest; where they stay wide open, the best of all starts.
+def assemble_held(
+    problem: ClosureProblem, q: Array, first: Assembled, room: Room = unlimited
+) -> Assembled:
+    """Return the best of a pose and of those from shaken starts, the motors at rest.
 
     Damped least squares ends in the nearest valley of the gap, which need not reach down to zero
     though another one does. So after q itself the starts are q with its passive joints shaken,
@@ -34,16 +36,17 @@ def assemble_held(problem: ClosureProblem, q: Array, room: Room = unlimited) -> 
     problem : ClosureProblem
     q : ndarray, shape (nq,)
         The motors at their values, the passive joints anywhere.
+    first : Assembled
+        What came of q itself: its loops are open.
     room : callable
         As for `assemble`.
     """
-    weights = np.zeros(problem.partition.column_scale.size)
+    best, weights = first, np.zeros(problem.partition.column_scale.size)
     weights[problem.partition.passive] = 1.0
-    best = assemble(problem, q, weights, room=room)
     sizes = SHAKES[:_NEARLY_ALL] if is_rounding(problem, best.gap) else SHAKES
     scale = weights * problem.partition.column_scale * problem.partition.length
     rng = np.random.default_rng(0)
-    for size in sizes if best.gap > problem.tolerance else ():
+    for size in sizes:
         start = problem.integrate(q, size * scale * rng.normal(size=scale.size))
         found = assemble(problem, start, weights, _LIMIT, room)
         if found.gap < best.gap:

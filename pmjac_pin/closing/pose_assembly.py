@@ -52,8 +52,10 @@ def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
 
 
 def _assembled(parts: Parts, q: Array, pose: str, room: Room) -> Array:
-    problem = parts.problem
-    found = [assemble_held(problem, q, room)]
+    problem = parts.split
+    found = [assemble(problem, q, motor_weights(problem, 0.0), room=room)]
+    if found[0].gap > problem.tolerance:
+        found = [assemble_held(problem, q, found[0], room)]
     if found[0].gap <= problem.tolerance:
         return found[0].q
     for motor_weight in _MOTOR_WEIGHTS:
@@ -80,7 +82,7 @@ def _moved(problem: ClosureProblem, start: Array, end: Array) -> float:
 
 def _folded(parts: Parts, q: Array, room: Room) -> Array | None:
     """Return a closed pose from shaken starts, all joints free to move."""
-    problem = parts.problem
+    problem = parts.split
     for start in shaken(problem, q):
         found = assemble(problem, start, motor_weights(problem, 1.0), room=room)
         if found.gap <= problem.tolerance:
@@ -124,7 +126,7 @@ def _beyond_the_end(parts: Parts, start: Array, found: Array, room: Room) -> Arr
 
     Where the motors have to move, the nearest closed pose is at the end of the reach: singular.
     """
-    problem, coordinates = parts.problem, parts.coordinates
+    problem, coordinates = parts.split, parts.coordinates
     actuated = problem.partition.actuated
     motors, moved = (coordinates.values(q)[actuated] for q in (start, found))
     beyond = moved + 0.5 * (moved - motors)
@@ -136,7 +138,7 @@ def _beyond_the_end(parts: Parts, start: Array, found: Array, room: Room) -> Arr
 
 def _open(parts: Parts, q: Array, best: Assembled, pose: str, room: Room) -> ClosureError:
     """Say which loop stays open, or which joints leave their limits where it closes."""
-    problem, coordinates = parts.problem, parts.coordinates
+    problem, coordinates = parts.split, parts.coordinates
     what = f"{parts.spec.name}: the pose {pose!r}"
     freely = assemble(problem, q, motor_weights(problem, 1.0))
     outside = violations(coordinates, freely.q, coordinates.names)
@@ -158,7 +160,7 @@ def _open(parts: Parts, q: Array, best: Assembled, pose: str, room: Room) -> Clo
 
 def _within_limits(parts: Parts) -> str:
     """Say whether the loops close within all limits, as far as random starts tell."""
-    problem, coordinates = parts.problem, parts.coordinates
+    problem, coordinates = parts.split, parts.coordinates
     rng = np.random.default_rng(0)
     weights = motor_weights(problem, 1.0)
     for _ in range(_STARTS_WITHIN):
@@ -174,7 +176,7 @@ def _within_limits(parts: Parts) -> str:
 
 def _anywhere(parts: Parts, rng: np.random.Generator) -> Array:
     """Return a random pose within the limits; what has none is around its home value."""
-    problem, coordinates = parts.problem, parts.coordinates
+    problem, coordinates = parts.split, parts.coordinates
     length, turns = problem.partition.length, coordinates.rotational
     spread = np.where(turns, np.pi, 2.0 * length)
     q = problem.integrate(parts.home_q, spread * rng.uniform(-1.0, 1.0, spread.size))

@@ -8,7 +8,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from xml.etree.ElementTree import Element, ParseError
-from xml.parsers.expat.errors import XML_ERROR_INVALID_TOKEN, XML_ERROR_UNBOUND_PREFIX, codes
+from xml.parsers.expat.errors import (
+    XML_ERROR_INVALID_TOKEN,
+    XML_ERROR_MISPLACED_XML_PI,
+    XML_ERROR_UNBOUND_PREFIX,
+    codes,
+)
 
 from defusedxml.common import DefusedXmlException
 
@@ -22,6 +27,7 @@ from pmjac_pin.files.lenient_xml import (
 from pmjac_pin.values.checks import LARGEST
 
 _MENDS = {
+    codes[XML_ERROR_MISPLACED_XML_PI]: without_late_declaration,
     codes[XML_ERROR_UNBOUND_PREFIX]: with_prefixes_bound,
     codes[XML_ERROR_INVALID_TOKEN]: with_plain_comments,
 }
@@ -30,7 +36,7 @@ _MENDS = {
 def parse_xml(text: str) -> Element:
     """Parse XML without document types, entities, deep nesting or very many elements."""
     try:
-        return _forgiven(without_late_declaration(text))
+        return _forgiven(text)
     except (ParseError, UnicodeError) as error:
         raise ModelFileError(f"not well-formed XML: {shortened(str(error))}") from None
     except DefusedXmlException:

@@ -291,7 +291,7 @@ class JointCoordinates:
     def _entries(self, joint: _Joint, given: float | Sequence[float]) -> Array:
         values = np.atleast_1d(as_numbers(given, f"the value of joint {joint.name!r}"))
         if values.shape == (joint.nq,):
-            return self._normalised(joint, values)
+            return values if joint.nq == joint.nv else self._normalised(joint, values)
         if values.shape != (joint.nv,):
             wanted = f"{joint.nv}" if joint.nv == joint.nq else f"{joint.nv} or {joint.nq}"
             plural = "" if wanted == "1" else "s"

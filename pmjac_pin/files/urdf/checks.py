@@ -17,7 +17,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
 from pmjac_pin.files.joint_dialects import BALL_TYPES
-from pmjac_pin.files.urdf.control_mimics import called_joint, control_joints, mimic_params
+from pmjac_pin.files.urdf.control_mimics import CONTROL_JOINTS, called_joint, mimic_params
 from pmjac_pin.files.urdf.joint_tree import check_tree, joints_of
 from pmjac_pin.files.vocabulary import spelt
 from pmjac_pin.files.xml_text import label, numbers, only, written
@@ -71,7 +71,7 @@ def _check_root(robot: Element) -> None:
         raise ModelFileError(f"<{quoted(unexpanded[0])[1:-1]}> is xacro, which is not read; {todo}")
     ties = [f"<{tag}>" for child in robot if (tag := spelt(child.tag)) in _TIE_ELEMENTS]
     ties += ["<joint> in <gazebo>"] * (robot.find("gazebo/joint") is not None)
-    followers = filter(mimic_params, control_joints(robot))
+    followers = filter(mimic_params, robot.iterfind(CONTROL_JOINTS))
     ties += [f'<param name="mimic"> in {called_joint(joint)}' for joint in followers]
     if ties:
         why = "Pinocchio would ignore it in silence"

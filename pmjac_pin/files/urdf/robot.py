@@ -16,14 +16,12 @@ from typing import Self
 from xml.etree.ElementTree import Element, tostring
 
 from pmjac_pin.errors import ModelFileError, unknown_name
-from pmjac_pin.files.gazebo_plugins import unread_harmless
 from pmjac_pin.files.text_file import at_file
 from pmjac_pin.files.urdf.checks import (
     checked_joint,
     checked_origin,
     checked_robot,
 )
-from pmjac_pin.files.urdf.control_mimics import doubtful
 from pmjac_pin.files.urdf.joint_tree import UrdfJoint, joints_of
 from pmjac_pin.files.urdf.vocabulary import URDF_WORDS
 from pmjac_pin.files.xml_text import label, numbers, only, parse_xml, written
@@ -224,7 +222,7 @@ def parse_urdf(text: str, path: str) -> Urdf:
     """
     with at_file(path):
         robot = parse_xml(text)
-        unread = (*URDF_WORDS.unread(robot, *unread_harmless(robot)), *doubtful(robot, ()))
+        unread = URDF_WORDS.unread(robot)
     return Urdf.of(robot, path, unread)
 
 

@@ -76,12 +76,6 @@ def _rotor_inertia(where: str, element: Element, attribute: str) -> float:
     return inertia
 
 
-def kept_rotors(robot: Element, kept: Collection[str]) -> tuple[dict[str, float], list[str]]:
-    """Return the armatures of the joints that are kept, and what is said of the others."""
-    found = rotors(robot)
-    return {name: found[name] for name in found if name in kept}, lost_rotors(found, kept)
-
-
 def lost_rotors(armature: Mapping[str, float], kept: Collection[str]) -> list[str]:
     """Say which armatures no mass matrix has, since their joints are not among the kept ones."""
     lost = [name for name in armature if name not in kept]
