@@ -6,7 +6,7 @@ A message names the element; the caller adds the file.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from xml.etree.ElementTree import Element, ParseError
 from xml.parsers.expat.errors import (
     XML_ERROR_INVALID_TOKEN,
@@ -17,7 +17,7 @@ from xml.parsers.expat.errors import (
 
 from defusedxml.common import DefusedXmlException
 
-from pmjac_pin.errors import ModelFileError, quoted, shortened
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted, shortened
 from pmjac_pin.files.bounded_xml import bounded_tree
 from pmjac_pin.files.lenient_xml import (
     with_plain_comments,
@@ -93,6 +93,12 @@ def numbers_in(what: str, text: str, *, count: int = 1, largest: float = LARGEST
         limit = f"of magnitude {largest:g} or less"
         raise ModelFileError(f"{what} is {quoted(text)}; numbers {limit} are read")
     return values
+
+
+def check_name(what: str, name: str, known: Collection[str]) -> None:
+    """Refuse a name that does not exist; `what` says who gives it, and of what kind it is."""
+    if name not in known:
+        raise ModelFileError(f"{what} {quoted(name)} does not exist{did_you_mean(name, known)}")
 
 
 def written(values: Iterable[float]) -> str:

@@ -11,7 +11,7 @@ from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
 from pmjac_pin.files.gazebo_plugins import is_mimic_plugin
 from pmjac_pin.files.sdf.joints import AXIS_TAGS, SdfJoint, freedom_names, text_of
 from pmjac_pin.files.vocabulary import spelt
-from pmjac_pin.files.xml_text import label, numbers, numbers_in, only
+from pmjac_pin.files.xml_text import check_name, label, numbers, numbers_in, only
 from pmjac_pin.model.loop_spec import JointLoop
 
 _PARALLEL_AXES = 1e-6
@@ -146,10 +146,7 @@ def _gear_loop(where: str, joints: tuple[str, str], ratio: float, offset: float)
 
 def _freedom(where: str, joint: str, axis: str, freedoms: Mapping[str, tuple[str, ...]]) -> str:
     """Return the degree of freedom about an axis of a joint."""
-    if joint not in freedoms:
-        raise ModelFileError(
-            f"{where}: the joint {quoted(joint)} does not exist{did_you_mean(joint, freedoms)}"
-        )
+    check_name(f"{where}: the joint", joint, freedoms)
     known = dict(zip(AXIS_TAGS, freedoms[joint], strict=False))
     if axis not in known:
         raise ModelFileError(

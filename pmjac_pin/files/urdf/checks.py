@@ -20,7 +20,7 @@ from pmjac_pin.files.joint_dialects import BALL_TYPES
 from pmjac_pin.files.urdf.control_mimics import CONTROL_JOINTS, called_joint, mimic_params
 from pmjac_pin.files.urdf.joint_tree import check_tree, joints_of
 from pmjac_pin.files.vocabulary import spelt
-from pmjac_pin.files.xml_text import label, numbers, only, written
+from pmjac_pin.files.xml_text import check_name, label, numbers, only, written
 from pmjac_pin.values.checks import LARGEST
 
 MAXIMAL_NAME = 200  # characters: near matches of longer names would take minutes
@@ -193,9 +193,7 @@ def checked_end(where: str, joint: Element, tag: str, links: Collection[str]) ->
     name = None if element is None else element.get("link")
     if name is None:
         raise ModelFileError(f'{where} has no {tag}; write <{tag} link="..."/>')
-    if name not in links:
-        known = did_you_mean(name, links)
-        raise ModelFileError(f"{where}: the {tag} link {quoted(name)} does not exist{known}")
+    check_name(f"{where}: the {tag} link", name, links)
     return name
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from xml.etree.ElementTree import Element
 
-from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
-from pmjac_pin.files.xml_text import label, numbers, only
+from pmjac_pin.errors import ModelFileError
+from pmjac_pin.files.xml_text import check_name, label, numbers, only
 
 
 def rotors(robot: Element) -> dict[str, float]:
@@ -25,11 +25,7 @@ def rotors(robot: Element) -> dict[str, float]:
     joints = {joint.get("name", ""): joint for joint in robot.iterfind("joint")}
     found = {name: _of_dynamics(joint) + _reflected(joint) for name, joint in joints.items()}
     for name, armature in _of_transmissions(robot):
-        if name not in found:
-            known = did_you_mean(name, found)
-            raise ModelFileError(
-                f"a transmission with a rotor: unknown joint {quoted(name)}{known}"
-            )
+        check_name("a transmission with a rotor: the joint", name, found)
         found[name] += armature
     return {
         name: armature

@@ -16,7 +16,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import pinocchio as pin
 
-from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
+from pmjac_pin.errors import ModelFileError
 from pmjac_pin.files.gazebo_plugins import is_mimic_plugin
 from pmjac_pin.files.sdf.frames import MODEL, WORLD, Frames, SdfFrame
 from pmjac_pin.files.sdf.joints import SdfJoint, read_joint
@@ -25,7 +25,7 @@ from pmjac_pin.files.tree_urdf import origin
 from pmjac_pin.files.urdf.control_mimics import CONTROL_JOINTS, called_joint, mimic_params
 from pmjac_pin.files.urdf.loop_elements import TAGS
 from pmjac_pin.files.vocabulary import spelt
-from pmjac_pin.files.xml_text import label, numbers_in, only, written
+from pmjac_pin.files.xml_text import check_name, label, numbers_in, only, written
 
 PLUGINS, GAZEBO_JOINTS = "gazebo/plugin", "gazebo/joint"  # where they are in a <robot>
 CLOSING = "closing_"  # what onshape-to-robot calls frames that coincide
@@ -208,9 +208,7 @@ def take_control_mimics(robot: Element) -> None:
 def _put_mimics(robot: Element, ties: Iterator[tuple[str, str, Element]]) -> None:
     by_name = {joint.get("name", ""): joint for joint in robot.iterfind("joint")}
     for where, follower, mimic in ties:
-        if follower not in by_name:
-            known = did_you_mean(follower, by_name)
-            raise ModelFileError(f"{where}: the joint {quoted(follower)} does not exist{known}")
+        check_name(f"{where}: the joint", follower, by_name)
         joint = by_name[follower]
         if (own := only(label(joint), joint, "mimic")) is None:
             joint.append(mimic)
