@@ -13,8 +13,8 @@ from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.closing.assembly import build_parts
-from pmjac_pin.closing.damped_closure import assemble
-from pmjac_pin.closing.pose_assembly import assemble_pose, motor_weights
+from pmjac_pin.closing.damped_closure import assemble, motor_weights
+from pmjac_pin.closing.pose_assembly import assemble_pose
 
 
 def four_bar(home, limits=(-100.0, 100.0), loops=None, **changes):

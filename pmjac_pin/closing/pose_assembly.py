@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from contextlib import suppress
 
 import numpy as np
 
 from pmjac_pin.closing.closure_problem import ClosureProblem
-from pmjac_pin.closing.damped_closure import Assembled, assemble, unlimited
-from pmjac_pin.closing.held_motors import Room, assemble_held, is_rounding
+from pmjac_pin.closing.damped_closure import Assembled, assemble, motor_weights, unlimited
+from pmjac_pin.closing.held_motors import Room, assemble_held, is_rounding, shaken
 from pmjac_pin.closing.parts import Parts
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.model.coordinates import JointCoordinates
@@ -24,7 +23,7 @@ _MOTOR_WEIGHTS = (0.1, 1.0)
 _FAR_MOTORS = 1e-2  # lengths: at the end of the reach, motors move about as far as the gap
 _STARTS_WITHIN = 64  # random, within all limits
 _MOST_SHAKEN = 8
-_SHAKES = (0.03, 0.03, 0.1, 0.1, 0.3, 0.3, 0.6, 0.6)  # rad or share of the length
+FOLDS = (0.03, 0.03, 0.1, 0.1, 0.3, 0.3, 0.6, 0.6)  # rad or share of the length
 
 
 def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
@@ -82,31 +81,14 @@ def _moved(problem: ClosureProblem, start: Array, end: Array) -> float:
 
 def _folded(parts: Parts, q: Array, room: Room) -> Array | None:
     """Return a closed pose from shaken starts, all joints free to move."""
-    problem = parts.split
-    for start in shaken(problem, q):
-        found = assemble(problem, start, motor_weights(problem, 1.0), room=room)
+    # From a pose that is straight or flat, as many are with all joints at zero, the gap does not
+    # say which way the joints should fold.
+    problem, weights = parts.split, motor_weights(parts.split, 1.0)
+    for start in shaken(problem, q, FOLDS, weights):
+        found = assemble(problem, start, weights, room=room)
         if found.gap <= problem.tolerance:
             return found.q
     return None
-
-
-def shaken(problem: ClosureProblem, q: Array) -> Iterator[Array]:
-    """Yield seeded random poses around q, further and further away.
-
-    From a pose that is straight or flat, as many are with all joints at zero, the gap does not
-    say which way the joints should fold.
-    """
-    rng = np.random.default_rng(0)
-    scale = problem.partition.column_scale * problem.partition.length
-    for size in _SHAKES:
-        yield problem.integrate(q, size * scale * rng.normal(size=scale.size))
-
-
-def motor_weights(problem: ClosureProblem, motor_weight: float) -> Array:
-    """Return how easily each degree of freedom moves: passive ones 1, motors as given."""
-    weights = np.ones(problem.partition.column_scale.size)
-    weights[problem.partition.actuated] = motor_weight
-    return weights
 
 
 def check_motors(coordinates: JointCoordinates, q: Array, spec: MechanismSpec, what: str) -> None:

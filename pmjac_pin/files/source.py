@@ -145,16 +145,16 @@ def _open_frames(urdf: Urdf, spec: MechanismSpec) -> list[str]:
     ]
 
 
+_FROM_WEBOTS = "export the robot as URDF: robot.getUrdf() in a controller of its own writes it"
 #: Formats that are not read, by their suffixes: what makes one of them that is.
 _READABLE_BY = {
     ".xacro": "xacro's macros are not read; write what they make with: xacro FILE > robot.urdf",
-    ".wbt": "Webots' worlds are not read; export the robot as URDF: robot.getUrdf() in a "
-    "controller of its own writes it",
-    ".proto": "Webots' PROTO files are not read; export the robot as URDF: robot.getUrdf() in a "
-    "controller of its own writes it",
-    ".usd": "USD is not read; export the robot as URDF or MJCF: Isaac Sim's URDF exporter does",
-    ".usda": "USD is not read; export the robot as URDF or MJCF: Isaac Sim's URDF exporter does",
-    ".usdc": "USD is not read; export the robot as URDF or MJCF: Isaac Sim's URDF exporter does",
+    ".wbt": f"Webots' worlds are not read; {_FROM_WEBOTS}",
+    ".proto": f"Webots' PROTO files are not read; {_FROM_WEBOTS}",
+    **dict.fromkeys(
+        (".usd", ".usda", ".usdc"),
+        "USD is not read; export the robot as URDF or MJCF: Isaac Sim's URDF exporter does",
+    ),
 }
 
 

@@ -71,13 +71,20 @@ def numbers(
     *,
     default: str | None = None,
     count: int = 1,
+    least: float = -math.inf,
     largest: float = LARGEST,
 ) -> list[float]:
-    """Return an attribute's numbers: finite, so many, and none of them beyond `largest`."""
+    """Return an attribute's numbers: finite, so many, and none of them beyond `largest`.
+
+    `least` is 0 where none may be negative.
+    """
     text = default if element is None else element.get(attribute, default)
     if text is None:
         raise ModelFileError(f"{where} has no `{attribute}`")
-    return numbers_in(f"{where}: `{attribute}`", text, count=count, largest=largest)
+    values = numbers_in(f"{where}: `{attribute}`", text, count=count, largest=largest)
+    if min(values) < least:
+        raise ModelFileError(f"{where}: `{attribute}` is {min(values):g}; it must not be negative")
+    return values
 
 
 def numbers_in(what: str, text: str, *, count: int = 1, largest: float = LARGEST) -> list[float]:

@@ -68,22 +68,6 @@ class JointCoordinates:
         Limits, m or rad, infinite where there are none.
     """
 
-    __slots__ = (
-        "_entries_of",
-        "_joints",
-        "_model",
-        "_neutral",
-        "_straight",
-        "_translating",
-        "angles",
-        "curved",
-        "lower",
-        "names",
-        "rotational",
-        "upper",
-        "wraps",
-    )
-
     def __init__(self, model: pin.Model) -> None:
         joints = [
             _Joint(name, kind_of(kind), kind.idx_q, kind.nq, kind.idx_v, kind.nv)

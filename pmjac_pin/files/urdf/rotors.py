@@ -47,29 +47,19 @@ def _of_transmissions(robot: Element) -> Iterator[tuple[str, float]]:
 
 
 def _of_dynamics(joint: Element) -> float:
-    dynamics = joint.find("dynamics")
-    return (
-        0.0
-        if dynamics is None
-        else _rotor_inertia(f"{label(joint)}, <dynamics>", dynamics, "armature")
-    )
+    return _rotor_inertia(f"{label(joint)}, <dynamics>", joint.find("dynamics"), "armature")
 
 
 def _reflected(holder: Element) -> float:
     """Return the inertia of Drake's rotor as its joint feels it."""
     where = label(holder)
     rotor, gear = (only(where, holder, f"{{*}}{tag}") for tag in ("rotor_inertia", "gear_ratio"))
-    if rotor is None:
-        return 0.0
     (ratio,) = numbers(f"{where}, <drake:gear_ratio>", gear, "value", default="1")
     return _rotor_inertia(f"{where}, <drake:rotor_inertia>", rotor, "value") * ratio**2
 
 
-def _rotor_inertia(where: str, element: Element, attribute: str) -> float:
-    (inertia,) = numbers(where, element, attribute, default="0")
-    if inertia < 0.0:
-        raise ModelFileError(f"{where}: `{attribute}` is below 0: {inertia:g}")
-    return inertia
+def _rotor_inertia(where: str, element: Element | None, attribute: str) -> float:
+    return numbers(where, element, attribute, default="0", least=0.0)[0]
 
 
 def lost_rotors(armature: Mapping[str, float], kept: Collection[str]) -> list[str]:
