@@ -11,12 +11,8 @@ import numpy as np
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.studies.reach.driven_by_tool import (
-    DrivenByTool,
-    driven_by_tool,
-    searched_by_tool,
-    welded_to_tool,
-)
+from pmjac_pin.studies.reach.chosen_chains import chosen_chains
+from pmjac_pin.studies.reach.driven_by_tool import ChoiceOfRows, DrivenByTool, driven_by_tool
 from pmjac_pin.studies.reach.goal import Goal, JointGoal, ToolGoal
 from pmjac_pin.values.arrays import Array
 
@@ -53,32 +49,23 @@ class DrivenByJoints:
 Driven: TypeAlias = DrivenByTool | DrivenByJoints
 
 
-def driven_by(mechanism: Mechanism, goals: Sequence[Goal]) -> Driven | None:
-    """Return the machine driven by what is wanted; None where no choice of rows tells its pose."""
-    if tools := _tool_goals(goals):
-        return driven_by_tool(mechanism, tools)
-    return _driven_by_joints(mechanism, goals)
+def driven_by(
+    mechanism: Mechanism, goals: Sequence[Goal], chains: ChoiceOfRows = chosen_chains
+) -> Driven | None:
+    """Return the machine driven by what is wanted; None where that does not tell its pose.
 
-
-def held_by(mechanism: Mechanism, goals: Sequence[Goal]) -> Driven | None:
-    """Return the machine that closes where all that is wanted holds; None where there is none."""
-    if tools := _tool_goals(goals):
-        return welded_to_tool(mechanism, tools)
-    return _driven_by_joints(mechanism, goals)
-
-
-def searched_by(mechanism: Mechanism, goals: Sequence[Goal]) -> Driven | None:
-    """Return the machine whose assembly modes are the working modes; None where there is none."""
-    if tools := _tool_goals(goals):
-        return searched_by_tool(mechanism, tools)
-    return _driven_by_joints(mechanism, goals)
-
-
-def _tool_goals(goals: Sequence[Goal]) -> list[ToolGoal]:
-    return [goal for goal in goals if isinstance(goal, ToolGoal)]
-
-
-def _driven_by_joints(mechanism: Mechanism, goals: Sequence[Goal]) -> DrivenByJoints | None:
+    Parameters
+    ----------
+    mechanism : Mechanism
+    goals : sequence of Goal
+    chains : callable
+        Which rows of the tools' tasks drive: `chosen_chains`, those in which they can move;
+        `whole_chains`, all of them: nothing can be followed by it, but it closes where all that is
+        wanted holds; `single_chains`, so that each motor has one freedom: its assembly modes are
+        the working modes, and proofs and homotopies take it.
+    """
+    if tools := [goal for goal in goals if isinstance(goal, ToolGoal)]:
+        return driven_by_tool(mechanism, tools, chains)
     joints = [name for goal in goals if isinstance(goal, JointGoal) for name in goal.joints]
     try:
         return DrivenByJoints(mechanism, mechanism.driven_by(joints))

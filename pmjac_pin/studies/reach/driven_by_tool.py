@@ -24,6 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 import pinocchio as pin
@@ -35,11 +36,13 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.loop_spec import FrameLoop, Loop, PointLoop
 from pmjac_pin.studies.led_machine import LedMachine
-from pmjac_pin.studies.reach.chosen_chains import chosen_chains, single_chains, whole_chains
+from pmjac_pin.studies.reach.chosen_chains import chosen_chains
 from pmjac_pin.studies.reach.gimbal import gimbal_for
 from pmjac_pin.studies.reach.goal import Goal, ToolGoal, tool_at
 from pmjac_pin.studies.reach.tool_chain import ToolChain
 from pmjac_pin.values.arrays import Array
+
+ChoiceOfRows: TypeAlias = Callable[[Mechanism, Sequence[ToolGoal]], tuple[ToolChain, ...] | None]
 
 _RIGID = 1e-9  # of the characteristic length
 
@@ -96,8 +99,17 @@ class DrivenByTool:
             yield chain, chain.moved(goal.pose_from(here))
 
 
-def driven_by_tool(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> DrivenByTool | None:
+def driven_by_tool(
+    mechanism: Mechanism, goals: Sequence[ToolGoal], chains: ChoiceOfRows = chosen_chains
+) -> DrivenByTool | None:
     """Return the machine driven by the tools of these goals; made once for their tasks.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    goals : sequence of ToolGoal
+    chains : callable
+        Chooses the rows of the tasks that are driven (`chosen_chains`).
 
     Returns
     -------
@@ -105,7 +117,14 @@ def driven_by_tool(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> DrivenByT
         None where no rows of the tasks tell the tools' poses: those of a four-bar's coupler, say,
         none of whose coordinates determines the others.
     """
-    return _once(mechanism, goals, chosen_chains)
+
+    def made() -> DrivenByTool | None:
+        chosen = chains(mechanism, goals)
+        rigid = all(_is_rigid(mechanism, goal) for goal in goals)
+        return _if_it_closes(mechanism, chosen, goals) if chosen and rigid else None
+
+    key = (chains.__name__, *((goal.tool, goal.task) for goal in goals))
+    return mechanism.made_once(key, made)
 
 
 def driven_along(
@@ -142,33 +161,6 @@ def driven_along(
         raise ArgumentError(f"{mechanism.name}: {message}: follow its path in parts")
     chains = (replace(chain, gimbal=gimbal),)
     return DrivenByTool(mechanism, _mechanism(mechanism, chains, goals), chains)
-
-
-def welded_to_tool(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> DrivenByTool | None:
-    """Return the machine driven in all rows of the tasks, though its tools may not move in all.
-
-    Nothing can be followed by it, but it closes where the tools are at their targets.
-    """
-    return _once(mechanism, goals, whole_chains)
-
-
-def searched_by_tool(mechanism: Mechanism, goals: Sequence[ToolGoal]) -> DrivenByTool | None:
-    """Return the machine with motors of one freedom each, as proofs and homotopies want them."""
-    return _once(mechanism, goals, single_chains)
-
-
-def _once(
-    mechanism: Mechanism,
-    goals: Sequence[ToolGoal],
-    chains: Callable[[Mechanism, Sequence[ToolGoal]], tuple[ToolChain, ...] | None],
-) -> DrivenByTool | None:
-    def made() -> DrivenByTool | None:
-        chosen = chains(mechanism, goals)
-        rigid = all(_is_rigid(mechanism, goal) for goal in goals)
-        return _if_it_closes(mechanism, chosen, goals) if chosen and rigid else None
-
-    key = (chains.__name__, *((goal.tool, goal.task) for goal in goals))
-    return mechanism.made_once(key, made)
 
 
 def _is_rigid(mechanism: Mechanism, goal: ToolGoal) -> bool:

@@ -16,7 +16,8 @@ from pmjac_pin.studies.modes.aim import Aim
 from pmjac_pin.studies.modes.closed_pose import generator
 from pmjac_pin.studies.modes.find import find_modes
 from pmjac_pin.studies.modes.modes_found import ModesFound
-from pmjac_pin.studies.reach.driven import searched_by
+from pmjac_pin.studies.reach.chosen_chains import single_chains
+from pmjac_pin.studies.reach.driven import driven_by
 from pmjac_pin.studies.reach.driven_by_tool import DrivenByTool
 from pmjac_pin.studies.reach.goal import Goal, is_met
 from pmjac_pin.studies.reach.motor_values_alike import of_other_values
@@ -99,7 +100,7 @@ def working_modes(
     """
     check_kind(mechanism, Mechanism)
     goals = read_goals(mechanism, target, tool, task, mask)
-    driven = searched_by(mechanism, goals)
+    driven = driven_by(mechanism, goals, single_chains)
     if driven is None:
         raise ArgumentError(f"{mechanism.name} cannot be driven by its tool: its home is singular")
     partition = driven.mechanism.problem.partition
