@@ -9,7 +9,7 @@ import numpy as np
 
 from pmjac_pin.algebra.balls import OUTWARDS, precise
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.errors import ArgumentError
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.studies.certificates.certificate import others_of
 from pmjac_pin.studies.certificates.equations import LoopEquations
@@ -19,7 +19,7 @@ from pmjac_pin.studies.singularities.ball_bounds import BallBounds
 from pmjac_pin.studies.singularities.free_cells import FreeCells
 from pmjac_pin.studies.singularities.series_ball import SeriesBall
 from pmjac_pin.studies.singularities.singular_equations import FREED, Freed
-from pmjac_pin.values.checks import check_kind
+from pmjac_pin.values.checks import as_count, check_kind, check_one_of
 
 _HALF_A_CELL = 0.5  # of what one step proves: half the width of cells
 
@@ -137,12 +137,9 @@ def singularity_free(
     True
     """
     check_kind(configuration, Configuration)
-    if kind not in FREED:
-        raise ArgumentError(f"kind is gain or loss, got {quoted(kind)}")
-    if order not in (1, 2):
-        raise ArgumentError(f"order is 1 or 2, got {quoted(order)}")
-    if not (isinstance(most_cells, int) and most_cells >= 1):
-        raise ArgumentError(f"most_cells is a whole number ≥ 1, got {quoted(most_cells)}")
+    check_one_of(kind, "kind", FREED)
+    check_one_of(order, "order", (1, 2))
+    most_cells = as_count(most_cells, "most_cells")
     mechanism, partition = configuration.mechanism, configuration.problem.partition
     slides = all(unit == "m" for unit in partition.units_of(partition.actuated))
     unit: Literal["m", "rad"] = "m" if slides else "rad"

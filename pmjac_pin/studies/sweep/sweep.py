@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.batches.pieces import Progress, interrupted
 from pmjac_pin.batches.results import Status
-from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.sweep.hands import Hands
@@ -21,7 +21,7 @@ from pmjac_pin.studies.sweep.question import identity, question
 from pmjac_pin.studies.sweep.store import MARK, Store, packages
 from pmjac_pin.studies.sweep.variables import VARIABLES
 from pmjac_pin.studies.sweep.work import SweepWork
-from pmjac_pin.values.checks import as_flag
+from pmjac_pin.values.checks import as_count, as_flag
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -112,10 +112,10 @@ def sweep(
     resume = as_flag(resume, "resume")
     points = _points_asked(over, samples)
     work, machine = question(mechanism, points, measures, guess, enforce_limits)
-    shape = points.chunk(_at_least_one(chunk, "chunk"))
+    shape = points.chunk(as_count(chunk, "`chunk`"))
     regions, processes = points.regions(shape), os.cpu_count() or 1
     if workers is not None:
-        processes = _at_least_one(workers, "workers")
+        processes = as_count(workers, "`workers`")
     hands = Hands(client, min(processes, len(regions)), progress)
     what = identity(work, machine, shape)
     if out is None:
@@ -173,12 +173,6 @@ def _points_asked(over: object, samples: object) -> Points:
     if (over is None) == (samples is None):
         raise ArgumentError("either `over`, the axes of a grid, or `samples` is wanted")
     return Points.samples(samples) if over is None else Points.grid(over)
-
-
-def _at_least_one(given: object, what: str) -> int:
-    if not isinstance(given, int) or isinstance(given, bool) or given < 1:
-        raise ArgumentError(f"`{what}` is a number, 1 or more, got {quoted(given)}")
-    return given
 
 
 def _in_memory(
