@@ -11,14 +11,14 @@ from pmjac_pin.algebra.one_thread import on_one_thread
 from pmjac_pin.batches.batch import Batch
 from pmjac_pin.batches.results import Status
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.assembled_poses import assembled_poses
 from pmjac_pin.studies.evidence import Evidence
-from pmjac_pin.studies.singularities.charts import Chart, chart
-from pmjac_pin.studies.singularities.curve_tracing import Traced, Tracer
+from pmjac_pin.studies.singularities.charts import Chart, chart, slice_pose
 from pmjac_pin.studies.singularities.joint_limits import limited, within_joint_limits
 from pmjac_pin.studies.singularities.locus_finding import LocusFinding
+from pmjac_pin.studies.singularities.plane_curve import PlaneCurve
 from pmjac_pin.studies.singularities.plane_names import TOOL_AXES
 from pmjac_pin.studies.singularities.sheets import Sheets, SliceSheet, as_grid
 from pmjac_pin.studies.workspaces.border_checks import what_is_open
@@ -93,9 +93,7 @@ def workspace(
     8.60844
     """
     check_kind(mechanism, Mechanism)
-    start = mechanism.pose(mode) if isinstance(mode, str) else mode
-    if not isinstance(start, Configuration) or start.mechanism != mechanism:
-        raise ArgumentError(f"`mode` is a pose of the mechanism or its name, got {quoted(mode)}")
+    start = slice_pose(mechanism, mode, "mode")
     grid = as_grid(cells)
     name = None if measure is None else checked_measure(measure)
     drawn = chart(plane, start, window)
@@ -182,27 +180,21 @@ class _Region:
 
 def _traced_border(drawn: Chart, sheets: Sheets, region: _Region) -> tuple[SmoothPiece, ...]:
     """Return the border of a region, in pieces."""
-    curves: list[Traced] = []
-    tracers: list[Tracer] = []
-    names: list[str] = []
+    named: list[tuple[str, PlaneCurve]] = []
     if drawn.folds is not None:
         folds = LocusFinding(drawn.area, drawn.folds, sheets, drawn.fold_kind)
         folds.seek(sheets.border_seeds(region.sheet, drawn.folds))
-        curves = [curve for curve in folds.curves if not folds.stays(curve)]
-        tracers, names = [folds.tracer] * len(curves), [str(drawn.fold_kind)] * len(curves)
+        named += [(str(drawn.fold_kind), curve) for curve in folds.moving]
     if region._limits:
-        for name, curve, tracer in _limit_curves(drawn, sheets, region):
-            names.append(name)
-            curves.append(curve)
-            tracers.append(tracer)
-    size = drawn.area.size
-    found = [*pieces(tracers, curves, names), *_window_pieces(drawn, curves)]
-    return border(found, size, region)
+        named += _limit_curves(drawn, sheets, region)
+    names, curves = [name for name, _ in named], [curve for _, curve in named]
+    found = [*pieces(curves, names), *_window_pieces(drawn, curves)]
+    return border(found, drawn.area.size, region)
 
 
 def _limit_curves(
     drawn: Chart, sheets: Sheets, region: _Region
-) -> Iterator[tuple[str, Traced, Tracer]]:
+) -> Iterator[tuple[str, PlaneCurve]]:
     """Yield the curves at which a joint is at its limit, where the sheet has both sides of it."""
     mechanism, sheet = drawn.at.mechanism, region.sheet
     coordinates, driven = mechanism.coordinates, drawn.area.mechanism
@@ -219,14 +211,15 @@ def _limit_curves(
             finding = LocusFinding(drawn.area, equations, sheets, drawn.fold_kind)
             finding.seek(sheet.changes(away))
             for curve in finding.curves:
-                yield f"{name} at its {side} limit", curve, finding.tracer
+                yield f"{name} at its {side} limit", PlaneCurve.of(finding.tracer, curve)
 
 
-def _window_pieces(drawn: Chart, curves: Sequence[Traced]) -> Iterator[SmoothPiece]:
+def _window_pieces(drawn: Chart, curves: Sequence[PlaneCurve]) -> Iterator[SmoothPiece]:
     """Yield the sides of the window, cut where curves end on them."""
     area = drawn.area
     low, high = area.lower, area.upper
-    ends = [area.places(curve.q[[0, -1]]) for curve in curves if not curve.is_closed]
+    traced = [curve.traced for curve in curves if not curve.traced.is_closed]
+    ends = [area.places(one.q[[0, -1]]) for one in traced]
     stops = np.vstack([np.zeros((0, 2)), *ends])
     corners = np.array([low, [high[0], low[1]], high, [low[0], high[1]]])
     for first, last in zip(corners, np.roll(corners, -1, axis=0), strict=True):
