@@ -14,7 +14,6 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -22,14 +21,12 @@ from scipy.sparse.csgraph import connected_components
 
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.studies.evidence import Evidence
+from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
 from pmjac_pin.studies.homotopy.curve import Curve, Planes, place_of
 from pmjac_pin.studies.homotopy.machines import Line, Machine
 from pmjac_pin.studies.homotopy.monodromy import STRAIGHT, PlaneSection, grown_whole
 from pmjac_pin.studies.homotopy.polynomial_loops import PolynomialLoops
 from pmjac_pin.values.arrays import Complex, Index
-
-if TYPE_CHECKING:
-    from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
 
 
 @dataclass(frozen=True, eq=False)

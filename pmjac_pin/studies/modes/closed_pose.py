@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from pmjac_pin.closing.closure import polished
@@ -11,11 +9,9 @@ from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.pose_assembly import motor_weights
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.modes.gear_trains import gear_trains, unwound
 from pmjac_pin.values.arrays import Array
-
-if TYPE_CHECKING:
-    from pmjac_pin.mechanism import Mechanism
 
 
 def closed_pose(mechanism: Mechanism, q: Array, limits: bool) -> Configuration | None:

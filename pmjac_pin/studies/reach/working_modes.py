@@ -112,7 +112,7 @@ def working_modes(
     if isinstance(driven, DrivenByTool):
         by_legs = modes_by_legs(driven, values, generated, within, aim)
         if by_legs is not None:
-            poses = [driven.original(one) for one in by_legs.poses]
+            poses = [driven.original(one) for one in by_legs]
             return _by_order(goals, poses, by_legs.starts, by_legs.evidence)
     modes = find_modes(driven.mechanism, values, generated, within, aim)
     every = (driven.original(one) for one in itertools.chain.from_iterable(modes.poses))

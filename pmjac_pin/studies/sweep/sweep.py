@@ -6,7 +6,7 @@ import contextlib
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from numpy.typing import NDArray
 
@@ -14,6 +14,7 @@ from pmjac_pin.batches.pieces import Progress, interrupted
 from pmjac_pin.batches.results import Status
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.studies.datasets import Dataset, dataset
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.sweep.hands import Hands
 from pmjac_pin.studies.sweep.points import Points, Region
@@ -22,11 +23,6 @@ from pmjac_pin.studies.sweep.store import MARK, Store, packages
 from pmjac_pin.studies.sweep.variables import VARIABLES
 from pmjac_pin.studies.sweep.work import SweepWork
 from pmjac_pin.values.checks import as_count, as_flag
-
-if TYPE_CHECKING:
-    from xarray import Dataset
-else:
-    Dataset = Any
 
 _MOST_IN_MEMORY = 10**7  # points: some hundred bytes each
 
@@ -209,6 +205,4 @@ def _dataset(
     variables = {
         name: ((*points.dims, *VARIABLES[name].dims), array) for name, array in arrays.items()
     }
-    xarray, _ = packages()
-    found: Dataset = xarray.Dataset({**variables, **values}, attrs=attributes)
-    return found
+    return dataset({**variables, **values}, {}, attributes)
