@@ -29,7 +29,7 @@ from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
 from pmjac_pin.studies.modes.closed_pose import closed_pose
 from pmjac_pin.studies.modes.find import find_modes
 from pmjac_pin.studies.modes.modes_found import ModesFound
-from pmjac_pin.studies.reach.driven_by_tool import DrivenByTool
+from pmjac_pin.studies.reach.driven import Driven
 from pmjac_pin.studies.reach.motor_values_alike import of_other_values
 from pmjac_pin.studies.recut import recut
 from pmjac_pin.values.arrays import Array
@@ -39,7 +39,7 @@ _WEAKEST_LAST = ("proof", "tolerance", "statistics", "nothing")  # the weakest l
 
 
 def modes_by_legs(
-    driven: DrivenByTool, values: Array, rng: np.random.Generator, limits: bool, aim: Aim
+    driven: Driven, values: Array, rng: np.random.Generator, limits: bool, aim: Aim
 ) -> ModesFound | None:
     """Return the poses at a target; None where the machine does not fall apart into legs."""
     legs = separate_legs(driven)
@@ -62,9 +62,9 @@ def modes_by_legs(
     )
 
 
-def separate_legs(driven: DrivenByTool) -> list[Mechanism]:
+def separate_legs(driven: Driven) -> list[Mechanism]:
     """Return the legs of a machine driven by its tool, each a mechanism; none if it has but one."""
-    joint = _carrier(driven)
+    joint = _carrier(driven) if driven.chains else ""
     if not joint or not _is_welded(driven):
         return []
     try:
@@ -79,14 +79,14 @@ def separate_legs(driven: DrivenByTool) -> list[Mechanism]:
     return [_machine_of(hung, loops) for _, loops in groups]
 
 
-def _carrier(driven: DrivenByTool) -> str:
+def _carrier(driven: Driven) -> str:
     """Return the joint of the tree that carries the one tool's body; none where that is none."""
     model, frames = driven.mechanism.kinematics.model, driven.chains[0].tool.names
     body = find_frame(model, frames[0]).joint
     return model.names[body] if body and len(driven.chains) == len(frames) == 1 else ""
 
 
-def _is_welded(driven: DrivenByTool) -> bool:
+def _is_welded(driven: Driven) -> bool:
     """Tell whether the loop that holds the tool leaves it no freedom."""
     return isinstance(driven.mechanism.spec.loops[0], FrameLoop)
 
@@ -142,7 +142,7 @@ def _distinct_poses(
     return tuple(of_other_values(poses, motors))
 
 
-def _together(driven: DrivenByTool, values: Array, poses: Sequence[Configuration]) -> Array:
+def _together(driven: Driven, values: Array, poses: Sequence[Configuration]) -> Array:
     """Return q with the motors at their values and each leg in its pose."""
     mechanism = driven.mechanism
     columns, coordinates = mechanism.problem.partition.actuated, mechanism.coordinates
@@ -154,7 +154,7 @@ def _together(driven: DrivenByTool, values: Array, poses: Sequence[Configuration
     return _carried(driven, q)
 
 
-def _carried(driven: DrivenByTool, q: Array) -> Array:
+def _carried(driven: Driven, q: Array) -> Array:
     """Return q with the tool's body where its chain holds it."""
     mechanism, carrier, frame = driven.mechanism, _carrier(driven), driven.chains[0].tool.names[0]
     model = mechanism.kinematics.model
