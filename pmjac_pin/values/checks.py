@@ -96,6 +96,33 @@ def check_callable(given: object, what: str) -> None:
         raise ArgumentError(f"{what} is something to be called, or None, got {quoted(given)}")
 
 
+def as_count(given: object, what: str, least: int = 1) -> int:
+    """Return a whole number that the caller gave, `least` or more, or say what is wrong with it.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    if isinstance(given, bool) or not isinstance(given, int) or given < least:
+        raise ArgumentError(f"{what} is a whole number ≥ {least}, got {quoted(given)}")
+    return given
+
+
+def check_one_of(given: object, what: str, known: Iterable[object]) -> None:
+    """Raise ArgumentError where what the caller gave is none of these.
+
+    Examples
+    --------
+    >>> check_one_of("both", "kind", ("gain", "loss"))
+    Traceback (most recent call last):
+        ...
+    pmjac_pin.errors.ArgumentError: kind is gain or loss, got 'both'
+    """
+    known = tuple(known)
+    if given not in known:
+        raise ArgumentError(f"{what} is {' or '.join(map(str, known))}, got {quoted(given)}")
+
+
 def as_names(given: object, wanted: str) -> tuple[str, ...]:
     """Return the names that the caller gave, or say what was wanted.
 
