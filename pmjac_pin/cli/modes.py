@@ -8,7 +8,7 @@ from typing import Annotated, TypeAlias
 
 from cyclopts import Parameter
 
-from pmjac_pin.cli.options import At, Choice, NameOption, parsed_values
+from pmjac_pin.cli.options import At, Choice, NameOption, output_option, parsed_values
 from pmjac_pin.cli.output import Json, Output
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
@@ -20,7 +20,6 @@ from pmjac_pin.studies.modes.find import assembly_modes
 from pmjac_pin.words.blocks import Block, Verbatim
 from pmjac_pin.words.modes_report import ModesReport, make_modes_report
 from pmjac_pin.words.modes_tables import modes_blocks
-from pmjac_pin.words.plain import to_json
 
 Given: TypeAlias = Sequence[float] | Mapping[str, float]
 
@@ -99,8 +98,7 @@ def modes_command(
     search: Search = Search(),
     json: Json = False,
     output: Annotated[
-        str | None,
-        Parameter(name=["--output", "-o"], help="Draw the modes, too: a .png, .pdf or .svg."),
+        str | None, output_option("Draw the modes, too: a .png, .pdf or .svg.")
     ] = None,
 ) -> Output:
     """Find all closed poses at these motor values, and say what is known of their number."""
@@ -112,7 +110,7 @@ def modes_command(
     drawn: list[Block] = []
     if output is not None:
         drawn = [Verbatim(str(path)) for path in save_pages(modes_figures(report), output)]
-    return f"{to_json(report.told())}\n" if json else [*modes_blocks(report), *drawn]
+    return report.told() if json else [*modes_blocks(report), *drawn]
 
 
 def _motor_values(mechanism: Mechanism, at: str | None, pose: str | None) -> Given:

@@ -9,7 +9,14 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from pmjac_pin.adapters import ros2_control
-from pmjac_pin.cli.options import Choice, NameOption, ranges_by_name, split_names
+from pmjac_pin.cli.options import (
+    Choice,
+    Force,
+    NameOption,
+    output_option,
+    ranges_by_name,
+    split_names,
+)
 from pmjac_pin.cli.output import Output
 from pmjac_pin.errors import ArgumentError, OutputError, did_you_mean, quoted
 from pmjac_pin.files.output_file import check_new, write_files
@@ -77,10 +84,9 @@ def transmission_command(
     where: Where,
     output: Annotated[
         list[str] | None,
-        Parameter(
-            name=["--output", "-o"],
-            help="A C header (.h), beside it a plugin for ros2_control (.cpp), a table (.npz, "
-            ".csv) or a figure (.png, .pdf, .svg); may be repeated.",
+        output_option(
+            "A C header (.h), beside it a plugin for ros2_control (.cpp), a table (.npz, .csv) or "
+            "a figure (.png, .pdf, .svg); may be repeated."
         ),
     ] = None,
     name: Annotated[
@@ -91,7 +97,7 @@ def transmission_command(
         str | None,
         Parameter(help="Of the motors' efforts and rates, such as 60,60 (default: 1 each)."),
     ] = None,
-    force: Annotated[bool, Parameter(help="Replace files that exist.")] = False,
+    force: Force = False,
     choice: Choice = Choice(),
 ) -> Output:
     """Tabulate how motors and the joints that they drive by rods are geared; write it as C."""
