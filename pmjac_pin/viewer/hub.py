@@ -9,6 +9,7 @@ import asyncio
 import contextlib
 import logging
 from collections.abc import Awaitable, Callable, Iterable, Sequence
+from functools import partial
 from typing import Generic, TypeVar
 
 from tornado.websocket import WebSocketClosedError
@@ -98,8 +99,12 @@ class Hub:
         self.canvas = canvas
         self._pages: dict[object, Outbox[str]] = {}
         self._scenes: dict[object, Outbox[bytes]] = {}
-        self._modes = ModeFinder(session, self._tell_modes)
-        self._slice = SliceFinder(session, self._tell_slice)
+        self._modes = ModeFinder(session, partial(self._tell, "modes"))
+        self._slice = SliceFinder(session, partial(self._tell, "slice"))
+        self._finders: dict[str, ModeFinder | SliceFinder] = {
+            "modes": self._modes,
+            "slice": self._slice,
+        }
         canvas.update(session.scene().items)
 
     def still(self) -> StaticScene:
@@ -110,10 +115,8 @@ class Hub:
         """Tell a page that has just been opened everything."""
         self._pages[page] = outbox = Outbox(send, list)
         outbox.put([("about", encode(self.session.state(about=True, framing=True)))])
-        if self._modes.known:
-            outbox.put([("modes", encode(self._modes.message()))])
-        if self._slice.known:
-            outbox.put([("slice", encode(self._slice.message()))])
+        known = (item for item in self._finders.items() if item[1].known)
+        outbox.put((key, encode(finder.message())) for key, finder in known)
 
     def add_scene(self, scene: object, send: Send) -> None:
         """Draw the whole picture in a meshcat viewer that has just been opened."""
@@ -159,8 +162,8 @@ class Hub:
 
     def close(self) -> None:
         """Give up what is still being computed."""
-        self._modes.stop()
-        self._slice.stop()
+        for finder in self._finders.values():
+            finder.stop()
 
     def show(self, configuration: Configuration) -> None:
         """Go to a configuration and tell all browsers."""
@@ -190,15 +193,10 @@ class Hub:
             state = encode(self.session.state(about=about, jump=jump))
             for other in others:
                 other.put([("about" if about else "state", state)])
-        self._modes.follow()
-        self._slice.follow()
+        for finder in self._finders.values():
+            finder.follow()
 
-    def _tell_modes(self) -> None:
-        self._tell("modes", encode(self._modes.message()))
-
-    def _tell_slice(self) -> None:
-        self._tell("slice", encode(self._slice.message()))
-
-    def _tell(self, key: str, message: str) -> None:
+    def _tell(self, key: str) -> None:
+        message = encode(self._finders[key].message())
         for page in self._pages.values():
             page.put([(key, message)])

@@ -6,7 +6,7 @@ by msgspec; what a value means (limits, names) is checked by `Session`.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 import msgspec
 
@@ -28,6 +28,10 @@ class _Command(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_fiel
     """A command of the page; its number comes back with the answer."""
 
     id: WholeNumber = 0
+
+    def told(self) -> dict[str, Any]:
+        """Return all of it but its number."""
+        return {name: getattr(self, name) for name in self.__struct_fields__ if name != "id"}
 
 
 class MoveMotors(_Command, frozen=True, tag="move", kw_only=True):

@@ -62,9 +62,10 @@ class SceneOptions:
 
     def __post_init__(self) -> None:
         for name in (*_DRAWN_ELLIPSOIDS, "names", "velocity_polytope", "force_polytope"):
-            as_flag(getattr(self, name), name)
+            object.__setattr__(self, name, as_flag(getattr(self, name), name))
         if not 0.0 < self.scale < math.inf:
             raise ArgumentError(f"scale must be a positive number, got {quoted(self.scale)}")
+        object.__setattr__(self, "scale", float(self.scale))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
