@@ -27,7 +27,7 @@ FrameOption: TypeAlias = Annotated[
 ]
 
 Force: TypeAlias = Annotated[bool, Parameter(help="Replace files that exist.")]
-Value = TypeVar("Value")
+Read = TypeVar("Read")
 
 
 def output_option(told: str) -> Parameter:
@@ -149,9 +149,9 @@ def ranges_by_name(option: str, given: str, such_as: str) -> dict[str, tuple[flo
 
 
 def _by_name(
-    option: str, items: Iterable[str], wanted: str, read: Callable[[str], Value]
-) -> dict[str, Value]:
-    found: dict[str, Value] = {}
+    option: str, items: Iterable[str], wanted: str, read: Callable[[str], Read]
+) -> dict[str, Read]:
+    found: dict[str, Read] = {}
     for item in items:
         name, _, value = map(str.strip, item.partition("="))
         if name in found:
