@@ -10,12 +10,12 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from pmjac_pin.cli.exit_status import INTERRUPTED
-from pmjac_pin.cli.options import Choice, Force, NameOption, output_option
+from pmjac_pin.cli.options import Choice, Force, NameOption, check_output, output_option
 from pmjac_pin.cli.output import Json, Verdict
 from pmjac_pin.cli.progress_bar import progress_bar
-from pmjac_pin.errors import Interrupted, OutputError
-from pmjac_pin.files.output_file import check_new, write_files
-from pmjac_pin.files.user_path import shown_path, user_path
+from pmjac_pin.errors import Interrupted
+from pmjac_pin.files.output_file import write_files
+from pmjac_pin.files.user_path import user_path
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.follow.follow import follow
 from pmjac_pin.studies.follow.tool_course import TOOL_COORDINATES
@@ -89,7 +89,7 @@ def follow_command(
 ) -> Verdict:
     """Follow a path of the motors, or of the tool, on one mode, and tell what happens on it."""
     if output is not None:
-        _check_output_path(output, force)
+        check_output(output, _WRITTEN, force)
     try:
         found, status = way.followed(choice.load(mechanism)), 0
     except Interrupted as interrupt:
@@ -104,10 +104,3 @@ def follow_command(
         return Verdict(trajectory_told(found), status)
     written = [] if output is None else [Verbatim(output)]
     return Verdict([*trajectory_blocks(found), *written], status)
-
-
-def _check_output_path(path: str, force: bool) -> None:
-    """Refuse, before anything is computed, what cannot be written."""
-    if Path(path).suffix not in _WRITTEN:
-        raise OutputError(f"{shown_path(path)}: what is written ends in .csv or .json")
-    check_new(path, force)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any, TypeAlias, TypeVar
 
 # As long as Ctrl-C ends all silently, not when the first loop is closed.
@@ -11,7 +12,9 @@ import scipy.linalg.lapack  # noqa: F401
 from cyclopts import Parameter
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.errors import ArgumentError, OutputError, quoted
+from pmjac_pin.files.output_file import check_new
+from pmjac_pin.files.user_path import shown_path
 from pmjac_pin.loading import load
 from pmjac_pin.mechanism import Mechanism
 
@@ -33,6 +36,14 @@ Read = TypeVar("Read")
 def output_option(told: str) -> Parameter:
     """Return the option of a file that is written."""
     return Parameter(name=["--output", "-o"], help=told)
+
+
+def check_output(path: str, suffixes: Sequence[str], force: bool) -> None:
+    """Refuse, before anything is computed, what cannot be written."""
+    if Path(path).suffix not in suffixes:
+        ends = f"what is written ends in one of {', '.join(suffixes)}"
+        raise OutputError(f"{shown_path(path)}: {ends}")
+    check_new(path, force)
 
 
 @Parameter(name="*")
@@ -135,7 +146,7 @@ class PoseOption:
 
 def numbers_by_name(option: str, items: Iterable[str]) -> dict[str, float]:
     """Return the numbers given as NAME=NUMBER."""
-    return _by_name(option, items, "NAME=NUMBER, such as l1=1.2", float)
+    return _read_by_name(option, items, "NAME=NUMBER, such as l1=1.2", float)
 
 
 def ranges_by_name(option: str, given: str, such_as: str) -> dict[str, tuple[float, float]]:
@@ -145,10 +156,10 @@ def ranges_by_name(option: str, given: str, such_as: str) -> dict[str, tuple[flo
         lower, _, upper = text.partition(":")
         return float(lower), float(upper)
 
-    return _by_name(option, given.split(","), f"NAME=FROM:TO, such as {such_as}", ends)
+    return _read_by_name(option, given.split(","), f"NAME=FROM:TO, such as {such_as}", ends)
 
 
-def _by_name(
+def _read_by_name(
     option: str, items: Iterable[str], wanted: str, read: Callable[[str], Read]
 ) -> dict[str, Read]:
     found: dict[str, Read] = {}

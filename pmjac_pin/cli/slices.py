@@ -26,7 +26,7 @@ from pmjac_pin.words.blocks import Block, Verbatim
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Found = TypeVar("Found")
+FoundSlice = TypeVar("FoundSlice")
 
 
 @Parameter(name="*")
@@ -66,10 +66,10 @@ class Slice:
 
     def written(
         self,
-        found: Found,
-        plot: Callable[[Found], Figure],
-        data: Callable[[Found], Mapping[str, object]],
-        blocks: Callable[[Found], Iterable[Block]],
+        found: FoundSlice,
+        plot: Callable[[FoundSlice], Figure],
+        data: Callable[[FoundSlice], Mapping[str, object]],
+        blocks: Callable[[FoundSlice], Iterable[Block]],
     ) -> Output:
         """Draw what was found where that is wanted, and return it as JSON has it, or tables."""
         if self.output is not None:

@@ -14,8 +14,6 @@ from pmjac_pin.errors import ArgumentError
 from pmjac_pin.viewer.framing import Framing
 from pmjac_pin.viewer.load_readout import LoadReadout
 from pmjac_pin.viewer.readout import Readout
-from pmjac_pin.viewer.slice_message import SliceMessage
-from pmjac_pin.words.plain import encoded
 
 #: Longer messages are answered with an error: the longest sensible one is far shorter.
 MAXIMAL_MESSAGE = 64 * 1024
@@ -294,8 +292,3 @@ def decode(message: str | bytes) -> Command:
     except (msgspec.MsgspecError, RecursionError, UnicodeError) as error:
         raise ArgumentError(f"not understood: {error}") from None
     return command
-
-
-def encode(message: State | Refusal | Modes | SliceMessage) -> str:
-    """Write a message to a page; infinite numbers become null."""
-    return encoded(message)

@@ -104,7 +104,7 @@ def _modes_table(report: ModesReport) -> Table:
         "sign of\ndet K*": [_ORIENTATION_SIGNS[mode.sign] for mode in modes],
         "share\n[%]": [f"{100.0 * mode.share:.2f}" for mode in modes],
         "mirror\nimage": [str(mode.mirror_image or "") for mode in modes],
-        "proven\n[rad]": [_proven(mode.certificate) for mode in modes],
+        "proven\n[rad]": [_existence(mode.certificate) for mode in modes],
     }
     if any(mode.operation_mode for mode in modes):
         columns["oper-\nation\nmode"] = [str(mode.operation_mode or "") for mode in modes]
@@ -116,7 +116,7 @@ def _modes_table(report: ModesReport) -> Table:
     )
 
 
-def _proven(certificate: Certificate) -> str:
+def _existence(certificate: Certificate) -> str:
     return f"{certificate.existence_radius:.0e}" if certificate else "no"
 
 

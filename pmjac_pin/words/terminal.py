@@ -32,8 +32,6 @@ _ASCII_RULE = rich.box.Box("    \n    \n -- \n    \n    \n    \n    \n    \n", a
 
 # For terminals without Unicode; what is not here loses its accents, or becomes a "?".
 _ASCII = {
-    "²": "^2",
-    "³": "^3",
     "∂": "d ",
     "η": "eta",
     "θ": "theta",
@@ -42,7 +40,6 @@ _ASCII = {
     "ω": "w",
     "σ": "sigma",
     "ᵀ": "^T",
-    "⁻¹": "^-1",
     "∞": "inf",
     "−": "-",
     "–": "-",
@@ -53,12 +50,11 @@ _ASCII = {
     "’": "'",
     "“": '"',
     "”": '"',
-    "…": "...",
     "Δ": "Delta ",
     "═": "=",
     "→": "->",
 }
-_LOWERED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789")
+_LOWERED = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 
 
 def new_console() -> Console:
@@ -147,7 +143,7 @@ def to_ascii(text: str) -> str:
     """
     for symbol, replacement in _ASCII.items():
         text = text.replace(symbol, replacement)
-    text = re.sub("[⁰¹²³⁴⁵⁶⁷⁸⁹]+", lambda match: "^" + match[0].translate(_LOWERED), text)
+    text = re.sub("[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+", lambda match: "^" + match[0].translate(_LOWERED), text)
     decomposed = unicodedata.normalize("NFKD", text)
     bare = "".join(c for c in decomposed if not unicodedata.combining(c))
     return bare.encode("ascii", "replace").decode()
