@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array, norm
+from pmjac_pin.values.found_once import found_once
 
 #: Loops count as closed below this gap, of the characteristic length.
 CLOSURE_TOLERANCE = 1e-12
@@ -17,7 +18,7 @@ LARGEST_SHARE = 1e-2
 ROUNDING = 1e-15  # of the characteristic length: a gap that no further iteration can improve
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ClosureProblem:
     """The loop equations as functions of q, and the partition of their columns.
 
@@ -44,7 +45,7 @@ class ClosureProblem:
     given_tolerance: float | None = None
     rounding: float = 0.0
 
-    @property
+    @found_once
     def tolerance(self) -> float:
         """The gap in m below which the loops are closed."""
         least = max(CLOSURE_TOLERANCE * self.partition.length, self.rounding)

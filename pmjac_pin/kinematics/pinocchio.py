@@ -6,9 +6,8 @@ Model, loops and tool never change; Pinocchio's scratch data is one set for each
 from __future__ import annotations
 
 import threading
-from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -20,8 +19,7 @@ from pmjac_pin.model.twist_frame import change_frame
 from pmjac_pin.values.arrays import Array, read_only
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Snapshot:
+class Snapshot(NamedTuple):
     """Everything about one q that later steps need, as plain arrays.
 
     Attributes

@@ -26,7 +26,6 @@ from pmjac_pin.values.ties import pivots
 _LEAST_SIZE = 0.1  # of [K K*], beside its generic size
 
 
-@dataclass(frozen=True, eq=False)
 class LoopRates:
     """What the loops allow at one pose: [K K*] without dimension, its size, K* factorised.
 
@@ -35,19 +34,13 @@ class LoopRates:
     scaled : ndarray, shape (p, nv)
     size : float
     passive : Factorisation
-    actuated : ndarray of int, shape (n,)
-        The columns of K.
+    driving : ndarray, shape (p, n)
+        K without dimension.
     """
 
-    scaled: Array
-    size: float
-    passive: Factorisation
-    actuated: Index
-
-    @found_once
-    def driving(self) -> Array:
-        """K without dimension, shape (p, n)."""
-        return self.scaled.take(self.actuated, axis=1)
+    def __init__(self, scaled: Array, size: float, passive: Factorisation, actuated: Index) -> None:
+        self.scaled, self.size, self.passive = scaled, size, passive
+        self.driving = scaled.take(actuated, axis=1)
 
     @found_once
     def not_followed(self) -> float:
@@ -283,9 +276,9 @@ class Partition(ReadOnlyArrays):
 
     def loop_rates(self, constraint_jacobian: Array) -> LoopRates:
         """Return [K K*] without dimension at one pose, and K* factorised."""
-        scaled = self.scaled(constraint_jacobian)
-        size = self.size_of(scaled)
-        factors = self.factorise(scaled.take(self.passive, axis=1), size)
+        scaled = constraint_jacobian * self._scale
+        size = max(norm(scaled), self.least_size)
+        factors = factorise(scaled.take(self.passive, axis=1), size, self.rank_tolerance)
         return LoopRates(scaled, size, factors, self.actuated)
 
     def scaled_tool(self, tool_jacobian: Array) -> Array:
