@@ -137,6 +137,11 @@ class Partition(ReadOnlyArrays):
         """Natural rates of the motors, shape (n,): of `column_scale`."""
         return read_only(self.column_scale[self.actuated])
 
+    @cached_property
+    def passive_scale(self) -> Array:
+        """Natural rates of the passive joints, shape (m_p,): of `column_scale`."""
+        return read_only(self.column_scale[self.passive])
+
     @property
     def isolated(self) -> bool:
         """Whether a joint cannot be moved though its rates are not forbidden, near home either.
@@ -191,8 +196,7 @@ class Partition(ReadOnlyArrays):
     @cached_property
     def rate_scale(self) -> Array:
         """Turns −(scaled solution of K* X = K) into φ̇ per θ̇, shape (m_p, n)."""
-        passive, actuated = self.column_scale[self.passive], self.motor_scale
-        return read_only(-np.outer(passive, 1.0 / actuated))
+        return read_only(-np.outer(self.passive_scale, 1.0 / self.motor_scale))
 
     @classmethod
     def from_matrices(
