@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from types import SimpleNamespace
 
 import mechanisms
 import msgspec
@@ -206,7 +207,7 @@ def test_what_closes_at_once_costs_no_more(rng):
         counts[-1] += 1
         return problem.evaluate(q)
 
-    watched = dataclasses.replace(problem, evaluate=counted)
+    watched = dataclasses.replace(problem, loops=SimpleNamespace(closure=counted, evaluate=counted))
     start = problem.integrate(mechanism.home.q, 0.1 * rng.normal(size=mechanism.nv))
     for close in (lambda: assemble(watched, start, motor_weights(problem, 0.0)).q,
                   lambda: assemble_held(watched, start).q):  # fmt: skip

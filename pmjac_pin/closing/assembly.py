@@ -121,7 +121,7 @@ def _closure_problem(
 ) -> ClosureProblem:
     model = kinematics.model
     return ClosureProblem(
-        kinematics.closure,
+        kinematics,
         partial(pin.integrate, model),
         partial(pin.difference, model),
         partition,

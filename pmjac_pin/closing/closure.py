@@ -179,17 +179,16 @@ def corrected(problem: ClosureProblem, q: Array, tangent: Array, last: bool) -> 
     allowed = LARGEST_CORRECTION * norm(tangent / partition.column_scale)
     previous_gap, previous_size, left = np.inf, np.nan, np.nan
     for iteration in range(1, MOST_CORRECTIONS):
-        residual, jacobian = problem.evaluate(q)
-        error, scaled = residual * partition.row_scale, partition.scaled(jacobian)
-        K_star, gap = scaled.take(partition.passive, axis=1), norm(error)
-        closed, size = gap <= tolerance, np.nan
-        done = gap <= enough or (closed and (left <= enough or gap > 0.5 * previous_gap))
-        if not done:
-            moves = _newton_step(K_star, error, scaled, partition)
-            size = norm(moves)
-        if done or (closed and not math.isfinite(size)):
-            factors = partition.factorise(K_star, partition.size_of(scaled))
-            return Closed(q, gap, error, scaled, factors, iteration)
+        residual, jacobian = problem.loops.evaluate(q)
+        error = residual * partition.row_scale
+        gap = norm(error)
+        closed = gap <= tolerance
+        if gap <= enough or (closed and (left <= enough or gap > 0.5 * previous_gap)):
+            return closed_point(problem, q, iteration)
+        moves = _newton_step(error, partition.scaled(jacobian), partition)
+        size = norm(moves)
+        if closed and not math.isfinite(size):
+            return closed_point(problem, q, iteration)
         if not (closed or size <= allowed):
             return None
         allowed, previous_gap = SLOWEST_CONTRACTION * size, gap
@@ -209,12 +208,13 @@ def polished(problem: ClosureProblem, q: Array) -> Array:
     return q if point is None else point.q
 
 
-def _newton_step(K_star: Array, error: Array, scaled: Array, partition: Partition) -> Array:
+def _newton_step(error: Array, scaled: Array, partition: Partition) -> Array:
     """Return the smallest moves (m_p,) with K* moves = −η; no numbers where there are none.
 
-    All without dimension: K* is the passive columns of `scaled`.
+    All without dimension: η as `error`, and `scaled` is [K K*].
     """
-    (rows, columns), rank = K_star.shape, partition.passive_rank
+    K_star, rank = scaled.take(partition.passive, axis=1), partition.passive_rank
+    rows, columns = K_star.shape
     if rows >= columns == rank:
         moves = (solved if rows == columns else least_squares)(K_star, error)
         return np.full(columns, np.nan) if moves is None else -moves

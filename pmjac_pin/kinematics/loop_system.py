@@ -51,6 +51,21 @@ class _LoopRows(NamedTuple):
     moving: NDArray[np.intp]
 
 
+class LoopData(NamedTuple):
+    """Pinocchio's scratch data of the loops between frames, for one thread.
+
+    Attributes
+    ----------
+    each : list
+        Of each loop.
+    together : pin.StdVec_ConstraintData or None
+        Which hold them, where all loops are gaps that Pinocchio evaluates at once.
+    """
+
+    each: list[Any]
+    together: Any
+
+
 class LoopSystem:
     """All the loops of a mechanism, stacked: η(q) and ∂η/∂v.
 
@@ -86,6 +101,7 @@ class LoopSystem:
         "_closures",
         "_grounds",
         "_nv",
+        "_points",
         "_seconds",
         "couplings",
         "ends",
@@ -129,6 +145,15 @@ class LoopSystem:
         self._seconds: tuple[int | None, ...] = (None,) * len(self._closures)
         self._grounds: tuple[int | None, ...] = (0,) * len(self._closures)
         self._bases = tuple(None if c.base == c.body else c.base for c in self._closures)
+        self._points = self._together()
+
+    def _together(self) -> Any:
+        """Return Pinocchio's constraints as it evaluates them at once, None where it cannot."""
+        if self.couplings or not all(closure.gap for closure in self._closures):
+            return None
+        points = pin.StdVec_ConstraintModel()
+        points.extend(pin.ConstraintModel(closure.constraint) for closure in self._closures)
+        return points
 
     def _geared(self, model: pin.Model, loop: JointLoop, start: int) -> _LoopRows:
         coupling = self.couplings[start] = couple(model, loop)
@@ -172,6 +197,7 @@ class LoopSystem:
         found = copy.copy(self)
         own = zip(self._closures, rows, strict=True)
         found._closures = [closure.placed(model, places, blocks) for closure, blocks in own]
+        found._points = found._together()
         found.rods = {
             slots.start: block.length
             for closure in found._closures
@@ -180,22 +206,33 @@ class LoopSystem:
         }
         return found
 
-    def create_data(self) -> list[Any]:
-        """Return Pinocchio's scratch data, one for each loop between frames."""
-        return [closure.constraint.createData() for closure in self._closures]
+    def create_data(self) -> LoopData:
+        """Return Pinocchio's scratch data."""
+        each = [closure.constraint.createData() for closure in self._closures]
+        if self._points is None:
+            return LoopData(each, None)
+        together = pin.StdVec_ConstraintData()
+        together.extend(map(pin.ConstraintData, each))
+        return LoopData([data.extract() for data in together], together)
 
     def evaluate(
-        self, model: pin.Model, data: pin.Data, scratch: list[Any], q: Array
+        self, model: pin.Model, data: pin.Data, scratch: LoopData, q: Array
     ) -> tuple[Array, Array]:
         """Return η (p,) and ∂η/∂v (p, nv) in the anchors' axes.
 
         After ``pin.computeJointJacobians`` filled `data` at `q`; ``forwardKinematics`` would
         leave the joint Jacobians stale.
         """
-        return self._filled(model, data, scratch, q, self._seconds)
+        if self._points is None or not self._closures:
+            return self._filled(model, data, scratch, q, self._seconds)
+        for closure, own in zip(self._closures, scratch.each, strict=True):
+            closure.constraint.calc(model, data, own)
+        jacobian = pin.getConstraintsJacobian(model, data, self._points, scratch.together)
+        residual = np.concatenate([own.constraint_position_error for own in scratch.each])
+        return residual, jacobian.reshape(-1, self._nv)
 
     def in_world(
-        self, model: pin.Model, data: pin.Data, scratch: list[Any], q: Array
+        self, model: pin.Model, data: pin.Data, scratch: LoopData, q: Array
     ) -> tuple[Array, Array]:
         """Return what `evaluate` does in world axes.
 
@@ -204,7 +241,7 @@ class LoopSystem:
         return self._filled(model, data, scratch, q, self._grounds)
 
     def from_base(
-        self, model: pin.Model, data: pin.Data, scratch: list[Any], q: Array
+        self, model: pin.Model, data: pin.Data, scratch: LoopData, q: Array
     ) -> tuple[Array, Array]:
         """Return what `evaluate` does, seen from the body that carries both ends of a loop.
 
@@ -216,13 +253,13 @@ class LoopSystem:
         self,
         model: pin.Model,
         data: pin.Data,
-        scratch: list[Any],
+        scratch: LoopData,
         q: Array,
         bodies: tuple[int | None, ...],
     ) -> tuple[Array, Array]:
         count = len(self.row_names)
         residual, jacobian = np.empty(count), np.empty((count, self._nv))
-        for closure, own, body in zip(self._closures, scratch, bodies, strict=True):
+        for closure, own, body in zip(self._closures, scratch.each, bodies, strict=True):
             rates = closure.jacobian(model, data, own)
             turn = None if body is None else own.oMc1.rotation
             if body:

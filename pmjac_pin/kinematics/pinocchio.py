@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import threading
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
-from pmjac_pin.kinematics.loop_system import LoopSystem
+from pmjac_pin.kinematics.loop_system import LoopData, LoopSystem
 from pmjac_pin.kinematics.tool import ToolKinematics
 from pmjac_pin.model.tool_rows import WORLD_AXES, ToolRows
 from pmjac_pin.model.twist_frame import change_frame
@@ -51,7 +51,7 @@ class Snapshot(NamedTuple):
 
 class _Scratch(threading.local):
     data: pin.Data
-    loops: list[Any]
+    loops: LoopData
 
 
 class Kinematics:
