@@ -9,6 +9,7 @@ less.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -138,6 +139,6 @@ def _leg(
     return (stand.actInv(centre), reach) if reach > _SQUARE * length else None
 
 
-def names_of(legs: list[Leg]) -> list[str]:
+def names_of(legs: Iterable[Leg]) -> list[str]:
     """Return the names of all joints in legs."""
     return [edge.name for leg in legs for edge in leg.edges]
