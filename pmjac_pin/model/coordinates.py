@@ -68,22 +68,6 @@ class JointCoordinates:
         Limits, m or rad, infinite where there are none.
     """
 
-    __slots__ = (
-        "_entries_of",
-        "_joints",
-        "_model",
-        "_neutral",
-        "_straight",
-        "_translating",
-        "angles",
-        "curved",
-        "lower",
-        "names",
-        "rotational",
-        "upper",
-        "wraps",
-    )
-
     def __init__(self, model: pin.Model) -> None:
         joints = [
             _Joint(name, kind_of(kind), kind.idx_q, kind.nq, kind.idx_v, kind.nv)
@@ -291,7 +275,7 @@ class JointCoordinates:
     def _entries(self, joint: _Joint, given: float | Sequence[float]) -> Array:
         values = np.atleast_1d(as_numbers(given, f"the value of joint {joint.name!r}"))
         if values.shape == (joint.nq,):
-            return self._normalised(joint, values)
+            return values if joint.nq == joint.nv else self._normalised(joint, values)
         if values.shape != (joint.nv,):
             wanted = f"{joint.nv}" if joint.nv == joint.nq else f"{joint.nv} or {joint.nq}"
             plural = "" if wanted == "1" else "s"

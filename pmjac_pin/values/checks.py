@@ -17,6 +17,8 @@ LARGEST = 1e9
 #: m, of what must not be zero: its square must not vanish beside rounding.
 SMALLEST = 1e-9
 
+_WITHOUT_NAMES = (np.ndarray, float, int, list, tuple)
+
 
 def as_numbers(given: object, what: str, largest: float = LARGEST) -> Array:
     """Return a float array of what the caller gave, or say what is wrong with it.
@@ -27,7 +29,7 @@ def as_numbers(given: object, what: str, largest: float = LARGEST) -> Array:
         Strings, complex numbers, ragged lists, NaN, infinities and numbers beyond `largest`;
         values with names, which must not be taken by their order.
     """
-    if type(given) is not np.ndarray and named_values(given, what) is not None:
+    if type(given) not in _WITHOUT_NAMES and named_values(given, what) is not None:
         message = f"{what} must be plain numbers in their order, got names, too"
         raise ArgumentError(f"{message}: {quoted(given)}")
     try:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pmjac_pin.closing.closure import polished
-from pmjac_pin.closing.damped_closure import assemble
-from pmjac_pin.closing.pose_assembly import motor_weights
+from pmjac_pin.closing.damped_closure import assemble, motor_weights
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism

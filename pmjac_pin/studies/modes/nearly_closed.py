@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from pmjac_pin.closing.closed import closed_point
-from pmjac_pin.closing.damped_closure import assemble
+from pmjac_pin.closing.damped_closure import assemble, motor_weights
 from pmjac_pin.closing.held_motors import is_rounding
-from pmjac_pin.closing.pose_assembly import motor_weights
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.rounded_numbers import wider_tolerance
 from pmjac_pin.studies.evidence import Evidence

@@ -10,8 +10,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from pmjac_pin.closing.damped_closure import assemble
-from pmjac_pin.closing.pose_assembly import motor_weights
+from pmjac_pin.closing.damped_closure import assemble, motor_weights
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.studies.singularities.curve_equations import CurveEquations, SingularPoint
 from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
