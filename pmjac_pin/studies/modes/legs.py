@@ -54,9 +54,7 @@ class Leg:
 
 def find_legs(mechanism: Mechanism, q: Array) -> list[Leg]:
     """Return the mechanism's legs, with the motors as in q."""
-    model = mechanism.kinematics.model
-    data = model.createData()
-    pin.forwardKinematics(model, data, q)
+    model, data = mechanism.kinematics.model, mechanism.kinematics.placed(q)
     joints = {edge.child: edge for edge in edges_of(model).values()}
     lonely = _lonely_bodies(mechanism, joints)
     legs = []
