@@ -17,7 +17,7 @@ from pmjac_pin.viewer.browser_files import PAGE, meshcat_files
 from pmjac_pin.viewer.canvas import Canvas
 from pmjac_pin.viewer.framing import Framing
 from pmjac_pin.viewer.pose_facts import pose_facts
-from pmjac_pin.viewer.scene import SceneOptions
+from pmjac_pin.viewer.scene_options import SceneOptions
 from pmjac_pin.viewer.session import Session
 
 _FRAME_STYLE = "width: 100%; height: 480px; border: 1px solid #d5d9de; border-radius: 6px"
@@ -145,7 +145,7 @@ def static_scene(
     >>> scene.html()[:15]
     '<!DOCTYPE html>'
     """
-    options = SceneOptions(linear, angular, force, names, velocity_polytope, force_polytope)
+    options = SceneOptions(linear, angular, force, names, 1.0, velocity_polytope, force_polytope)
     session, canvas = Session(configuration, options), Canvas()
     canvas.update(session.scene().items)
     return StaticScene.of(session, canvas)
