@@ -22,6 +22,7 @@ from pmjac_pin.errors import ArgumentError, ClosureError
 from pmjac_pin.kinematics.pinocchio import Snapshot
 from pmjac_pin.model.limits import Violation, violations
 from pmjac_pin.model.reference_frame import frame_name
+from pmjac_pin.model.tool_rows import WORLD_AXES
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.pose_of_configuration import PoseOfConfiguration
 from pmjac_pin.rates.allowed import AllowedJacobian, allowed_jacobian
@@ -101,12 +102,12 @@ class Configuration(LoadedPose, Shown):
         parts = mechanism._parts
         if (known := mechanism.recorded.pose(q)) is not None:
             return cls._certified(mechanism, q, iterations, known.gap, _known=known)
-        snapshot = parts.kinematics.snapshot(q)
-        gap, tolerance = parts.problem.gap(snapshot.residual), parts.problem.tolerance
-        if not gap <= tolerance:
+        snapshot, problem = parts.kinematics.snapshot(q), parts.problem
+        gap = problem.gap(snapshot.residual)
+        if not gap <= problem.tolerance:
             message = (
                 f"the loops of {mechanism.name!r} are open by {gap:.3g} m at this q (tolerance "
-                f"{tolerance:g} m); use close() to close them"
+                f"{problem.tolerance:g} m); use close() to close them"
             )
             raise ClosureError(message, residual_norm=gap, q=q)
         return cls._certified(mechanism, q, iterations, gap, _known=None, _snapshot=snapshot)
@@ -198,7 +199,7 @@ class Configuration(LoadedPose, Shown):
 
     def jacobian(
         self,
-        frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED",
+        frame: str | pin.ReferenceFrame = WORLD_AXES,
         *,
         tool: str | Sequence[str] | None = None,
     ) -> EquivalentJacobian:
@@ -234,14 +235,17 @@ class Configuration(LoadedPose, Shown):
         """
         if tool is not None:
             return self.with_tool(tool).jacobian(frame)
-        self._need_tool()
-        name, known, partition = frame_name(frame), self._known, self.problem.partition
+        problem = self.problem
+        if not problem.partition.tool_rows.names:
+            self._need_tool()
+        name: FrameName = WORLD_AXES if frame is WORLD_AXES else frame_name(frame)
+        known, pose = self._known, PoseOfConfiguration(self, name)
         find: Callable[[], EquivalentJacobian]
-        if known is not None and partition is self._parts.problem.partition:
-            J_eq, find = known.J_eq(name), functools.partial(self._whole, name)
+        if known is not None and problem is self._parts.problem:
+            J_eq, find = known.J_eq(name), functools.partial(self._whole, pose)
         else:
-            J_eq, find = self._eliminated(name)
-        return KnownJacobian.of(J_eq, name, partition, PoseOfConfiguration(self, name), find)
+            J_eq, find = self._eliminated(pose)
+        return KnownJacobian.of(J_eq, name, problem.partition, pose, find)
 
     def allowed_jacobian(
         self,
@@ -278,18 +282,19 @@ class Configuration(LoadedPose, Shown):
         split = self.split_jacobian(frame)
         return allowed_jacobian(split, self.singularity, loops=self._loop_rates)
 
-    def _eliminated(self, frame: FrameName) -> tuple[Array, Callable[[], EquivalentJacobian]]:
+    def _eliminated(
+        self, pose: PoseOfConfiguration
+    ) -> tuple[Array, Callable[[], EquivalentJacobian]]:
         """Return J_eq by singular values, and what has all matrices; or say why there is none."""
-        constraint, tool = self._jacobians(self._snapshot, frame)
+        constraint, tool = self._jacobians(self._snapshot, pose.frame)
         partition = self.problem.partition
         rates, J_eq = eliminated(tool, partition, self._loop_rates, self.singularity)
-        whole = functools.partial(
-            EquivalentJacobian, constraint, tool, frame, partition, rates, J_eq
-        )
-        return read_only(J_eq), functools.partial(whole, pose=PoseOfConfiguration(self, frame))
+        J_eq = read_only(J_eq)
+        matrices = constraint, tool, pose.frame, partition, rates, J_eq
+        return J_eq, functools.partial(EquivalentJacobian, *matrices, pose=pose)
 
-    def _whole(self, frame: FrameName) -> EquivalentJacobian:
-        return self._eliminated(frame)[1]()
+    def _whole(self, pose: PoseOfConfiguration) -> EquivalentJacobian:
+        return self._eliminated(pose)[1]()
 
     def split_jacobian(
         self, frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED"
@@ -350,9 +355,11 @@ class Configuration(LoadedPose, Shown):
 
     def _jacobians(self, snapshot: Snapshot, frame: FrameName) -> tuple[Array, Array]:
         """Return the constraint and the tool Jacobian of a snapshot, the latter in a frame."""
+        constraint, tool = snapshot.constraint_jacobian, snapshot.tool_jacobian
+        if frame == WORLD_AXES:
+            return constraint, tool
         position = snapshot.position + self._parts.place
-        tool = change_frame(snapshot.tool_jacobian, frame, snapshot.rotation, position)
-        return snapshot.constraint_jacobian, tool
+        return constraint, change_frame(tool, frame, snapshot.rotation, position)
 
     @found_once
     def _known(self) -> KnownPose | None:

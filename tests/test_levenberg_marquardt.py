@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from mechanisms import CLOSED, loaded
 
-from pmjac_pin.closing.damped_closure import assemble
+from pmjac_pin.closing.damped_closure import assemble, motor_weights
 from pmjac_pin.closing.levenberg_marquardt import by_normal_equations, by_singular_values
-from pmjac_pin.closing.pose_assembly import motor_weights
 from pmjac_pin.studies.modes.search import ManyClosures
 from pmjac_pin.studies.modes.search_problem import search_problem
 from pmjac_pin.studies.modes.starts import StartSpace

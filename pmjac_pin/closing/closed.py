@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.rates.factorisation import Factorisation
 from pmjac_pin.values.arrays import Array, norm
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Closed:
-    """A point on a path: closed loops, and K* factorised there, in the anchors' axes."""
+class Closed(NamedTuple):
+    """A point on a path: closed loops, and K* factorised there, in the anchors' axes.
+
+    Attributes
+    ----------
+    q : ndarray, shape (nq,)
+    gap : float
+        m.
+    residual, scaled : ndarray, shapes (p,) and (p, nv)
+        η in m, and [K K*] without dimension.
+    factors : Factorisation
+    iterations : int
+    """
 
     q: Array
     gap: float
@@ -21,16 +31,9 @@ class Closed:
     iterations: int
 
 
-def closed_point(problem: ClosureProblem, q: Array) -> Closed:
+def closed_point(problem: ClosureProblem, q: Array, iterations: int = 0) -> Closed:
     """Evaluate and factorise at a q whose loops are closed."""
-    return point_at(problem, q, *problem.evaluate(q), 0)
-
-
-def point_at(
-    problem: ClosureProblem, q: Array, residual: Array, jacobian: Array, iterations: int
-) -> Closed:
-    """Factorise at a q whose loops and their Jacobian are known."""
-    partition = problem.partition
-    scaled, error = partition.scaled(jacobian), residual * partition.row_scale
-    factors = partition.factorise(scaled.take(partition.passive, axis=1), partition.size_of(scaled))
-    return Closed(q, norm(error), error, scaled, factors, iterations)
+    partition, (residual, jacobian) = problem.partition, problem.evaluate(q)
+    error = residual * partition.row_scale
+    loops = partition.loop_rates(jacobian)
+    return Closed(q, norm(error), error, loops.scaled, loops.passive, iterations)

@@ -21,7 +21,7 @@ from pmjac_pin.model.unit_turns import NEARLY_UNIT, with_unit_turns
 from pmjac_pin.values.arrays import Array, Index, read_only
 from pmjac_pin.values.checks import LARGEST, as_numbers
 
-_LIMIT_SLACK = 1e-9  # m or rad: rounding on the way to a limit is no violation
+LIMIT_SLACK = 1e-9  # m or rad: rounding on the way to a limit is no violation
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,22 +67,6 @@ class JointCoordinates:
     lower, upper : ndarray, shape (nv,)
         Limits, m or rad, infinite where there are none.
     """
-
-    __slots__ = (
-        "_entries_of",
-        "_joints",
-        "_model",
-        "_neutral",
-        "_straight",
-        "_translating",
-        "angles",
-        "curved",
-        "lower",
-        "names",
-        "rotational",
-        "upper",
-        "wraps",
-    )
 
     def __init__(self, model: pin.Model) -> None:
         joints = [
@@ -245,7 +229,7 @@ class JointCoordinates:
         if limits:
             lower, upper = self.lower[turned], self.upper[turned]
             beyond = np.isfinite(lower) & ((values < lower) | (values > upper))
-            up = values + 2.0 * np.pi * np.ceil((lower - values - _LIMIT_SLACK) / (2.0 * np.pi))
+            up = values + 2.0 * np.pi * np.ceil((lower - values - LIMIT_SLACK) / (2.0 * np.pi))
             values = np.where(beyond, up, values)
         return self.with_values(q, turned, values)
 
@@ -256,8 +240,8 @@ class JointCoordinates:
 
     def beyond(self, values: Array, columns: Index) -> NDArray[np.bool_]:
         """Tell which values of these columns are outside their limits; with any leading axes."""
-        below = values < self.lower[columns] - _LIMIT_SLACK
-        return np.asarray(below | (values > self.upper[columns] + _LIMIT_SLACK))
+        below = values < self.lower[columns] - LIMIT_SLACK
+        return np.asarray(below | (values > self.upper[columns] + LIMIT_SLACK))
 
     def outside(self, values: Array, columns: Index) -> list[str]:
         """Return the joints of these columns whose values are outside their limits."""
@@ -291,7 +275,7 @@ class JointCoordinates:
     def _entries(self, joint: _Joint, given: float | Sequence[float]) -> Array:
         values = np.atleast_1d(as_numbers(given, f"the value of joint {joint.name!r}"))
         if values.shape == (joint.nq,):
-            return self._normalised(joint, values)
+            return values if joint.nq == joint.nv else self._normalised(joint, values)
         if values.shape != (joint.nv,):
             wanted = f"{joint.nv}" if joint.nv == joint.nq else f"{joint.nv} or {joint.nq}"
             plural = "" if wanted == "1" else "s"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import assert_never
 
 import numpy as np
 
@@ -12,9 +11,9 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.files.shapes import Cone, Cylinder, Sphere, Text
 from pmjac_pin.pictures.anatomy import Anatomy
+from pmjac_pin.pictures.within_limits import ellipsoid_of
 from pmjac_pin.rates.ellipse import ties, turned_into_plane
 from pmjac_pin.rates.ellipsoid import Ellipsoid
-from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.viewer.equivalent import equivalent
 from pmjac_pin.viewer.items import Part, stretched_between
@@ -114,7 +113,7 @@ def find_ellipsoids(
     jacobian, _ = equivalent(configuration) if kinds else (None, "")
     if jacobian is None:
         return {}
-    return {kind: _ellipsoid_of_kind(jacobian, kind) for kind in kinds}
+    return {kind: ellipsoid_of(jacobian, kind) for kind in kinds}
 
 
 def directions_after(
@@ -145,18 +144,6 @@ def _kept_axes(before: Array, axes: Array, tied: list[bool]) -> Array:
         normal = axes[:, 2 - 2 * first].tolist()
         axes[:, first : first + 2] = np.transpose(turned_into_plane(normal, before.T.tolist()))
     return axes
-
-
-def _ellipsoid_of_kind(jacobian: EquivalentJacobian, kind: EllipsoidKind) -> Ellipsoid:
-    match kind:
-        case "linear":
-            return jacobian.velocity_ellipsoid()
-        case "angular":
-            return jacobian.angular_ellipsoid()
-        case "force":
-            return jacobian.force_ellipsoid()
-        case _:
-            assert_never(kind)
 
 
 def radius_label(radius: float, unit: str) -> str:

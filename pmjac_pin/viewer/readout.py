@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, get_args
 
 import msgspec
@@ -165,9 +166,10 @@ def _beyond(configuration: Configuration) -> str:
     found = tuple(configuration.limits_violated)
     if not found:
         return ""
-    shown = ", ".join(found[:_NAMES_SHOWN]) + " and others" * (len(found) > _NAMES_SHOWN)
     their = "its limits" if len(found) == 1 else "their limits"
-    return f"Beyond {their}: {shown}. The loops close, but the machine cannot be here."
+    return (
+        f"Beyond {their}: {_first_names(found)}. The loops close, but the machine cannot be here."
+    )
 
 
 def _rank_words(rows: ToolRows) -> tuple[str, str]:
@@ -242,8 +244,11 @@ def _moving_names(names: tuple[str, ...], rates: Array) -> str:
     """Name the joints that take part in a motion: those above 5 % of the largest rate."""
     largest = np.abs(rates).max()
     moving = [n for n, r in zip(names, rates, strict=True) if abs(r) > 0.05 * largest]
-    shown = ", ".join(moving[:_NAMES_SHOWN])
-    return f"{shown} and others" if len(moving) > _NAMES_SHOWN else shown
+    return _first_names(moving)
+
+
+def _first_names(names: Sequence[str]) -> str:
+    return ", ".join(names[:_NAMES_SHOWN]) + " and others" * (len(names) > _NAMES_SHOWN)
 
 
 def _tool_share(configuration: Configuration, jacobian: EquivalentJacobian) -> float:

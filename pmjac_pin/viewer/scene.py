@@ -44,27 +44,28 @@ class SceneOptions:
     ----------
     linear, angular, force : bool
         The ellipsoids at the tool.
-    scale : float
-        Of the ellipsoids, relative to the automatic one; positive.
     names : bool
         The motors' names.
     velocity_polytope, force_polytope : bool
         What the tool can do within the limits of each motor.
+    scale : float
+        Of the ellipsoids, relative to the automatic one; positive.
     """
 
     linear: bool = True
     angular: bool = False
     force: bool = False
-    scale: float = 1.0
     names: bool = True
     velocity_polytope: bool = False
     force_polytope: bool = False
+    scale: float = 1.0
 
     def __post_init__(self) -> None:
         for name in (*_DRAWN_ELLIPSOIDS, "names", "velocity_polytope", "force_polytope"):
-            as_flag(getattr(self, name), name)
+            object.__setattr__(self, name, as_flag(getattr(self, name), name))
         if not 0.0 < self.scale < math.inf:
             raise ArgumentError(f"scale must be a positive number, got {quoted(self.scale)}")
+        object.__setattr__(self, "scale", float(self.scale))
 
 
 @dataclass(frozen=True, eq=False, slots=True)

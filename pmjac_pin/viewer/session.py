@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import assert_never
 
 import numpy as np
@@ -126,23 +127,9 @@ class Session:
             case NamedPose():
                 self._go_to(self.mechanism.pose(command.name))
             case Options():
-                self.options = SceneOptions(
-                    linear=command.linear,
-                    angular=command.angular,
-                    force=command.force,
-                    names=command.names,
-                    scale=command.scale,
-                    velocity_polytope=command.velocity_polytope,
-                    force_polytope=command.force_polytope,
-                )
+                self.options = SceneOptions(**command.told())
             case SetLoad():
-                self.load = Load(
-                    kind=command.kind,
-                    mass=command.mass,
-                    size=command.size,
-                    azimuth=command.azimuth,
-                    elevation=command.elevation,
-                )
+                self.load = Load(**command.told())
             case _:
                 assert_never(command)
 
@@ -304,16 +291,7 @@ class Session:
             parameters=tuple(self.mechanism.parameters.values()),
             readout=self.readout(),
             notice=self.notice,
-            drawn=Drawn(
-                bool(self.options.linear),
-                bool(self.options.angular),
-                bool(self.options.force),
-                bool(self.options.names),
-                float(self.options.scale),
-                bool(self.options.velocity_polytope),
-                bool(self.options.force_polytope),
-                self._no_polytopes(),
-            ),
+            drawn=Drawn(**asdict(self.options), no_polytopes=self._no_polytopes()),
             load=make_load_readout(self.configuration, self.load),
             moment=self.moment,
             about=self._about() if about else None,

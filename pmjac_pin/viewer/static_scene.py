@@ -174,14 +174,7 @@ def static_scene(
     >>> scene.html()[:15]
     '<!DOCTYPE html>'
     """
-    options = SceneOptions(
-        linear=linear,
-        angular=angular,
-        force=force,
-        names=names,
-        velocity_polytope=velocity_polytope,
-        force_polytope=force_polytope,
-    )
+    options = SceneOptions(linear, angular, force, names, velocity_polytope, force_polytope)
     session, canvas = Session(configuration, options), Canvas()
     canvas.update(session.scene().items)
     return StaticScene.of(session, canvas)

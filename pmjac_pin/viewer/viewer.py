@@ -203,14 +203,7 @@ def view(
     """
     if open_browser is not None:
         open_browser = as_flag(open_browser, "open_browser")
-    options = SceneOptions(
-        linear=linear,
-        angular=angular,
-        force=force,
-        names=names,
-        velocity_polytope=velocity_polytope,
-        force_polytope=force_polytope,
-    )
+    options = SceneOptions(linear, angular, force, names, velocity_polytope, force_polytope)
     shown = configuration[0] if isinstance(configuration, Trajectory) else configuration
     viewer = Viewer(shown, options, port)
     if isinstance(configuration, Trajectory):

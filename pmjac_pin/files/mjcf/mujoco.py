@@ -15,7 +15,8 @@ from xml.etree.ElementTree import Element, tostring
 
 from pmjac_pin.errors import MissingDependencyError, ModelFileError, shortened
 from pmjac_pin.files.mjcf.file import MjcfFile
-from pmjac_pin.files.mjcf.names import Places, called, check_name
+from pmjac_pin.files.mjcf.names import Places, called
+from pmjac_pin.files.xml_text import check_name
 
 _LONGEST_ERROR = 300  # characters of one of MuJoCo's messages
 _HEAVY = 1e30  # kg m², beside all that a file may say

@@ -7,7 +7,6 @@ machines is p(t) = p₀ + t p₁, γ(t) = γ₀ + t γ₁.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import acb
@@ -21,10 +20,6 @@ from pmjac_pin.studies.homotopy.polynomial_loops import PolynomialLoops
 from pmjac_pin.studies.modes.legs import Leg, names_of
 from pmjac_pin.studies.modes.search_problem import SearchProblem, search_problem, with_legs
 from pmjac_pin.values.arrays import Array, Complex
-
-if TYPE_CHECKING:
-    from pmjac_pin.mechanism import Mechanism
-
 
 _SPREAD = 0.5  # of random machines about a given one, relative
 
