@@ -9,15 +9,17 @@ from __future__ import annotations
 import os
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from threading import Thread
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, Generic, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pmjac_pin.batches.filled_again import memory_of, note_memory
 from pmjac_pin.batches.results import Status, empty_arrays
 from pmjac_pin.errors import ArgumentError, Interrupted, quoted
-from pmjac_pin.values.arrays import Mask, ReadOnlyArrays, sealed
+from pmjac_pin.values.arrays import Array, Mask, ReadOnlyArrays, sealed
 from pmjac_pin.values.checks import check_callable
 
 PIECE = 4096  # poses: they fill the kernel's lanes, and some MB
@@ -60,12 +62,29 @@ class _GivenUp(Exception):
 PieceWork: TypeAlias = Callable[..., object]
 
 
+@dataclass(frozen=True, slots=True)
+class Manner(Generic[Results]):
+    """How many poses are computed.
+
+    Attributes
+    ----------
+    threads, progress, out
+        As of `Batch.close`.
+    given : tuple of ndarray
+        What is read while results are filled.
+    """
+
+    threads: int | None = None
+    progress: Progress | None = None
+    out: Results | None = None
+    given: tuple[Array, ...] = ()
+
+
 def gathered(
     kind: type[Results],
     shapes: Mapping[str, tuple[int, ...]],
     work: PieceWork,
-    threads: int | None = None,
-    progress: Progress | None = None,
+    how: Manner[Results],
     **more: Any,
 ) -> Results:
     """Return results of many poses.
@@ -79,8 +98,7 @@ def gathered(
     work : callable
         Fills the arrays of a piece, ``work(piece, *parts)``, in that order. Where the pieces end
         depends on their number alone.
-    threads, progress
-        As of `Batch.close`.
+    how : Manner
     **more
         What the results are made with besides their arrays.
 
@@ -88,21 +106,23 @@ def gathered(
     ------
     ArgumentError, Interrupted
     """
-    check_callable(progress, "progress")
-    found = empty_arrays(shapes)
+    check_callable(how.progress, "progress")
+    threads, out = thread_count(how.threads), how.out
+    found = empty_arrays(shapes) if out is None else memory_of(out, kind, shapes, how.given)
     filling = _Filling(list(found.values()), work)
+    result = kind(**{name: sealed(array) for name, array in found.items()}, **more)
+    if out is not None:
+        vars(out).update(vars(result))
+        result = out
+    note_memory(result, found)
     try:
-        filling.fill(thread_count(threads), progress)
-    except KeyboardInterrupt:
+        filling.fill(threads, how.progress)
+    except BaseException as stopped:
         told = f"{filling.blank()} of {filling.count} poses"
-        raise interrupted(told, _sealed_in(kind, found, more)) from None
-    return _sealed_in(kind, found, more)
-
-
-def _sealed_in(
-    kind: type[Results], found: Mapping[str, NDArray[Any]], more: Mapping[str, Any]
-) -> Results:
-    return kind(**{name: sealed(array) for name, array in found.items()}, **more)
+        if isinstance(stopped, KeyboardInterrupt):
+            raise interrupted(told, result) from None
+        raise
+    return result
 
 
 class _Filling:
