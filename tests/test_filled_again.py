@@ -85,6 +85,8 @@ def test_what_is_read_is_not_written_over(rng):
     poses = many.close(values)
     with pytest.raises(pj.ArgumentError, match="written over while it is read"):
         many.close(values + 0.01, guess=poses.q, out=poses)
+    with pytest.raises(pj.ArgumentError, match="written over while it is read"):
+        many.close(poses.q[:, :2], out=poses)  # a view
     expected = many.close(values + 0.01, guess=poses.q)
     equal(many.close(values + 0.01, guess=poses.q.copy(), out=poses), expected)
 

@@ -42,7 +42,7 @@ from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.model.unit_turns import UnitRows
 from pmjac_pin.rates.many_radii import fill_radii
 from pmjac_pin.values.arrays import Array, Index
-from pmjac_pin.values.checks import as_numbers, check_kind
+from pmjac_pin.values.checks import as_numbers, check_kind, seen_numbers
 
 _WORLD_ALIGNED: FrameName = "LOCAL_WORLD_ALIGNED"
 Rates = TypeVar("Rates", bound=ManyJacobians)
@@ -137,7 +137,7 @@ class Batch:
         ------
         ArgumentError, UnknownNameError
             Values that are no finite numbers of that shape; no such pose; an `out` of other shapes,
-            or whose arrays are not to be written to, or are read as a guess.
+            or whose arrays are not to be written to, or are what is read.
         ClosureError
             A guess that is not closed.
         """
@@ -152,7 +152,7 @@ class Batch:
                 self._closing.check(begin)
             self._closing.close(piece, (begin, values[at]), whose, found)
 
-        return self._closed(start, work, Manner(threads, progress, out, (start,)))
+        return self._closed(start, work, Manner(threads, progress, out, (start, values)))
 
     def grid(
         self,
@@ -391,7 +391,7 @@ class Batch:
 
     def _checked(self, part: Array) -> Array:
         """Return rows of q as numbers whose turns are of unit length, or say what they are not."""
-        return self._unit_rows.of(as_numbers(part, "q"))
+        return self._unit_rows.of(seen_numbers(part, "q"))
 
     @cached_property
     def _unit_rows(self) -> UnitRows:
