@@ -338,7 +338,7 @@ class Mechanism(MechanismSiblings, Shown):
         return StepGuard(parts.model, arms)
 
     def _checked(self, q: ArrayLike) -> Array:
-        values = as_numbers(q, "q")
-        if values.shape != (self.nq,):
+        values, parts = as_numbers(q, "q"), self._parts
+        if values.shape != parts.home_q.shape:
             raise ArgumentError(f"q has nq = {self.nq} entries, got shape {values.shape}")
-        return with_unit_turns(self._parts.model, values)
+        return with_unit_turns(parts.model, values)

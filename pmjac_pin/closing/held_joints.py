@@ -93,7 +93,7 @@ class HeldJoints:
         rates = np.array(
             [(f.joint in carried) * _velocities(self._placed[f.index] - centre) for f in frames]
         )
-        rotation, position = self._parts.kinematics.tool.pose(self._model, self._data)
+        _, rotation, position = self._parts.kinematics.tool.at(self._model, self._data)
         if len(frames) == 1:
             aligned = rates[0]
         else:

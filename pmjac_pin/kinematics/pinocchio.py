@@ -109,12 +109,11 @@ class Kinematics:
         scratch = self._at(q)
         data = scratch.data
         residual, constraint_jacobian = self.loops.in_world(self.model, data, scratch.loops, q)
-        tool = _read_off(self.model, data, self.tool)
-        return Snapshot(residual, constraint_jacobian, *tool)
+        return Snapshot(residual, constraint_jacobian, *self.tool.at(self.model, data))
 
     def tool_at(self, q: Array, tool: ToolKinematics) -> tuple[Array, Array, Array]:
         """Return the Jacobian (6, nv) of any tool, LOCAL_WORLD_ALIGNED, its rotation and place."""
-        return _read_off(self.model, self._at(q).data, tool)
+        return tool.at(self.model, self._at(q).data)
 
     def mass_matrix(self, q: Array) -> Array:
         """Return that of the cut tree, shape (nv, nv), armatures included."""
@@ -138,8 +137,11 @@ class Kinematics:
 
     def _at(self, q: Array) -> _Scratch:
         """Return this thread's scratch, the joints' motions computed at q."""
-        scratch = self._thread_scratch()
-        pin.computeJointJacobians(self.model, scratch.data, q)
+        scratch = self._scratch
+        try:
+            pin.computeJointJacobians(self.model, scratch.data, q)
+        except AttributeError:  # the first call of a thread
+            pin.computeJointJacobians(self.model, self._thread_scratch().data, q)
         return scratch
 
     def _thread_scratch(self) -> _Scratch:
@@ -148,11 +150,6 @@ class Kinematics:
             scratch.data = self.model.createData()
             scratch.loops = self.loops.create_data()
         return scratch
-
-
-def _read_off(model: pin.Model, data: pin.Data, tool: ToolKinematics) -> tuple[Array, Array, Array]:
-    rotation, position = tool.pose(model, data)
-    return tool.jacobian(model, data), rotation, position
 
 
 @cache

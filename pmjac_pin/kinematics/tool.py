@@ -19,14 +19,13 @@ _ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
 
 class ToolKinematics(Protocol):
-    """Pose and Jacobian of the tool, once ``pin.computeJointJacobians`` has filled `data`."""
+    """Jacobian and pose of the tool, once ``pin.computeJointJacobians`` has filled `data`."""
 
-    def pose(self, model: pin.Model, data: pin.Data) -> tuple[Array, Array]:
-        """Return the rotation (3, 3) and the position (3,) of the tool in the world."""
-        ...
+    def at(self, model: pin.Model, data: pin.Data) -> tuple[Array, Array, Array]:
+        """Return its Jacobian (6, nv), and in the world its rotation (3, 3) and position (3,).
 
-    def jacobian(self, model: pin.Model, data: pin.Data) -> Array:
-        """Return J (6, nv), linear rows first, world axes, at the tool's origin."""
+        Linear rows first, world axes, at the tool's origin.
+        """
         ...
 
 
@@ -43,14 +42,11 @@ class FrameTool:
     def __init__(self, model: pin.Model, name: str) -> None:
         self._index = find_frame(model, name).index
 
-    def pose(self, model: pin.Model, data: pin.Data) -> tuple[Array, Array]:
-        """Return the frame's rotation and position."""
-        placement = pin.updateFramePlacement(model, data, self._index)
-        return placement.rotation.copy(), placement.translation.copy()
-
-    def jacobian(self, model: pin.Model, data: pin.Data) -> Array:
-        """Return Pinocchio's frame Jacobian."""
-        return frame_jacobian(model, data, self._index)
+    def at(self, model: pin.Model, data: pin.Data) -> tuple[Array, Array, Array]:
+        """Return Pinocchio's frame Jacobian and the frame's rotation and position."""
+        place = pin.updateFramePlacement(model, data, self._index)
+        jacobian = frame_jacobian(model, data, self._index)
+        return jacobian, place.rotation.copy(), place.translation.copy()
 
 
 class PointsTool:
@@ -66,16 +62,12 @@ class PointsTool:
     def __init__(self, model: pin.Model, names: tuple[str, ...]) -> None:
         self._indices = [find_frame(model, name).index for name in names]
 
-    def pose(self, model: pin.Model, data: pin.Data) -> tuple[Array, Array]:
-        """Return the spanned frame's rotation and the centroid."""
-        points = self._points(model, data)
-        return spanned_rotation(points), points.mean(axis=0)
-
-    def jacobian(self, model: pin.Model, data: pin.Data) -> Array:
-        """Return the rates of the centroid and of the spanned frame."""
+    def at(self, model: pin.Model, data: pin.Data) -> tuple[Array, Array, Array]:
+        """Return the rates of the centroid and of the spanned frame, its rotation, the centroid."""
         points = self._points(model, data)
         rates = np.stack([frame_jacobian(model, data, index)[:3] for index in self._indices])
-        return spanned_jacobian(points, rates, spanned_rotation(points))
+        rotation = spanned_rotation(points)
+        return spanned_jacobian(points, rates, rotation), rotation, points.mean(axis=0)
 
     def _points(self, model: pin.Model, data: pin.Data) -> Array:
         points = np.stack(

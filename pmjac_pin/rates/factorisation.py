@@ -43,6 +43,8 @@ class Factorisation:
         self.matrix, self.size, self.tolerance = matrix, size, tolerance
         # A⁺ and a bound on σ_min, where that is above the tolerance for certain.
         self._inverse, self._bound = inverse, bound
+        if inverse is not None:
+            self.rank = len(inverse)
 
     @found_once
     def _svd(self) -> tuple[Array, Array, Array]:
@@ -67,11 +69,9 @@ class Factorisation:
         """Vᵀ, shape (k, k)."""
         return self._svd[2]
 
-    @property
+    @found_once
     def rank(self) -> int:
         """How many singular values are above the tolerance."""
-        if self._inverse is not None and "_svd" not in self.__dict__:
-            return len(self._inverse)
         return int(np.count_nonzero(self.singular_values > self.tolerance * self.size))
 
     def exceeds(self, rank: int, least: float) -> bool:

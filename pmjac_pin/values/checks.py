@@ -27,7 +27,8 @@ def as_numbers(given: object, what: str, largest: float = LARGEST) -> Array:
         Strings, complex numbers, ragged lists, NaN, infinities and numbers beyond `largest`;
         values with names, which must not be taken by their order.
     """
-    if type(given) is not np.ndarray and named_values(given, what) is not None:
+    plain = type(given) is np.ndarray
+    if not plain and named_values(given, what) is not None:
         message = f"{what} must be plain numbers in their order, got names, too"
         raise ArgumentError(f"{message}: {quoted(given)}")
     try:
@@ -37,7 +38,7 @@ def as_numbers(given: object, what: str, largest: float = LARGEST) -> Array:
     except (TypeError, ValueError):
         raise ArgumentError(f"{what} must be real numbers, got {quoted(given)}") from None
     # Only what has a mask is looked at: what knows masks takes long to import.
-    if hasattr(given, "mask") and np.ma.is_masked(given):
+    if not plain and hasattr(given, "mask") and np.ma.is_masked(given):
         raise ArgumentError(f"{what} must have no masked entries, got {quoted(given)}")
     array = raw.astype(np.float64)
     # False of NaN; no array of magnitudes is made, which may be large.
