@@ -129,7 +129,8 @@ class Partition(ReadOnlyArrays):
     row_units: tuple[str, ...] = ()
 
     @cached_property
-    def _scale(self) -> Array:
+    def scale(self) -> Array:
+        """What `scaled` multiplies by, shape (p, nv)."""
         return read_only(np.outer(self.row_scale, self.column_scale))
 
     @cached_property
@@ -262,7 +263,7 @@ class Partition(ReadOnlyArrays):
 
     def scaled(self, constraint_jacobian: Array) -> Array:
         """Return [K K*], shape (p, nv), without dimension: rows in m, a rotation by 1/length."""
-        scaled: Array = constraint_jacobian * self._scale
+        scaled: Array = constraint_jacobian * self.scale
         return scaled
 
     def size_of(self, scaled: Array) -> float:
@@ -280,7 +281,7 @@ class Partition(ReadOnlyArrays):
 
     def loop_rates(self, constraint_jacobian: Array) -> LoopRates:
         """Return [K K*] without dimension at one pose, and K* factorised."""
-        scaled = constraint_jacobian * self._scale
+        scaled = constraint_jacobian * self.scale
         size = max(norm(scaled), self.least_size)
         factors = factorise(scaled.take(self.passive, axis=1), size, self.rank_tolerance)
         return LoopRates(scaled, size, factors, self.actuated)
