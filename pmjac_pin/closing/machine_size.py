@@ -70,11 +70,11 @@ class Size:
     ) -> None:
         model, loops, tool = kinematics.model, kinematics.loops, kinematics.tool
         data = kinematics.placed(q)
-        jacobian, _, place = tool.at(model, data)
+        jacobian, pose = tool.at(model, data)
         places = data.oMf
         points = [places[end.frame].translation for ends in loops.ends for end in ends]
         if not spec.tool.is_none:
-            points.append(place)
+            points.append(pose.translation)
         elif not points:
             places = data.oMf if model.nframes > 1 else data.oMi
             points = [place.translation for place in places.tolist()[1:]]

@@ -30,15 +30,26 @@ class Snapshot(NamedTuple):
         ∂η/∂v, all rows, world axes.
     tool_jacobian : ndarray, shape (6, nv)
         In LOCAL_WORLD_ALIGNED.
-    rotation, position : ndarray, shapes (3, 3) and (3,)
-        The tool's pose in the world.
+    tool_pose : pin.SE3
+        In the world.
     """
 
     residual: Array
     constraint_jacobian: Array
     tool_jacobian: Array
-    rotation: Array
-    position: Array
+    tool_pose: pin.SE3
+
+    @property
+    def rotation(self) -> Array:
+        """The tool's axes in the world, as columns, shape (3, 3)."""
+        rotation: Array = self.tool_pose.rotation
+        return rotation
+
+    @property
+    def position(self) -> Array:
+        """Where the tool is in the world, shape (3,), m."""
+        position: Array = self.tool_pose.translation
+        return position
 
     def judged_jacobian(self, rows: ToolRows) -> Array:
         """Return the tool Jacobian (6, nv) in the axes of the rows that are judged."""
@@ -111,8 +122,8 @@ class Kinematics:
         residual, constraint_jacobian = self.loops.in_world(self.model, data, scratch.loops, q)
         return Snapshot(residual, constraint_jacobian, *self.tool.at(self.model, data))
 
-    def tool_at(self, q: Array, tool: ToolKinematics) -> tuple[Array, Array, Array]:
-        """Return the Jacobian (6, nv) of any tool, LOCAL_WORLD_ALIGNED, its rotation and place."""
+    def tool_at(self, q: Array, tool: ToolKinematics) -> tuple[Array, pin.SE3]:
+        """Return the Jacobian (6, nv) of any tool, LOCAL_WORLD_ALIGNED, and its pose."""
         return tool.at(self.model, self._at(q).data)
 
     def mass_matrix(self, q: Array) -> Array:

@@ -21,11 +21,8 @@ _ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 class ToolKinematics(Protocol):
     """Jacobian and pose of the tool, once ``pin.computeJointJacobians`` has filled `data`."""
 
-    def at(self, model: pin.Model, data: pin.Data) -> tuple[Array, Array, Array]:
-        """Return its Jacobian (6, nv), and in the world its rotation (3, 3) and position (3,).
-
-        Linear rows first, world axes, at the tool's origin.
-        """
+    def at(self, model: pin.Model, data: pin.Data) -> tuple[Array, pin.SE3]:
+        """Return J (6, nv), linear rows first, world axes, at the tool's origin; and its pose."""
         ...
 
 
@@ -42,11 +39,10 @@ class FrameTool:
     def __init__(self, model: pin.Model, name: str) -> None:
         self._index = find_frame(model, name).index
 
-    def at(self, model: pin.Model, data: pin.Data) -> tuple[Array, Array, Array]:
-        """Return Pinocchio's frame Jacobian and the frame's rotation and position."""
-        place = pin.updateFramePlacement(model, data, self._index)
-        jacobian = frame_jacobian(model, data, self._index)
-        return jacobian, place.rotation.copy(), place.translation.copy()
+    def at(self, model: pin.Model, data: pin.Data) -> tuple[Array, pin.SE3]:
+        """Return Pinocchio's frame Jacobian and placement."""
+        place = pin.updateFramePlacement(model, data, self._index).copy()
+        return frame_jacobian(model, data, self._index), place
 
 
 class PointsTool:
@@ -62,12 +58,13 @@ class PointsTool:
     def __init__(self, model: pin.Model, names: tuple[str, ...]) -> None:
         self._indices = [find_frame(model, name).index for name in names]
 
-    def at(self, model: pin.Model, data: pin.Data) -> tuple[Array, Array, Array]:
-        """Return the rates of the centroid and of the spanned frame, its rotation, the centroid."""
+    def at(self, model: pin.Model, data: pin.Data) -> tuple[Array, pin.SE3]:
+        """Return the rates of the centroid and of the spanned frame, and where that is."""
         points = self._points(model, data)
         rates = np.stack([frame_jacobian(model, data, index)[:3] for index in self._indices])
         rotation = spanned_rotation(points)
-        return spanned_jacobian(points, rates, rotation), rotation, points.mean(axis=0)
+        place = pin.SE3(rotation, points.mean(axis=0))
+        return spanned_jacobian(points, rates, rotation), place
 
     def _points(self, model: pin.Model, data: pin.Data) -> Array:
         points = np.stack(

@@ -133,13 +133,6 @@ class Factorisation:
         return inverse
 
 
-def _left(matrix: Array, squared: Array) -> Array:
-    """Return A⁺ = (AᵀA)⁻¹Aᵀ of a given (AᵀA)⁻¹, improved by one step."""
-    inverse = squared.dot(matrix.T)
-    improved: Array = 2.0 * inverse - inverse.dot(matrix.dot(inverse))
-    return improved
-
-
 def factorise(matrix: Array, size: float, tolerance: float = RANK_TOLERANCE) -> Factorisation:
     """Factorise a matrix; singular values up to `tolerance` × `size` count as zero.
 
@@ -166,6 +159,7 @@ def factorise(matrix: Array, size: float, tolerance: float = RANK_TOLERANCE) -> 
     least = max(tolerance, _RESOLVED if square else _SQUARED) * max(size, norm(matrix))
     if not bound > least:
         return Factorisation(matrix, size, tolerance, None, 0.0)
-    return Factorisation(
-        matrix, size, tolerance, inverse if square else _left(matrix, inverse), bound
-    )
+    if not square:  # A⁺ = (AᵀA)⁻¹Aᵀ, improved by one step
+        left = inverse.dot(matrix.T)
+        inverse = 2.0 * left - left.dot(matrix.dot(left))
+    return Factorisation(matrix, size, tolerance, inverse, bound)
