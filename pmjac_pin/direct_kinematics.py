@@ -10,11 +10,10 @@ import numpy as np
 from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.closure import MOST_STEPS, Followed, follow
 from pmjac_pin.closing.closure_problem import ClosureProblem
-from pmjac_pin.closing.damped_closure import Assembled, assemble
+from pmjac_pin.closing.damped_closure import Assembled, assemble, motor_weights
 from pmjac_pin.closing.held_motors import assemble_held
 from pmjac_pin.closing.motor_values import MotorValues, by_joint, motor_values
 from pmjac_pin.closing.over_actuation import ties_in_words, walk_led
-from pmjac_pin.closing.pose_assembly import motor_weights
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError
 from pmjac_pin.model.limits import Violation, enforced, limit_error
@@ -192,7 +191,7 @@ def _with_motors_held(problem: ClosureProblem, q: Array) -> Assembled:
     first = assemble(problem, q, motor_weights(problem, 0.0))
     if first.gap <= problem.tolerance:
         return first
-    best, factors = assemble_held(problem, q), closed_point(problem, first.q).factors
+    best, factors = assemble_held(problem, q, first), closed_point(problem, first.q).factors
     if first.gap > _FAR_AWAY_GAP * problem.partition.length:
         return best
     apart = problem.difference(first.q, best.q) / problem.partition.column_scale

@@ -16,9 +16,8 @@ import numpy as np
 
 from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.closure_problem import CLOSURE_TOLERANCE, ClosureProblem
-from pmjac_pin.closing.damped_closure import assemble
+from pmjac_pin.closing.damped_closure import assemble, motor_weights
 from pmjac_pin.closing.parts import Parts
-from pmjac_pin.closing.pose_assembly import motor_weights
 from pmjac_pin.kinematics.between_dimensions import BetweenDimensions, RowsOnTheWay
 from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.model.rows import Rows

@@ -15,7 +15,6 @@ from pmjac_pin.errors import (
     ForbiddenRatesError,
     IdleMotionError,
     SingularError,
-    quoted,
 )
 from pmjac_pin.rates.factorisation import REFINED, Factorisation
 from pmjac_pin.rates.jacobian import EquivalentJacobian
@@ -57,8 +56,7 @@ def equivalent_jacobian(
     IdleMotionError
         A passive motion that no motor commands moves the tool.
     """
-    if not isinstance(split, SplitJacobian):
-        raise ArgumentError(f"a SplitJacobian is needed, got {quoted(split)}")
+    check_kind(split, SplitJacobian)
     partition, constraint, J = split.partition, split.constraint_jacobian, split.tool_jacobian
     if np.isnan(J).any():
         raise ArgumentError("a tool Jacobian of numbers is needed: this one is of no tool")

@@ -13,10 +13,11 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.closing.closure_problem import LoopEquations
-from pmjac_pin.closing.damped_closure import assemble
+from pmjac_pin.closing.damped_closure import assemble, motor_weights
+from pmjac_pin.closing.held_motors import shaken
 from pmjac_pin.closing.machine_size import Size
 from pmjac_pin.closing.nearby_poses import FARTHEST
-from pmjac_pin.closing.pose_assembly import motor_weights, shaken
+from pmjac_pin.closing.pose_assembly import FOLDS
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.joint_kinds import kind_of
 from pmjac_pin.model.loop_spec import JointLoop, Loop
@@ -184,7 +185,7 @@ def _gap_alone(structure: Structure, rows: slice, best: Array | None) -> float:
     alone = replace(problem, loops=_OneLoop(problem.loops, rows), partition=partition)
     weights, room = motor_weights(problem, 1.0), structure.machine.coordinates.room
     known = [structure.home] if best is None else [structure.home, best]
-    for start in (*known, *shaken(problem, structure.home)):
+    for start in (*known, *shaken(problem, structure.home, FOLDS, weights)):
         least = min(least, assemble(alone, start, weights, room=room).gap)
         if least <= problem.tolerance:
             break
