@@ -161,5 +161,5 @@ def factorise(matrix: Array, size: float, tolerance: float = RANK_TOLERANCE) -> 
         return Factorisation(matrix, size, tolerance, None, 0.0)
     if not square:  # A⁺ = (AᵀA)⁻¹Aᵀ, improved by one step
         left = inverse.dot(matrix.T)
-        inverse = 2.0 * left - left.dot(matrix.dot(left))
+        inverse = left + left - left.dot(matrix.dot(left))
     return Factorisation(matrix, size, tolerance, inverse, bound)
