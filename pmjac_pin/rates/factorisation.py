@@ -108,10 +108,13 @@ class Factorisation:
         below = max(float(values[rank]), float(np.finfo(float).eps))
         return below < float(values[rank - 1]) ** 2
 
-    def left_over(self, b: Array) -> float:
-        """Return the norm of what of b no A x reaches, with A of its rank here."""
+    def left_over(self, b: Array, solution: Array) -> float:
+        """Return the norm of what of b no A x reaches, with A of its rank here.
+
+        `solution` is `solve` of b.
+        """
         if self._inverse is not None:
-            return norm(b - self.matrix.dot(self._inverse.dot(b)))
+            return norm(b - self.matrix.dot(solution))
         return norm(self.left_null_space.T.dot(b))
 
     def solve(self, b: Array, rank: int | None = None) -> Array:

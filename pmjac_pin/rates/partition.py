@@ -42,10 +42,23 @@ class LoopRates:
         self.scaled, self.size, self.passive = scaled, size, passive
         self.driving = scaled.take(actuated, axis=1)
 
-    @found_once
+    @property
+    def following(self) -> Array:
+        """What K* solves K to, shape (m_p, n), without dimension: −φ̇ for each motor's rate."""
+        return self._followed[0]
+
+    @property
     def not_followed(self) -> float:
         """How much of K no motion of the passive joints follows."""
-        return self.passive.left_over(self.driving)
+        return self._followed[1]
+
+    @found_once
+    def _followed(self) -> tuple[Array, float]:
+        passive, driving = self.passive, self.driving
+        following = passive.solve(driving)
+        if passive.rank == len(driving):
+            return following, 0.0
+        return following, passive.left_over(driving, following)
 
 
 @dataclass(frozen=True, eq=False)
