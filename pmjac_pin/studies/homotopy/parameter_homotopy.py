@@ -27,12 +27,7 @@ from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
 from pmjac_pin.studies.homotopy.curve import Curve, machine_plane
 from pmjac_pin.studies.homotopy.endpoints import proven, told_real
 from pmjac_pin.studies.homotopy.machines import ClosedForm, Line, Machine, Machines
-from pmjac_pin.studies.homotopy.monodromy import (
-    STRAIGHT,
-    PlaneSection,
-    all_points,
-    random_turn,
-)
+from pmjac_pin.studies.homotopy.monodromy import STRAIGHT, PlaneSection, all_points, random_turn
 from pmjac_pin.studies.homotopy.operation_modes import OperationModes, find_operation_modes
 from pmjac_pin.studies.homotopy.paths import PathEnds, led, led_to_end
 from pmjac_pin.studies.homotopy.solving import near, solutions_of
