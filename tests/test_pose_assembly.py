@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from types import SimpleNamespace
 
 import mechanisms
 import msgspec
@@ -205,9 +206,10 @@ def test_what_closes_at_once_costs_no_more(rng):
         counts[-1] += 1
         return mechanism.problem.evaluate(q)
 
-    watched = dataclasses.replace(mechanism.problem, evaluate=counted)
-    start = watched.integrate(mechanism.home.q, 0.1 * rng.normal(size=mechanism.nv))
-    room, weights = mechanism.coordinates.room, motor_weights(watched, 0.0)
+    problem = mechanism.problem
+    watched = dataclasses.replace(problem, loops=SimpleNamespace(closure=counted, evaluate=counted))
+    start = problem.integrate(mechanism.home.q, 0.1 * rng.normal(size=mechanism.nv))
+    room, weights = mechanism.coordinates.room, motor_weights(problem, 0.0)
     parts = dataclasses.replace(parts, split=watched)
     for close in (lambda: assemble(watched, start, weights, room=room),
                   lambda: assemble_pose(parts, start, "home")):  # fmt: skip

@@ -29,7 +29,7 @@ from pmjac_pin.viewer.messages import (
     decode,
 )
 from pmjac_pin.viewer.readout import make_readout
-from pmjac_pin.viewer.scene import SceneOptions
+from pmjac_pin.viewer.scene_options import SceneOptions
 from pmjac_pin.viewer.session import Session
 from pmjac_pin.words.plain import encoded
 

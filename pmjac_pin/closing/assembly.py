@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from functools import partial
 
 import pinocchio as pin
 
@@ -116,9 +117,9 @@ def _closure_problem(
 ) -> ClosureProblem:
     model = kinematics.model
     return ClosureProblem(
-        kinematics.closure,
-        lambda q, v: pin.integrate(model, q, v),
-        lambda one, other: pin.difference(model, one, other),
+        kinematics,
+        partial(pin.integrate, model),
+        partial(pin.difference, model),
         partition,
         spec.tolerance,
         rounding,

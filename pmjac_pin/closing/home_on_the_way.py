@@ -87,7 +87,7 @@ def followed(stops: Sequence[Parts], home_q: Array | None) -> Array | None:
     between = BetweenDimensions([stop.kinematics for stop in stops], _rows(stops[0], end))
 
     def at(share: float) -> ClosureProblem:
-        return replace(end.problem, evaluate=between.at(share).closure)
+        return replace(end.problem, loops=between.at(share))
 
     first = here = None if home_q is None else HomePose.at(at(0.0), home_q)
     if (

@@ -74,11 +74,11 @@ def eliminated(
     """Return Φ and J_eq of a tool Jacobian (6, nv), or raise as `equivalent_jacobian`."""
     actuated, passive = partition.actuated, partition.passive
     scaled, size, factors = loops.scaled, loops.size, loops.passive
+    rank, driving = factors.rank, loops.driving
     refuse_singular(loops, partition, singularity)
-    driving = loops.driving
-    if factors.rank < len(scaled) and loops.not_followed > partition.rank_tolerance * size:
+    if rank < len(scaled) and loops.not_followed > partition.rank_tolerance * size:
         _refuse_forbidden(factors, scaled, partition)
-    if factors.rank < passive.size:
+    if rank < passive.size:
         refuse_felt_idle_motion(factors, J, partition)
     rates = factors.solve(driving)
     if not factors.surely_exceeds(REFINED * size):

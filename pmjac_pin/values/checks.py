@@ -43,7 +43,9 @@ def as_numbers(given: object, what: str, largest: float = LARGEST) -> Array:
         raise ArgumentError(f"{what} must have no masked entries, got {quoted(given)}")
     array = raw.astype(np.float64)
     # False of NaN; no array of magnitudes is made, which may be large.
-    if array.max(initial=0.0) <= largest and array.min(initial=0.0) >= -largest:
+    if not array.size or (
+        array.item(array.argmax()) <= largest and array.item(array.argmin()) >= -largest
+    ):
         return array
     if not np.isfinite(array).all():
         raise ArgumentError(f"{what} must be finite, got {quoted(given)}")

@@ -11,7 +11,7 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.files.shapes import Cone, Cylinder, Sphere, Text
 from pmjac_pin.pictures.anatomy import Anatomy
-from pmjac_pin.pictures.within_limits import ellipsoid_of
+from pmjac_pin.pictures.within_limits import Quantity, ellipsoid_of
 from pmjac_pin.rates.ellipse import ties, turned_into_plane
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.values.arrays import Array, read_only
@@ -21,7 +21,6 @@ from pmjac_pin.viewer.layers import (
     SPECK,
     Drawing,
     DrawnPose,
-    EllipsoidKind,
     lettering,
     specks,
     words,
@@ -54,8 +53,8 @@ class EllipsoidLayer:
         Metres in the picture per unit of the ellipsoid.
     """
 
-    def __init__(self, anatomy: Anatomy, kind: EllipsoidKind) -> None:
-        self._kind: EllipsoidKind = kind
+    def __init__(self, anatomy: Anatomy, kind: Quantity) -> None:
+        self._kind: Quantity = kind
         self._size = anatomy.size
         self.automatic = _automatic_scale(anatomy, kind)
         path = f"ellipsoids/{kind}"
@@ -106,8 +105,8 @@ class EllipsoidLayer:
 
 
 def find_ellipsoids(
-    configuration: Configuration, kinds: Iterable[EllipsoidKind]
-) -> dict[EllipsoidKind, Ellipsoid]:
+    configuration: Configuration, kinds: Iterable[Quantity]
+) -> dict[Quantity, Ellipsoid]:
     """Return the ellipsoids of these kinds, or nothing where no equivalent Jacobian exists."""
     kinds = tuple(kinds)
     jacobian, _ = equivalent(configuration) if kinds else (None, "")
@@ -117,8 +116,8 @@ def find_ellipsoids(
 
 
 def directions_after(
-    before: Mapping[EllipsoidKind, Array], ellipsoids: Mapping[EllipsoidKind, Ellipsoid]
-) -> dict[EllipsoidKind, Array]:
+    before: Mapping[Quantity, Array], ellipsoids: Mapping[Quantity, Ellipsoid]
+) -> dict[Quantity, Array]:
     """Return the axes of ellipsoids, each with the sign of the earlier one that it is most like.
 
     The earlier one need not be of the same number: where two radii cross, their axes change
@@ -165,7 +164,7 @@ def _surface(position: Array, axes: Array, radii: Array) -> Array:
     return transform
 
 
-def _automatic_scale(anatomy: Anatomy, kind: EllipsoidKind) -> float:
+def _automatic_scale(anatomy: Anatomy, kind: Quantity) -> float:
     """Return m per unit that make the largest finite semi-axis at home `AUTOMATIC` long.
 
     From home or, where nothing can be told there, from another pose: not from the one that is

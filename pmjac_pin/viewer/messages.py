@@ -14,6 +14,7 @@ from pmjac_pin.errors import ArgumentError
 from pmjac_pin.viewer.framing import Framing
 from pmjac_pin.viewer.load_readout import LoadReadout
 from pmjac_pin.viewer.readout import Readout
+from pmjac_pin.viewer.scene_options import SceneOptions
 
 #: Longer messages are answered with an error: the longest sensible one is far shorter.
 MAXIMAL_MESSAGE = 64 * 1024
@@ -192,16 +193,9 @@ class Notice(msgspec.Struct, frozen=True):
     stops: tuple[int, ...] = ()
 
 
-class Drawn(msgspec.Struct, frozen=True):
-    """What is drawn."""
+class Drawn(SceneOptions, frozen=True, kw_only=True):
+    """What is drawn, and why polytopes that are chosen are not, by their kinds."""
 
-    linear: bool
-    angular: bool
-    force: bool
-    names: bool
-    scale: float
-    velocity_polytope: bool
-    force_polytope: bool
     no_polytopes: dict[str, str]
 
 

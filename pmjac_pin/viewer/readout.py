@@ -33,6 +33,7 @@ _SINGULARITIES = {
     "isolated": "a structure or a singular home: no pose near it closes",
 }
 _NAMES_SHOWN = 4
+_NEEDS_J_EQ = ("Jv_singular_values", "Jw_singular_values", "J_eq", "sections")
 
 
 class Section(msgspec.Struct, frozen=True):
@@ -137,13 +138,12 @@ def make_readout(configuration: Configuration, ranks: ToolRanks | None = None) -
     ('regular', ['zy', 'zx', 'xy'])
     """
     jacobian, refusal = equivalent(configuration)
+    tool = configuration.tool_pose()
     singularity = configuration.singularity()
     loops = bool(singularity.generic_rank)
-    known = {} if jacobian is None else _of_jacobian(jacobian, configuration)
-    tool = configuration.tool_pose()
+    known = dict.fromkeys(_NEEDS_J_EQ) if jacobian is None else _of_jacobian(jacobian, tool)
     return Readout(
-        Jv_singular_values=known.get("Jv"),
-        Jw_singular_values=known.get("Jw"),
+        **known,
         smallest=singularity.smallest if loops else None,
         condition=singularity.condition if loops else None,
         loops=loops,
@@ -151,11 +151,9 @@ def make_readout(configuration: Configuration, ranks: ToolRanks | None = None) -
         generic_tool_rank=singularity.generic_tool_rank,
         judged=_rank_words(singularity.tool_rows),
         residual=configuration.residual_norm,
-        J_eq=known.get("J_eq"),
         tool_position=tuple(tool.translation.tolist()),
         tool_turn=tuple(pin.log3(tool.rotation).tolist()),
         passive=tuple(configuration.passive.tolist()),
-        sections=None if jacobian is None else _sections(jacobian.velocity_ellipsoid()),
         warning=_warning(configuration, singularity, jacobian, ranks),
         beyond=_beyond(configuration),
         refusal=refusal,
@@ -177,8 +175,8 @@ def _rank_words(rows: ToolRows) -> tuple[str, str]:
     return brief, f"judged on {rows}"
 
 
-def _of_jacobian(jacobian: EquivalentJacobian, configuration: Configuration) -> dict[str, Any]:
-    motors, tool = jacobian.partition.actuated.size, configuration.tool_pose()
+def _of_jacobian(jacobian: EquivalentJacobian, tool: pin.SE3) -> dict[str, Any]:
+    motors, linear = jacobian.partition.actuated.size, jacobian.velocity_ellipsoid()
     J_eq, own_sizes = {}, jacobian.sizes
     for frame in get_args(FrameName):
         entries = change_frame(jacobian.J_eq, frame, tool.rotation, tool.translation)
@@ -187,9 +185,10 @@ def _of_jacobian(jacobian: EquivalentJacobian, configuration: Configuration) -> 
         rounding = SHOWN_AS_ZERO * sizes.repeat(3)[:, None]
         J_eq[frame] = tuple(map(tuple, np.where(np.abs(entries) > rounding, entries, 0.0).tolist()))
     return {
-        "Jv": tuple(jacobian.velocity_ellipsoid().radii[:motors].tolist()),
-        "Jw": tuple(jacobian.angular_ellipsoid().radii[:motors].tolist()),
+        "Jv_singular_values": tuple(linear.radii[:motors].tolist()),
+        "Jw_singular_values": tuple(jacobian.angular_ellipsoid().radii[:motors].tolist()),
         "J_eq": J_eq,
+        "sections": _sections(linear),
     }
 
 

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from typing import assert_never
 
 import numpy as np
+from msgspec.structs import asdict
 from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError, LimitError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import Violation
+from pmjac_pin.pictures.within_limits import Quantity
 from pmjac_pin.rates.motor_limits import efforts_unit, rates_unit
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.studies.follow.trajectory import Trajectory
 from pmjac_pin.viewer.design import Design, is_sibling
 from pmjac_pin.viewer.framing import Framing, frame
-from pmjac_pin.viewer.layers import EllipsoidKind
 from pmjac_pin.viewer.leaving import beside_singularity, shortly_before
 from pmjac_pin.viewer.legend import legend
 from pmjac_pin.viewer.load import Load
@@ -41,7 +41,8 @@ from pmjac_pin.viewer.messages import (
 from pmjac_pin.viewer.motors import WIDEST_SLIDER
 from pmjac_pin.viewer.readout import Readout, make_readout
 from pmjac_pin.viewer.replay import Replay
-from pmjac_pin.viewer.scene import Scene, SceneOptions, solids_of
+from pmjac_pin.viewer.scene import Scene, solids_of
+from pmjac_pin.viewer.scene_options import SceneOptions
 from pmjac_pin.viewer.solids import solid_or_refusal
 
 _NO_NOTICE = Notice("", "")
@@ -97,7 +98,7 @@ class Session:
         self.replay: Replay | None = None
         self.moment: float | None = None
         self._start = configuration
-        self._directions: Mapping[EllipsoidKind, NDArray[np.float64]] = {}
+        self._directions: Mapping[Quantity, NDArray[np.float64]] = {}
 
     @property
     def mechanism(self) -> Mechanism:

@@ -111,9 +111,7 @@ def _modes_table(report: ModesReport) -> Table:
     if any(mode.ways > 1 for mode in modes):
         columns["ways"] = [str(mode.ways) for mode in modes]
     numbers, columns["which is"] = len(columns), list(map(_mode_names, modes))
-    return Table(
-        "", tuple(columns), tuple(zip(*columns.values(), strict=True)), ">" * numbers + "<"
-    )
+    return Table.of("", ">" * numbers + "<", columns)
 
 
 def _existence(certificate: Certificate) -> str:

@@ -217,16 +217,15 @@ def _pose_blocks(report: Report) -> Iterator[Block]:
 
 def parameters_table(mechanism: Mechanism) -> Table:
     """Show the parameters, their values and what they mean."""
-    declared = mechanism.spec.parameters
-    return Table(
-        "Parameters",
-        ("name", "value", "unit", "meaning"),
-        tuple(
-            (name, number(value), declared[name].unit, declared[name].meaning)
-            for name, value in mechanism.parameters.items()
-        ),
-        "<><<",
-    )
+    values = mechanism.parameters
+    declared = [mechanism.spec.parameters[name] for name in values]
+    columns = {
+        "name": values,
+        "value": map(number, values.values()),
+        "unit": [one.unit for one in declared],
+        "meaning": [one.meaning for one in declared],
+    }
+    return Table.of("Parameters", "<><<", columns)
 
 
 def joints_table(report: Report) -> Table:
