@@ -80,8 +80,8 @@ class Curve:
             if not now.size:
                 break
             length = np.minimum(step[now], 1.0 - share[now])
-            stretch = _Stretch(start[now], pull[now], share[now], length)
-            trial, good = self._stepped(points[now], stretch)
+            here, ahead = start[now] + share[now, None] * pull[now], length[:, None] * pull[now]
+            trial, good = self._stepped(points[now], here, ahead)
             points[now[good]] = _unit_points(trial[good])
             share[now[good]] += length[good]
             step[now] = np.where(good, step[now] * 2.0, step[now] * 0.5)
@@ -95,30 +95,31 @@ class Curve:
             rays, size = self._newton(rays, rays[:, :-1].conj(), planes, steps)
         return _affine(rays), size
 
-    def _stepped(self, points: Complex, stretch: _Stretch) -> tuple[Complex, Mask]:
-        """Return the points a step further, and which of them are certainly there."""
+    def _stepped(self, points: Complex, here: Complex, ahead: Complex) -> tuple[Complex, Mask]:
+        """Return the points in planes a step ahead, and which of them are certainly there."""
         across = points[:, :-1].conj()
         with np.errstate(all="ignore"):
-            trial = self._predicted(points, across, stretch)
-            trial, first = self._newton(trial, across, stretch.planes(1.0), 1)
-            trial, last = self._newton(trial, across, stretch.planes(1.0), _RULES.corrections - 1)
+            trial = self._predicted(points, across, here, ahead)
+            trial, first = self._newton(trial, across, here + ahead, 1)
+            trial, last = self._newton(trial, across, here + ahead, _RULES.corrections - 1)
         return trial, (first < _RULES.close) & (last < _RULES.exact)
 
-    def _predicted(self, points: Complex, across: Complex, stretch: _Stretch) -> Complex:
-        """Return the points a step further, by Runge and Kutta's fourth-order rule."""
+    def _predicted(
+        self, points: Complex, across: Complex, here: Complex, ahead: Complex
+    ) -> Complex:
+        """Return the points in planes a step ahead, by Runge and Kutta's fourth-order rule."""
 
-        def velocity(at: Complex, part: float) -> Complex:
-            _, jacobian = self._system(at, across, stretch.planes(part))
+        def moved(at: Complex, part: float) -> Complex:
+            _, jacobian = self._system(at, across, here + part * ahead)
             change = np.zeros_like(at)
-            change[:, -2] = -_missed_by_rays(stretch.pull, at)
+            change[:, -2] = -_missed_by_rays(ahead, at)
             return _each_solved(jacobian, change)
 
-        h = stretch.length[:, None]
-        one = velocity(points, 0.0)
-        two = velocity(points + 0.5 * h * one, 0.5)
-        three = velocity(points + 0.5 * h * two, 0.5)
-        four = velocity(points + h * three, 1.0)
-        return np.asarray(points + h / 6.0 * (one + 2.0 * two + 2.0 * three + four))
+        one = moved(points, 0.0)
+        two = moved(points + 0.5 * one, 0.5)
+        three = moved(points + 0.5 * two, 0.5)
+        four = moved(points + three, 1.0)
+        return np.asarray(points + (one + 2.0 * two + 2.0 * three + four) / 6.0)
 
     def _newton(
         self, points: Complex, across: Complex, planes: Complex, steps: int
@@ -146,19 +147,6 @@ class Curve:
             np.concatenate([residual, plane[:, None], patch[:, None]], axis=1),
             np.concatenate([jacobian, rows], axis=1),
         )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Stretch:
-    """A step of each point along its path of planes."""
-
-    start: Complex
-    pull: Complex
-    share: Array
-    length: Array
-
-    def planes(self, part: float) -> Complex:
-        return self.start + (self.share + part * self.length)[:, None] * self.pull
 
 
 def place_of(point: Complex, points: Complex) -> int | None:
