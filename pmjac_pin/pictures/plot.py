@@ -10,12 +10,7 @@ import pinocchio as pin
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, did_you_mean, quoted
-from pmjac_pin.pictures.ellipsoid_panels import (
-    PLANES,
-    bounded,
-    check_bounded,
-    draw_ellipsoid,
-)
+from pmjac_pin.pictures.ellipsoid_panels import PLANES, bounded, check_bounded, draw_ellipsoid
 from pmjac_pin.pictures.figures import as_it_is, new_figure
 from pmjac_pin.pictures.pose_figure import headings
 from pmjac_pin.pictures.stick_drawing import draw_figure, frame_of, view_of

@@ -18,14 +18,7 @@ from pmjac_pin.pictures.curve_lines import (
     locus_entries,
 )
 from pmjac_pin.pictures.measure_map import draw_measure
-from pmjac_pin.pictures.paper_axes import (
-    COLUMN,
-    Drawn,
-    add_legend,
-    around,
-    paper_axes,
-    symbol,
-)
+from pmjac_pin.pictures.paper_axes import COLUMN, Drawn, add_legend, around, paper_axes, symbol
 from pmjac_pin.studies.singularities.locus import SingularityLocus
 from pmjac_pin.studies.workspaces.workspace import Workspace
 from pmjac_pin.values.arrays import Array

@@ -17,14 +17,7 @@ from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.viewer.equivalent import equivalent
 from pmjac_pin.viewer.items import Part, stretched_between
-from pmjac_pin.viewer.layers import (
-    SPECK,
-    Drawing,
-    DrawnPose,
-    lettering,
-    specks,
-    words,
-)
+from pmjac_pin.viewer.layers import SPECK, Drawing, DrawnPose, lettering, specks, words
 from pmjac_pin.viewer.palette import PRINCIPAL, SURFACE
 
 # Shares of the mechanism's size.

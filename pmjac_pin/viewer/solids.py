@@ -20,15 +20,7 @@ from pmjac_pin.viewer.ellipsoids import LETTERS, LIMIT, radius_label
 from pmjac_pin.viewer.equivalent import equivalent
 from pmjac_pin.viewer.facets import NO_FACETS, Facets, fans, rods
 from pmjac_pin.viewer.items import Part
-from pmjac_pin.viewer.layers import (
-    SPECK,
-    Drawing,
-    DrawnPose,
-    SolidKind,
-    lettering,
-    specks,
-    words,
-)
+from pmjac_pin.viewer.layers import SPECK, Drawing, DrawnPose, SolidKind, lettering, specks, words
 from pmjac_pin.viewer.palette import SOLID, SOLID_EDGE
 
 QUANTITY_OF: dict[SolidKind, Quantity] = {"velocity": "linear", "force": "force"}
