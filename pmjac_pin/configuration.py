@@ -73,18 +73,37 @@ class Configuration(LoadedPose, Shown):
     iterations: int = field(init=False)
     residual_norm: float = field(init=False)
 
+    if TYPE_CHECKING:
+        _problem: ClosureProblem | None  # where a path led here
+
     def __init__(self) -> None:
         # It is a proof, so nobody can make one by hand, `dataclasses.replace` included.
         raise ArgumentError("a Configuration is made by Mechanism.close, .pose or .configuration")
 
     @classmethod
     def _certified(
-        cls, mechanism: Mechanism, q: Array, iterations: int, gap: float, **known: object
+        cls,
+        mechanism: Mechanism,
+        q: Array,
+        iterations: int,
+        gap: float,
+        problem: ClosureProblem | None = None,
+        **known: object,
     ) -> Configuration:
-        """Make a configuration of a q whose loops were just seen closed, keeping what is known."""
+        """Make a configuration of a q whose loops were just seen closed, keeping what is known.
+
+        That is on the branch with the problem's ranks, where one is given.
+        """
         configuration = object.__new__(cls)
+        configuration.__dict__.update(known)
         configuration.__dict__.update(
-            mechanism=mechanism, q=read_only(q), iterations=iterations, residual_norm=gap, **known
+            {
+                "mechanism": mechanism,
+                "q": read_only(q),
+                "iterations": iterations,
+                "residual_norm": gap,
+                "_problem": problem,
+            }
         )
         return configuration
 
@@ -93,8 +112,7 @@ class Configuration(LoadedPose, Shown):
         cls, mechanism: Mechanism, point: Closed, iterations: int, problem: ClosureProblem
     ) -> Configuration:
         """Make the configuration where a path ended, on the branch with the problem's ranks."""
-        known = {"_point": point, "problem": problem}
-        return cls._certified(mechanism, point.q, iterations, point.gap, **known)
+        return cls._certified(mechanism, point.q, iterations, point.gap, problem, _point=point)
 
     @classmethod
     def _of_q(cls, mechanism: Mechanism, q: Array, iterations: int = 0) -> Configuration:
@@ -374,25 +392,29 @@ class Configuration(LoadedPose, Shown):
     def _point(self) -> Closed:
         return closed_point(self.problem, self.q)
 
-    @found_once
-    def _loop_rates(self) -> LoopRates:
-        home, here = self._parts.problem, self.problem
-        return self._by_home if here is home else self._rates_by(here)
-
-    @found_once
+    @property
     def problem(self) -> ClosureProblem:
         """The closure problem, with the generic ranks of the branch that this pose lies on."""
-        parts = self._parts
-        if self._known is not None:  # with home's ranks
-            return parts.problem
-        return on_branch_of(parts.problem, parts.kinematics, self.q, self._by_home)
+        if (told := self._problem) is not None:
+            return told
+        return self._parts.problem if self._known is not None else self._branch[0]
+
+    @property
+    def _loop_rates(self) -> LoopRates:
+        return self._branch[1]
 
     @found_once
-    def _by_home(self) -> LoopRates:
-        return self._rates_by(self._parts.problem)
-
-    def _rates_by(self, problem: ClosureProblem) -> LoopRates:
-        return problem.partition.loop_rates(self._snapshot.constraint_jacobian)
+    def _branch(self) -> tuple[ClosureProblem, LoopRates]:
+        """The problem of the branch that this pose lies on, and what the loops allow by it."""
+        parts, jacobian = self._parts, self._snapshot.constraint_jacobian
+        home, here = parts.problem, self._problem
+        if here is None:
+            loops = home.partition.loop_rates(jacobian)
+            if self._known is None:
+                here = on_branch_of(home, parts.kinematics, self.q, loops)
+            if here is None or here is home:
+                return home, loops
+        return here, here.partition.loop_rates(jacobian)
 
     @found_once
     def _snapshot(self) -> Snapshot:

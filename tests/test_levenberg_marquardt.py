@@ -57,7 +57,7 @@ DETERMINED = set(CLOSED) - {"ankle", "stewart_gough", "stewart_gough_dietmaier"}
 def test_one_start_closes_where_it_closes_among_many(name, rng):
     """By singular values, and by normal equations: near home is one mode."""
     mechanism = loaded(name)
-    problem, _ = search_problem(mechanism, mechanism.home.q)
+    problem = search_problem(mechanism, mechanism.home.q)
     weights = motor_weights(mechanism.problem, 0.0)
     away = 1e-3 * problem.length * weights * problem.partition.column_scale
     homes = np.tile(mechanism.home.q, (4, 1))

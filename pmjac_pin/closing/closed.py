@@ -2,38 +2,43 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.rates.factorisation import Factorisation
+from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array, norm
+from pmjac_pin.values.found_once import found_once
 
 
-class Closed(NamedTuple):
-    """A point on a path: closed loops, and K* factorised there, in the anchors' axes.
+class Closed:
+    """A point on a path: closed loops, and K* factorised there, when it is asked for.
 
     Attributes
     ----------
     q : ndarray, shape (nq,)
+    residual, scaled : ndarray, shapes (p,) and (p, nv)
+        η in m, and [K K*] without dimension, each loop seen from the body that carries both ends.
+    partition : Partition
+    iterations : int
     gap : float
         m.
-    residual, scaled : ndarray, shapes (p,) and (p, nv)
-        η in m, and [K K*] without dimension.
-    factors : Factorisation
-    iterations : int
     """
 
-    q: Array
-    gap: float
-    residual: Array
-    scaled: Array
-    factors: Factorisation
-    iterations: int
+    def __init__(
+        self, q: Array, residual: Array, scaled: Array, partition: Partition, iterations: int
+    ) -> None:
+        self.q, self.residual, self.scaled = q, residual, scaled
+        self.partition, self.iterations, self.gap = partition, iterations, norm(residual)
+
+    @found_once
+    def factors(self) -> Factorisation:
+        """K* without dimension."""
+        partition, scaled = self.partition, self.scaled
+        K_star = scaled.take(partition.passive, axis=1)
+        return partition.factorise(K_star, partition.size_of(scaled))
 
 
 def closed_point(problem: ClosureProblem, q: Array, iterations: int = 0) -> Closed:
-    """Evaluate and factorise at a q whose loops are closed."""
+    """Evaluate at a q whose loops are closed."""
     partition, (residual, jacobian) = problem.partition, problem.evaluate(q)
-    error = residual * partition.row_scale
-    loops = partition.loop_rates(jacobian)
-    return Closed(q, norm(error), error, loops.scaled, loops.passive, iterations)
+    scaled = partition.scaled(jacobian)
+    return Closed(q, residual * partition.row_scale, scaled, partition, iterations)

@@ -92,10 +92,14 @@ def follow(
         ahead = problem.integrate(point.q, tangent)
         candidate = corrected(problem, target(ahead) if last else ahead, tangent, last)
         step = 0.5 * stride
-        if candidate is None or not is_invertible(candidate, partition):
+        if candidate is None:
             continue
+        # Where ends alone prove K* regular it is invertible: at a pose where it is not, its change
+        # from the start, which is regular, would not contract.
         if last and guard.covers_straight(problem, point, candidate):
             return Followed(candidate, 1.0, iterations + candidate.iterations)
+        if not is_invertible(candidate, partition):
+            continue
         arriving = path_velocity(candidate, displacement, partition)
         if not guard.covers(problem, point, candidate, tangent, arriving * stride):
             continue
@@ -179,15 +183,18 @@ def corrected(problem: ClosureProblem, q: Array, tangent: Array, last: bool) -> 
     allowed = LARGEST_CORRECTION * norm(tangent / partition.column_scale)
     previous_gap, previous_size, left = np.inf, np.nan, np.nan
     for iteration in range(1, MOST_CORRECTIONS):
-        residual, jacobian = problem.loops.evaluate(q)
-        error = residual * partition.row_scale
-        gap = norm(error)
+        ending = left <= enough
+        residual, jacobian = problem.evaluate(q) if ending else problem.loops.evaluate(q)
+        error, scaled = residual * partition.row_scale, partition.scaled(jacobian)
+        gap, size = norm(error), 0.0
         closed = gap <= tolerance
-        if gap <= enough or (closed and (left <= enough or gap > 0.5 * previous_gap)):
-            return closed_point(problem, q, iteration)
-        moves = _newton_step(error, partition.scaled(jacobian), partition)
-        size = norm(moves)
-        if closed and not math.isfinite(size):
+        done = gap <= enough or (closed and (ending or gap > 0.5 * previous_gap))
+        if not done:
+            moves = _newton_step(error, scaled, partition)
+            size = norm(moves)
+        if done or (closed and not math.isfinite(size)):
+            if ending:
+                return Closed(q, error, scaled, partition, iteration)
             return closed_point(problem, q, iteration)
         if not (closed or size <= allowed):
             return None

@@ -100,9 +100,9 @@ class LoopSystem:
         "_bases",
         "_closures",
         "_grounds",
-        "_nv",
         "_points",
         "_seconds",
+        "_shape",
         "couplings",
         "ends",
         "moving",
@@ -116,7 +116,6 @@ class LoopSystem:
     def __init__(
         self, model: pin.Model, loops: Sequence[Loop], values: Mapping[str, float]
     ) -> None:
-        self._nv = model.nv
         self._closures: list[AnchoredLoop] = []
         self.couplings: dict[int, Coupling] = {}
         self.rods: dict[int, float] = {}
@@ -132,6 +131,7 @@ class LoopSystem:
             for loop, one in zip(loops, found, strict=True)
             for name in one.names
         )
+        self._shape = len(self.row_names), model.nv
         self.row_units = tuple(unit for one in found for unit in one.units)
         self.row_loops = tuple(
             "-".join(loop.ends) for loop, one in zip(loops, found, strict=True) for _ in one.names
@@ -229,7 +229,7 @@ class LoopSystem:
             closure.constraint.calc(model, data, own)
         jacobian = pin.getConstraintsJacobian(model, data, self._points, scratch.together)
         residual = np.concatenate([own.constraint_position_error for own in scratch.each])
-        return residual, jacobian.reshape(-1, self._nv)
+        return residual, jacobian.reshape(self._shape)
 
     def in_world(
         self, model: pin.Model, data: pin.Data, scratch: LoopData, q: Array
@@ -257,9 +257,8 @@ class LoopSystem:
         q: Array,
         bodies: tuple[int | None, ...],
     ) -> tuple[Array, Array]:
-        count = len(self.row_names)
-        residual, jacobian = np.empty(count), np.empty((count, self._nv))
-        for closure, own, body in zip(self._closures, scratch.each, bodies, strict=True):
+        residual, jacobian = np.empty(self._shape[0]), np.empty(self._shape)
+        for closure, own, body in zip(self._closures, scratch.each, bodies):  # noqa: B905 - as long
             rates = closure.jacobian(model, data, own)
             turn = None if body is None else own.oMc1.rotation
             if body:

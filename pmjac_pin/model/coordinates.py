@@ -201,21 +201,13 @@ class JointCoordinates:
 
     def joint_values(self, q: Array, names: Iterable[str]) -> dict[str, float | tuple[float, ...]]:
         """Return each of these joints' value, or its tuple of values, by name."""
-        values = self.values(q)
-        joints = [self._joint(name) for name in names]
-        found = {
-            joint.name: tuple(values[joint.idx_v : joint.idx_v + joint.nv].tolist())
-            for joint in joints
-        }
-        return {name: item[0] if len(item) == 1 else item for name, item in found.items()}
+        values, joints = self.values(q), [self._joint(name) for name in names]
+        return {j.name: _one_or_several(values[j.idx_v : j.idx_v + j.nv]) for j in joints}
 
     def pose(self, q: Array) -> dict[str, float | tuple[float, ...]]:
         """Return what `q` takes to give this configuration back, bit by bit."""
-        entries = {
-            joint.name: tuple(map(float, q[joint.idx_q : joint.idx_q + joint.nq]))
-            for joint in self._joints.values()
-        }
-        return {name: item[0] if len(item) == 1 else item for name, item in entries.items()}
+        joints = self._joints.values()
+        return {j.name: _one_or_several(q[j.idx_q : j.idx_q + j.nq]) for j in joints}
 
     def limits(self, name: str) -> tuple[float, float]:
         """Return the lower and upper limit of a joint with one degree of freedom."""
@@ -318,6 +310,11 @@ def _seen_to_turn(model: pin.Model) -> NDArray[np.bool_]:
     motions = pin.computeJointJacobians(model, model.createData(), pin.neutral(model))
     motions = motions.reshape(6, -1)  # a vector where there is one degree of freedom
     return np.asarray(np.abs(motions[3:]).max(axis=0, initial=0.0) > 0.0)
+
+
+def _one_or_several(values: Array) -> float | tuple[float, ...]:
+    numbers = tuple(values.tolist())
+    return numbers[0] if len(numbers) == 1 else numbers
 
 
 def entry_names(model: pin.Model) -> tuple[str, ...]:

@@ -70,7 +70,8 @@ def _check_words(file: MjcfFile) -> None:
     How many numbers there must be MuJoCo knows, and which words mean something.
     """
     places = Places(file.root)
-    classes = {"main", *(given.get("class", "") for given in file.root.iterfind(".//default"))}
+    given = [default.get("class", "") for default in file.root.iterfind(".//default")]
+    classes = dict.fromkeys(["main", *given])
     with at_file(str(file.path)):
         if len(classes) > MAXIMAL_CLASSES:
             got = f"{len(classes)} default classes are too many"

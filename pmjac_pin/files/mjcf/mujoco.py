@@ -156,10 +156,10 @@ def _equality_ends(mujoco: Any, equality: Any) -> list[tuple[str, int, str]]:
 def _check_labels(mujoco: Any, spec: Any, labels: Sequence[str]) -> None:
     """Refuse names that do not exist, with what may be meant, which MuJoCo does not say."""
     known = {
-        "body": {body.name for body in spec.bodies},
-        "site": {site.name for site in spec.sites},
-        "joint": {joint.name for joint in spec.joints},
-        "tendon": {tendon.name for tendon in spec.tendons},
+        "body": [body.name for body in spec.bodies],
+        "site": [site.name for site in spec.sites],
+        "joint": [joint.name for joint in spec.joints],
+        "tendon": [tendon.name for tendon in spec.tendons],
     }
     for label, equality in zip(labels, spec.equalities, strict=True):
         for kind, _, name in _equality_ends(mujoco, equality):

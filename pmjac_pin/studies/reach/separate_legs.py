@@ -33,6 +33,7 @@ from pmjac_pin.studies.reach.driven import Driven
 from pmjac_pin.studies.reach.motor_values_alike import of_other_values
 from pmjac_pin.studies.recut import recut
 from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.groups import sharing_groups
 
 _MOST_COMBINATIONS = 4096
 _WEAKEST_LAST = ("proof", "tolerance", "statistics", "nothing")  # the weakest last
@@ -94,15 +95,13 @@ def _is_welded(driven: Driven) -> bool:
 def _groups_of_loops(hung: Mechanism) -> list[tuple[set[int], list[int]]]:
     """Return the loops in groups that share no passive joint, each behind its passive columns."""
     passive = set(hung.problem.partition.passive.tolist())
-    groups: list[tuple[set[int], list[int]]] = []
-    for number, moving in enumerate(hung.kinematics.loops.moving):
-        columns, loops = passive & set(moving.tolist()), [number]
-        for group in [one for one in groups if one[0] & columns]:
-            groups.remove(group)
-            columns, loops = columns | group[0], [*group[1], *loops]
-        groups.append((columns, loops))
+    columns = [passive & set(moving.tolist()) for moving in hung.kinematics.loops.moving]
     # A loop that no passive joint is left in fits, or the pose that is put together does not close.
-    return [group for group in groups if group[0]]
+    return [
+        (moved, group)
+        for group in sharing_groups(columns)
+        if (moved := set().union(*(columns[number] for number in group)))
+    ]
 
 
 def _machine_of(hung: Mechanism, numbers: Sequence[int]) -> Mechanism:
